@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, SupportsFloat, TypeAlias
 
-from lagc.base.numerals import number
+from lagc.base.text import number
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.simulation.request import Quantity, expression, si
 

@@ -9,10 +9,10 @@ import unicodedata
 import pytest
 
 import lagc
-from lagc.base.numerals import number, seconds, whole
+from lagc.base.text import number, seconds, whole
 from lagc.cli.options import assignments, quantity
 from lagc.cli.output import Usage
-from lagc.semantics.types.units import UnknownUnit, unit
+from lagc.semantics.units import UnknownUnit, unit
 from lagc.syntax.lexer import _PATTERN as TOKEN
 
 DIGITS = [chr(c) for c in range(128, 0x20000) if unicodedata.category(chr(c)) in ("Nd", "No")]

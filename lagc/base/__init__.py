@@ -1,1 +1,1 @@
-"""What every room may use: records, values computed once, printable text, numerals."""
+"""What every room may use: records, and text of people and for terminals."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from lagc.base.printable import one_line
+from lagc.base.text import one_line
 from lagc.cli.options import add_general_options
 from lagc.cli.output import DONE, REFUSED, print_json, show
 from lagc.host import cache

@@ -24,7 +24,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc.syntax.formatter.format import format_source
+    from lagc.syntax.formatter import format_source
 
     differs = False
     for name in options.files:

@@ -181,7 +181,7 @@ def _picture(interface: Interface, named: str | None) -> str:
 def _content(found: list[Linear], facts: dict[str, Any], path: str) -> bytes:
     """What a file holds: all as JSON, or arrays A B C D eigenvalues modes x, of the second A_2 and so on."""
     if not path.lower().endswith(".npz"):
-        from lagc.base.printable import json_text
+        from lagc.base.text import json_text
 
         return (json_text(_everything(found, facts), indent=2) + "\n").encode()
     import io

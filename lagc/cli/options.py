@@ -7,7 +7,7 @@ from collections.abc import Callable
 from math import inf
 from typing import TYPE_CHECKING
 
-from lagc.base.numerals import number, seconds, size
+from lagc.base.text import number, seconds, size
 from lagc.cli.output import Usage
 
 if TYPE_CHECKING:
@@ -177,7 +177,7 @@ def quantity(word: str | None, unit: str, option: str) -> float | None:
     value, given = found
     if given is None:
         return value
-    from lagc.semantics.types.units import UnknownUnit, to_si
+    from lagc.semantics.units import UnknownUnit, to_si
 
     try:
         return to_si(value, given, unit)

@@ -14,7 +14,7 @@ from contextlib import suppress
 from time import perf_counter
 from typing import TextIO
 
-from lagc.base.printable import json_text, one_line, printable
+from lagc.base.text import json_text, one_line, printable
 from lagc.cli.signals import SIGNALS
 from lagc.diagnostics.faults import Fault
 

@@ -10,8 +10,8 @@ import argparse
 from math import inf
 from typing import TYPE_CHECKING
 
-from lagc.base.numerals import whole
 from lagc.base.records import replace
+from lagc.base.text import whole
 from lagc.cli.deliver import deliver, picture_of, spare
 from lagc.cli.options import (
     add_backend_option,

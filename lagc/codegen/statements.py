@@ -11,8 +11,8 @@ from collections.abc import Callable, Mapping
 
 from lagc.base.records import dataclass
 from lagc.lowering.program import Function, Operation, uses
+from lagc.symbolic.leaves import Table
 from lagc.symbolic.operators import COMPARISONS, INFIX, LOOKED_UP, TRUTHS
-from lagc.symbolic.table import Table
 
 SIMPLE = ("load", "const", "add", "sub", "mul", "neg")  # computed ahead for an angle, and how many
 MOST_AHEAD = 16

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from lagc.codegen.kernel_compiler.real_types import Arithmetic
 from lagc.lowering.program import Program, tables
-from lagc.symbolic.table import Table
+from lagc.symbolic.leaves import Table
 
 Numbers = Mapping[Table, int]
 NONE: Numbers = {}

@@ -14,7 +14,7 @@ from typing import Any
 
 from lagc.base.records import dataclass, names
 from lagc.host import cache
-from lagc.host.cache.sources import tool_fingerprint
+from lagc.host.cache import tool_fingerprint
 from lagc.host.model_library import LARGEST_DATA, Unreadable, content, fingerprint
 from lagc.lowering.program import Clause, Field, Interface
 from lagc.version import __version__

@@ -44,9 +44,8 @@ def look(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Checked
 
 
 def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[int]) -> list[Fault]:
-    from lagc.semantics.scenes.variants import variants
-    from lagc.semantics.values.degrees import whole_radians
-    from lagc.syntax.scenes import ByScene
+    from lagc.semantics.scenes.variants import ByScene, variants
+    from lagc.semantics.values.unit_hints import whole_radians
 
     try:
         tree = parse(source)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from lagc.base.once import RLock, once
+from lagc.base.records import RLock, once
 from lagc.compiler.pipeline import Compilation
 from lagc.simulation.system import System
 

@@ -14,8 +14,7 @@ from contextlib import ContextDecorator
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from lagc.base.once import RLock, once
-from lagc.base.records import dataclass, field, replace
+from lagc.base.records import RLock, dataclass, field, once, replace
 from lagc.compiler.artifact import (
     Artifact,
     Head,
@@ -143,7 +142,7 @@ def _in_si(name: str, given: float | Quantity) -> float:
         return float(given)
     if given.unit is None:
         return given.value
-    from lagc.semantics.types.units import UnknownUnit, unit
+    from lagc.semantics.units import UnknownUnit, unit
 
     try:
         return unit(given.unit).to_si(given.value)

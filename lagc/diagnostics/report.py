@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from lagc.base.printable import one_line
+from lagc.base.text import one_line
 from lagc.diagnostics.faults import Fault, Span
 
 TAB = 4

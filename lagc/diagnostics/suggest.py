@@ -1,10 +1,11 @@
-"""Did you mean: the known name that an unknown one was probably meant to be."""
+"""Suggestions: the known name that is most like an unknown one, and words of other languages."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from operator import itemgetter
+from typing import NamedTuple
 
 _FOREIGN = {
     "ln": "write `log`, the natural logarithm", "lg": "write `log10`", "log2": "write `log(x)/log(2)`",
@@ -115,3 +116,62 @@ def foreign_type(name: str) -> str | None:
 
 def _plain(name: str) -> str:
     return name.lower().replace("_", "")
+
+
+OPERATORS: dict[str, str | None] = {
+    "**": "^", "!=": "<>", "&&": "and", "||": "or", "&": "and", "|": "or", "!": "not", ":=": "=", ".*": "*",
+    "./": "/", ".^": "^",
+    "+=": None, "-=": None, "*=": None, "/=": None, "..": ":", "...": None, "%": None,
+}  # fmt: skip
+
+
+class Foreign(NamedTuple):
+    """How to write a foreign word here: a remedy, and the words to replace it by where that is enough (none:
+    leave it out)."""
+
+    remedy: str
+    ours: tuple[str, ...] | None = None
+
+
+_COORDINATE = Foreign("unknowns are declared with `coordinate Type name;`", ("coordinate",))
+_CONSTANT = Foreign("write `constant`", ("constant",))
+_PARAMETER = Foreign("write `parameter`", ("parameter",))
+_MODEL = Foreign("write `model`", ("model",))
+_FUNCTION = Foreign("write `function name(Type x) = expression;`")
+_EQUATION = Foreign(
+    "the equations of motion are derived; a law that holds is a `constraint name: left = right;`", ()
+)
+_PREFIX = Foreign("leave it out", ())
+_TYPE = Foreign(
+    "a quantity is declared with its kind: `parameter Length l = 1 [m];`, `coordinate Angle theta;`"
+)
+
+FOREIGN: dict[str, Foreign] = {
+    "var": _COORDINATE, "let": _COORDINATE, "variable": _COORDINATE, "state": _COORDINATE, "dof": _COORDINATE,
+    "const": _CONSTANT, "final": _PREFIX, "param": _PARAMETER, "parameters": _PARAMETER,
+    "coordinates": Foreign("write `coordinate`", ("coordinate",)), "class": _MODEL, "block": _MODEL,
+    "record": _MODEL, "struct": _MODEL, "module": _MODEL, "system": _MODEL,
+    "def": _FUNCTION, "fn": _FUNCTION, "func": _FUNCTION, "lambda": _FUNCTION,
+    "equation": _EQUATION, "equations": _EQUATION, "algorithm": _EQUATION, "public": _PREFIX,
+    "protected": _PREFIX, "private": _PREFIX, "static": _PREFIX, "inner": _PREFIX, "outer": _PREFIX,
+    "replaceable": _PREFIX, "encapsulated": _PREFIX, "discrete": _PREFIX, "flow": _PREFIX,
+    "real": _TYPE, "integer": _TYPE, "boolean": _TYPE, "double": _TYPE, "float": _TYPE, "int": _TYPE,
+    "include": Foreign("write `import`", ("import",)), "using": Foreign("write `import`", ("import",)),
+    "connect": Foreign("bodies are connected by joints: `joint j = Revolute(a, b, axis = ..., at = ...);`"),
+    "while": Foreign("loops are `for i in 1:n loop ... end for;`"),
+    "if": Foreign("`if` stands in expressions: `x = if condition then value else other;`"),
+    "assert": Foreign("bounds are said where a quantity is declared: `parameter Mass m(min = 0);`"),
+    "spring": Foreign("a spring is a potential: `potential V = 1/2*k*x^2;`"),
+    "damper": Foreign("a damper is a dissipation: `dissipation D = 1/2*c*der(x)^2;`"),
+}  # fmt: skip
+
+_UNITS = frozenset({
+    "kg", "g", "mg", "t", "m", "mm", "cm", "km", "um", "s", "ms", "us", "min", "h", "d", "rad", "mrad",
+    "deg", "rev", "N", "kN", "mN", "J", "kJ", "W", "kW", "Pa", "kPa", "MPa", "GPa", "bar", "Hz", "kHz",
+    "A", "V", "C", "K", "T", "Nm", "mol", "rpm", "F", "H", "Ohm", "eV", "l", "L",
+})  # fmt: skip
+
+
+def looks_like_unit(word: str) -> bool:
+    """Is this a unit, maybe with an exponent: `kg`, `s2`?"""
+    return word.rstrip("0123456789") in _UNITS

@@ -14,9 +14,8 @@ from lagc.lowering.program import Function
 from lagc.lowering.scalar.value_numbering import Block
 from lagc.lowering.storage import STATE, Places, cheapest, lower
 from lagc.mechanics.formulation.equations import Row
-from lagc.symbolic.derivative import gradient, tangent
+from lagc.symbolic.derivative import Slopes, gradient, tangent
 from lagc.symbolic.graph import Graph, Node
-from lagc.symbolic.jacobians import Slopes
 from lagc.symbolic.walk import reachable, substitute, symbols
 
 _MOST_ZEROS = 3000  # that are stored one by one

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from lagc.base.records import replace
 from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.symbolic.derivative import Slopes, slopes
 from lagc.symbolic.graph import Node
-from lagc.symbolic.jacobians import Slopes, slopes
 
 
 def condition_rows(equations: EquationsOfMotion) -> list[Node]:

@@ -13,8 +13,8 @@ from lagc.lowering.modes import Switch
 from lagc.lowering.program import Clause, Field, Function, Interface
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.semantics.model import Input, Lagrangian, Limit, Model, Parameter
+from lagc.symbolic.derivative import Slopes
 from lagc.symbolic.graph import Node
-from lagc.symbolic.jacobians import Slopes
 from lagc.symbolic.vectors import Matrix
 from lagc.symbolic.walk import depends, symbols
 

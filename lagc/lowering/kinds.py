@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lagc.semantics.types.units import NONE, Dimension, S, over, unit
+from lagc.semantics.units import NONE, Dimension, S, over, unit
 
 
 def kinds(q_units: Sequence[str], v_units: Sequence[str]) -> tuple[int, ...]:

@@ -28,8 +28,8 @@ from lagc.lowering.scalar.parameter_hoisting import Preparation
 from lagc.lowering.scalar.scheduling import balanced
 from lagc.lowering.storage import Places, places, weight
 from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.symbolic.derivative import Slopes
 from lagc.symbolic.graph import Node
-from lagc.symbolic.jacobians import Slopes
 
 OFTEN = ("rhs", "watch", "system")  # are called at every stage of a step
 

@@ -18,10 +18,10 @@ from lagc.lowering.program import FARTHEST
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.formulation.jacobian import formed_of, with_values
 from lagc.symbolic.derivative import tangent
-from lagc.symbolic.enclosures.numeric import extended
+from lagc.symbolic.enclosures import extended
 from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.leaves import Table
 from lagc.symbolic.operators import COMPARISONS, CORNER, STEP, Interval, smooth_as
-from lagc.symbolic.table import Table
 from lagc.symbolic.text import Texts, brief
 from lagc.symbolic.vectors import Matrix, Vector
 from lagc.symbolic.walk import depends, missing, symbols, union

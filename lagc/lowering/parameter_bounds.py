@@ -7,7 +7,7 @@ from math import inf
 
 from lagc.base.records import replace
 from lagc.semantics.model import Limit, Model
-from lagc.symbolic.enclosures.numeric import intervals
+from lagc.symbolic.enclosures import intervals
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import symbols
 

@@ -15,7 +15,7 @@ from lagc.base.records import dataclass, field, replace
 FARTHEST = 1.7e308  # in tables: an end that no number comes to
 
 if TYPE_CHECKING:
-    from lagc.symbolic.table import Table
+    from lagc.symbolic.leaves import Table
 
 LEAVES = ("const", "load")
 
@@ -121,7 +121,7 @@ class Function:
 
 def tables(functions: Iterable[Function]) -> list[Table]:
     """Those in which `functions` look numbers up, in the order of their first use."""
-    from lagc.symbolic.table import Table
+    from lagc.symbolic.leaves import Table
 
     found = [o.payload for f in functions for o in f.operations if isinstance(o.payload, Table)]
     return list(dict.fromkeys(found))

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import chain, count
 from typing import TypeAlias
 
-from lagc.base.printable import one_line
 from lagc.base.records import dataclass
+from lagc.base.text import one_line
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.reports.algebra.expansion import TABLE
 from lagc.symbolic.graph import Node

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any
 from lagc.base.records import dataclass, replace
 from lagc.diagnostics.faults import Fault, Refused, Span
 from lagc.semantics.model import Frame, Table
-from lagc.semantics.names.effects import Uses
 from lagc.semantics.names.namespace import Importer
-from lagc.semantics.names.scope import LARGEST, Entry, Environment, Value
+from lagc.semantics.names.scope import LARGEST, Entry, Environment, Uses, Value
+from lagc.semantics.refusals import Poisoned, Wrong
 from lagc.semantics.time_derivatives import Clock
-from lagc.semantics.types.refusals import Poisoned, Wrong
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.vectors import Matrix, Vector
 from lagc.syntax import tree

@@ -26,8 +26,8 @@ from lagc.semantics.names.scope import (
     outermost_first,
     subscripts,
 )
-from lagc.semantics.types.refusals import Wrong
-from lagc.semantics.types.units import NONE
+from lagc.semantics.refusals import Wrong
+from lagc.semantics.units import NONE
 from lagc.semantics.values.evaluate import integer, integers
 from lagc.semantics.values.members import MOST_NAMED
 from lagc.syntax import tree

@@ -3,19 +3,29 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as nouns
 from lagc.semantics.context import Context
-from lagc.semantics.declarations.actions import condition
+from lagc.semantics.declarations.actions import (
+    condition,
+    declare_constraint,
+    declare_dissipation,
+    declare_frame,
+    declare_free_term,
+    declare_load,
+    declare_point,
+    declare_potential,
+)
+from lagc.semantics.declarations.bodies import declare_body, declare_gravity
 from lagc.semantics.declarations.events import ending, when_clause
-from lagc.semantics.declare import declare
+from lagc.semantics.declarations.quantities import declare_quantity
 from lagc.semantics.instantiate import Builder
-from lagc.semantics.names.effects import Uses
 from lagc.semantics.names.namespace import Importer, Namespace
-from lagc.semantics.names.scope import Environment, Instance
+from lagc.semantics.names.scope import Entry, Environment, Instance, Thing, Uses, Value
+from lagc.semantics.refusals import Wrong
 from lagc.semantics.scenes.choice import (
     Inputs,
     Numbers,
@@ -30,7 +40,6 @@ from lagc.semantics.scenes.choice import (
     scenes_of,
 )
 from lagc.semantics.time_derivatives import MOVING
-from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.values.calls import look_at_uncalled
 from lagc.semantics.values.expressions import HOW
 from lagc.syntax import tree
@@ -247,3 +256,30 @@ def _model(
         notes=notes,
         warnings=tuple(context.warnings.values()),
     )
+
+
+def _function(context: Context, entry: Entry) -> Value:
+    return Thing(entry)
+
+
+def _instance(context: Context, entry: Entry) -> Value:
+    raise Wrong(
+        "LAG0205", f"the size of something depends on `{entry.path}`, which is not there yet", entry.span
+    )
+
+
+DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
+    "constant": declare_quantity, "parameter": declare_quantity, "structural": declare_quantity,
+    "input": declare_quantity,
+    "coordinate": declare_quantity, "speed": declare_quantity, "output": declare_quantity,
+    "function": _function, "instance": _instance,
+    "frame": declare_frame, "point": declare_point, "body": declare_body, "gravity": declare_gravity,
+    "potential": declare_potential, "kinetic": declare_free_term, "lagrangian": declare_free_term,
+    "dissipation": declare_dissipation, "force": declare_load, "torque": declare_load,
+    "constraint": declare_constraint,
+}  # fmt: skip
+
+
+def declare(context: Context, entry: Entry) -> Value:
+    """The value of a declaration; its nouns are appended to `entry.nouns`.  Raises Wrong."""
+    return DECLARE[entry.kind](context, entry)

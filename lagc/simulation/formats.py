@@ -10,7 +10,7 @@ import os
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-from lagc.base.printable import json_text, printable
+from lagc.base.text import json_text, printable
 from lagc.host.atomic_write import Files, is_straight, obstacle, output
 
 if TYPE_CHECKING:

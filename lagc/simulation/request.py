@@ -7,8 +7,8 @@ from math import isfinite
 from operator import index
 from typing import Any, SupportsFloat
 
-from lagc.base.numerals import FINEST, MOST_POINTS
 from lagc.base.records import dataclass, field
+from lagc.base.text import FINEST, MOST_POINTS
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.kernels import METHODS
@@ -242,7 +242,7 @@ def si(name: str, number: float | Quantity, unit: str, faults: list[Fault]) -> f
     elif number.unit is None:
         value = number.value
     else:
-        from lagc.semantics.types.units import UnknownUnit, to_si
+        from lagc.semantics.units import UnknownUnit, to_si
 
         try:
             value = to_si(number.value, number.unit, unit)

@@ -7,8 +7,8 @@ from math import inf
 from sys import float_info
 from typing import TYPE_CHECKING
 
-from lagc.base.numerals import FINEST
 from lagc.base.records import dataclass
+from lagc.base.text import FINEST
 from lagc.host.budgets import reached
 from lagc.simulation.global_error.verified_run import MEANINGLESS, Verified
 from lagc.simulation.system import (

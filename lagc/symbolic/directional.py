@@ -15,8 +15,8 @@ from typing import Any
 
 from lagc.symbolic.evaluate import extend, value_of
 from lagc.symbolic.graph import Node
+from lagc.symbolic.leaves import Table
 from lagc.symbolic.operators import LOOKED_UP, VALUES
-from lagc.symbolic.table import Table
 from lagc.symbolic.walk import reachable
 
 _SUMS = ("add", "scale")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+from lagc.diagnostics.faults import Fault, Refused
 from lagc.symbolic.graph import Node
 from lagc.symbolic.operators import VALUES
 from lagc.symbolic.walk import missing, reachable
@@ -54,3 +55,10 @@ def value_of(node: Node, known: Mapping[Node, float]) -> float:
         return float(VALUES[op](*x))
     except (ValueError, ZeroDivisionError, OverflowError):
         return math.nan
+
+
+def double(value: float) -> float:
+    """`value`.  Raises Refused (LAG0590) where it is infinite or none."""
+    if value - value != 0.0:
+        raise Refused((Fault("LAG0590", "a number of the equations is too large for a double", None),))
+    return value

@@ -22,10 +22,8 @@ import operator
 from collections.abc import Callable, Iterable
 from typing import Any, TypeAlias
 
-from lagc.symbolic.leaves import Symbol
-from lagc.symbolic.operators import PARITY, TWINS, VALUES
-from lagc.symbolic.squares import exchanged
-from lagc.symbolic.table import Table
+from lagc.symbolic.leaves import Symbol, Table
+from lagc.symbolic.operators import PARITY, TWINS, VALUES, exchanged
 
 Number: TypeAlias = "float | int"
 

@@ -12,7 +12,7 @@ from math import inf, nextafter
 
 from lagc.host import cache
 from lagc.symbolic.graph import Node
-from lagc.symbolic.table import Curve, Table, digest
+from lagc.symbolic.leaves import Curve, Table, digest
 
 Numbers = Sequence[float]
 

@@ -8,11 +8,11 @@ own in C or Python, its identities (`modular`), or a notation.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any, TypeAlias
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, TypeAlias, TypeVar
 
 from lagc.base.records import dataclass
-from lagc.symbolic.table import Table
+from lagc.symbolic.leaves import Table
 
 Interval: TypeAlias = tuple[float, float]
 # graph, node, its arguments -> d(node)/d(argument), one an argument; `graph` stands above this file.
@@ -232,3 +232,19 @@ def is_analytic(op: str, value: Any) -> bool:
 
 
 _ANALYTIC = smooth_as(ENTIRE, FLAT) | {"const", "symbol", "add", "scale"}
+
+
+Base = TypeVar("Base")
+
+
+def exchanged(
+    monomial: Iterable[tuple[Base, Any]], twin: Callable[[Base, Any], Base | None]
+) -> Iterator[tuple[dict[Base, Any], Base]]:
+    """For each factor of `monomial` that has a `twin`, cos(u) for a power of sin(u) and sin(u) for one of
+    cos(u): x, the monomial without its square, and the twin.  Exponents are integers or fractions, 0 where
+    a factor is gone."""
+    powers = dict(monomial)
+    for base, exponent in powers.items():
+        other = twin(base, exponent)
+        if other is not None:
+            yield {**powers, base: exponent - 2}, other

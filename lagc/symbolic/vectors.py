@@ -7,7 +7,7 @@ from math import frexp
 from typing import TypeAlias, TypeVar
 
 from lagc.symbolic.graph import Node
-from lagc.symbolic.simplify.rotations import without_turns
+from lagc.symbolic.simplify import without_turns
 
 Vector: TypeAlias = tuple[Node, Node, Node]
 Matrix: TypeAlias = tuple[Vector, Vector, Vector]

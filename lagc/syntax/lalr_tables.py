@@ -17,7 +17,7 @@ from typing import Any
 
 from lagc.base.records import dataclass
 from lagc.host import cache as store
-from lagc.host.cache.sources import grammar_path
+from lagc.host.cache import grammar_path
 
 _LAYOUT = "tables 1"  # of the data below; another one where it changes
 

@@ -268,9 +268,8 @@ class Excludes(Requires):
 
 def _no_kind(made: tree.TypeName) -> Fault:
     """`Length x = 3;`, `bod b = Particle(...);`: an instance has no value."""
-    from lagc.diagnostics.suggest import closest
+    from lagc.diagnostics.suggest import FOREIGN, closest
     from lagc.syntax.lalr_tables import tables
-    from lagc.syntax.mistakes.foreign import FOREIGN
 
     word = made.path[-1]
     foreign = FOREIGN.get(word.lower())

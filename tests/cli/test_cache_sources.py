@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from lagc.host.cache import sources
+from lagc.host import cache as sources
 
 
 @pytest.fixture()

@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from lagc.base.printable import json_text, one_line, printable
+from lagc.base.text import json_text, one_line, printable
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.diagnostics.report import report

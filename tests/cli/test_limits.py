@@ -19,7 +19,7 @@ from time import monotonic
 import pytest
 
 import lagc
-from lagc.base.numerals import seconds, size
+from lagc.base.text import seconds, size
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
 from lagc.host import budgets

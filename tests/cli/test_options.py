@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from lagc.base.numerals import number, seconds, size
+from lagc.base.text import number, seconds, size
 from lagc.cli.main import COMMANDS, main
 from lagc.cli.options import assignments, quantity
 from lagc.cli.output import Usage

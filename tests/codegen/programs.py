@@ -6,8 +6,8 @@ import random
 from typing import Any
 
 from lagc.lowering.program import Function, Operation, Program, Store, operands
+from lagc.symbolic.leaves import Table
 from lagc.symbolic.operators import LOOKED_UP
-from lagc.symbolic.table import Table
 from tests.interfaces import field, interface
 
 

@@ -15,7 +15,7 @@ import lagc
 from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Refused, Source
 from lagc.diagnostics.report import as_json, report
-from lagc.syntax.formatter.format import format_source
+from lagc.syntax.formatter import format_source
 from tests.fuzz import workers
 from tests.fuzz.mutations import mutated
 from tests.fuzz.statements import spliced

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from lagc.lowering.program import Function, Program
-from lagc.symbolic.table import Table
+from lagc.symbolic.leaves import Table
 
 FUNCTIONS = {
     "neg": lambda a: -a,

@@ -8,7 +8,7 @@ from random import Random
 import pytest
 
 from lagc.mechanics.numeric.scalar_roots import zeros
-from lagc.symbolic.enclosures.numeric import EVERYWHERE, intervals
+from lagc.symbolic.enclosures import EVERYWHERE, intervals
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
 

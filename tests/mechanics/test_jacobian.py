@@ -18,7 +18,7 @@ from lagc.mechanics.lint import sections
 from lagc.mechanics.redundancy.redundancy import dependent_rows
 from lagc.mechanics.redundancy.row_reduction import tables
 from lagc.semantics.model import Model
-from lagc.symbolic import jacobians
+from lagc.symbolic import derivative as jacobians
 from tests.mechanics.numbers import jacobian, random_state, vector
 from tests.mechanics.random_systems import model, random_system
 from tests.rejected.motion import CASES

@@ -14,7 +14,7 @@ from lagc.compiler.checking import check
 from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Refused, Source
 from lagc.semantics.resolve import resolve
-from lagc.semantics.types.units import NONE, UnknownUnit, dimension, over, raised, si_text, times, to_si, unit
+from lagc.semantics.units import NONE, UnknownUnit, dimension, over, raised, si_text, times, to_si, unit
 from lagc.syntax.parse import parse
 
 

@@ -22,7 +22,7 @@ from mpmath import mp, mpf
 import lagc
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
-from lagc.semantics.types.units import quotient
+from lagc.semantics.units import quotient
 from lagc.simulation.sensitivity.sensitivity import _doubts
 from lagc.simulation.sensitivity.variational_equations import Followed
 from tests.simulation import switched

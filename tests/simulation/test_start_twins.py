@@ -7,7 +7,7 @@ import shutil
 
 import pytest
 
-from lagc.semantics.types.units import unit
+from lagc.semantics.units import unit
 from lagc.simulation.initialization.conflicts import conditions_of
 from lagc.simulation.initialization.solver import Consistency
 from tests.simulation.started import Twins, program_of, random_levels, system_of

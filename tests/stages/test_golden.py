@@ -17,7 +17,7 @@ from lagc.codegen.c.header import places
 from lagc.codegen.locals import local_names
 from lagc.codegen.python.emit import render as render_numpy
 from lagc.diagnostics.faults import Source
-from lagc.syntax.formatter.format import format_source
+from lagc.syntax.formatter import format_source
 from tests.codegen.tools import MODELS, of_model
 
 FOLDER = Path(__file__).parent / "golden"

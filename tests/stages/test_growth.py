@@ -26,7 +26,7 @@ from lagc.semantics.context import MOST_FAULTS
 from lagc.semantics.instantiate import Builder
 from lagc.simulation.initialization.dry_run import try_start
 from lagc.symbolic.graph import Graph, Node
-from lagc.syntax.formatter.format import format_source
+from lagc.syntax.formatter import format_source
 
 POINT = """  parameter Mass m = 1 [kg];
   parameter Length L = 1 [m];

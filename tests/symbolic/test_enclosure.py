@@ -7,7 +7,7 @@ from random import Random
 
 import pytest
 
-from lagc.symbolic.enclosures.symbolic import UNKNOWN, enclosures
+from lagc.symbolic.enclosures import UNKNOWN, enclosures
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
 

@@ -9,9 +9,9 @@ from fractions import Fraction
 
 import pytest
 
+from lagc.symbolic.finite_field import P, Point, Undefined, fraction, has_root, turns_of
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.walk import reachable
-from lagc.symbolic.zero_test.finite_field import P, Point, Undefined, fraction, has_root, turns_of
 
 IDENTITIES: dict[str, Callable[[Graph, Node, Node, Node], Node]] = {
     "double angle": lambda g, x, y, z: g.sin(2.0 * x) - 2.0 * g.sin(x) * g.cos(x),

@@ -6,11 +6,10 @@ import random
 
 import pytest
 
-from lagc.symbolic import jacobians as module
-from lagc.symbolic.derivative import gradient
+from lagc.symbolic import derivative as module
+from lagc.symbolic.derivative import Slopes, gradient, slopes
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
-from lagc.symbolic.jacobians import Slopes, slopes
 
 STEP = 1e-6
 

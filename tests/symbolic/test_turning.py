@@ -9,7 +9,7 @@ import pytest
 
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
-from lagc.symbolic.simplify.rotations import MOST
+from lagc.symbolic.simplify import MOST
 from lagc.symbolic.vectors import Vector, add, dot, norm, scale
 from lagc.symbolic.walk import reachable, symbols
 

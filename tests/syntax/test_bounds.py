@@ -12,7 +12,7 @@ import pytest
 
 from lagc.diagnostics.faults import Refused, Source
 from lagc.syntax import tree
-from lagc.syntax.formatter.format import format_source
+from lagc.syntax.formatter import format_source
 from lagc.syntax.lexer import tokenise
 from lagc.syntax.parse import parse, parse_recovering
 

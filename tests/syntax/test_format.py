@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lagc.diagnostics.faults import Refused, Source
-from lagc.syntax.formatter.format import format_source
+from lagc.syntax.formatter import format_source
 from lagc.syntax.lexer import tokenise
 from tests.syntax.shapes import meaning
 

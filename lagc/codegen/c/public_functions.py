@@ -14,7 +14,7 @@ from lagc.codegen.c.header import members
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.statements import loads
 from lagc.lowering.program import Interface, Program
-from lagc.symbolic.doubles import double
+from lagc.symbolic.evaluate import double
 
 _POINT = "const lagc_params *p, lagc_real t, const lagc_real *x"
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.host import cache as store
-from lagc.host.cache.sources import tool_fingerprint
+from lagc.host.cache import tool_fingerprint
 
 Parts = tuple[dict[str, Any], ...]
 

@@ -9,7 +9,7 @@ from functools import cache
 from types import CodeType
 
 from lagc.host import cache as store
-from lagc.host.cache.sources import tool_fingerprint
+from lagc.host.cache import tool_fingerprint
 
 ROOTS = ("prepare", "reach_start", "meet_all")
 SWITCHES = ("NCOND", "NRATE", "NQUAT", "NPOSITION", "NP", "NPIECE")

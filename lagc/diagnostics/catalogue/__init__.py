@@ -11,7 +11,7 @@ import importlib
 
 from lagc.base.records import dataclass
 
-ROOMS = ("syntax", "semantics", "mechanics", "lowering", "simulation", "files", "limits")
+ROOMS = ("syntax", "semantics", "mechanics", "simulation", "files")
 
 
 @dataclass(frozen=True, slots=True)

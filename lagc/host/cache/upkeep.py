@@ -8,10 +8,10 @@ import shutil
 from collections.abc import Iterator
 from time import time
 
-from lagc.base import numerals
 from lagc.base.records import dataclass
+from lagc.base.text import size as size_of
+from lagc.host.atomic_write import SOON, gone
 from lagc.host.cache.folders import Folder, Unfit, note, reason
-from lagc.host.orphans import SOON, gone
 
 LIMIT = 1_000_000_000  # bytes, where LAGC_CACHE_SIZE says nothing
 BLOCK = 4096  # bytes of the disk that a file takes at least
@@ -34,7 +34,7 @@ class Entry:
 def limit() -> int:
     """The bytes that the cache may hold: `LAGC_CACHE_SIZE`, as in `500M` or `2G`."""
     given = os.environ.get("LAGC_CACHE_SIZE", "")
-    found = numerals.size(given)
+    found = size_of(given)
     if found is None:
         if given.strip():
             note(f"LAGC_CACHE_SIZE={given} is no size such as 500M or 2G; {LIMIT // 1_000_000_000}G is taken")

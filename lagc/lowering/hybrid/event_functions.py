@@ -10,7 +10,7 @@ from lagc.lowering.modes import Switch
 from lagc.lowering.program import Function
 from lagc.lowering.storage import STATE, Places
 from lagc.symbolic.derivative import tangent
-from lagc.symbolic.enclosures.symbolic import Ends, enclosures
+from lagc.symbolic.enclosures import Ends, enclosures
 from lagc.symbolic.graph import Node
 
 

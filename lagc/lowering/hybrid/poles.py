@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from lagc.lowering.hybrid.step_guards import MOST, divisors
 from lagc.lowering.modes import deciding
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.symbolic.enclosures.numeric import intervals
+from lagc.symbolic.enclosures import intervals
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.walk import depends, reachable
 

@@ -12,8 +12,7 @@ from collections.abc import Mapping, Sequence
 from math import inf
 
 from lagc.symbolic.graph import Graph, Node
-from lagc.symbolic.operators import TWINS
-from lagc.symbolic.squares import exchanged
+from lagc.symbolic.operators import TWINS, exchanged
 from lagc.symbolic.walk import reachable
 
 Monomial = tuple[tuple[Node, int], ...]  # bases by index, exponents not zero

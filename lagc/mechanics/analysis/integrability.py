@@ -25,8 +25,8 @@ from lagc.mechanics.formulation.states import States
 from lagc.mechanics.identities.sampling_domains import on_rows
 from lagc.mechanics.identities.zero_test import Judge, Truths
 from lagc.mechanics.numeric.finite_field_linear import Echelon, Entries
+from lagc.symbolic.finite_field import P, Point, Undefined
 from lagc.symbolic.graph import Node
-from lagc.symbolic.zero_test.finite_field import P, Point, Undefined
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,9 +17,9 @@ from lagc.mechanics.formulation.speeds import solve_rows
 from lagc.mechanics.identities.zero_test import Truths
 from lagc.mechanics.numeric.finite_field_linear import Echelon, Entries
 from lagc.symbolic.derivative import tangent
+from lagc.symbolic.finite_field import Point
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.walk import reachable
-from lagc.symbolic.zero_test.finite_field import Point
 
 LARGEST = 16  # positions; the brackets of more become long
 LONGEST = 10_000  # nodes of fields whose brackets are formed

@@ -22,9 +22,9 @@ from lagc.mechanics.numeric.dense_linear import Span
 from lagc.mechanics.numeric.finite_field_linear import Echelon
 from lagc.mechanics.numeric.piecewise_branches import spelt_out
 from lagc.mechanics.numeric.samples import samples
+from lagc.symbolic.finite_field import Undefined
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import depends
-from lagc.symbolic.zero_test.finite_field import Undefined
 
 
 @dataclass(frozen=True, slots=True)

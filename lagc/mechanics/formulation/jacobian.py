@@ -5,9 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-from lagc.symbolic.derivative import gradient
+from lagc.symbolic.derivative import Slopes, by_sums, gradient, slopes
 from lagc.symbolic.graph import Graph, Node
-from lagc.symbolic.jacobians import Slopes, by_sums, slopes
 
 _FEW = 2000  # entries, which are all formed
 

@@ -30,9 +30,9 @@ from lagc.mechanics.numeric.piecewise_branches import spelt_out
 from lagc.mechanics.numeric.samples import samples
 from lagc.symbolic.derivative import gradient, tangent
 from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.finite_field import P, Point, Undefined, is_square, power
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import reachable, symbols
-from lagc.symbolic.zero_test.finite_field import P, Point, Undefined, is_square, power
 
 Number = TypeVar("Number", int, float)
 

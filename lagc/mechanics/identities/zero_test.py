@@ -16,9 +16,9 @@ from lagc.base.records import dataclass
 from lagc.mechanics.numeric.cancellation import magnitudes
 from lagc.mechanics.numeric.piecewise_branches import Branches, Signs, spelt_out
 from lagc.semantics.model import Model
+from lagc.symbolic.finite_field import WRITTEN, Point, Undefined, has_root
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.walk import reachable
-from lagc.symbolic.zero_test.finite_field import WRITTEN, Point, Undefined, has_root
 
 Truths: TypeAlias = Mapping[Node, int]  # of a blended condition any number of the field
 State: TypeAlias = Mapping[Node, float]

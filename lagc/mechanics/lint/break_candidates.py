@@ -14,7 +14,7 @@ from typing import TypeAlias
 from lagc.base.records import dataclass
 from lagc.mechanics.formulation.states import States
 from lagc.symbolic.directional import Shape
-from lagc.symbolic.enclosures.numeric import intervals
+from lagc.symbolic.enclosures import intervals
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.operators import CORNER, END, ENTIRE, OPERATORS, POLE, STEP, Interval, smooth_as

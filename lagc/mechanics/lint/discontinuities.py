@@ -35,10 +35,10 @@ from lagc.mechanics.numeric.scalar_roots import zeros
 from lagc.symbolic.derivative import gradient, tangent
 from lagc.symbolic.directional import Lines, Shape, terms
 from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.finite_field import Point, Undefined
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.operators import ENTIRE, LOGIC, smooth_as
 from lagc.symbolic.walk import reachable, symbols
-from lagc.symbolic.zero_test.finite_field import Point, Undefined
 
 Ranks: TypeAlias = Mapping[Node, int]  # leaves, with their order
 Way: TypeAlias = tuple[Node, Node, Node]  # a switch, its side, and a leaf that moves

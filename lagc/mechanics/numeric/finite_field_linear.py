@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import TypeAlias
 
-from lagc.symbolic.zero_test.finite_field import P, power
+from lagc.symbolic.finite_field import P, power
 
 Entries: TypeAlias = dict[int, int]  # column -> value, zeros left out
 RIGHT = -1  # the column of the right-hand side

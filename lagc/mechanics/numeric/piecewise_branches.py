@@ -16,10 +16,10 @@ from itertools import combinations, product
 
 from lagc.base.records import dataclass
 from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.finite_field import P, Point
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.operators import COMPARISONS, OPERATORS
 from lagc.symbolic.walk import reachable, substitute, symbols
-from lagc.symbolic.zero_test.finite_field import P, Point
 
 Signs = dict[Node, int]  # difference of two sides -> 1 or -1, or 0: both are blended
 _SIDES = {op: row.sides for op, row in OPERATORS.items() if row.sides is not None}

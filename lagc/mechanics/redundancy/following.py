@@ -13,7 +13,7 @@ from lagc.mechanics.identities.zero_test import Judge
 from lagc.mechanics.numeric.finite_field_linear import RIGHT, Echelon
 from lagc.mechanics.numeric.piecewise_branches import spelt_out
 from lagc.mechanics.numeric.samples import samples
-from lagc.symbolic.zero_test.finite_field import Undefined
+from lagc.symbolic.finite_field import Undefined
 
 _STATES = 3
 

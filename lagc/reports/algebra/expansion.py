@@ -30,10 +30,10 @@ from lagc.reports.algebra.polynomials import (
     scaled,
     settled,
 )  # fmt: skip
+from lagc.symbolic.finite_field import turns_of
 from lagc.symbolic.graph import Node
 from lagc.symbolic.operators import OPERATORS
 from lagc.symbolic.walk import missing, within
-from lagc.symbolic.zero_test.finite_field import turns_of
 
 Parts: TypeAlias = list[tuple[Node, Polynomial]]  # of a sum, each with its factor
 

@@ -21,8 +21,7 @@ from lagc.reports.algebra.polynomials import (
     scaled,
 )
 from lagc.symbolic.graph import Node
-from lagc.symbolic.operators import TWINS
-from lagc.symbolic.squares import exchanged
+from lagc.symbolic.operators import TWINS, exchanged
 
 NOISE = Fraction(1, 2**50)
 Powers = dict[int, Exponent]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 from typing import TYPE_CHECKING
 
-from lagc.base.printable import one_line
+from lagc.base.text import one_line
 
 if TYPE_CHECKING:
     from lagc.simulation.solution import Solution

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import ceil
 from typing import TYPE_CHECKING, Any
 
-from lagc.base.printable import printable
+from lagc.base.text import printable
 from lagc.reports.plots.plot import COLORS, entitle, panels, save, styled
 from lagc.simulation.linearization.linearize import damping, frequency
 

@@ -13,8 +13,8 @@ from contextlib import contextmanager
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
-from lagc.base.once import RLock
-from lagc.base.printable import printable
+from lagc.base.records import RLock
+from lagc.base.text import printable
 from lagc.host.atomic_write import Files, fitting
 from lagc.reports.plots.curves import Scales, scales, with_corners
 

@@ -21,10 +21,9 @@ from lagc.semantics.names.scope import (
     vector_of,
     vector_value,
 )
+from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import LATE, VELOCITY
-from lagc.semantics.types.refusals import Wrong
-from lagc.semantics.types.types import describe
-from lagc.semantics.types.units import ENERGY, FORCE, NONE, POWER, Dimension, M, si_text
+from lagc.semantics.units import ENERGY, FORCE, NONE, POWER, Dimension, M, describe, si_text
 from lagc.semantics.values.evaluate import all_values, both, each, evaluate, evaluate_as
 from lagc.semantics.values.functions import Argument
 from lagc.semantics.values.kinematics import material_velocity, velocity_of

@@ -22,9 +22,9 @@ from lagc.semantics.names.scope import (
     scalar_of,
     vector_of,
 )
+from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import LATE, VELOCITY
-from lagc.semantics.types.refusals import Wrong
-from lagc.semantics.types.units import KG, NONE, M, S, dimension, over
+from lagc.semantics.units import KG, NONE, M, S, dimension, over
 from lagc.semantics.values.calls import look_at_arguments, match
 from lagc.semantics.values.evaluate import each, evaluate, evaluate_as
 from lagc.semantics.values.frame_vectors import unit_vector

@@ -11,10 +11,9 @@ from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as nouns
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Environment, Scalar, Truth, flat, kind, shape
+from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import LATE, MOVING
-from lagc.semantics.types.refusals import Wrong
-from lagc.semantics.types.types import describe
-from lagc.semantics.types.units import NONE
+from lagc.semantics.units import NONE, describe
 from lagc.semantics.values.evaluate import each, evaluate, evaluate_as
 from lagc.semantics.values.unit_hints import expect_of
 from lagc.symbolic.graph import Node

@@ -17,8 +17,8 @@ from lagc.semantics.declarations.attributes import (
 )
 from lagc.semantics.model import Orientation, Statement
 from lagc.semantics.names.scope import Entry, Modifier, Value, expect, flat
-from lagc.semantics.types.refusals import Wrong
-from lagc.semantics.types.units import NONE, Dimension, S, over
+from lagc.semantics.refusals import Wrong
+from lagc.semantics.units import NONE, Dimension, S, over
 from lagc.semantics.values.evaluate import evaluate_as
 from lagc.symbolic.graph import Node
 from lagc.syntax import tree

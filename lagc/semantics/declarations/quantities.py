@@ -8,7 +8,10 @@ from collections.abc import Callable
 from lagc.semantics import model as nouns
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.attributes import (
+    Quantity,
     attributes_of,
+    bounds_of,
+    check_bounds,
     declared,
     elements,
     firm,
@@ -17,18 +20,13 @@ from lagc.semantics.declarations.attributes import (
     given_elements,
     given_scalar,
     held,
+    look_at_all,
     no_value,
     shaped,
     still,
-    written_value,
-)
-from lagc.semantics.declarations.quantity import (
-    Quantity,
-    bounds_of,
-    check_bounds,
-    look_at_all,
     value_span,
     values_of,
+    written_value,
 )
 from lagc.semantics.names.scope import (
     Entry,
@@ -42,11 +40,10 @@ from lagc.semantics.names.scope import (
     shape,
     subscripts,
 )
-from lagc.semantics.names.type_names import type_of
+from lagc.semantics.refusals import Poisoned, Wrong
 from lagc.semantics.time_derivatives import LATE
-from lagc.semantics.types.refusals import Poisoned, Wrong
-from lagc.semantics.types.types import QuantityType
-from lagc.semantics.types.units import Dimension, S, UnknownUnit, over, unit
+from lagc.semantics.units import Dimension, QuantityType, S, UnknownUnit, over, unit
+from lagc.semantics.values.constants import type_of
 from lagc.semantics.values.evaluate import evaluate, evaluate_as, integer, whole
 from lagc.semantics.values.unit_hints import expect_of
 from lagc.symbolic.graph import Node

@@ -14,7 +14,7 @@ from lagc.diagnostics.faults import Refused, Source, Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.host.model_library import LARGEST_DATA, Unreadable, content, decoded, fingerprint, folder_of
 from lagc.semantics.names.data_files import Columns, Unfit, columns
-from lagc.semantics.types.refusals import Wrong
+from lagc.semantics.refusals import Wrong
 from lagc.syntax import tree
 
 TOGETHER = 40_000_000  # bytes of all imports

@@ -15,9 +15,8 @@ from lagc.base.records import dataclass, field
 from lagc.diagnostics.faults import Span
 from lagc.semantics.model import Body, Frame, Orientation
 from lagc.semantics.names.namespace import Namespace
-from lagc.semantics.types.refusals import Wrong
-from lagc.semantics.types.types import describe
-from lagc.semantics.types.units import NONE, Dimension, M, over, si_text
+from lagc.semantics.refusals import Wrong
+from lagc.semantics.units import NONE, Dimension, M, describe, over, si_text
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.vectors import Vector
 from lagc.syntax import tree
@@ -362,3 +361,44 @@ def vector_value(vector: Vector, dimension: Dimension | None) -> Array:
 
 def constant(graph: Graph, value: float, dimension: Dimension | None) -> Scalar:
     return Scalar(graph.const(value), None if value == 0 else dimension)
+
+
+_SUBSCRIPT = re.compile(r"\[[^]]*\]")
+
+
+@dataclass(frozen=True, slots=True)
+class Uses:
+    """What a scene names, and what a run adds and leaves out, which counts more, and by a path more than by a
+    name."""
+
+    named: frozenset[str] = frozenset()
+    added: frozenset[str] = frozenset()
+    removed: frozenset[str] = frozenset()
+
+    @property
+    def all(self) -> frozenset[str]:
+        return self.named | self.added | self.removed
+
+    def has(self, path: str) -> bool:
+        for key in keys(path):
+            if key in self.removed:
+                return False
+            if key in self.added:
+                return True
+        return not self.named.isdisjoint(keys(path))
+
+    def has_beside(self, place: str, name: str) -> bool:
+        """Of what an instance (its path, with a point) calls by `name`: its own, or that of all."""
+        return self.has(place + name) or ("." in name and self.has(name))
+
+
+def keys(path: str) -> Iterator[str]:
+    """What an effect may be called by, the closest first."""
+    yield path
+    yield without_subscripts(path)
+    yield path.rpartition(".")[2]
+
+
+def without_subscripts(path: str) -> str:
+    """What all elements of arrays are called together."""
+    return _SUBSCRIPT.sub("", path)

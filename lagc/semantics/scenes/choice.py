@@ -8,11 +8,10 @@ from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Source, Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context, Given, Points
-from lagc.semantics.names.effects import Uses, keys, without_subscripts
 from lagc.semantics.names.namespace import Namespace
-from lagc.semantics.names.scope import DEEPEST, Environment
+from lagc.semantics.names.scope import DEEPEST, Environment, Uses, keys, without_subscripts
+from lagc.semantics.refusals import Wrong
 from lagc.semantics.scenes.settings import Settings
-from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.values.evaluate import integer
 from lagc.symbolic.leaves import derived, underived
 from lagc.syntax import tree

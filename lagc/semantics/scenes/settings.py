@@ -5,13 +5,13 @@ from __future__ import annotations
 from math import inf
 from typing import NamedTuple
 
-from lagc.base.numerals import FINEST, MOST_POINTS
+from lagc.base.text import FINEST, MOST_POINTS
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Environment, Scalar, expect, kind
-from lagc.semantics.types.refusals import Wrong
-from lagc.semantics.types.units import NONE, Dimension, S
+from lagc.semantics.refusals import Wrong
+from lagc.semantics.units import NONE, Dimension, S
 from lagc.semantics.values.evaluate import evaluate_as
 from lagc.syntax import tree
 

@@ -9,9 +9,8 @@ from lagc.diagnostics.faults import Span
 from lagc.semantics.context import Context
 from lagc.semantics.model import Body
 from lagc.semantics.names.scope import Array, Scalar, Truth, Value, kind, shape
-from lagc.semantics.types.refusals import Wrong
-from lagc.semantics.types.types import describe
-from lagc.semantics.types.units import NONE, Dimension, over, raised, times
+from lagc.semantics.refusals import Wrong
+from lagc.semantics.units import NONE, Dimension, describe, over, raised, times
 from lagc.semantics.values.unit_hints import unit_remedy
 from lagc.symbolic.graph import Node
 from lagc.syntax import tree

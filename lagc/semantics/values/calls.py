@@ -8,17 +8,16 @@ from functools import partial
 from lagc.diagnostics.suggest import did_you_mean, foreign
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Entry, Environment, Scalar, Value, expect, flat
-from lagc.semantics.names.type_names import type_of
-from lagc.semantics.types.refusals import Poisoned, Wrong
-from lagc.semantics.types.types import QuantityType
-from lagc.semantics.values import functions, kinematics, rotations, tables
-from lagc.semantics.values.constants import dotted, space_only
+from lagc.semantics.refusals import Poisoned, Wrong
+from lagc.semantics.units import QuantityType
+from lagc.semantics.values import functions, kinematics, tables
+from lagc.semantics.values.constants import dotted, space_only, type_of
 from lagc.semantics.values.evaluate import all_values, each, evaluate, evaluate_as
 from lagc.semantics.values.functions import RESERVED, Argument, Builtin
 from lagc.semantics.values.unit_hints import is_bare
 from lagc.syntax import tree
 
-BUILTINS: dict[str, Builtin] = {**functions.TABLE, **kinematics.TABLE, **rotations.TABLE, **tables.TABLE}
+BUILTINS: dict[str, Builtin] = {**functions.TABLE, **kinematics.TABLE, **tables.TABLE}
 
 DEEPEST = 64  # functions within functions
 MOST_CALLS = 50_000  # of the user's functions in one model

@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 from lagc.diagnostics.faults import Span
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Array, Environment, Scalar, Value, kind
-from lagc.semantics.types.refusals import Poisoned, Wrong
-from lagc.semantics.types.units import NONE, Dimension
+from lagc.semantics.refusals import Poisoned, Wrong
+from lagc.semantics.units import NONE, Dimension
 from lagc.semantics.values.unit_hints import is_bare
 from lagc.syntax import tree
 

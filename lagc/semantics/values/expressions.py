@@ -20,9 +20,8 @@ from lagc.semantics.names.scope import (
     kind,
     shape,
 )
-from lagc.semantics.types.refusals import Poisoned, Wrong
-from lagc.semantics.types.types import CONSTANTS, describe
-from lagc.semantics.types.units import NONE, Dimension, S, UnknownUnit, unit
+from lagc.semantics.refusals import Poisoned, Wrong
+from lagc.semantics.units import CONSTANTS, NONE, Dimension, S, UnknownUnit, describe, unit
 from lagc.semantics.values.arithmetic import binary, negative, select
 from lagc.semantics.values.calls import call, written
 from lagc.semantics.values.constants import outside, packaged

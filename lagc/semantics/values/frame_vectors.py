@@ -12,8 +12,8 @@ from typing import TypeAlias
 from lagc.diagnostics.faults import Span
 from lagc.semantics.context import Context
 from lagc.semantics.model import Frame
+from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import LATE, MOVING
-from lagc.semantics.types.refusals import Wrong
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix, Vector, matvec, norm, transpose
 

@@ -21,9 +21,8 @@ from lagc.semantics.names.scope import (
     vector_of,
     vector_value,
 )
-from lagc.semantics.types.refusals import Wrong
-from lagc.semantics.types.types import describe
-from lagc.semantics.types.units import NONE, Dimension, raised, times
+from lagc.semantics.refusals import Wrong
+from lagc.semantics.units import NONE, Dimension, describe, raised, times
 from lagc.semantics.values.frame_vectors import length_of, unit_vector
 from lagc.symbolic import vectors
 from lagc.symbolic.graph import Node

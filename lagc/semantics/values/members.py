@@ -8,8 +8,8 @@ from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context
 from lagc.semantics.model import Body, Frame, Orientation
 from lagc.semantics.names.scope import Array, Indexed, Part, Scalar, Thing, Value, kind, vector_value
-from lagc.semantics.types.refusals import Wrong
-from lagc.semantics.types.units import KG, NONE, M, S, over
+from lagc.semantics.refusals import Wrong
+from lagc.semantics.units import KG, NONE, M, S, over
 from lagc.syntax import tree
 
 MOST_NAMED = 8  # names that a remedy lists

@@ -14,9 +14,8 @@ from lagc.semantics import model as nouns
 from lagc.semantics.context import Context, Points
 from lagc.semantics.names.data_files import Columns, Unfit
 from lagc.semantics.names.scope import Array, Scalar, Text, Value, common_dimension, kind, scalar_of
-from lagc.semantics.types.refusals import Wrong
-from lagc.semantics.types.types import describe
-from lagc.semantics.types.units import NONE, Dimension, UnknownUnit, unit
+from lagc.semantics.refusals import Wrong
+from lagc.semantics.units import NONE, Dimension, UnknownUnit, describe, unit
 from lagc.semantics.values.functions import Argument, Table
 from lagc.symbolic.graph import Node
 from lagc.symbolic.interpolants import KINDS, interpolant, key_of

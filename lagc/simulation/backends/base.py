@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeAlias, cast
 
-from lagc.base.once import RLock
+from lagc.base.records import RLock
 from lagc.lowering.program import Interface
 from lagc.simulation.system import System, Vector
 

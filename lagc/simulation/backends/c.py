@@ -8,7 +8,7 @@ from ctypes import c_double, c_int, c_long, c_size_t
 from time import perf_counter
 from typing import Any, TypeAlias
 
-from lagc.base.once import once
+from lagc.base.records import once
 from lagc.codegen.python.support.base import MOST_CORNERS, MOST_EVENTS
 from lagc.codegen.python.support.slices import recorded
 from lagc.kernels import METHODS, MOST_ACTS

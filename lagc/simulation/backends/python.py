@@ -12,7 +12,7 @@ from time import perf_counter
 from types import CodeType
 from typing import Any
 
-from lagc.base.once import once
+from lagc.base.records import once
 from lagc.lowering.program import Interface
 from lagc.simulation.backends.base import Branch, Compiled, CompiledSystem
 from lagc.simulation.system import OK, Options, Trajectory, Vector

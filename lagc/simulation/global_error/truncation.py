@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from math import floor, inf, log10
 
-from lagc.base.numerals import FINEST
+from lagc.base.text import FINEST
 from lagc.simulation.error_measure import Sizes, spread
 from lagc.simulation.system import Trajectory
 

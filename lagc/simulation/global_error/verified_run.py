@@ -15,10 +15,10 @@ from collections.abc import Callable, Sequence
 from math import inf
 from typing import TYPE_CHECKING
 
-from lagc.base.numerals import FINEST
 from lagc.base.records import dataclass, field, names
+from lagc.base.text import FINEST
 from lagc.host import cache
-from lagc.host.cache.sources import tool_fingerprint
+from lagc.host.cache import tool_fingerprint
 from lagc.kernels.integrators.tableaus import order
 from lagc.simulation.error_measure import Sizes, difference, moving, sizes
 from lagc.simulation.global_error.truncation import SAFETY, Truncation, is_tied, plain

@@ -10,7 +10,7 @@ from functools import cache
 from types import CodeType
 from typing import Any
 
-from lagc.base.once import once
+from lagc.base.records import once
 from lagc.codegen.python.emit import evaluation
 from lagc.host import cache as store
 from lagc.lowering.program import Program

@@ -9,7 +9,7 @@ from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any, TypeAlias
 
-from lagc.base.once import once
+from lagc.base.records import once
 from lagc.codegen.kernel_compiler.linker import of_conditions, sizes_of_start, stretches, with_quaternions
 from lagc.codegen.python.initialization import SWITCHES, code
 from lagc.simulation.system import OK

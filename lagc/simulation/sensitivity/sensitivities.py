@@ -11,7 +11,7 @@ import numpy as np
 from lagc.base.records import dataclass, field, replace
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.lowering.program import Field, Interface
-from lagc.semantics.types.units import UnknownUnit, quotient
+from lagc.semantics.units import UnknownUnit, quotient
 from lagc.simulation.linearization.derivatives import Array, Point
 from lagc.simulation.request import unknown
 from lagc.symbolic.leaves import derived

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lagc.base.numerals import FINEST
+from lagc.base.text import FINEST
 from lagc.simulation.global_error.truncation import SAFETY, is_tied
 from lagc.simulation.global_error.verified_run import longest_step
 from lagc.simulation.linearization.derivatives import Array

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from lagc.diagnostics.faults import Fault
+from lagc.diagnostics.suggest import FOREIGN, closest
 from lagc.syntax.lexer import NUMBER, STRING, WORD
 from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
-from lagc.syntax.mistakes.foreign import FOREIGN
 
 
 def first_word(w: Where) -> Explained | None:
@@ -27,8 +27,6 @@ def first_word(w: Where) -> Explained | None:
         message = f"keywords are written in small letters: `{word.lower()}`"
         fault = Fault("LAG0119", message, w.span(w.first), remedy=f"write `{word.lower()}`")
         return Explained(fault, w.replace_first(word.lower()))
-    from lagc.diagnostics.suggest import closest
-
     near = closest(word, w.keywords)
     if near is None or not w.inside:
         return None

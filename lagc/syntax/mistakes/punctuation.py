@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from lagc.diagnostics.faults import Fault, Span
+from lagc.diagnostics.suggest import OPERATORS, looks_like_unit
 from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD
 from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
-from lagc.syntax.mistakes.foreign import OPERATORS, looks_like_unit
 
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
 _OPENING = {closing: opening for opening, closing in _CLOSING.items()}

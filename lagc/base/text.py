@@ -1,0 +1,85 @@
+"""Text from people and for people: numbers of the command line, and printable text.
+
+`printable` writes control characters, DEL, characters that change the writing direction and other invisible
+characters as escapes, so that no text can steer a terminal.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+
+FINEST = 1e-15  # of relative tolerances: below, rounding is all that is left
+MOST_POINTS = sys.maxsize // 2  # that a list can count
+# Compiled when one is read, which most runs never do.
+_NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_WHOLE = r"[+-]?[0-9]{1,4000}"
+_NONE = r"(?i)[+-]?(?:nan|inf|infinity)"
+_SIZE = r"([0-9]{1,18}(?:\.[0-9]{1,18})?)\s*([KMG]?)B?"
+_SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+_TIME = r"([0-9]{1,18}(?:\.[0-9]{1,18})?)\s*(?:(s|min|h|d)|\[(s|min|h|d)\])?"
+
+
+def number(text: str) -> float | None:
+    """The number that `text` is in a model file, with a sign; None where it is none.  The words for what
+    is not finite are taken too, so that who needs a finite number says so."""
+    return float(text) if re.fullmatch(_NUMBER, text) or re.fullmatch(_NONE, text) else None
+
+
+def size(text: str) -> float | None:
+    """The bytes that `text`, as `500M` or `2G`, stands for; None where it is none."""
+    found = re.fullmatch(_SIZE, text.strip().upper(), re.ASCII)
+    return None if found is None else float(found[1]) * 1000.0 ** " KMG".index(found[2] or " ")
+
+
+def seconds(text: str) -> float | None:
+    """The seconds that `text`, as `90`, `10min` or `2h`, stands for; None where it is none."""
+    found = re.fullmatch(_TIME, text.strip(), re.ASCII)
+    return None if found is None else float(found[1]) * _SECONDS[found[2] or found[3] or ""]
+
+
+def whole(text: str) -> int | None:
+    """The whole number that `text` is; None where it is none."""
+    return int(text) if re.fullmatch(_WHOLE, text) else None
+
+
+def printable(text: str) -> str:
+    """`text` without characters that would steer a terminal; line ends are kept."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c == "\n" else _escape(c) for c in text)
+
+
+def one_line(text: str) -> str:
+    """`printable`, without line ends too."""
+    return printable(text).replace("\n", "\\n")
+
+
+def json_text(value: object, indent: int | None = None, encoding: str = "utf-8") -> str:
+    """`value` as JSON: what is no printable character, or none of `encoding`, stands as its escape, and a
+    number that is not finite as null, for JSON has no word for it."""
+    import json
+
+    text = json.dumps(_finite(value), indent=indent, ensure_ascii=False, allow_nan=False)
+    if text.isascii():
+        return text.replace("\x7f", "\\u007f")
+    try:
+        text.encode(encoding)
+    except UnicodeEncodeError:
+        return json.dumps(_finite(value), indent=indent).replace("\x7f", "\\u007f")
+    return "".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text)
+
+
+def _finite(value: object) -> object:
+    if isinstance(value, float):
+        return value if value - value == 0.0 else None
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(item) for item in value]
+    return value
+
+
+def _escape(char: str) -> str:
+    code = ord(char)
+    return f"\\x{code:02x}" if code < 256 else f"\\u{code:04x}" if code < 65536 else f"\\U{code:08x}"

@@ -1,1 +1,0 @@
-"""Enclosures of expressions: bounds that hold for every value of an interval."""

@@ -1,1 +1,0 @@
-"""Simplification of expressions."""

@@ -1,1 +1,0 @@
-"""Whether an expression is zero everywhere: the test of Schwartz and Zippel."""

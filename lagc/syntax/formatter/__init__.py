@@ -1,1 +1,0 @@
-"""The formatter of model files."""
