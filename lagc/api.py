@@ -24,7 +24,7 @@ from lagc.host import model_library
 from lagc.host.budgets import of_this_machine, running
 from lagc.simulation.request import Quantity, Request, bound_parameters, bound_starts, keep_limits
 from lagc.simulation.solution import Solution
-from lagc.simulation.supervision.forecast import check_memory
+from lagc.simulation.supervision import check_memory
 from lagc.simulation.system import System
 
 if TYPE_CHECKING:
@@ -342,16 +342,16 @@ class CompiledModel(Differentiable):
                 return self._run("c", request, parameters, progress, "compiled before")
             except CannotCompile as error:
                 return self._run("numpy", request, parameters, progress, str(error))
-        from lagc.simulation.supervision.patience import Patience, TakesLong, compile_time
+        from lagc.simulation.supervision import CompileTimer, SlowRun, compile_time
 
         system = self._loaded.system("numpy").bind(parameters)
         began = perf_counter()
         start = self._begun(system, request)
-        patience = Patience(compile_time(self.interface), progress)
+        timer = CompileTimer(compile_time(self.interface), progress)
         try:
             reason = "done sooner than C compiles"
-            return self._run("numpy", request, parameters, patience, reason, start, perf_counter() - began)
-        except TakesLong:
+            return self._run("numpy", request, parameters, timer, reason, start, perf_counter() - began)
+        except SlowRun:
             spent = perf_counter() - began
             if progress is not None:
                 progress(0.0)  # it begins again: nothing is kept of what was computed

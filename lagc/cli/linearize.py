@@ -90,7 +90,7 @@ def _about(
     if not time:
         return model.linearize(starts=starts)
     from lagc.cli.output import Bar
-    from lagc.simulation.supervision.forecast import Forecast
+    from lagc.simulation.supervision import Forecast
 
     with Bar(time, quiet=options.quiet or options.json) as bar:
         progress = Forecast(bar, time) if options.max_time is None else bar

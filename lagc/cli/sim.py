@@ -87,7 +87,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.simulation.backends.compile import CannotCompile
     from lagc.simulation.formats import targets
     from lagc.simulation.request import bound_parameters, bound_starts
-    from lagc.simulation.supervision.forecast import MOST_MEMORY, Forecast, check_memory
+    from lagc.simulation.supervision import MOST_MEMORY, Forecast, check_memory
 
     check_files(options)
     request = request_of(options)

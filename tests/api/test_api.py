@@ -17,7 +17,7 @@ from lagc.simulation.formats import CannotSave
 from lagc.simulation.initialization.initialize import consistent_start
 from lagc.simulation.initialization.result import Start
 from lagc.simulation.request import Request
-from lagc.simulation.supervision.patience import Patience, TakesLong, compile_time
+from lagc.simulation.supervision import CompileTimer, SlowRun, compile_time
 from lagc.simulation.system import System
 
 pytestmark = pytest.mark.usefixtures("own_cache")
@@ -248,10 +248,10 @@ def test_both_backends_give_the_same_bits() -> None:
 @needs_c
 def test_auto_begins_in_numpy_and_changes_to_c_where_a_run_is_long(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(c_compiler, "cached_library", lambda sources: False)
-    monkeypatch.setattr("lagc.simulation.supervision.patience.compile_time", lambda interface: 600.0)
+    monkeypatch.setattr("lagc.simulation.supervision.compile_time", lambda interface: 600.0)
     short = lagc.load("simple_pendulum").compile(scene="room")
     assert short.simulate(stop=1).system.backend == "numpy"
-    monkeypatch.setattr("lagc.simulation.supervision.patience.compile_time", lambda interface: 0.05)
+    monkeypatch.setattr("lagc.simulation.supervision.compile_time", lambda interface: 0.05)
     long = lagc.load("double_pendulum").compile()
     run = long.simulate(stop=50, rtol=1e-12)
     assert run.status == "ok" and run.system.backend == "c"
@@ -269,7 +269,7 @@ def test_a_run_that_changes_to_c_seeks_its_start_once_and_tells_all_of_its_time(
 
     monkeypatch.setattr("lagc.simulation.initialization.initialize.consistent_start", noted)
     monkeypatch.setattr(c_compiler, "cached_library", lambda sources: False)
-    monkeypatch.setattr("lagc.simulation.supervision.patience.compile_time", lambda interface: 0.05)
+    monkeypatch.setattr("lagc.simulation.supervision.compile_time", lambda interface: 0.05)
     run = lagc.load("double_pendulum").compile().simulate(stop=50, rtol=1e-12)
     assert run.system.backend == "c" and [system.backend for system in sought] == ["numpy"]
     assert run.cost.start_s > 0.0 and run.cost.run_s > 0.05 + run.cost.start_s
@@ -293,8 +293,8 @@ def test_auto_without_a_compiler_is_numpy(monkeypatch: pytest.MonkeyPatch, tmp_p
 
 @needs_c
 def test_patience_ends() -> None:
-    with pytest.raises(TakesLong):
-        Patience(-1.0, None)(0.0)
+    with pytest.raises(SlowRun):
+        CompileTimer(-1.0, None)(0.0)
 
 
 @needs_c

@@ -1,12 +1,12 @@
 """The global error of a run: chosen in advance, estimated by comparing two tolerances.
 
-The error of a trajectory is the largest |x_i - exact_i| / scale_i over all its times and all
-coordinates and speeds; scale_i is the largest magnitude, over the trajectory, of the states of the
-same kind (coordinates, or speeds, of the same unit).  Pilots at 1e-5 and 1e-6 tell how it goes with the
-tolerance; the run is made at the predicted one and at ten times it, and the finer one is returned with the
-error that their difference tells (`lagc.simulation.global_error.truncation`).  What all runs share is added, the part of rounding
-(`lagc.simulation.global_error.rounding`), and the energy has to be in balance (`lagc.simulation.global_error.energy_balance`).
-"""
+The error of a trajectory is the largest |x_i - exact_i| / scale_i over all its times and all coordinates
+and speeds; scale_i is the largest magnitude, over the trajectory, of the states of the same kind
+(coordinates, or speeds, of the same unit).  Pilots at 1e-5 and 1e-6 tell how it goes with the tolerance;
+the run is made at the predicted one and at ten times it, and the finer one is returned with the error that
+their difference tells (`lagc.simulation.global_error.truncation`).  What all runs share is added, the part
+of rounding (`lagc.simulation.global_error.rounding`), and the energy has to be in balance
+(`lagc.simulation.global_error.energy_balance`)."""
 
 from __future__ import annotations
 
@@ -45,7 +45,8 @@ def name_of(
 
 @dataclass
 class Remembered:
-    """`end`: the last state, which the same run reaches again.  `still`: see `lagc.simulation.global_error.noise_groups`."""
+    """`end`: the last state, which the same run reaches again.  `still`: see
+    `lagc.simulation.global_error.noise_groups`."""
 
     rtol: float
     estimated: float
@@ -178,12 +179,12 @@ class _Search:
                        watch=self._watch(longest), halves=tol not in self.whole)  # fmt: skip
 
     def _watch(self, longest: float) -> Callable[[Trajectory], bool]:
-        looks = [(self.times[0], 0, 0.0)]
+        checks = [(self.times[0], 0, 0.0)]
 
         def watch(run: Trajectory) -> bool:
-            from lagc.simulation.supervision.progress_watch import hopeless  # where a run is long
+            from lagc.simulation.supervision import is_stuck  # only for long runs
 
-            return hopeless(self.system, run, self.times[-1], longest, looks)
+            return is_stuck(self.system, run, self.times[-1], longest, checks)
 
         return watch
 
