@@ -12,6 +12,7 @@ from lagc.lowering.program import Interface
 from lagc.simulation.system import TERMINATED, Trajectory
 
 NEAR_THE_END = 1e-5  # of the time
+FEWEST_PARTS = 32  # of the time, for a comparison of runs
 
 Sizes = Sequence[tuple[Sequence[int], float]]
 
@@ -118,21 +119,19 @@ def _apart_in_time(a: Trajectory, b: Trajectory) -> float:
     return far / span if span > 0.0 else 0.0
 
 
-ENOUGH = 32  # parts of the time, at whose ends runs are compared at least
+class ComparisonGrid:
+    """The times at which runs are compared: those that are recorded, and times between these if they are few.
 
+    Two runs may have equal errors at one or two times by chance, but seldom along the whole motion.
+    """
 
-class Watched:
-    """`times` are all of them, in order."""
+    def __init__(self, recorded: Sequence[float]):
+        self.parts = parts = ceil(FEWEST_PARTS / max(len(recorded) - 1, 1))  # of each recorded interval
+        self.times = [a + (b - a) * (k / parts) for a, b in pairwise(recorded) for k in range(parts)]
+        self.times += recorded[-1:]
 
-    def __init__(self, asked: Sequence[float]):
-        self.parts = parts = ceil(
-            ENOUGH / max(len(asked) - 1, 1)
-        )  # of the time between two that are asked for
-        self.times = [a + (b - a) * (k / parts) for a, b in pairwise(asked) for k in range(parts)]
-        self.times += asked[-1:]
-
-    def told(self, run: Trajectory) -> Trajectory:
-        """`run` at the times that are asked for."""
+    def recorded(self, run: Trajectory) -> Trajectory:
+        """Return `run` at the recorded times."""
         if self.parts == 1:
             return run
         return run.changed(times=run.times[:: self.parts], states=run.states[:: self.parts])

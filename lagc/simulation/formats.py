@@ -66,9 +66,8 @@ def save(solution: Solution, path: str, units: bool = False) -> None:
 def write_csv(solution: Solution, path: str, units: bool = False) -> None:
     """Comma-separated values (RFC 4180): `time` first, one column for each quantity, all digits.
 
-    The metadata goes into `PATH.json`, because RFC 4180 has no comments; a path that does not end in .csv, such
-    as a pipe, has no such file.  The metadata is in place before the numbers.
-    """
+    The metadata goes into `PATH.json`, because RFC 4180 has no comments; a path that does not end in .csv,
+    such as a pipe, has no such file.  The metadata is in place before the numbers."""
     names = solution.columns
     known = {"time": "s", **solution.units}
     header = [f"{n} [{known[n]}]" if units and known[n] else n for n in ("time", *names)]
@@ -112,8 +111,8 @@ def write_npz(solution: Solution, path: str) -> None:
 
 
 def write_parquet(solution: Solution, path: str) -> None:
-    """Apache Parquet, written by pyarrow: one column for each quantity, its unit in the field, the metadata in
-    the schema."""
+    """Apache Parquet, written by pyarrow: one column for each quantity, its unit in the field, the metadata
+    in the schema."""
     pyarrow = importlib.import_module("pyarrow")
     parquet = importlib.import_module("pyarrow.parquet")
 

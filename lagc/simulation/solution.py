@@ -60,13 +60,12 @@ class Event:
 class Solution:
     """States at the recorded times, and everything that can be computed from them.
 
-    `run["theta"]` is an array over `run.t`: a coordinate, a speed, the rate `der(theta)` of a
-    coordinate, an output, or a sensitivity `d(theta)/d(l)`.  All in SI.  `status` is "ok", "terminated" or
-    "failed"; what was computed before a failure is kept.  `system` holds the parameters of the run; nothing
-    that is done with the model since changes what is computed from it.  `accuracy` is the global relative
-    asked (None: by hand) and estimated (None: not verified); see `lagc.simulation.global_error.verified_run` for its norm.
-    `corners`: times of events, with the states before and behind, which need not be recorded.
-    """
+    `run["theta"]` is an array over `run.t`: a coordinate, a speed, the rate `der(theta)` of a coordinate,
+    an output, or a sensitivity `d(theta)/d(l)`.  All in SI.  `status` is "ok", "terminated" or "failed";
+    what was computed before a failure is kept.  `system` holds the parameters of the run; nothing that is
+    done with the model since changes what is computed from it.  `accuracy` is the global relative asked
+    (None: by hand) and estimated (None: not verified); see `lagc.simulation.global_error.verified_run` for
+    its norm. `corners`: times of events, with the states before and behind, which need not be recorded."""
 
     system: System
     times: list[float]

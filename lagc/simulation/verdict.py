@@ -1,4 +1,4 @@
-"""What is said of a run: whether it is good, and else what was found, where and why."""
+"""The result of a run in words: whether it is good, or else what happened, when, where and why."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ from lagc.simulation.system import (
     Trajectory,
     event_names,
     more,
+    rates_at,
     row_name,
     speed_name,
     state_name,
@@ -37,17 +38,19 @@ if TYPE_CHECKING:
     from lagc.simulation.global_error.energy_balance import Balance
 
 SHORTEST = 2.3e-308  # s: smaller numbers have fewer digits
-STEPS = 1e38  # that no run takes: an integration whose first step is that short gives up
+STEPS = 1e38  # steps that no run takes: the integration gives up if its first step is that short
 SEVERAL = 10
-LAST = 100.0 * float_info.epsilon  # relative: of less than that hardly any motion is told by doubles
-MOST_NAMED = 4  # of a kind, in a message
+FEWEST_DIGITS = 100.0 * float_info.epsilon  # relative: double precision hardly reaches this for any motion
+MOST_NAMED = 4  # names of a kind in a message
 UNKNOWN = "the cause is not known"
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """`status` "ok", "terminated" or "failed"; the trajectory to return, which may be a part of what was
-    computed, and the estimate of its error."""
+    """The result of a run.
+
+    `status` is "ok", "terminated" or "failed"; `trajectory` is returned, and may be a part of the one
+    computed; `estimated` is its relative global error, None if it was not verified."""
 
     status: str
     message: str
@@ -56,92 +59,75 @@ class Verdict:
 
 
 def judge(system: System, found: Verified, asked: float, stop: float) -> Verdict:
-    """Of a run that was to meet the accuracy `asked`."""
+    """The verdict on a verified run to `stop` that was asked for the accuracy `asked`."""
     run, estimated = found.trajectory, found.estimated
     status, message = verdict(system, run, stop)
     if status == "failed":
         return Verdict(status, message, run, estimated)
-    kept = _kept(system, run)
-    if kept is not None:
-        return Verdict("failed", _nearly(system, *kept), run, inf)  # what runs share is no estimate
+    kept = _kept_share(system, run)
+    if kept is not None:  # an error that all runs share does not show in their differences
+        return Verdict("failed", _nearly_dependent(system, *kept), run, inf)
     if estimated > asked:
-        told = _missed(system, found, asked)
+        result = _missed(system, found, asked)
         if found.failed is not None:
-            message = f"{told.message}; with a finer tolerance, {verdict(system, found.failed, stop)[1]}"
-            return Verdict(told.status, message, told.trajectory, told.estimated)
-        return told
+            message = f"{result.message}; with a finer tolerance, {verdict(system, found.failed, stop)[1]}"
+            return Verdict(result.status, message, result.trajectory, result.estimated)
+        return result
     if found.balance is not None and not found.balance.holds:
-        return Verdict("failed", _unbalanced(system, run, found.balance, asked), run, estimated)
+        return Verdict("failed", _unbalanced(found.balance, asked), run, estimated)
     return Verdict(status, message, run, estimated)
 
 
 def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, str]:
-    """("ok", "terminated" or "failed", what happened, by name and time)."""
+    """Return the status ("ok", "terminated" or "failed") and the message of a run to `stop`."""
     status, t = trajectory.status, f"t = {trajectory.t:.6g} s"
-    k = trajectory.culprit
     if status in (OK, REDUNDANT):
         return "ok", f"reached {t}"
     if status == INTERRUPTED:
         limit = reached()
         return "failed", f"interrupted at {t}" + (f": it took longer than {limit}" if limit else "")
     if status == TERMINATED:
-        return "terminated", f"at {t}: {system.interface.whens[k].reason}"
-    if status == MISPLACED:
-        clause = system.interface.whens[k]
-        return "failed", (f"at {t} the new values that `when {clause.words}` gives are not finite, or do not "
-                          f"meet the constraints{_left_out(system, clause)}")  # fmt: skip
-    if (status == CHATTERING and not system.interface.drives(k)) or _ever_sooner(trajectory):
-        k = k if status == CHATTERING else trajectory.events[-1][1]
-        what = event_names(system, k)[0]
-        return "failed", (f"at {t} it comes to `{what}` again and again, within the last places of the time, "
-                          "as bounces that are ever shorter do: end the run before, by a `when` with "
-                          "`terminate`, and go on with what holds it there as a constraint")  # fmt: skip
-    if status == CHATTERING:
-        what = system.interface.switches[k]
-        return "failed", (f"at {t} {what}, and what acts on either side drives it back, without end: a "
-                          "force that jumps there would hold it, as dry friction does what sticks; a smooth "
-                          "law, as tanh(v/v0) for sign(v), lets it pass")  # fmt: skip
+        return "terminated", f"at {t}: {system.interface.whens[trajectory.culprit].reason}"
+    if status in (MISPLACED, CHATTERING) or _accumulates(trajectory):
+        return "failed", f"at {t} {_at_event(system, trajectory)}"
     if status == SINGULAR_MASS:
-        return (
-            "failed",
-            f"at {t} the mass matrix is singular: nothing has inertia along {speed_name(system, k)}",
-        )
+        speed = speed_name(system, trajectory.culprit)
+        return "failed", f"at {t} the mass matrix is singular: nothing has inertia along {speed}"
     if status == INCONSISTENT:
-        from lagc.simulation.diagnosis.cause import bent
+        return "failed", f"at {t} {_inconsistent(system, trajectory)}"
+    return "failed", _unfinished(system, trajectory, stop)
 
-        own = _own_share(system, trajectory, [k])
-        if own is not None:
-            return "failed", f"at {t} {_nearly(system, *own)}"
-        why = bent(system, trajectory, trajectory.t, trajectory.x)
-        return "failed", f"at {t} {why or f'the constraints contradict each other: {row_name(system, k)}'}"
-    if status != MAX_STEPS and trajectory.steps == 0 and 0.0 < stop < SHORTEST:
-        return "failed", f"numbers are too coarse for a run of {stop:g} s: ask for a longer one"
-    if status == NOT_FINITE and trajectory.steps == 0 and sound(system, trajectory):
-        return "failed", f"the first steps towards {stop:g} s lead beyond all numbers: ask for a shorter run"
-    if status == NOT_FINITE:
-        when = f"after {t}" if trajectory.steps else "at the start"
-        return "failed", f"{when} {state_name(system, k)} or its rate is not a finite number"
-    from lagc.simulation.diagnosis.cause import cause  # where something failed
 
-    if status == STEP_UNDERFLOW and trajectory.steps == trajectory.rejected == 0:
-        much = f"the run to {stop:g} s would take more than {STEPS:g} steps"
-        return "failed", f"{much}: ask for a shorter one, or longer steps"
-    own = _own_share(system, trajectory, trajectory.redundant_rows)
-    why = cause(system, trajectory, trajectory.t, trajectory.x) or UNKNOWN
-    if own is not None:
-        why = _nearly(system, *own)
-    if status == STEP_UNDERFLOW:
-        return "failed", f"at {t} the step became too small: {why}"
-    if status == MAX_STEPS:
-        tried = trajectory.steps + trajectory.rejected
-        size = abs(trajectory.step)
-        return "failed", (f"at {t}, after {tried} steps, the rest to {stop:g} s would take too many: they "
-                          f"are {size:.1g} s long; {why}")  # fmt: skip
-    return "failed", f"the integration ended at {t} with status {status}"
+def fixed_step_verdict(system: System, trajectory: Trajectory, step: float, stop: float) -> tuple[str, str]:
+    """`verdict` for a fixed step: if the solution failed at a state that a step reached, the step may be too
+    long."""
+    status, message = verdict(system, trajectory, stop)
+    if status == "failed" and trajectory.status in (INCONSISTENT, SINGULAR_MASS, NOT_FINITE):
+        message += (
+            f"; the fixed step of {step:g} s may be too long: ask for a shorter one, or for an accuracy"
+        )
+    return status, message
+
+
+def _at_event(system: System, run: Trajectory) -> str:
+    """The message of a run that failed at an event."""
+    k, interface = run.culprit, system.interface
+    if run.status == MISPLACED:
+        clause = interface.whens[k]
+        return (f"the new values that `when {clause.words}` gives are not finite, or do not "
+                f"meet the constraints{_left_out(system, clause)}")  # fmt: skip
+    if run.status == CHATTERING and interface.drives(k) and not _accumulates(run):
+        return (f"{interface.switches[k]}, and the forces on both sides drive the motion back to it: the "
+                "state sticks there, as with dry friction. Use a smooth law, such as tanh(v/v0) instead of "
+                "sign(v), or a constraint")  # fmt: skip
+    what = event_names(system, k if run.status == CHATTERING else run.events[-1][1])[0]
+    return (f"`{what}` occurs again and again in ever shorter intervals, as with bounces that accumulate: "
+            "end the run before by a `when` clause with `terminate`, and continue with the contact as a "
+            "constraint")  # fmt: skip
 
 
 def _left_out(system: System, clause: Clause) -> str:
-    """What constraints tie to the values that a clause gives, and it does not."""
+    """The states that constraints couple to the values that a clause sets, and that it does not set."""
     interface, given = system.interface, set(clause.states)
     ends, columns, left, rows = interface.condition_ends, interface.condition_columns, set[int](), list[int]()
     for k in range(interface.nh + interface.nc):
@@ -155,110 +141,143 @@ def _left_out(system: System, clause: Clause) -> str:
     names = [state_name(system, i) for i in sorted(left)]
     ties = [row_name(system, k) for k in dict.fromkeys(rows)]
     shown, by = (", ".join(a[:MOST_NAMED]) + more(a, MOST_NAMED) for a in (names, ties))
-    return f": it leaves {shown} as before, which {by} may tie to them"
+    return f": it leaves {shown} unchanged, which {by} may couple to them"
 
 
-def _ever_sooner(run: Trajectory) -> bool:
-    """Whether a run of too many steps ended among jumps that no more than a step of it lies between."""
+def _accumulates(run: Trajectory) -> bool:
+    """Whether a run with too many steps ended among jumps that are about one step apart."""
     last = run.jumps[-SEVERAL:]
     near = len(last) == SEVERAL and abs(run.t - last[0]) <= SEVERAL * SEVERAL * abs(run.step)
     return near and run.status in (MAX_STEPS, STEP_UNDERFLOW)
 
 
-def sound(system: System, trajectory: Trajectory) -> bool:
-    """Whether the motion has a rate where the run ended."""
-    return system.rhs(trajectory.t, trajectory.x, [0.0] * system.nx, [0.0] * system.nc) in (OK, REDUNDANT)
+def _inconsistent(system: System, run: Trajectory) -> str:
+    from lagc.simulation.diagnosis import kink
+
+    share = _own_share(system, run, [run.culprit])
+    if share is not None:
+        return _nearly_dependent(system, *share)
+    reason = kink(system, run, run.t, run.x)
+    return reason or f"the constraints contradict each other: {row_name(system, run.culprit)}"
+
+
+def _unfinished(system: System, run: Trajectory, stop: float) -> str:
+    """The message of a run whose step size or values left the range of numbers, or with too many steps."""
+    status, t = run.status, f"t = {run.t:.6g} s"
+    if status != MAX_STEPS and run.steps == 0 and 0.0 < stop < SHORTEST:
+        return f"a run of {stop:g} s is too short for double precision: ask for a longer one"
+    if status == NOT_FINITE and run.steps == 0 and rates_at(system, run.t, run.x) is not None:
+        return f"the first steps towards {stop:g} s overflow: ask for a shorter run"
+    if status == NOT_FINITE:
+        when = f"after {t}" if run.steps else "at the start"
+        return f"{when} {state_name(system, run.culprit)} or its rate is not a finite number"
+    if status == STEP_UNDERFLOW and run.steps == run.rejected == 0:
+        much = f"the run to {stop:g} s would take more than {STEPS:g} steps"
+        return f"{much}: ask for a shorter one, or longer steps"
+    from lagc.simulation.diagnosis import cause
+
+    share = _own_share(system, run, run.redundant_rows)
+    why = (
+        _nearly_dependent(system, *share)
+        if share is not None
+        else cause(system, run, run.t, run.x) or UNKNOWN
+    )
+    if status == STEP_UNDERFLOW:
+        return f"at {t} the step size became too small: {why}"
+    if status == MAX_STEPS:
+        return (f"at {t}, after {run.steps + run.rejected} steps of about {abs(run.step):.1g} s, the rest to "
+                f"{stop:g} s would take too many steps: {why}")  # fmt: skip
+    return f"the integration ended at {t} with status {status}"
 
 
 def _missed(system: System, found: Verified, asked: float) -> Verdict:
-    """What is said and returned where the accuracy asked was not reached, and its error.
+    """The verdict if the accuracy `asked` was not reached.
 
-    Where the end of the motion is known to less than a hundredth, no point of it beyond the
-    horizon is an answer, and none is given.
+    If the end of the motion is known to less than a hundredth, only the part up to the horizon is returned.
     """
     run, estimated, horizon = found.trajectory, found.estimated, found.horizon
-    if estimated < MEANINGLESS or horizon is None or found.beside is None:
-        until = (
-            f"; it is met until t = {horizon:.6g} s" if horizon is not None and horizon > run.times[0] else ""
-        )
-        if found.rounding > min(asked, 0.5 * estimated):
-            why = f"rounding moves the motion by up to {found.rounding:.2g}, as {_why_rounding(found, asked)}"
-        elif found.options.rtol <= 10.0 * FINEST:
-            why = f"the best is estimated at {estimated:.2g}, at the finest tolerance"
-        else:
-            message = (
-                f"the accuracy {asked:g} was not reached: the best is estimated at {estimated:.2g}{until}"
-            )
-            return Verdict("failed", message, run, estimated)
-        if not until:
-            until = f"; {estimated:.0e} or so can be, and more by the code of `lagc build --real quad`"
-        message = f"the accuracy {asked:g} cannot be assured in double precision here: {why}{until}"
+    if estimated >= MEANINGLESS and horizon is not None and found.beside is not None:
+        return _until_horizon(system, found, found.beside, horizon, asked)
+    until = "" if horizon is None or horizon <= run.times[0] else f"; it is met until t = {horizon:.6g} s"
+    if found.rounding > min(asked, 0.5 * estimated):
+        why = f"round-off changes the motion by up to {found.rounding:.2g}, because {_roundoff(found, asked)}"
+    elif found.options.rtol <= 10.0 * FINEST:
+        why = f"the best is estimated at {estimated:.2g}, at the finest tolerance"
+    else:
+        message = f"the accuracy {asked:g} was not reached: the best is estimated at {estimated:.2g}{until}"
         return Verdict("failed", message, run, estimated)
-    from lagc.simulation.diagnosis.cause import cause, growth
+    if not until:
+        until = f"; about {estimated:.0e} can be reached, and more by the code of `lagc build --real quad`"
+    message = f"the accuracy {asked:g} cannot be assured in double precision here: {why}{until}"
+    return Verdict("failed", message, run, estimated)
 
+
+def _until_horizon(
+    system: System, found: Verified, beside: Trajectory, horizon: float, asked: float
+) -> Verdict:
+    """The verdict on the part of a run up to `horizon`, beyond which it is not known."""
+    from lagc.simulation.diagnosis import cause, tenfold_time
+
+    run = found.trajectory
     kept = sum(1 for t in run.times if t <= horizon)
     times, states = run.times[:kept], run.states[:kept]
-    tenfold, beyond = growth(system, run, found.beside, horizon), "runs of different tolerance part"
+    tenfold, beyond = tenfold_time(system, run, beside, horizon), "runs of different tolerance differ"
     if tenfold is not None:
         beyond += f"; differences grow tenfold every {tenfold:.2g} s (it is chaotic, or unstable)"
-    elif found.rounding > 0.5 * estimated:
-        beyond = f"rounding moves it by up to {found.rounding:.2g}, as {_why_rounding(found, asked)}"
+    elif found.rounding > 0.5 * found.estimated:
+        beyond = f"round-off changes it by up to {found.rounding:.2g}, because {_roundoff(found, asked)}"
     else:
         beyond += f"; {cause(system, run, run.times[kept - 1], run.states[kept - 1]) or UNKNOWN}"
-    message = f"the motion can be foretold to {asked:g} until t = {horizon:.6g} s only: beyond it, {beyond}"
+    message = f"the motion is predictable to {asked:g} only until t = {horizon:.6g} s: beyond it, {beyond}"
     events, corners = ([e for e in own if e[0] <= times[-1]] for own in (run.events, run.corners))
     cut = run.changed(times=times, states=states, t=times[-1], x=states[-1], events=events, corners=corners)
     return Verdict("failed", message, cut, asked)
 
 
-def _why_rounding(found: Verified, asked: float) -> str:
+def _roundoff(found: Verified, asked: float) -> str:
     if found.rounding > 10.0 * found.drift:
         return f"differences grow {found.rounding / found.drift:.1g} times"
-    if asked < LAST:
-        return "doubles have 16 digits"
+    if asked < FEWEST_DIGITS:
+        return "double precision has 16 digits"
     return "the equations are ill-conditioned, or the motion is long"
 
 
-def _unbalanced(system: System, run: Trajectory, out: Balance, asked: float) -> str:
-    from lagc.simulation.global_error.energy_balance import leap
-
-    found, why = leap(system, run), UNKNOWN
-    if found is not None:
-        why = f"the energy of the states changes by {found[1]:.3g} J at once at t = {found[0]:.6g} s"
-    return (f"at t = {out.t:.6g} s the energy is out of balance by {out.imbalance:.2g} J, where errors of "
-            f"{asked:g} in the states explain {out.explained:.2g} J at most: the motion is wrong, though "
-            f"runs of different tolerance agree; {why}")  # fmt: skip
+def _unbalanced(balance: Balance, asked: float) -> str:
+    return (f"at t = {balance.t:.6g} s the energy is out of balance by {balance.imbalance:.2g} J, and errors "
+            f"of {asked:g} in the states explain {balance.explained:.2g} J at most: the motion is wrong, "
+            "although runs of different tolerance agree; perhaps the energy jumps, as at the cut of an "
+            "angle")  # fmt: skip
 
 
-def _kept(system: System, run: Trajectory) -> tuple[int, float] | None:
-    """`kept_share`, where a row was left out."""
+def _kept_share(system: System, run: Trajectory) -> tuple[int, float] | None:
+    """`kept_share`, if a constraint was left out as dependent."""
     if not run.redundant_rows:
         return None
-    from lagc.simulation.diagnosis.row_dependence import kept_share
+    from lagc.simulation.diagnosis import kept_share
 
     return kept_share(system, run)
 
 
 def _own_share(system: System, run: Trajectory, rows: Sequence[int]) -> tuple[int, float] | None:
-    """Of `rows`, one with a small share of its own where the run ended, and that share."""
+    """The first of `rows` that nearly depends on others at the end of the run, and its own share."""
     if min(rows, default=-1) < 0 or len(run.x) < system.nx:
         return None
-    from lagc.simulation.diagnosis.row_dependence import own_share
+    from lagc.simulation.diagnosis import own_share
 
     return own_share(system, run, rows, [(run.t, run.x)])
 
 
-def _nearly(system: System, row: int, share: float) -> str:
-    return (f"{row_name(system, row)} all but depends on others: a share of {share:.1g} of it is its own, "
-            "and what that demands is not met; leave it out, or make it differ more")  # fmt: skip
+def _nearly_dependent(system: System, row: int, share: float) -> str:
+    return (f"{row_name(system, row)} nearly depends on others: a share of {share:.1g} of it is its own, "
+            "and is not met; remove the constraint, or make it differ more")  # fmt: skip
 
 
 def redundancy(system: System, trajectory: Trajectory) -> str:
-    """A note on rows that were found to depend on others."""
-    kept = _kept(system, trajectory)
+    """A note on the constraints that depend on others in a run."""
+    kept = _kept_share(system, trajectory)
     if kept is not None:
-        return _nearly(system, *kept)
-    from lagc.simulation.diagnosis.row_dependence import spare_rows
+        return _nearly_dependent(system, *kept)
+    from lagc.simulation.diagnosis import spare_rows
 
     spare = spare_rows(system, trajectory)
     rows, several = ", ".join(row_name(system, k) for k in spare), len(spare) > 1

@@ -33,7 +33,7 @@ n = int(sys.argv[1])
 def mark(): marks.append(clock())
 import lagc
 from lagc.compiler.pipeline import Choice, Compilation, derive, optimize, parse, render, resolve
-from lagc import library
+from lagc.host import model_library as library
 import lagc.semantics.resolve, lagc.syntax.parse, lagc.mechanics.derive, lagc.lowering.lower_equations
 import lagc.codegen.python.emit, lagc.simulation.backends.python
 mark()

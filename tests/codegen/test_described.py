@@ -22,6 +22,7 @@ from lagc.kernels.language import statuses
 from lagc.lowering import jacobians
 from lagc.semantics import model
 from lagc.simulation.backends.c import _head_type, _Options, _state_type
+from lagc.simulation.initialization import solver
 from tests.codegen.tools import of_model
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -108,7 +108,7 @@ def _double_pendulum(t: float) -> tuple[float, float]:
 def test_chaotic_motion_is_told_only_as_far_as_it_can_be_known() -> None:
     run = lagc.load("classic/double_pendulum").compile("chaotic").simulate(100.0, accuracy=1e-6)
     assert run.status != "ok"
-    assert "foretold" in run.message
+    assert "predictable" in run.message
     horizon = run.times[-1]
     assert 5.0 < horizon < 60.0
     exact = _double_pendulum(horizon)  # up to the horizon the points are right

@@ -379,7 +379,7 @@ def test_a_motion_that_rounding_moves_has_a_model_and_a_note() -> None:
     assert abs(linear.x[0] - exp(-20.0)) <= known <= 1e-5
     assert np.array_equal(linear.A, [[0.0, 1.0], [25.0, 0.0]])
     assert not model.linearize(1.0).notes
-    with pytest.raises(ArithmeticError, match="foretold"):
+    with pytest.raises(ArithmeticError, match="predictable"):
         model.linearize(8.0)
 
 

@@ -10,7 +10,7 @@ import pytest
 import lagc
 from lagc.api import Run
 from lagc.host.model_library import library_models
-from lagc.simulation.diagnosis.cause import losing_rank
+from lagc.simulation.diagnosis import losing_rank
 from lagc.simulation.error_measure import difference, sizes
 from lagc.simulation.global_error.equilibrium_start import resting
 from lagc.simulation.system import MAX_STEPS, OK, STEP_UNDERFLOW, Options, Trajectory

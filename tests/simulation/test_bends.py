@@ -28,7 +28,9 @@ def told(rows: str, backend: str) -> tuple[str, float, str]:
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 def test_a_run_that_comes_to_a_tip_fails_and_says_so(backend: str) -> None:
     status, t, message = told("constraint cone: z = norm({x, y, 0});", backend)
-    assert status == "failed" and "`cone` is not smooth there" in message and "contradict" not in message
+    assert (
+        status == "failed" and "`cone` is not differentiable there" in message and "contradict" not in message
+    )
     assert 0.45 < t <= 0.5 + 1e-9
 
 
@@ -38,4 +40,4 @@ def test_smooth_rows_are_not_said_to_bend() -> None:
         "constraint aa: x + y = 0; constraint bb: x^3/l^2 + y = l*(time/T)^2;",
         "constraint cone: z = sqrt(x^2 + y^2 + 1e-4*l^2);",
     ):
-        assert "smooth" not in told(rows, "numpy")[2], rows
+        assert "differentiable" not in told(rows, "numpy")[2], rows

@@ -212,7 +212,7 @@ def test_friction_that_holds_is_still_told(push: str) -> None:
         f"  force f = {{{push} - 2 [N]*sign(der(x)), 0, 0}} at b;\nend S;"
     )
     run = lagc.loads(text).compile(backend="numpy").simulate(3.0)
-    assert run.status == "failed" and "drives it back" in run.message
+    assert run.status == "failed" and "drive the motion back" in run.message
 
 
 BLOCKS = """model Blocks

@@ -237,7 +237,7 @@ def test_a_finer_run_that_fails_does_not_hide_the_coarser_answer() -> None:
 
     run = simulate(Fails(), Request(stop=10.0, accuracy=1e-9))
     assert run.status == "failed" and run.times[-1] == 10.0
-    assert "best is estimated" in run.message and "at t = 4 s the step became too small" in run.message
+    assert "best is estimated" in run.message and "at t = 4 s the step size became too small" in run.message
 
 
 @pytest.mark.parametrize(

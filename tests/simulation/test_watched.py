@@ -7,37 +7,35 @@ from random import Random
 import pytest
 
 import lagc
-from lagc.simulation.error_measure import ENOUGH, Watched
+from lagc.simulation.error_measure import FEWEST_PARTS, ComparisonGrid
 from lagc.simulation.system import Options, Trajectory
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_all_times_that_are_asked_for_are_among_those_watched(seed: int) -> None:
+def test_the_grid_has_all_recorded_times(seed: int) -> None:
     chance = Random(seed)
     size = 10.0 ** chance.uniform(-307.0, 308.0)
     asked = sorted(size * chance.random() for _ in range(chance.choice((1, 2, 3, 5, 33, 34, 100))))
-    watched = Watched(asked)
-    assert watched.times == sorted(watched.times)
-    assert len(watched.times) > ENOUGH or len(asked) == 1
-    run = Trajectory(watched.times, [[t] for t in watched.times], asked[-1], [asked[-1]])
-    told = watched.told(run)
+    grid = ComparisonGrid(asked)
+    assert grid.times == sorted(grid.times)
+    assert len(grid.times) > FEWEST_PARTS or len(asked) == 1
+    run = Trajectory(grid.times, [[t] for t in grid.times], asked[-1], [asked[-1]])
+    told = grid.recorded(run)
     assert told.times == asked and told.states == [[t] for t in asked]
-    kept = chance.randrange(len(watched.times) + 1)  # a part of it
-    told = watched.told(run.changed(times=run.times[:kept], states=run.states[:kept]))
-    assert told.times == [t for t in asked if t in watched.times[:kept]] == [x for (x,) in told.states]
+    kept = chance.randrange(len(grid.times) + 1)  # a part of it
+    told = grid.recorded(run.changed(times=run.times[:kept], states=run.states[:kept]))
+    assert told.times == [t for t in asked if t in grid.times[:kept]] == [x for (x,) in told.states]
 
 
 @pytest.mark.parametrize("name", ["double_pendulum", "string_pendulum", "heavy_top_quaternion", "four_bar"])
-def test_what_is_told_is_what_it_would_be_alone(name: str) -> None:
+def test_a_run_on_the_grid_is_the_run_on_the_recorded_times(name: str) -> None:
     model = lagc.load(f"classic/{name}" if name != "string_pendulum" else name).compile(backend="numpy")
     x0 = model.simulate(0.0).states[0]
     for points in (1, 2, 5):
         asked = [0.5 * k / points for k in range(points + 1)]
-        watched = Watched(asked)
+        grid = ComparisonGrid(asked)
         for tol in (1e-5, 1e-9):
-            more, alone = (
-                model.system.integrate(Options(rtol=tol), 0.0, x0, t) for t in (watched.times, asked)
-            )
-            assert watched.told(more).states == alone.states and more.steps == alone.steps
+            more, alone = (model.system.integrate(Options(rtol=tol), 0.0, x0, t) for t in (grid.times, asked))
+            assert grid.recorded(more).states == alone.states and more.steps == alone.steps

@@ -443,7 +443,7 @@ def test_what_constraints_tie_and_is_not_given_is_told() -> None:
     end M;"""
     run = lagc.loads(text).compile(backend="numpy").simulate(1.0)
     assert run.status == "failed"
-    assert "leaves `der(z)` as before, which constraint `circle` may tie to them" in run.message
+    assert "leaves `der(z)` unchanged, which constraint `circle` may couple to them" in run.message
 
 
 class Unread(float):

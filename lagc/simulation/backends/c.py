@@ -240,7 +240,8 @@ class CSystem(CompiledSystem):
                 step=state.t - state.t_old, fallbacks=head.fallbacks,
                 redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
                 position_drift=state.position_drift, velocity_drift=state.velocity_drift,
-                sizes=state.sizes[:], event_roundoff=state.event_roundoff[:] if self.interface.switches else (),
+                sizes=state.sizes[:],
+                event_roundoff=state.event_roundoff[:] if self.interface.switches else (),
                 events=events, jumps=jumps, corners=corners,
                 changes=state.changes if self.interface.switches else 0,
             )  # fmt: skip
@@ -306,7 +307,8 @@ def _state_type(nx: int, kinds: int, switches: int, acts: int) -> type[Any]:
                 else ()
             ),
             *(
-                (("acts", c_int), ("acted", c_int * acts), ("jumps", c_long), ("x_before_event", c_double * nx))
+                (("acts", c_int), ("acted", c_int * acts), ("jumps", c_long),
+                 ("x_before_event", c_double * nx))
                 if acts
                 else ()
             ),

@@ -21,7 +21,6 @@ PROBED = 6  # states at which the sensitivity of the energy is told
 STEP = 1e-6  # of a size, for differences
 MARGIN = 10.0  # on what errors of the states explain
 WORK_MARGIN = 100.0  # on the work, whose integral has no error control of its own
-CELLS = 64  # into which the time between two states is cut, twice
 ROUNDING = 1e3  # rounding of the terms, over that of one evaluation
 
 
@@ -85,37 +84,6 @@ class _Drawn:
         left = [abs(e[2] - e0 - (w - w0)) for e, w in zip(self.energies, self.works)]
         worst = max(range(len(left)), key=left.__getitem__)
         return Balance(left[worst], self.times[worst], explained)
-
-
-def leap(system: System, trajectory: Trajectory) -> tuple[float, float] | None:
-    """When, and by how much, the energy of the states between two recorded ones, taken on the straight
-    line, changes at once or all but so; None where it does not.
-
-    What two cells of that line bring, less what those beside them do, shrinks with the square of their
-    length where the energy is smooth.
-    """
-    times, states = trajectory.times, trajectory.states
-    drawn = _Drawn(system, times, states, list(range(len(states))))
-    left = [e[2] - w for e, w in zip(drawn.energies, drawn.works)]
-    if len(left) < 2:
-        return None
-    k = max(range(len(left) - 1), key=lambda i: abs(left[i + 1] - left[i]))
-    change = left[k + 1] - left[k]
-
-    def energy(share: float) -> float:
-        x = [a + share * (b - a) for a, b in zip(states[k], states[k + 1])]
-        return system.energies(times[k] + share * (times[k + 1] - times[k]), x)[2]
-
-    begin, cell, found = 0.0, 1.0 / CELLS, change
-    for _ in range(2):
-        ends = [energy(begin + i * cell) for i in range(-3, CELLS + 4)]
-        steps = [b - a for a, b in zip(ends, ends[2:])]
-        own = [b - 0.5 * (a + c) for a, b, c in zip(steps, steps[2:], steps[4:])]
-        most = max(range(len(own)), key=lambda i: abs(own[i]))
-        if not abs(own[most]) >= 0.5 * abs(found):
-            return None
-        begin, cell, found = begin + (most - 1) * cell, 2.0 * cell / CELLS, own[most]
-    return times[k] + begin * (times[k + 1] - times[k]), found
 
 
 def _explained(
