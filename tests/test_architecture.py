@@ -32,15 +32,6 @@ def test_rooms_import_only_what_comes_before_them() -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-# A circle that is still to be cut, with the imports that close it; an entry goes once its circle is gone.
-KNOWN_CIRCLES: tuple[frozenset[str], ...] = (
-    frozenset({
-        "lagc.simulation.formats", "lagc.simulation.sensitivity.sensitivity", "lagc.simulation.simulate",
-        "lagc.simulation.solution",
-    }),
-)  # fmt: skip
-
-
 def imports(tree: ast.AST, known: set[str]) -> Iterator[str]:
     """Yield the modules that a module imports: at the top, within functions and for type checkers alone."""
     for node in ast.walk(tree):
@@ -73,8 +64,7 @@ def modules() -> dict[str, str]:
 
 
 def test_no_modules_import_one_another_in_a_circle() -> None:
-    new = [found for found in circles(modules()) if not any(found <= known for known in KNOWN_CIRCLES)]
-    assert not new
+    assert not circles(modules())
 
 
 def test_circles_of_imports_are_found() -> None:

@@ -6,53 +6,55 @@ from lagc.diagnostics.catalogue import Entry
 
 ENTRIES: dict[str, Entry] = {
     "LAG0701": Entry(
-        "there is no such model file",
-        "A model is named by the path of its file, or by the name of a model of the library, with its "
-        "folder where two have the same name: `simple_pendulum`, `course/simple_pendulum`.",
+        "a model file that does not exist",
+        "Give the path of a model file, or the name of a library model, with its folder if two models "
+        "have the same name: `simple_pendulum`, `course/simple_pendulum`.",
     ),
     "LAG0702": Entry(
-        "a model file cannot be read",
-        "A model is a regular file, `-` for standard input, or a pipe that somebody writes to; else the "
-        "system says why: a folder, or no permission.",
+        "a model file that cannot be read",
+        "A model is a regular file, a pipe that another program writes to, or `-` for standard input. The "
+        "message gives the reason of the operating system.",
     ),
-    "LAG0703": Entry("a model file is not UTF-8 text", "Save it as UTF-8; a byte order mark is allowed."),
-    "LAG0704": Entry("a model file is too large", "The largest that is read has 4 MB; none is read in part."),
+    "LAG0703": Entry(
+        "a model file that is not UTF-8 text", "Save the file as UTF-8. A byte order mark is allowed."
+    ),
+    "LAG0704": Entry("a model file that is too large", "The largest model file has 4 MB."),
     "LAG0705": Entry(
-        "a file has changed since the model was compiled",
-        "A compiled model never changes: what is compiled of it later, as its derivatives or its C, is made "
-        "of the same imports and files of numbers.  Load and compile it again for the new ones.",
+        "a file that has changed since the model was compiled",
+        "A compiled model never changes: later stages, such as its derivatives or its C code, use the "
+        "same imports and data files. Load and compile the model again to use the new files.",
     ),
     "LAG0799": Entry(
-        "internal error of lagc",
-        "This is never your fault: please report it, with the model.  With `-v` the details are written to a "
-        "file, whose name is printed.",
+        "an internal error of lagc",
+        "This is a bug in lagc, not in your model. Please report it together with the model. With `-v` "
+        "the details are written to a file, and its name is printed.",
     ),
     "LAG0801": Entry(
-        "a stage took longer than it may",
-        "The message names the stage.  With `--max-time T` the whole command has that time; without it each "
-        "stage of compiling has a minute and more for a large model, and a run as long as it takes "
-        "(LAG0803).  `--max-time none` lets everything go on.  A run that is ended keeps what it computed.",
+        "a stage that took too long",
+        "The message names the stage. `--max-time T` limits the whole command. Without it each stage of "
+        "the compiler may take one minute, or more for a large model, and a run is limited by LAG0803. "
+        "`--max-time none` removes all limits. A run that is stopped keeps what it computed.",
     ),
     "LAG0802": Entry(
-        "a stage needs more memory than it may have",
-        "The limit is `--max-memory SIZE`, else three quarters of the memory of the machine (4 GB at least); "
-        "the system counts what is reserved, which is somewhat more than what is used.",
+        "a stage that needs too much memory",
+        "The limit is `--max-memory SIZE`, by default three quarters of the memory of the machine (at "
+        "least 4 GB). The system counts reserved memory, which is somewhat more than the memory in use.",
     ),
     "LAG0803": Entry(
-        "a run would take longer than minutes",
-        "How far an integration came in its first seconds tells how long it will take.  One that needs more "
-        "than five minutes goes on only if told to: with `--max-time none`, or with `--max-time 2h`, when it "
-        "ends then and keeps what it has.",
+        "a run that would take more than five minutes",
+        "The progress in the first seconds predicts the duration of the run. A longer run needs your "
+        "permission: `--max-time none`, or `--max-time 2h`, which stops it after that time and keeps what "
+        "it computed.",
     ),
     "LAG0804": Entry(
-        "a run would record more than memory should hold",
-        "Points times states is known before the run: more than 2 GB are recorded only if allowed by "
-        "`--max-memory SIZE`.  Fewer points do not make the run less accurate.",
+        "a run that would record too much data",
+        "The number of points times the number of states is known before the run. Recording more than 2 "
+        "GB needs `--max-memory SIZE`. Fewer points do not make the run less accurate.",
     ),
     "LAG0805": Entry(
-        "the start was not tried to its end",
-        "`lagc check` tries starts as runs do, each for a minute, more for a large model; whether there is "
-        "one is not known where this warning stands.  A run searches for its start as long as it takes.  "
-        "With `--max-time T` the whole command has that time instead, and is ended by it (LAG0801).",
+        "an initialization that was not finished",
+        "`lagc check` tries the initialization of each scene for one minute, or more for a large model. "
+        "This warning means that the result is not known yet; a run searches without this limit. "
+        "`--max-time T` limits the whole command instead (LAG0801).",
     ),
 }

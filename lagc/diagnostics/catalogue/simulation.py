@@ -6,56 +6,55 @@ from lagc.diagnostics.catalogue import Entry
 
 ENTRIES: dict[str, Entry] = {
     "LAG0601": Entry(
-        "a run names something that the model does not have",
-        "`-p NAME=...` names a parameter or input, by the name that the model file declares, with the "
-        "instance before it where there is one: `a.bob.m`.  `lagc explain FILE` lists them.",
+        "a run that uses an unknown parameter or input",
+        "`-p NAME=...` uses the name of a parameter or input as declared in the model, with the instance "
+        "before it if there is one: `a.bob.m`. `lagc explain FILE` lists the names.",
     ),
     "LAG0602": Entry(
-        "a given value is outside its bounds, or not a finite number",
-        "The bounds are the `min` and `max` of the parameter's declaration.",
+        "a value that is out of bounds or not finite",
+        "The bounds are the `min` and `max` of the declaration.",
     ),
     "LAG0603": Entry(
-        "a parameter has no value",
-        "It was declared without one, and neither the scene nor the run gives it: say `-p NAME=VALUE`.",
+        "a parameter without a value",
+        "The declaration, the scene and the run give no value. Add one with `-p NAME=VALUE`.",
     ),
     "LAG0604": Entry(
-        "what is asked of the run makes no sense",
-        "Times and tolerances are positive and finite; `--accuracy` chooses method and tolerance, so that "
-        "it stands without `--method`, `--rtol`, `--atol` and `--step`; a fixed step has no tolerance; "
-        "`--every` and `--points` are two ways to say one thing.",
+        "run options that are not valid",
+        "Times and tolerances are positive and finite. `--accuracy` chooses the method and the tolerance, "
+        "so it excludes `--method`, `--rtol`, `--atol` and `--step`. A fixed step has no tolerance. "
+        "`--every` and `--points` exclude each other.",
     ),
     "LAG0605": Entry(
-        "a given value has the wrong unit",
-        "The unit in brackets must be one of the quantity that the parameter or start value is: "
-        "`-p 'l=70[cm]'` for a length.  Without brackets the number is in the SI unit.",
+        "a value with the wrong unit",
+        "The unit in brackets must have the dimension of the parameter or initial value: `-p 'l=70[cm]'` "
+        "for a length. A number without a unit is in SI units.",
     ),
     "LAG0606": Entry(
-        "a start value is given for something that does not start",
-        "`--start NAME=...` names a coordinate (`theta`) or a speed (`der(theta)`, or the name of a "
-        "declared `speed`).",
+        "an initial value for something that is not a state",
+        "`--start NAME=...` sets a coordinate (`theta`), its rate (`der(theta)`) or a declared `speed`.",
     ),
     "LAG0607": Entry(
-        "a run gives a parameter that is built into the compiled model",
-        "Structural parameters, and those whose value depends on others, are a part of the code: they are "
-        "given to `model.compile(parameters=...)`, before `bind`, `simulate` or `rhs`.",
+        "a parameter that is compiled into the model",
+        "Structural parameters, and parameters whose value depends on others, are part of the code. Set "
+        "them with `model.compile(parameters=...)`, before `bind`, `simulate` or `rhs`.",
     ),
     "LAG0610": Entry(
-        "no start was found that meets all conditions",
-        "The constraints, their rates, the `initial` section and the values that are fixed (`fixed`, "
-        "`startFixed`, `rateFixed`) have no common solution that is found from the start values.  Those that "
-        "are named have none together, and any fewer have.  Let one of them go where they contradict each "
-        "other; where there should be a solution, begin nearer to it.",
+        "an initialization that found no solution",
+        "The constraints, their time derivatives, the `initial` section and the fixed values (`fixed`, "
+        "`startFixed`, `rateFixed`) have no common solution that is found from the given guesses. The "
+        "named equations contradict each other, and any one of them can be removed. If a solution should "
+        "exist, give guesses closer to it.",
     ),
     "LAG0611": Entry(
-        "a start value is not a finite number",
-        "The expression after `start =` or `rate =` divides by zero, or takes the root or logarithm of a "
-        "negative number, for the parameters of this run.",
+        "an initial value that is not finite",
+        "The expression after `start =` or `rate =` divides by zero, or takes the root or the logarithm "
+        "of a negative number, for the parameters of this run.",
     ),
     "LAG0612": Entry(
-        "the mass matrix is singular at the start",
-        "Nothing has inertia along a speed: a mass or an inertia is zero for the parameters of this run, or "
-        "the start is a posture in which a coordinate moves nothing, as the longitude at a pole.  Give it "
-        "inertia, begin in another posture, or choose coordinates that have no such posture there.",
+        "a mass matrix that is singular at the initial state",
+        "A speed has no inertia: a mass or a moment of inertia is zero, or the initial posture is "
+        "singular for the chosen coordinates, as the longitude at a pole. Add inertia, start in another "
+        "posture, or choose other coordinates.",
         """
 model Bob
   parameter Mass m = 0;
@@ -74,9 +73,9 @@ end Bob;
 """,
     ),
     "LAG0613": Entry(
-        "the equations have no finite value at the start",
-        "An expression divides by zero there, or takes the root or logarithm of a negative number, for the "
-        "start values and parameters of this run.  It is named with the values of what it is made of.",
+        "equations that have no finite value at the initial state",
+        "An expression divides by zero, or takes the root or the logarithm of a negative number, for the "
+        "initial values and parameters of this run. The message shows the expression and the values in it.",
         """
 model Bead
   coordinate Length x(start = 0);
@@ -93,15 +92,16 @@ end Bead;
 """,
     ),
     "LAG0614": Entry(
-        "constraints contradict each other at the start",
-        "The start meets the constraints and their rates, but no acceleration goes on meeting them: "
-        "in this posture what they ask for depends on each other, and differs.  Let one of them go, or begin "
-        "in another posture.",
+        "constraints that contradict each other at the initial state",
+        "The initial state satisfies the constraints and their first time derivatives, but no "
+        "acceleration satisfies their second derivatives: in this posture the constraint equations are "
+        "dependent and contradictory. Remove one of them, or start in another posture.",
     ),
     "LAG0615": Entry(
-        "kinetic energy is negative",
-        "Some motion has less kinetic energy than rest: a term of `kinetic` or `lagrangian`, or a matrix of "
-        "inertia that no body has.  Forces would drive it the wrong way, and without end.",
+        "a negative kinetic energy",
+        "Some velocity has a negative kinetic energy, because of a `kinetic` or `lagrangian` term or an "
+        "inertia matrix that no body can have. The system would accelerate against its forces without "
+        "limit. Correct that term.",
         """
 model Bob
   coordinate Length x(rate = 1), y;
@@ -118,9 +118,9 @@ end Bob;
 """,
     ),
     "LAG0616": Entry(
-        "an output has no finite value at the start",
-        "It divides by zero there, or takes the root or logarithm of a negative number.  It does not change "
-        "the motion; its first recorded value is `inf` or `nan`.",
+        "an output that is not finite at the initial state",
+        "The output divides by zero, or takes the root or the logarithm of a negative number. The motion "
+        "is not affected; the first recorded value is `inf` or `nan`.",
         """
 model Bob
   coordinate Length x(rate = 1);
@@ -137,10 +137,10 @@ end Bob;
 """,
     ),
     "LAG0617": Entry(
-        "a value made of parameters is out of its bounds",
-        "The value of a parameter is computed from others and leaves the `min` or `max` of its declaration, "
-        "for the values of this run; or a mass or a moment of inertia is negative, or a moment is more "
-        "than the two others together.",
+        "a computed parameter that is out of bounds",
+        "A parameter that is computed from others leaves the `min` or `max` of its declaration for the "
+        "values of this run, or a mass or a moment of inertia is negative, or a moment of inertia exceeds "
+        "the sum of the two others.",
         """
 model Bob
   parameter Mass total = 1, fuel = 2;
@@ -157,8 +157,8 @@ end Bob;
 """,
     ),
     "LAG0618": Entry(
-        "an angle of many whole radians",
-        "A number without a unit that is given to an angle is in radians; this one looks like degrees.",
+        "an angle that looks like degrees",
+        "A number without a unit that is given to an angle is in radians.",
         """
 model Pendulum
   coordinate Angle theta(start = 30);
@@ -173,13 +173,13 @@ end Pendulum;
 """,
     ),
     "LAG0620": Entry(
-        "the simulation failed",
-        "It ended before its time, or did not reach the accuracy asked; the message says where and why.  "
-        "What was computed until then is printed, written and drawn as asked; the exit code is 3.",
+        "a failed simulation",
+        "The run ended early, or did not reach the requested accuracy. The message says where and why. "
+        "The results up to that time are printed, written and plotted as requested; the exit code is 3.",
     ),
     "LAG0621": Entry(
-        "there is no linear model",
-        "No equilibrium was found, the motion does not get to the time asked, or derivatives have no finite "
-        "value there; the exit code is 3.",
+        "a linearization that failed",
+        "No equilibrium was found, the motion does not reach the requested time, or the derivatives are "
+        "not finite there; the exit code is 3.",
     ),
 }
