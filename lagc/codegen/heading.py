@@ -1,20 +1,21 @@
-"""What the first lines of every generated file say: what it is, whose it is, what it solves."""
+"""The heading of every generated file: origin, licence and equations; the texts of the statuses."""
 
 from __future__ import annotations
 
 from lagc.codegen.identifiers import comment
+from lagc.codegen.kernel_compiler.shipped import parts
 from lagc.lowering.program import Interface
 
-ABI_VERSION = 4
+ABI_VERSION = 5
 SPDX = "SPDX-License-Identifier: MIT-0"
 LICENCE = (
-    "This file belongs to whoever generated it: use, change and pass it on without any condition.",
-    "It is provided as it is, without warranty of any kind.",
+    "Whoever generated this file may use, change and distribute it without any condition.",
+    "It comes without warranty of any kind.",
 )
 
 
 def origin(interface: Interface, file: str) -> str:
-    """One line: where the file comes from."""
+    """Return one line that names the source of the file."""
     scene = f", scene {interface.scene}" if interface.scene else ""
     effects = f", with {', '.join(interface.effects)}" if interface.effects else ""
     source = f"{interface.source_name}, model {interface.model}{scene}{effects}"
@@ -22,10 +23,16 @@ def origin(interface: Interface, file: str) -> str:
 
 
 def equation(interface: Interface) -> tuple[str, ...]:
-    """The equations that a rendered model solves, in the field's notation."""
+    """Return the equations that the generated code solves."""
     first = "qdot = v" if "displace" not in interface.functions else "qdot = N(t,q) v + n(t,q)"
     if not interface.nc:
         return (f"{first},   M(t,q) a = r(t,q,v)",)
     rows = ["phi(t,q) = 0"] if interface.nh else []
     rows += ["psi(t,q,v) = 0"] if interface.nc > interface.nh else []
     return f"{first},   M(t,q) a = r(t,q,v) + G^T lambda", f"{',   '.join(rows)},   G a = gamma"
+
+
+def status_texts() -> tuple[str, ...]:
+    """Return the meaning of each status (`lagc.kernels.language.statuses`)."""
+    notes = [part["note"] for part in parts() if part["kind"] == "Status"]
+    return tuple([note.partition("; culprit: ")[0].removesuffix(".") + "." for note in notes])

@@ -1,14 +1,14 @@
-"""The runtime, written once: all that runs and is not the equations of a model.
+"""The runtime of generated code, written once: integrators, constraints, events, initialization.
 
-Kernels are Python in a small typed subset (`words`), one file a subject, with the formula and its source
-as comment.  The printers of `lagc.codegen.kernel_compiler` make C and Python of them; what is outside the subset
-is refused there with file and line.  No kernel calls one that stands after it: files in the order of
-FILES, functions in that of their file.
+A kernel is Python in a small typed subset (`language/words`); a file treats one subject and names its
+sources.  The printers of `lagc.codegen.kernel_compiler` translate kernels to C and Python and refuse, with
+file and line, what is outside of the subset.  A kernel calls only kernels that stand before it: files in the
+order of FILES, functions in the order of their file.
 """
 
 from typing import NewType
 
-Status = NewType("Status", int)  # what a call ends with: see `statuses`
+Status = NewType("Status", int)  # the result of a call, see `statuses`
 FILES = (
     "language/statuses",
     "language/tolerances",
@@ -60,11 +60,11 @@ WORDS = (
     "language/tables",
     "language/model",
     "language/tableau",
-)  # what kernels may name
+)  # the declarations that kernels use
 METHODS = (
     "dop853",
     "dopri5",
     "rk4",
     "bs32",
-)  # folder `integrators/tableaus`: one file each; a number of the interface by its place
-MOST_ACTS = 20  # of a clause `when` at one moment, on average: more are without end
+)  # one file each in `integrators/tableaus`; the position is the number in generated code
+MOST_ACTS = 20  # actions of a `when` clause at one event, on average; more are taken for endless

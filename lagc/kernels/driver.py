@@ -1,4 +1,8 @@
-"""One step after the other."""
+"""One step of a trajectory: attempts, events, acceptance.
+
+E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, Springer 1993 (HNW),
+section II.4; L. F. Shampine, I. Gladwell, R. W. Brankin, ACM Trans. Math. Software 17 (1991) 11-25 (events).
+"""
 
 from __future__ import annotations
 
@@ -37,16 +41,16 @@ from lagc.kernels.language.statuses import CHATTERING, MAX_STEPS, NOT_FINITE, OK
 from lagc.kernels.language.tolerances import LEAST_STEP, SPACING
 from lagc.kernels.language.words import Params, Real, Status
 
-LEAST_REDUCTION = 0.1  # of a step that hides something from its beginning on: how long the next is tried
-MOST_REDUCTIONS = 40  # times
-TIME_ERROR = 10.0  # of a step, times the tolerance
-FIRST_ORDER = 0.1  # of a step, times the root of the tolerance
-SHORT_STEP = 1e6  # last places of the time: of a step that has no error
-LARGE_ERROR = 100.0  # the error of a step that tells little of how long it should be
+LEAST_REDUCTION = 0.1  # least size, relative to that of a step that hides an event, of the next attempt
+MOST_REDUCTIONS = 40  # of one step because of a hidden event
+TIME_ERROR = 10.0  # error of an event time, over step size and tolerance
+FIRST_ORDER = 0.1  # time that is corrected to first order, over step size and root of the tolerance
+SHORT_STEP = 1e6  # size of a step without truncation error, in units of the last place of the time
+LARGE_ERROR = 100.0  # error of a step that says little about the right step size
 
 
-def project_and_evaluate(p: Params, s: State, t: Real, o: Options, w: Work) -> Status:
-    """Project the new state and evaluate there."""
+def finish_step(p: Params, s: State, t: Real, o: Options, w: Work) -> Status:
+    """Project the new state onto the constraints and evaluate its rate."""
     if NC > 0 or NQUAT > 0:
         if o.project:
             status = project(p, t, s.x_new, w.trial_sizes, w)
@@ -56,7 +60,7 @@ def project_and_evaluate(p: Params, s: State, t: Real, o: Options, w: Work) -> S
                 s.position_drift = w.position_residual
             if w.velocity_residual > s.velocity_drift:
                 s.velocity_drift = w.velocity_residual
-    w.culprit = not_finite(s.x_new, NX)  # also of what no equation depends on
+    w.culprit = not_finite(s.x_new, NX)  # also of states that appear in no equation
     if w.culprit >= 0:
         return NOT_FINITE
     s.rhs += 1
@@ -64,7 +68,7 @@ def project_and_evaluate(p: Params, s: State, t: Real, o: Options, w: Work) -> S
 
 
 def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
-    """Stages, error and arrival; a.error <= 1 where the step is accepted."""
+    """Compute stages, error and end of an attempt.  It is acceptable if a.error <= 1."""
     a.error = 0.0
     status = method_stages(o.method, p, s.t, s.x, a.h, s, w)
     s.rhs += last_stage(o.method) - 1
@@ -72,7 +76,7 @@ def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
         return status
     set_error_weights(s, o, a.h, w)
     if needs_end_rate(o.method) or o.step > 0.0:
-        status = project_and_evaluate(p, s, a.t_new, o, w)
+        status = finish_step(p, s, a.t_new, o, w)
         if failed(status) or o.step > 0.0:
             return status
     a.error = method_error(o.method, a.h, s, w)
@@ -82,23 +86,23 @@ def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     if a.roundoff_estimated:
         a.error = error_without_roundoff(p, s, a.t_new, a.h, o, a.error, w)
     if a.error <= 1.0 and not needs_end_rate(o.method):
-        return project_and_evaluate(p, s, a.t_new, o, w)
+        return finish_step(p, s, a.t_new, o, w)
     return status
 
 
 def end_step_at_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
-    """Where a switch changes within the step, the step once more, to end there; a.h is 0 where that is at its
-    beginning, and the switch has changed."""
+    """If an indicator crosses zero within the step, repeat the step so that it ends at the crossing.  If the
+    crossing is at its begin, handle the event and set a.h to 0."""
     release_slack(p, s, w)
-    much = LEAST_SLACK
+    factor = LEAST_SLACK
     part = first_crossing(p, s, o.method, a, w)
     while (
         part >= 0.0
         and part < NO_EVENT
-        and much < MOST_SLACK
-        and crosses_by_roundoff(p, s, o.method, part, much, a, w)
+        and factor < MOST_SLACK
+        and crosses_by_roundoff(p, s, o.method, part, factor, a, w)
     ):
-        much *= 2.0
+        factor *= 2.0
         part = first_crossing(p, s, o.method, a, w)
     if part < 0.0:
         return NOT_FINITE
@@ -121,14 +125,14 @@ def end_step_at_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> Sta
 
 
 def ends_early(a: Trial) -> bool:
-    """Whether a fixed step ends before its end: where a switch changes."""
+    """Return whether a fixed step ends before the next point of its grid."""
     if NMODE > 0:
         return a.ends_on_target or a.ends_at_event
     return a.ends_on_target
 
 
 def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> None:
-    """The state moves on."""
+    """Make the new state the current one, and set the size of the next step."""
     if o.step > 0.0:
         if a.ends_on_target and a.t_new == t1:
             s.grid_begin = t1
@@ -161,7 +165,7 @@ def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
 
 
 def choose_step_size(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> None:
-    """How long a step is tried."""
+    """Set the size of the first attempt."""
     if s.h == 0.0:
         if o.step > 0.0:
             s.h = o.step
@@ -169,7 +173,7 @@ def choose_step_size(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Wor
             s.h = o.first_step
         else:
             s.h = first_step_size(p, s, t1, a.direction, o, w)
-    if o.step > 0.0 and s.grid_step != o.step * a.direction:  # the grid begins here
+    if o.step > 0.0 and s.grid_step != o.step * a.direction:  # a new grid begins
         s.grid_step = o.step * a.direction
         s.grid_begin = s.t
         s.grid_index = 0
@@ -177,8 +181,8 @@ def choose_step_size(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Wor
 
 
 def restarts_short(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> bool:
-    """Whether the first step after a switch has changed is to be as short as that of a motion which begins
-    there: it was far too long."""
+    """Choose the step size as at the begin of a trajectory, if the first step after an event has a large
+    error.  Return whether it was reduced."""
     if s.after_event and a.rejected == 0 and a.error > LARGE_ERROR and o.first_step == 0.0:
         size = first_step_size(p, s, t1, a.direction, o, w)
         if size < a.size:
@@ -188,7 +192,7 @@ def restarts_short(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work)
 
 
 def reduce_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> None:
-    """After an error above 1."""
+    """Reduce the step size after an error above 1."""
     if NMODE > 0:
         if restarts_short(p, s, t1, o, a, w):
             return
@@ -196,12 +200,13 @@ def reduce_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
 
 
 def is_short(s: State, t1: Real, size: Real) -> bool:
+    """Return whether a step of this size has round-off instead of a truncation error."""
     return size <= SHORT_STEP * SPACING * (fabs(s.t) + fabs(t1 - s.t))
 
 
 def split_step_to(s: State, goal: Real, t1: Real, o: Options, a: Trial) -> None:
-    """A step that would end at a given time, or leave less than itself to it, is made in two halves: of two
-    runs that have the same steps there one errs by much less, else their difference would tell nothing."""
+    """With the option `halves`, reach a given time by two half steps.  Two runs of different tolerance would
+    otherwise have the same last step, and their difference would not show its error."""
     rest = fabs(goal - s.t)
     if (
         not o.halves
@@ -220,7 +225,7 @@ def split_step_to(s: State, goal: Real, t1: Real, o: Options, a: Trial) -> None:
 
 
 def splits_event_step(s: State, t1: Real, o: Options, a: Trial) -> bool:
-    """Whether a step that ends where switches change is to be made in two."""
+    """Halve a step that ends at an event, with the option `halves`; return whether it was halved."""
     if (
         not (o.halves and a.ends_at_event and a.error > 0.0 and o.step == 0.0)
         or s.is_split
@@ -234,7 +239,7 @@ def splits_event_step(s: State, t1: Real, o: Options, a: Trial) -> bool:
 
 
 def update_longest_step(s: State, a: Trial, w: Work) -> None:
-    """The longest step so far, s.longest_step; and w.longest_step, in another attempt or half of one."""
+    """Update s.longest_step; set w.longest_step to it in a repeated or a half step, else to 0."""
     if a.rejected == 0 and a.size > s.longest_step:
         s.longest_step = a.size
     w.longest_step = s.longest_step if a.rejected > 0 else 0.0
@@ -243,10 +248,69 @@ def update_longest_step(s: State, a: Trial, w: Work) -> None:
             w.longest_step = s.longest_step
 
 
+def end_by_underflow(p: Params, s: State, cause: Status, a: Trial, w: Work) -> Status:
+    """End a step whose size underflowed: by an event that is nearer than round-off, or with the status of the
+    last failed attempt."""
+    if NFREE > 0:
+        if cause != OK and crosses_within_roundoff(p, s, a.direction, w):
+            keep_parameters(p, s)
+            return report_culprit(s, handle_event(p, s, a.direction, w), w)
+    return report_culprit(s, cause if cause != OK else STEP_UNDERFLOW, w)
+
+
+def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w: Work) -> Status:
+    """Attempt steps towards `goal` until one is accepted, a.is_accepted, or the call ends."""
+    cause = OK
+    if NGUARD > 0:
+        reductions = 0
+    while True:
+        if o.max_steps > 0 and s.steps + s.rejected - s.steps_before_call >= o.max_steps:
+            if a.rejected > 0:
+                s.h = a.size
+            return MAX_STEPS
+        plan_step(s, goal, o, a)
+        if NMODE > 0:
+            split_step_to(s, goal, t1, o, a)
+        update_longest_step(s, a, w)
+        if step_underflows(s, t1, a):
+            return end_by_underflow(p, s, cause, a, w)
+        status = try_step(p, s, o, a, w)
+        if NGUARD > 0:
+            if not failed(status) and a.error <= 1.0 and o.step == 0.0 and reductions < MOST_REDUCTIONS:
+                hidden = find_hidden_event(p, s, o.method, a, o.rtol, w)
+                if hidden < 1.0:
+                    a.size *= hidden if hidden > LEAST_REDUCTION else LEAST_REDUCTION
+                    s.rejected += 1
+                    reductions += 1
+                    continue
+        if NFREE > 0:
+            if not failed(status) and a.error <= 1.0:
+                status = end_step_at_event(p, s, o, a, w)
+                if status == CHATTERING or a.h == 0.0:
+                    return report_culprit(s, status, w)
+        if failed(status):
+            if o.step > 0.0:
+                return report_culprit(s, status, w)
+            cause = status
+            a.size *= 0.25
+        elif a.error <= 1.0:
+            if NMODE > 0:
+                if splits_event_step(s, t1, o, a):
+                    s.rejected += 1
+                    continue
+            a.is_accepted = True
+            return OK
+        else:
+            cause = OK
+            reduce_step(p, s, t1, o, a, w)
+        a.rejected += 1
+        s.rejected += 1
+
+
 def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
-    """One step towards t1, at most to it, and then exactly."""
+    """Make one step towards t1, at most to it, and then exactly."""
     if s.dense_place == STAGES:
-        s.dense_place = ABSENT  # other stages take their place
+        s.dense_place = ABSENT  # this step overwrites the stages
     a = Trial()
     a.direction = 1.0 if t1 >= s.t else -1.0
     if NWHEN > 0:
@@ -268,54 +332,9 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
                 return OK
             keep_parameters(p, s)
             return report_culprit(s, handle_event(p, s, a.direction, w), w)
-    cause = OK
-    if NGUARD > 0:
-        shrunk = 0
-    while True:
-        if o.max_steps > 0 and s.steps + s.rejected - s.steps_before_call >= o.max_steps:
-            if a.rejected > 0:
-                s.h = a.size
-            return MAX_STEPS
-        plan_step(s, goal, o, a)
-        if NMODE > 0:
-            split_step_to(s, goal, t1, o, a)
-        update_longest_step(s, a, w)
-        if step_underflows(s, t1, a):
-            if NFREE > 0:
-                if cause != OK and crosses_within_roundoff(p, s, a.direction, w):
-                    keep_parameters(p, s)
-                    return report_culprit(s, handle_event(p, s, a.direction, w), w)
-            return report_culprit(s, cause if cause != OK else STEP_UNDERFLOW, w)
-        status = try_step(p, s, o, a, w)
-        if NGUARD > 0:
-            if not failed(status) and a.error <= 1.0 and o.step == 0.0 and shrunk < MOST_REDUCTIONS:
-                hidden = find_hidden_event(p, s, o.method, a, o.rtol, w)
-                if hidden < 1.0:
-                    a.size *= hidden if hidden > LEAST_REDUCTION else LEAST_REDUCTION
-                    s.rejected += 1
-                    shrunk += 1
-                    continue
-        if NFREE > 0:
-            if not failed(status) and a.error <= 1.0:
-                status = end_step_at_event(p, s, o, a, w)
-                if status == CHATTERING or a.h == 0.0:
-                    return report_culprit(s, status, w)
-        if failed(status):
-            if o.step > 0.0:
-                return report_culprit(s, status, w)
-            cause = status
-            a.size *= 0.25
-        elif a.error <= 1.0:
-            if NMODE > 0:
-                if splits_event_step(s, t1, o, a):
-                    s.rejected += 1
-                    continue
-            break
-        else:
-            cause = OK
-            reduce_step(p, s, t1, o, a, w)
-        a.rejected += 1
-        s.rejected += 1
+    status = find_step(p, s, t1, goal, o, a, w)
+    if not a.is_accepted:
+        return status
     accept_step(p, s, t1, o, a, w)
     if NMODE > 0:
         due = a.ends_on_target and goal != t1

@@ -13,9 +13,9 @@ from typing import Any
 import pytest
 
 from lagc.codegen.c.emit import render
+from lagc.codegen.heading import status_texts
 from lagc.codegen.identifiers import prefix
 from lagc.codegen.python.emit import render as render_python
-from lagc.codegen.statuses import texts
 from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Source
 from lagc.kernels import METHODS
@@ -297,7 +297,7 @@ def test_c_tells_nonsense_from_sense(name: str, compiler_: str, tmp_path: Path) 
     assert found["state"] == [i for i in range(nx) for _ in range(4)] and found["dense"] == [*range(nx)]
     assert found["rhs"] == [*range(program(name).interface.nq)]
     told = [line[5:] for line in ran.stdout.splitlines() if line.startswith("text")]
-    assert told[3:15] == list(texts()) and set(told[:3] + told[15:]) == {"no status"}
+    assert told[3:15] == list(status_texts()) and set(told[:3] + told[15:]) == {"No such status."}
 
 
 @cache

@@ -1,8 +1,7 @@
-"""Program -> one C header and one C source.
+"""Print a Program as one C header and one C source.
 
-The source holds, in this order: functions that the model uses (HELPERS), the model's own
-functions (`lagc_fn_...`), the kernels that it needs, and the public
-functions.  `lagc_` and `LAGC_` become the model's prefix over the whole text at the end.
+The source holds helpers, the functions of the model (`lagc_fn_...`), its kernels and the public functions.
+`lagc_` and `LAGC_` are replaced by the prefix of the model in the whole text at the end.
 """
 
 from __future__ import annotations
@@ -23,11 +22,10 @@ from lagc.lowering.program import Interface, Program
 
 
 def render(program: Program, complete: bool = True, real: Arithmetic = DOUBLE) -> dict[str, str]:
-    """File name -> text: `<model>.h` and `<model>.c`, C99 and C++.
+    """Return the texts of `<model>.h` and `<model>.c` by file name, in C99 and C++.
 
-    Unless `complete` they lack what a run of `lagc` does itself: the search for a consistent start, which
-    takes a compiler as long as much of the rest, by the same kernels in Python, to the same bits; the
-    bounds of parameters; texts.
+    Without `complete` they lack the bounds of parameters, texts, and the initialization, which takes long to
+    compile; a run of lagc does it by the same kernels in Python, with the same bits.
     """
     program = program.shipped
     interface, runtime = program.interface, Runtime(program, complete, real)
@@ -79,7 +77,7 @@ def _source(runtime: Runtime, file: str, own_header: str) -> str:
 
 def _prefixed(text: str, interface: Interface, real: Arithmetic) -> str:
     own = prefix(interface.model)
-    text = re.sub(r"\blagc_real\b(?!;)", real.name, text)  # but where the header declares it
+    text = re.sub(r"\blagc_real\b(?!;)", real.name, text)  # except where the header declares it
     text = re.sub(r"\bLAGC_", f"{own.upper()}_", re.sub(r"\blagc_", f"{own}_", text))
     return _HEAD.sub(_wrapped, text)
 
@@ -88,7 +86,7 @@ _HEAD = re.compile(r"^[a-z][\w *]*\([^()]*\)(?=;$|\n\{)", re.M)  # of a function
 
 
 def _wrapped(match: re.Match[str]) -> str:
-    """The head of a function on lines of at most 98 characters, broken between parameters."""
+    """Break the head of a function between parameters, into lines of at most 98 characters."""
     head = " ".join(match[0].split())
     indent = " " * (head.index("(") + 1)
     rows = [""]

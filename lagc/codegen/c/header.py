@@ -1,4 +1,4 @@
-"""The header of the generated C: sizes, names, types and the functions that a caller sees."""
+"""The header of generated C: sizes, names, types and public functions."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from lagc.lowering.program import Field, Interface
 
 
 def banner(interface: Interface, file: str) -> str:
-    about = ("SI units throughout.  Nothing here allocates, prints or keeps a state of its own; any",
-             "number of threads may call, each with a workspace and states of its own.")  # fmt: skip
+    about = ("SI units throughout.  No function allocates, prints or keeps a state of its own.  Any number",
+             "of threads may call, each with its own workspace and states.")  # fmt: skip
     lines = [SPDX, *LICENCE, "", *(f"    {line}" for line in equation(interface)), "", *about]
     return (
         f"/* {origin(interface, file)}\n *\n"
@@ -24,24 +24,24 @@ def banner(interface: Interface, file: str) -> str:
 
 
 _USE = """\
-/* What every function demands and promises:
- * No pointer is NULL but where it is said that it may be.  What is written overlaps nothing else that the
- * call is given; what is const is only read, and may be shared by any calls.  Everything is aligned as its
- * type, and *w was filled with zeros before its first use.
- * Any thread may call, also from within a callback or a signal: nothing is kept here.  *w and *s belong to
- * one call at a time.
- * OK and REDUNDANT are successes.  With another status, what was to be written has no meaning; what is said
- * of *s stands with the functions that move it.  Functions without a status give numbers that are not finite
- * where the parameters or the state lead to them.
- * lagc_check tells whether parameters and options make sense; the functions that evaluate at one state
- * do not ask, those that integrate do, once a call.
+/* Rules for all functions:
+ * A pointer is not NULL unless its function says that it may be.  Outputs overlap no other argument.  Const
+ * arguments are only read; several calls may share them.  All arguments are aligned as their types.  *w is
+ * filled with zeros before its first use.
+ * Functions are reentrant: any thread, callback or signal handler may call them.  One call at a time uses
+ * *w and *s.
+ * OK and REDUNDANT are successes.  After another status the outputs have no meaning; the functions that
+ * integrate say what *s holds then.  Functions without a status return numbers that are not finite where the
+ * parameters or the state lead to them.
+ * lagc_check checks parameters and options.  Functions that integrate check them once a call; functions that
+ * evaluate at one state do not.
  */
 
-/* In short (the functions are explained below):
- *     static lagc_work w;                     zeros; one for each thread
+/* Example (see below for the functions):
+ *     static lagc_work w;                     zeros; one per thread
  *     lagc_params p = lagc_default_params();
 {bind} *     lagc_options o = lagc_default_options();
- *     static lagc_state s;                    one for each trajectory
+ *     static lagc_state s;                    one per trajectory
  *     lagc_real x[LAGC_NX];
  *     lagc_start(&p, x);
 {consistent} *     lagc_begin(&s, 0.0, x);
@@ -54,28 +54,28 @@ _USE = """\
 _CONSISTENT = """\
  *     static lagc_start_work c;
  *     if (lagc_consistent(&p, 0.0, x, NULL, &c) != LAGC_OK)
- *         ... there is no start: see c.culprit
+ *         ... no consistent initial state: see c.culprit
 """
 
 
 _BIND = """\
- *     p.... = ...;                            as you like
- *     lagc_bind(&p);                          once they are set; again where a parameter, no input, changes
+ *     p.... = ...;                            set parameters
+ *     lagc_bind(&p);                          after parameters are set or changed; not after inputs
 """
 
 
 def stacked(interface: Interface) -> str:
-    """Where in the rows of derivatives each part begins."""
+    """Return the first row of each part of the differentiated stack, as an enumeration."""
     if not interface.differentiated:
         return ""
-    title = "/* What is differentiated: the first row of each part; see lagc_stack */\n"
+    title = "/* First row of each part of the differentiated functions; see lagc_stack */\n"
     rows = [f"    LAGC_D_{name.upper()} = {part.start}," for name, part in interface.stack.items()]
     last = f"    LAGC_D_END = {max(part.stop for part in interface.stack.values())}"
     return title + "enum {\n" + "\n".join([*rows, last]) + "\n};\n"
 
 
 def use(consistency: bool, prepared: bool) -> str:
-    """From the parameters to a motion in a few lines."""
+    """Return the rules for all functions and a short example."""
     text = _USE.replace("{bind}", _BIND if prepared else "")
     return text.replace("{consistent}", _CONSISTENT if consistency else "")
 
@@ -83,24 +83,24 @@ def use(consistency: bool, prepared: bool) -> str:
 _TYPES = {
     "double": "",
     "float": """\
-/* Numbers are floats, of 7 digits: tolerances are 1e-4 unless o.rtol says another. */
+/* Reals are floats with 7 digits; the default of o.rtol is 1e-4. */
 """,
     "__float128": """\
-/* Numbers are __float128, of 34 digits: for gcc, or g++ in GNU mode (-std=gnu++17), with -lquadmath -lm;
- * tolerances are 1e-22 unless o.rtol says another.  What the model computes of numbers alone was computed in
- * double precision: decimals of up to 12 digits, quotients of small whole numbers (1/3) and such multiples
- * of pi (30 degrees) have all digits here, others 16.  Parameters may be set to more. */
+/* Reals are __float128 with 34 digits, for gcc, or g++ in GNU mode (-std=gnu++17), with -lquadmath -lm; the
+ * default of o.rtol is 1e-22.  Constants of the model were computed in double precision: decimals with up to
+ * 12 digits, quotients of small integers (1/3) and such multiples of pi (30 degrees) have all digits, others
+ * have 16.  Parameters may be set to more digits. */
 """,
 }
 
 
 def about(real: Arithmetic) -> str:
-    """The type of numbers, and what there is to know of one that is not double."""
+    """Return the type of reals, with notes if it is not double."""
     return f"{_TYPES[real.name]}typedef {real.name} lagc_real;\n"
 
 
 def constants(interface: Interface) -> str:
-    """Sizes as macros, so that the preprocessor knows them, then what the names stand for."""
+    """Return sizes as macros, which the preprocessor can use, and the indices of names."""
     text = [
         f"#define LAGC_ABI_VERSION {ABI_VERSION}",
         f'#define LAGC_MODEL_HASH "{comment(interface.model_hash)}"',
@@ -111,22 +111,22 @@ def constants(interface: Interface) -> str:
 
 
 _SIZES = {
-    "NQ": "coordinates q", "NV": "speeds v", "NZ": "integral of power, the last of x",
-    "NX": "state x = (q, v, z)", "NC": "rows of constraints, multipliers lambda",
-    "NH": "of these holonomic, the first", "NP": "parameters and inputs",
-    "NGROUP": "scaling groups: coordinates, or speeds, of one unit", "NWORK": "entries of the factors",
+    "NQ": "coordinates q", "NV": "speeds v", "NZ": "work integral, the last of x",
+    "NX": "state x = (q, v, z)", "NC": "constraint rows, multipliers lambda",
+    "NH": "holonomic ones, the first of these", "NP": "parameters and inputs",
+    "NGROUP": "scaling groups: coordinates, or speeds, of one unit", "NWORK": "entries of the sparse factors",
     "NY": "outputs y", "NQUAT": "unit quaternions in q",
 }  # fmt: skip
-_PREPARED = {"NPREPARED": "numbers that are prepared of the parameters"}
-_LIMITED = {"NLIMITS": "values made of parameters that have bounds"}
+_PREPARED = {"NPREPARED": "numbers that lagc_bind computes from the parameters"}
+_LIMITED = {"NLIMITS": "bounded values computed from parameters"}
 _OF_START = {
-    "NU": "unknowns of the start: q, v, stated rates that are no speeds",
-    "NE": "conditions of the start",
+    "NU": "unknowns of the initialization: q, v, other stated rates",
+    "NE": "equations of the initialization",
 }
 
 
 def sizes(interface: Interface) -> list[tuple[str, int, str]]:
-    """Name, value and what it is."""
+    """Return name, value and meaning of each size."""
     values = {**sizes_of(interface), "NY": len(interface.outputs)}
     prepared = _PREPARED if interface.prepared else {}
     limited = _LIMITED if interface.limits else {}
@@ -136,8 +136,8 @@ def sizes(interface: Interface) -> list[tuple[str, int, str]]:
 
 def _indices(interface: Interface) -> Iterable[str]:
     groups = (
-        ("Q", "indices into q, which is x[0] and on", interface.q_names, interface.q_units),
-        ("V", "indices into v, which is x[LAGC_NQ] and on, and into a", interface.v_names, interface.v_units),
+        ("Q", "indices into q, which begins at x[0]", interface.q_names, interface.q_units),
+        ("V", "indices into a and into v, which begins at x[LAGC_NQ]", interface.v_names, interface.v_units),
         ("C", "indices into lambda and rows of G", interface.row_labels, interface.row_units),
         (
             "Y",
@@ -160,20 +160,20 @@ def _indices(interface: Interface) -> Iterable[str]:
 
 
 def members(interface: Interface) -> list[str]:
-    """The struct member of each parameter, then of each input."""
+    """Return the struct member of each parameter, then of each input."""
     names = Names(("prepared",), prefixes=("LAGC_", f"{prefix(interface.model).upper()}_"))  # no macro's name
     found = [names.give(f.name) for f in (*interface.parameters, *interface.inputs)]
     return found or ["none"]
 
 
 def places(interface: Interface) -> dict[int, str]:
-    """Where in the struct each entry of p is: behind these, what is prepared."""
+    """Return the struct member of each entry of p: parameters, inputs, prepared numbers."""
     prepared = (f"prepared[{k}]" for k in range(interface.prepared))
     return dict(enumerate([*members(interface), *prepared]))
 
 
 def parameters(interface: Interface) -> str:
-    """The struct of parameters and inputs: all of them reals, in the order of p."""
+    """Return the struct of parameters and inputs: reals in the order of p."""
     names = members(interface)
     fields = [*interface.parameters, *interface.inputs]
     text = ["typedef struct {"]
@@ -184,9 +184,7 @@ def parameters(interface: Interface) -> str:
             text.append("    /* inputs */")
         text.append(f"    lagc_real {name}; /* {_note(name, field)} */")
     if interface.prepared:
-        text.append(
-            "    lagc_real prepared[LAGC_NPREPARED]; /* of the parameters by lagc_bind, not by callers */"
-        )
+        text.append("    lagc_real prepared[LAGC_NPREPARED]; /* private: computed by lagc_bind */")
     return "\n".join([*text, "} lagc_params;"]) + "\n"
 
 

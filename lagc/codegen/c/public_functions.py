@@ -1,7 +1,7 @@
-"""The public functions of the generated C that ask one thing of the model, and their definitions.
+"""Public functions of generated C that evaluate one function of the model.
 
-Those that integrate are in the support text.  Only what a model has is written: one without
-constraints has no function for them.
+The functions that integrate are kernels.  A model has only the functions that apply to it: one without
+constraints has no function of constraints.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _POINT = "const lagc_params *p, lagc_real t, const lagc_real *x"
 
 @dataclass(frozen=True)
 class Verb:
-    """A public function: what the header says of it, its head, and the lines of its body."""
+    """A public function: its comment in the header, its head, and the lines of its body."""
 
     comment: str
     head: str
@@ -41,9 +41,9 @@ def verbs(program: Program, real: Arithmetic = DOUBLE) -> list[Verb]:
     found = [_default_params(interface, real)]
     if "start" in functions:
         found.append(Verb(
-            "x[NX] as the model gives it: start values" + (
-                ", which constraints, initial conditions\n * and orientations may still have to move."
-                if interface.needs_consistency else "."),
+            "Set x[NX] to the start values of the model." + (
+                "  They need not meet the constraints and\n * initial equations: see lagc_consistent."
+                if interface.needs_consistency else ""),
             "void lagc_start(const lagc_params *p, lagc_real *x)", "    lagc_fn_start(p, x);\n"))  # fmt: skip
     found.append(_rhs(interface))
     if "system" in functions:
@@ -57,7 +57,7 @@ def verbs(program: Program, real: Arithmetic = DOUBLE) -> list[Verb]:
     if "power" in functions:
         found.append(
             _of_accelerations(
-                program, "power", "e[1] = d(energy)/dt: what the given actions and drives feed in.", "e"
+                program, "power", "e[1] = d(energy)/dt: power of the given loads and drives.", "e"
             )
         )
     if interface.nc and "scales" in functions:
@@ -81,31 +81,35 @@ def _direct(name: str, comment: str, output: str) -> Verb:
 
 _DIRECT = {
     "energies": _direct(
-        "energies", "e[3]: kinetic, potential, and the energy whose balance the work is.", "e"
+        "energies", "e[3]: kinetic energy, potential energy, and the energy whose change is the work.", "e"
     ),
-    "position": _direct("position", "phi[NH], the residuals of the holonomic constraints.", "phi"),
-    "velocity": _direct("velocity", "psi[NC], the rates of all constraints.", "psi"),
+    "position": _direct("position", "phi[NH]: residuals of the holonomic constraints.", "phi"),
+    "velocity": _direct(
+        "velocity",
+        "psi[NC]: residuals of all constraints at velocity level; the first NH are d(phi)/dt.",
+        "psi",
+    ),
     "scales": _direct(
-        "scales", "s[NC] > 0: the size of each row's terms; residuals are judged against it.", "s"
+        "scales", "s[NC] > 0: scale of each constraint row; residuals are compared with it.", "s"
     ),
     "displace": Verb(
-        "dq[NQ] = N(t,q) d for d[NV], an infinitesimal displacement.",
+        "dq[NQ] = N(t,q) d, for an infinitesimal displacement d[NV].",
         f"void lagc_displace({_POINT}, const lagc_real *d, lagc_real *dq)",
         "    lagc_fn_displace(p, t, x, d, dq);\n",
     ),
     "limits": Verb(
-        "b[NLIMITS], the values made of parameters that have bounds: see `lagc_check`.",
+        "b[NLIMITS]: bounded values computed from parameters; see lagc_check.",
         "void lagc_limits(const lagc_params *p, lagc_real *b)",
         "    lagc_fn_limits(p, b);\n",
     ),
     "measures": Verb(
-        "The values of the stated rates, and the largest parameter of each unit of the unknowns.",
+        "s: values of the stated rates; largest: the largest parameter of each unit of an unknown.",
         "void lagc_measures(const lagc_params *p, lagc_real *s, lagc_real *largest)",
         "    lagc_fn_measures(p, s, largest);\n",
     ),
 }
 
-_AFRESH = "    w->rank_deficient = 0; /* whatever was found before */\n"
+_FORGET = "    w->rank_deficient = 0; /* forget earlier evaluations */\n"
 
 
 def _conditions(interface: Interface) -> Verb:
@@ -113,16 +117,16 @@ def _conditions(interface: Interface) -> Verb:
     some = f"_some(p, t, x, c, J, sizes, 0, {max(interface.pieces) + 1})" if interface.pieces else ""
     together = "    lagc_put_together(J);\n" if interface.part_ends else ""
     return Verb(
-        f"What a consistent start x[NU] satisfies besides unit quaternions, c[{count}] = 0: phi, psi, the\n"
-        f" * initial section, and stated rates less their values; J[{entries}], the derivatives that are\n"
-        f" * not identically zero; sizes[{count}] of the terms.",
+        f"c[{count}]: residuals of the initial equations at x[NU]: phi, psi, the initial section, stated rates\n"
+        f" * minus their values; unit quaternions are not included.  J[{entries}]: derivatives that are not\n"
+        f" * identically zero.  sizes[{count}]: sums of the magnitudes of the terms.",
         f"void lagc_conditions({_POINT}, lagc_real *c, lagc_real *J, lagc_real *sizes)",
         f"    lagc_fn_conditions{some or '(p, t, x, c, J, sizes)'};\n{together}")  # fmt: skip
 
 
 _SOME = Verb(
-    "The same of the pieces first..last-1 alone, of which each depends on unknowns of its own; what\n"
-    " * belongs to others stays as it is.",
+    "The same for the independent groups first..last-1 of initial equations; entries of other groups\n"
+    " * are not changed.",
     f"void lagc_some_conditions({_POINT}, lagc_real *c, lagc_real *J, lagc_real *sizes,\n"
     "                          int first, int last)",
     "    lagc_fn_conditions_some(p, t, x, c, J, sizes, first, last);\n",
@@ -142,35 +146,35 @@ def _default_params(interface: Interface, real: Arithmetic) -> Verb:
         text += "    p.none = 0;\n"
     missing = any(f.value is None for f in fields)
     return Verb(
-        "The values of the model." + (" NAN where it gives none: set these." if missing else "")
-        + (" They are not bound yet: see lagc_bind." if interface.prepared else ""),
+        "Return the parameter values of the model." + ("  Set those that are NAN: they have none." if missing else "")
+        + ("  Call lagc_bind before they are used." if interface.prepared else ""),
         "lagc_params lagc_default_params(void)", text + "    return p;\n")  # fmt: skip
 
 
 def _rhs(interface: Interface) -> Verb:
     return Verb(
-        "xdot[NX] at (t, x), and the multipliers lambda[NC]; lambda may be NULL.",
+        "xdot[NX] and the multipliers lambda[NC] at (t, x).  lambda may be NULL.",
         f"lagc_status lagc_rhs({_POINT}, lagc_real *xdot, lagc_real *lambda, lagc_work *w)",
-        _afresh(interface)
+        _forget(interface)
         + "    return lagc_rhs_at(p, t, x, xdot, lambda ? lambda : w->lam, w);\n")  # fmt: skip
 
 
-def _afresh(interface: Interface) -> str:
-    return _AFRESH if interface.nc else ""
+def _forget(interface: Interface) -> str:
+    return _FORGET if interface.nc else ""
 
 
 def _system(interface: Interface) -> list[Verb]:
     call = "    lagc_system_at(p, t, x, w);\n"
     found = [
         Verb(
-            "The mass matrix M[NV*NV], all of it.",
+            "M[NV*NV]: the full mass matrix.",
             f"void lagc_mass_matrix({_POINT}, lagc_real *M, lagc_work *w)",
             "    int i, j;\n" + call
             + "    for (i = 0; i < LAGC_NV; i++)\n        for (j = 0; j <= i; j++) {\n"
             "            M[i * LAGC_NV + j] = w->M[i * (i + 1) / 2 + j];\n"
             "            M[j * LAGC_NV + i] = w->M[i * (i + 1) / 2 + j];\n        }\n"),
         Verb(
-            "r[NV] = tau - h: given forces less the velocity terms, M a = r + G^T lambda.",
+            "r[NV] = tau - h: applied forces minus velocity terms, M a = r + G^T lambda.",
             f"void lagc_forces({_POINT}, lagc_real *r, lagc_work *w)",
             "    int i;\n" + call + "    for (i = 0; i < LAGC_NV; i++)\n        r[i] = w->force[i];\n"),
     ]  # fmt: skip
@@ -184,19 +188,19 @@ def _system(interface: Interface) -> list[Verb]:
         body += "    for (i = 0; G && i < LAGC_NC * LAGC_NV; i++)\n        G[i] = w->G[i];\n"
         body += "    for (i = 0; gamma && i < LAGC_NC; i++)\n        gamma[i] = w->gamma[i];\n"
         found.append(Verb(
-            "The constraints: phi[NH], their rates psi[NC], G[NC*NV] by rows and gamma[NC] with\n"
-            " * G a = gamma.  Each may be NULL.",
+            "Constraints: phi[NH], psi[NC], G[NC*NV] by rows, and gamma[NC] with G a = gamma.  Each output\n"
+            " * may be NULL.",
             f"void lagc_constraints({_POINT}, lagc_real *phi, lagc_real *psi, "
             "lagc_real *G, lagc_real *gamma, lagc_work *w)", body))  # fmt: skip
     return found
 
 
 def _outputs(program: Program) -> Verb:
-    return _of_accelerations(program, "outputs", "y[NY], the outputs of the model.", "y")
+    return _of_accelerations(program, "outputs", "y[NY]: the outputs of the model.", "y")
 
 
 def _of_accelerations(program: Program, name: str, comment: str, output: str) -> Verb:
-    """A function that may need energies, or what the right-hand side gives: accelerations, multipliers."""
+    """A function that may need energies, accelerations or multipliers."""
     function = program.functions[name]
     given = {"p": "p", "t": "t", "x": "x", "modes": "w->modes", "e": "e", "a": "w->xdot + LAGC_NQ",
              "lam": "w->lam"}  # fmt: skip
@@ -210,11 +214,11 @@ def _of_accelerations(program: Program, name: str, comment: str, output: str) ->
         return Verb(comment, head, room + call + unused + "    return LAGC_OK;\n")
     room += "    lagc_status status;\n"
     solved = "    status = lagc_rhs_at(p, t, x, w->xdot, w->lam, w);\n"
-    return Verb(comment, head, room + _afresh(program.interface) + solved + call + "    return status;\n")
+    return Verb(comment, head, room + _forget(program.interface) + solved + call + "    return status;\n")
 
 
-def _on_own_branch(name: str, last: str, switches: int) -> str:
-    """The call of `stack`, or of derivatives: with switches on the branch of the state."""
+def _in_own_modes(name: str, last: str, switches: int) -> str:
+    """The call of `stack` or of derivatives, in the modes of the state."""
     if not switches:
         return f"    lagc_fn_{name}(p, t, x, a, lambda, {last});\n"
     return (f"    lagc_real modes[{switches}];\n    lagc_fn_modes(p, t, x, modes);\n"
@@ -231,12 +235,12 @@ def _derivatives(group: str, pattern: Sequence[tuple[int, int]], switches: int) 
     )
     return [
         Verb(
-            f"J[{len(pattern)}], the derivatives of this stack by {columns} that are not\n"
+            f"J[{len(pattern)}]: derivatives of lagc_stack by {columns}, those that are not\n"
             " * identically zero.",
             f"void lagc_by_{group}({_POINT}, const lagc_real *a, const lagc_real *lambda, lagc_real *J)",
-            _on_own_branch(f"by_{group}", "J", switches)),
+            _in_own_modes(f"by_{group}", "J", switches)),
         Verb(
-            "Their rows and columns; returns how many there are.",
+            "Set rows and columns to the places of these derivatives; return their number.",
             f"int lagc_by_{group}_pattern(const int **rows, const int **columns)",
             f"{tables}    *rows = row_of;\n    *columns = column_of;\n    return {len(pattern)};\n"),
     ]  # fmt: skip
@@ -244,21 +248,21 @@ def _derivatives(group: str, pattern: Sequence[tuple[int, int]], switches: int) 
 
 def _stack(switches: int) -> Verb:
     return Verb(
-        "s[LAGC_D_END], what is differentiated, at any a[NV] and lambda[NC].  From the rows LAGC_D_... on:\n"
-        " * QDOT, the rates of q; INERTIA, M a; FORCE, tau - h + G^T lambda; ROW, G a - gamma; CONDITION,\n"
-        " * of a consistent start; START, the start values; OUTPUT; INDICATOR, event indicators; REINIT.",
+        "s[LAGC_D_END]: the differentiated functions at any a[NV] and lambda[NC].  From row LAGC_D_... on:\n"
+        " * QDOT: rates of q; INERTIA: M a; FORCE: tau - h + G^T lambda; ROW: G a - gamma; CONDITION: initial\n"
+        " * equations; START: start values; OUTPUT: outputs; INDICATOR: event indicators; REINIT: new values.",
         f"void lagc_stack({_POINT}, const lagc_real *a, const lagc_real *lambda, lagc_real *s)",
-        _on_own_branch("stack", "s", switches))  # fmt: skip
+        _in_own_modes("stack", "s", switches))  # fmt: skip
 
 
 def _along(interface: Interface) -> Verb:
     size = max(part.stop for part in interface.groups.values())
     return Verb(
-        f"s[LAGC_D_END], what this stack changes by where all that it depends on changes along d[{size}]:\n"
-        " * time, q and v, a and lambda, the parameters, then the inputs, in the order of the struct.",
+        f"s[LAGC_D_END]: derivative of lagc_stack in the direction d[{size}] of time, q and v, a and lambda,\n"
+        " * the parameters, then the inputs, in the order of the struct.",
         f"void lagc_along({_POINT}, const lagc_real *a, const lagc_real *lambda, const lagc_real *d,\n"
         "    lagc_real *s)",
-        _on_own_branch("along", "d, s", len(interface.switches)))  # fmt: skip
+        _in_own_modes("along", "d, s", len(interface.switches)))  # fmt: skip
 
 
 _COLUMNS = {
@@ -277,11 +281,11 @@ def _numbers(values: Sequence[int]) -> str:
 def _linear() -> list[Verb]:
     return [
         Verb(
-            "Form and factor [M G^T; G 0] at (t, x), for the calls of lagc_solve that follow a success.",
+            "Assemble and factor [M G^T; G 0] at (t, x) for calls of lagc_solve.",
             f"lagc_status lagc_assemble({_POINT}, lagc_work *w)",
-            _AFRESH + "    return lagc_assemble_at(p, t, x, w);\n"),
+            _FORGET + "    return lagc_assemble_at(p, t, x, w);\n"),
         Verb(
-            "s[NV+NC] = (s1, s2) with M s1 - G^T s2 = r1 and G s1 = r2 for r[NV+NC] = (r1, r2).",
+            "Solve M s1 - G^T s2 = r1, G s1 = r2 for s[NV+NC] = (s1, s2), with r[NV+NC] = (r1, r2).",
             "void lagc_solve(const lagc_real *r, lagc_real *s, lagc_work *w)",
             "    lagc_solve_at(r, s, w);\n"),
     ]  # fmt: skip

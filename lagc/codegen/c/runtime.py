@@ -1,4 +1,4 @@
-"""The runtime of a model in C: the kernels that it needs, with its sizes and tables."""
+"""The runtime of a model in C: the kernels that it calls, its sizes and tables."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from textwrap import fill
 from typing import Any
 
 from lagc.codegen.c import header
+from lagc.codegen.heading import status_texts
 from lagc.codegen.kernel_compiler.c import CPrinter
 from lagc.codegen.kernel_compiler.layout import block_comment
 from lagc.codegen.kernel_compiler.linker import (
@@ -25,17 +26,16 @@ from lagc.codegen.kernel_compiler.names import snake
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.kernel_compiler.shipped import Parts, parts
 from lagc.codegen.python.support.base import Options
-from lagc.codegen.statuses import texts
 from lagc.lowering.program import Program
 
-# Public kernels that every model has; those of a run of lagc's own are the last.
+# Public kernels of every model; a run of lagc does the last ones itself.
 ROOTS = ("begin", "step", "dense", "advance", "record", "check")
-OF_VERBS = ("rhs_at", "system_at", "assemble_at", "solve_at")  # called by what `verbs` writes
+OF_VERBS = ("rhs_at", "system_at", "assemble_at", "solve_at")  # called by `public_functions`
 PUBLIC_RECORDS = ("Work", "Options", "State", "StartWork")
 
 
 class Runtime:
-    """What of the kernels a model needs, unless `complete` without what a run of lagc does itself."""
+    """The kernels of a model; without `complete`, a run of lagc does checks and initialization itself."""
 
     def __init__(self, program: Program, complete: bool, real: Arithmetic = DOUBLE):
         self.program, self.complete, self.real = program, complete, real
@@ -54,7 +54,7 @@ class Runtime:
         self.public = {name for name, _, _ in header.sizes(interface)}
 
     def types(self) -> str:
-        """Enumerations and structs of the interface: for the header."""
+        """Return enumerations and structs for the header."""
         records = self._records()
         found = [self._enumeration("Status"), records["Work"], self._enumeration("Method")]
         found += [records["Options"], _codes(codes(self.parts, "language/records")), records["State"]]
@@ -63,11 +63,11 @@ class Runtime:
         return "\n".join(found)
 
     def declarations(self) -> str:
-        """The functions that integrate: for the header."""
+        """Return the declarations of the functions that integrate, for the header."""
         found = ["lagc_options lagc_default_options(void);\n"
                  "size_t lagc_work_size(void);\nsize_t lagc_state_size(void);\n"]  # fmt: skip
         if self.complete:
-            found.append("/* What a status means, in English; of a number that is none, too. */\n"
+            found.append("/* Return the meaning of a status, for any number. */\n"
                          "const char *lagc_status_text(int status);\n")  # fmt: skip
         for part, _ in self.use.functions:
             if part["public"]:
@@ -78,7 +78,7 @@ class Runtime:
         return "\n".join(found)
 
     def definitions(self) -> list[str]:
-        """Everything behind them."""
+        """Return constants, tables and functions for the source."""
         values, names = tables_of(self.program.interface), self.use.names
         spelled = " ".join([SPELLED[name] for name in names if name in SPELLED])
         used = {*names, *re.findall(r"LAGC_(\w+)", spelled)}
@@ -87,7 +87,7 @@ class Runtime:
         found += [_table(name, values[name], self.real) for name in values if name in names]
         found += [text for name, text in self._records().items() if name not in PUBLIC_RECORDS]
         found += _printed(self.use, self.parts)
-        # What the subset cannot say: structs by value, their sizes, texts.
+        # Not in the subset of kernels: structs by value, their sizes, texts.
         (options,) = [members for part, members in self.use.records if part["name"] == "Options"]
         found.append(_default_options(options, self.real))
         found += [f"size_t lagc_{n}_size(void) {{ return sizeof(lagc_{n}); }}\n" for n in ("work", "state")]
@@ -95,7 +95,7 @@ class Runtime:
         return [part for part in found if part]
 
     def _records(self) -> dict[str, str]:
-        """Structs by the names of their kernels; C has no arrays of nothing."""
+        """Return the struct of each record; C has no arrays of size 0, so these get size 1."""
         named = {*self.public, *SPELLED}
         numbers = {n: str(max(size, 1)) for n, size in self.sizes.items() if size == 0 or n not in named}
         printer = CPrinter(self.real, {**SPELLED, **numbers}, {})
@@ -104,8 +104,7 @@ class Runtime:
             lines = []
             for name, kind, _, lead, trail in members:
                 lines += [f"    {line}" for line in block_comment("\n".join(lead)).splitlines()]
-                note = f" /* {trail} */" if trail else ""
-                lines.append(f"    {printer.room(tuple(kind), name)};{note}")
+                lines += _annotated(f"    {printer.room(tuple(kind), name)};", trail)
             head, body = block_comment(part["doc"]), "\n".join(lines)
             found[part["name"]] = f"{head}typedef struct {{\n{body}\n}} lagc_{snake(part['name'])};\n"
         return found
@@ -113,19 +112,21 @@ class Runtime:
     def _enumeration(self, kind: str) -> str:
         found = [part for part in self.parts if part["kind"] == kind]
         rows = [f"LAGC_{part['name']} = {part['value']}" for part in found]
-        lines = [f"    {row}{',' if row is not rows[-1] else ''} /* {part['note']} */\n"
-                 for row, part in zip(rows, found)]  # fmt: skip
-        return f"typedef enum {{\n{''.join(lines)}}} lagc_{snake(kind)};\n"
+        lines = list[str]()
+        for row, part in zip(rows, found):
+            lines += _annotated(f"    {row}{',' if row is not rows[-1] else ''}", part["note"])
+        body = "\n".join(lines)
+        return f"typedef enum {{\n{body}\n}} lagc_{snake(kind)};\n"
 
 
 def sine_cosine(use: Chosen) -> list[str]:
-    """What `turning` found that functions of the model call for sines and cosines, in double precision."""
+    """Return the sine and cosine kernels that functions of the model call, in double precision."""
     return _printed(use, parts(), "((double){})")
 
 
 def _printed(use: Chosen, parts: Parts, inexact: str = "{}") -> list[str]:
-    """Constants and functions, each file with its title.  `inexact`: the form of a constant whose decimal
-    digits are not all of it; a cast keeps it what it is where compilers have further digits for constants."""
+    """Return constants and functions, with the title of each file.  `inexact` formats a constant that its
+    decimal digits do not represent exactly: a cast rounds it where compilers keep more digits."""
     found = list[str]()
     functions = {part["name"]: leaf["c"] for part, leaf in use.functions}
     numbers = {part["name"] for part in use.numbers if part["kind"] in ("int", "Real", "Reals")}
@@ -145,6 +146,17 @@ def _printed(use: Chosen, parts: Parts, inexact: str = "{}") -> list[str]:
     return found
 
 
+def _annotated(line: str, note: str) -> list[str]:
+    """Return a line with its comment beside it, or above it where that is too long."""
+    if not note:
+        return [line]
+    if len(line) + len(note) <= 92:
+        return [f"{line} /* {note} */"]
+    indent = line[: len(line) - len(line.lstrip())]
+    text = block_comment(fill(note, 94 - len(indent)))
+    return [*(indent + row for row in text.splitlines()), line]
+
+
 def _table(name: str, values: Sequence[Any], real: Arithmetic) -> str:
     if name in ("bounds", "derived_bounds"):
         rows = ",\n    ".join(f"{{{real.bound(low)}, {real.bound(high)}}}" for low, high in values)
@@ -155,7 +167,7 @@ def _table(name: str, values: Sequence[Any], real: Arithmetic) -> str:
 
 
 def _codes(found: Sequence[Part]) -> str:
-    """An enumeration; the note of its first is that of all."""
+    """Return an enumeration; the note of its first value is its comment."""
     head = found[0]["note"]
     lines = []
     for part in found:
@@ -188,7 +200,7 @@ def _section(title: str, text: str) -> str:
 
 
 def _work(program: Program) -> str:
-    """The rate of the work integral, with all that the model's function of it may read."""
+    """Return the rate of the work integral, with the arguments of the kernels."""
     if not program.interface.nz:
         return ""
     power = program.functions.get("power")
@@ -222,9 +234,9 @@ def _default_options(members: Sequence[Sequence[Any]], real: Arithmetic) -> str:
 
 
 def _status_text() -> str:
-    meanings = ",\n        ".join(f'"{text}"' for text in texts())
+    meanings = ",\n        ".join(f'"{text}"' for text in status_texts())
     return (
         "const char *lagc_status_text(int status)\n{\n    static const char *const texts[] = {\n"
         f"        {meanings}\n    }};\n"
-        f'    return status >= 0 && status < {len(texts())} ? texts[status] : "no status";\n}}\n'
+        f'    return status >= 0 && status < {len(status_texts())} ? texts[status] : "No such status.";\n}}\n'
     )

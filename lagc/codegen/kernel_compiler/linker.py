@@ -190,7 +190,7 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
     begins, stops = stretches(ends, columns)
     angles = frozenset(interface.angles)
     return {
-        "group": interface.kinds, "quaternion": interface.quaternions, "bounded": bounded,
+        "scaling_group": interface.kinds, "quaternion": interface.quaternions, "bounded": bounded,
         "sources": interface.read,
         "level": interface.start_levels, "unit": interface.start_units,
         "row_piece": of_conditions(interface.row_pieces, len(ends)),

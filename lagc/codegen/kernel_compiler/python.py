@@ -13,7 +13,7 @@ from lagc.codegen.kernel_compiler.type_check import Type, Types
 FASTER = {
     "not_finite": '''\
 def not_finite(values, n):
-    """The index of the first value that is infinite or not a number; -1."""
+    """Return the index of the first value that is infinite or NaN, or -1."""
     total = sum(values[:n])
     if total - total == 0.0:
         return -1

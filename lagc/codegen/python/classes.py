@@ -1,12 +1,12 @@
-"""Equations with their parameters, states on their way, and trajectories, in generated modules: as text.
+"""The classes of generated modules, as text: equations with parameters, and states of trajectories.
 
-What calls the kernels; names that stand nowhere here are theirs.
+They call the kernels; names that are not defined here are kernels.
 """
 
 EQUATIONS = '''\
 class Equations:
-    """The equations of motion with parameters and inputs, the first NP of `p`, and room to work in, `work`.
-    For one thread at a time."""
+    """The equations of motion with parameters and inputs, the first NP entries of `p`, and a workspace,
+    `work`.  One thread at a time may use an object."""
 
     def __init__(self, p):
         if len(p) != NP:
@@ -16,35 +16,35 @@ class Equations:
         self.bind()
 
     def bind(self):
-        """Prepare what depends on parameters alone: to be called after one in `p` was changed; inputs may
-        change at any time."""
+        """Compute the prepared numbers.  Call it after each change of a parameter in `p`; a change of an
+        input needs no call."""
         if NALL > NP:
             bind(self.p)
 
     @property
     def culprit(self):
-        """What a status refers to: an index of v or x, or a row."""
+        """What the last status refers to: an index of v or x, or a constraint row."""
         return self.work.culprit
 
     @property
     def fallbacks(self):
-        """Linear solves that took the slower, safer way."""
+        """Number of linear solves that used the slower, rank-revealing factorization."""
         return self.work.fallbacks
 
     @property
     def redundant_rows(self):
-        """Rows met so far that depended on others."""
+        """Constraint rows that depended on others in any evaluation so far."""
         return tuple([i for i, lost in enumerate(self.work.redundant) if lost]) if NC else ()
 
     def rhs(self, t, x, xdot, lam):
-        """xdot[NX] and lam[NC] at (t, x), whatever was found before; a status."""
+        """Compute xdot[NX] and lam[NC] at (t, x), and return a status.  Earlier evaluations do not matter."""
         work = self.work
         if NC:
             work.rank_deficient = False
         return rhs_at(self.p, t, x, xdot, lam, work)
 
     def first(self, t, x, xdot, lam):
-        """The same as at the start of a trajectory: straight factors need not show dependent rows."""
+        """Do the same as at the begin of a trajectory, where dependent rows are looked for first."""
         work = self.work
         if NC:
             work.rank_deficient = False
@@ -54,33 +54,33 @@ class Equations:
         return rhs_at(self.p, t, x, xdot, lam, work)
 
     def system(self, t, x):
-        """qdot[NQ], M packed by lower rows, r[NV], G[NC*NV] by rows, gamma[NC]; the lists are reused."""
+        """Return qdot[NQ], M packed by lower rows, r[NV], G[NC*NV] by rows, gamma[NC]; calls reuse the lists."""
         work = self.work
         system_at(self.p, t, x, work)
         return work.qdot, work.M, work.force, work.G, work.gamma
 
     def check(self):
-        """Raises ValueError, naming the parameter that is not finite or out of its bounds, or the value made
-        of some, where bounds are known (a run of lagc has seen to them)."""
+        """Raise ValueError, with its name, if a parameter, or a value computed from parameters, is not finite or
+        outside of its bounds.  Without bounds in this module (in a run of lagc) do nothing."""
         bounds, limits = globals().get("BOUNDS"), globals().get("LIMITS", {})
         if bounds is None:
             return
         for (name, (low, high)), value in zip(bounds.items(), self.p):
             if not (abs(value) < inf and low <= value <= high):
-                raise ValueError(f"the parameter {name!r} is finite, from {low!r} to {high!r}: not {value!r}")
+                raise ValueError(f"the parameter {name!r} must be finite, from {low!r} to {high!r}: not {value!r}")
         derived = [0.0] * len(limits)
         if derived:
             fn_limits(self.p, derived)
         for (name, (low, high)), value in zip(limits.items(), derived):
             if not low <= value <= high:
-                raise ValueError(f"the value {name!r} is from {low!r} to {high!r}: not {value!r}")
+                raise ValueError(f"the value {name!r} must be from {low!r} to {high!r}: not {value!r}")
         if NALL > NP and not is_bound(self.p):
-            raise ValueError("a parameter was changed, and not bound: see `Equations.bind`")
+            raise ValueError("a parameter changed: call `Equations.bind`")
 '''
 
 STATES = '''\
 class Asked:
-    """Options as kernels read them."""
+    """Options, as the kernels read them."""
 
     __slots__ = (
         "atol", "first_step", "halves", "max_step", "max_steps", "method", "project", "report", "rtol",
@@ -94,14 +94,13 @@ class Asked:
 
 
 class Integrator(State):
-    """A state on its way.  `t`, `x`: now; `t_old`, `x_old`, `h_old`: the start and size of the last step.
+    """The state of a trajectory.  `t`, `x`: now; `t_old`, `x_old`, `h_old`: begin and size of the last step.
 
-    Between two calls of `step`, `advance` and `at` the caller may change `t`, `x` (also in place), the
-    options, and inputs and parameters (`problem.p`; `problem.bind()` after parameters): the next step begins
-    with what is there then, at the cost of one evaluation where t, x or p is another, and with the size of
-    step that was found before.
-    One problem, `Equations`, may serve several of these in turn.  A call raises ValueError, before anything
-    is done, where an option, a time or a parameter makes no sense.
+    Between calls of `step`, `advance` and `at` the caller may change `t`, `x` (also in place), the options,
+    and inputs and parameters (`problem.p`; call `problem.bind()` after parameters).  The next step begins
+    with these values, with the step size found before; it costs one more evaluation if t, x or p changed.
+    One problem, `Equations`, may serve several trajectories in turn.  A call raises ValueError, and changes
+    nothing, if an option, a time or a parameter is not valid.
     """
 
     def __init__(self, problem, options, t, x):
@@ -113,17 +112,17 @@ class Integrator(State):
         begin(self, t, x)
 
     def step(self, t1):
-        """One accepted step towards `t1`, at most to it, and then exactly; a status."""
+        """Make one step towards `t1`, which it does not pass; return a status."""
         return self._sound(step(self.problem.p, self, t1, self._asked(t1), self.problem.work))
 
     def advance(self, t1):
-        """To `t1` exactly; a status.  A step that is short only to end there does not make the next
-        one short."""
+        """Integrate to `t1` exactly; return a status.  A step that is shortened to end there does not shorten
+        the next one."""
         return self._sound(advance(self.problem.p, self, t1, self._asked(t1), self.problem.work))
 
     def at(self, t):
-        """A status and the state at `t` within the last step, which was made with the parameters of then.
-        ValueError at any other time."""
+        """Return a status and the state at `t`, a time of the last step, with the parameters of that step.
+        Raises ValueError for any other time."""
         x = [0.0] * NX
         status = dense(self.problem.p, self, t, Asked(self.options), x, self.problem.work)
         if status == INVALID:
@@ -131,12 +130,12 @@ class Integrator(State):
         return status, x
 
     def _asked(self, t1):
-        """The options of a call that goes to `t1`; raises ValueError."""
+        """Return the options of a call to `t1`.  Raises ValueError if they are not valid."""
         self.options.check()
         self.problem.check()
         if not (abs(t1) < inf and abs(self.t) < inf):
             raise ValueError(f"a time is not finite: from {self.t!r} to {t1!r}")
-        self.x = self.x[:]  # the caller may have kept the other
+        self.x = self.x[:]  # the caller may keep a reference to the old list
         return Asked(self.options)
 
     def _sound(self, status):
@@ -146,11 +145,12 @@ class Integrator(State):
 
 
 def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
-    """From (t0, x0), consistent, to times[-1] exactly; states at `times` (in order) by dense output.
+    """Integrate from the consistent state (t0, x0) to times[-1]; return a Trajectory with the states at
+    `times`, which are in order.
 
-    `progress` is called with the time now and then, with a `clock` of seconds some 20 times a second;
-    KeyboardInterrupt ends the run with what was recorded (INTERRUPTED).  ValueError where an option, a time
-    or a parameter makes no sense.
+    `progress` is called with the current time, with a `clock` in seconds about 20 times a second.
+    KeyboardInterrupt ends the run with status INTERRUPTED.  Raises ValueError if an option, a time or a
+    parameter is not valid.
     """
     run = Integrator(problem, options, t0, x0)
     asked, done = run._asked(times[-1] if times else t0), [0]
@@ -159,7 +159,7 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
     jumps, corners = [], []
 
     def record_(steps, max_steps):
-        """As the kernel, but where an exception ends it all is as before."""
+        """Call the kernel `record`; an exception leaves everything as it was before."""
         names = ("t", "x", "t_old", "culprit", "steps", "rejected", "rhs", "position_drift", "velocity_drift")
         before, reached = [getattr(run, name) for name in names], done[0]
         run.x, asked.max_steps = run.x[:], max_steps
@@ -188,8 +188,9 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
             culprit=-1 if status == OK else run.culprit, steps=run.steps, rejected=run.rejected, rhs=run.rhs,
             step=run.t - run.t_old, fallbacks=work.fallbacks - fallbacks,
             redundant_rows=problem.redundant_rows, position_drift=run.position_drift,
-            velocity_drift=run.velocity_drift, sizes=run.sizes[:], event_roundoff=run.event_roundoff[:] if NMODE else (),
-            events=events, jumps=jumps, corners=corners, changes=run.changes if NMODE else 0,
+            velocity_drift=run.velocity_drift, sizes=run.sizes[:],
+            event_roundoff=run.event_roundoff[:] if NMODE else (), jumps=jumps, corners=corners,
+            changes=run.changes if NMODE else 0,
         )  # fmt: skip
 
     return recorded(run, options, record_, told, progress, clock)

@@ -1,7 +1,6 @@
-"""Program -> one Python module that needs only Python's own library (NumPy for many states at once).
+"""Print a Program as one Python module.  It needs the standard library alone, and NumPy for `rhs_many`.
 
-Layout of the module: what it is, names, functions of the model (printed from the Program), the runtime
-(`runtime`), and the verbs of `verbs.py` that a caller uses.
+The module holds names, the functions of the model, the kernels (`runtime`) and public functions.
 """
 
 from __future__ import annotations
@@ -25,8 +24,8 @@ from typing import Any, NamedTuple
 
 
 def render(program: Program, complete: bool = True) -> dict[str, str]:
-    """File name -> text; one file, `<model>.py`.  Unless `complete` it lacks what a run of `lagc` has
-    already: the search for a consistent start, the bounds of parameters."""
+    """Return the text of `<model>.py` by file name.  Without `complete` it lacks the initialization and the
+    bounds of parameters, which a run of lagc has."""
     program = program.shipped if complete else program
     file = f"{prefix(program.interface.model)}.py"
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
@@ -42,7 +41,7 @@ def render(program: Program, complete: bool = True) -> dict[str, str]:
 
 
 def evaluation(program: Program) -> tuple[str, str]:
-    """Texts of the model's functions, and of the kernels that evaluate one state."""
+    """Return the texts of the functions of the model, and of the kernels that evaluate one state."""
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
     numbers = numbered(program)
     own = [function_text(f, names, numbers) for f in program.functions.values()]
@@ -55,13 +54,13 @@ def evaluation(program: Program) -> tuple[str, str]:
 
 def _banner(interface: Interface, file: str) -> str:
     about = [*LICENCE, "", *(f"    {line}" for line in equation(interface)), ""]
-    about.append("SI units throughout.  States are lists x = (q, v, z).")
+    about.append("SI units throughout.  A state is a list x = (q, v, z).")
     title = origin(interface, file).replace('"', "'")
     return "\n".join([f"# {SPDX}", f'"""{title}', "", *about, '"""']) + "\n"
 
 
 def member_names(interface: Interface) -> list[str]:
-    """Keywords of `default_params`: the parameters', then the inputs'."""
+    """Return the keywords of `default_params`, of parameters, then inputs."""
     names = Names()
     return [names.give(f.name) for f in (*interface.parameters, *interface.inputs)]
 
@@ -71,7 +70,7 @@ def _names(interface: Interface) -> str:
     text += _table("Q_NAMES", interface.q_names) + _table("V_NAMES", interface.v_names)
     text += _table("ROWS", interface.row_labels) + _table("Y_NAMES", [f.name for f in interface.outputs])
     fields = [*interface.parameters, *interface.inputs]
-    text.append("PARAMETERS = {  # keyword: (value, unit, name in the model, what it is)")
+    text.append("PARAMETERS = {  # keyword: (value, unit, name in the model, description)")
     text += [f"    {n!r}: {_row(f)}," for n, f in zip(member_names(interface), fields)]
     return "\n".join([*text, "}"]) + "\n"
 
@@ -80,9 +79,9 @@ def _bounds(interface: Interface) -> str:
     fields = [*interface.parameters, *interface.inputs]
     rows = [f"    {n!r}: ({f.minimum!r}, {f.maximum!r}),\n" for n, f in zip(member_names(interface), fields)]
     derived = [f"    {f.name!r}: ({f.minimum!r}, {f.maximum!r}),\n" for f in interface.limits]
-    text = ["BOUNDS = {  # keyword: (least, largest)\n", *rows, "}\n"]
+    text = ["BOUNDS = {  # keyword: (minimum, maximum)\n", *rows, "}\n"]
     if derived:
-        text += ["LIMITS = {  # value made of parameters: (least, largest)\n", *derived, "}\n"]
+        text += ["LIMITS = {  # value computed from parameters: (minimum, maximum)\n", *derived, "}\n"]
     return "".join(text)
 
 

@@ -1,10 +1,10 @@
-"""The public functions of the generated Python module, as text."""
+"""Public functions of generated Python modules, as text."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from lagc.codegen.statuses import texts
+from lagc.codegen.heading import status_texts
 from lagc.lowering.program import Interface, Program, tables
 
 _ALWAYS = '''\
@@ -12,8 +12,9 @@ STATUSES = @STATUSES@
 
 
 def default_params(**values):
-    """The list p of parameters and inputs: the values of the model, but for those given by keyword
-    (see PARAMETERS).  KeyError for a name that is not one; ValueError where a value is missing."""
+    """Return the list p of parameters and inputs: the values of the model, or those given by keyword.
+
+    Raises KeyError for a name that is not in PARAMETERS, ValueError if a value is missing."""
     for name in values:
         if name not in PARAMETERS:
             raise KeyError(f"{name!r} is not a parameter: {', '.join(PARAMETERS)}")
@@ -25,23 +26,23 @@ def default_params(**values):
 
 
 def rhs(t, x, p=None):
-    """xdot[NX].  ArithmeticError where the equations cannot be solved at (t, x)."""
+    """Return xdot[NX].  Raises ArithmeticError if the equations have no solution at (t, x)."""
     return _solved(t, x, p)[1]
 
 
 def accelerations(t, x, p=None):
-    """(a[NV], lam[NC])."""
+    """Return accelerations a[NV] and multipliers lam[NC]; errors as `rhs`."""
     _, xdot, lam = _solved(t, x, p)
     return xdot[NQ : NQ + NV], lam
 
 
 def integrate(t0, x0, times, p=None, options=None, progress=None):
-    """A Trajectory from (t0, x0) to times[-1] with the states at `times`; see Options."""
+    """Integrate from (t0, x0) to times[-1]; return a Trajectory with the states at `times`."""
     return _integrate(equations(p), options or Options(), float(t0), _floats(x0), _floats(times), progress)
 
 
 def equations(p=None):
-    """The equations with parameters p (see `default_params`), for many calls."""
+    """Return Equations with parameters p (see `default_params`), for many calls."""
     return Equations(default_params() if p is None else _floats(p))
 
 
@@ -50,7 +51,7 @@ def _solved(t, x, p):
     xdot, lam = [0.0] * NX, [0.0] * NC
     status = model.rhs(float(t), _floats(x), xdot, lam)
     if status in FAILED:
-        raise ArithmeticError(f"{STATUSES[status]} (index {model.culprit})")
+        raise ArithmeticError(f"{STATUSES[status]} Index: {model.culprit}.")
     return model, xdot, lam
 
 
@@ -60,8 +61,8 @@ def _floats(values):
 
 _CHECK = '''\
 def check(p=None, options=None):
-    """ValueError, with its name, where a parameter or input of p is not finite or out of its BOUNDS, or an
-    option makes no sense."""
+    """Raise ValueError, with the name, if a parameter or input is not finite or outside of its BOUNDS, or an
+    option is not valid."""
     if options is not None:
         options.check()
     if p is not None:
@@ -70,8 +71,8 @@ def check(p=None, options=None):
 
 _START = '''\
 def start(p=None):
-    """x[NX] as the model gives it: start values, and guesses that the constraints and the initial
-    conditions may still have to move."""
+    """Return x[NX] with the start values of the model.  They need not meet the constraints and initial
+    equations: see `consistent`."""
     x = [0.0] * NX
     fn_start(equations(p).p, x)
     return x
@@ -79,11 +80,13 @@ def start(p=None):
 
 _CONSISTENT = '''\
 def consistent(x=None, t=0.0, p=None, levels=None):
-    """x[NX], the guess (None: `start`) moved onto all conditions of the start: constraints, their rates,
-    the initial section, unit quaternions.  What is stated less firmly moves first, of what is stated as
-    few as possible; `levels` (UNSTATED, DECLARED, SCENE, RUN, FIXED) of q, v and the stated rates, None:
-    the model's.  ArithmeticError where no start is found; ValueError where t, a level or a parameter makes
-    no sense."""
+    """Return a consistent initial state x[NX] near the guess x (None: `start`).
+
+    It meets the constraints, their rates, the initial section and unit quaternions.  `levels` (UNSTATED,
+    DECLARED, SCENE, RUN, FIXED) of q, v and the stated rates say how firmly each value is stated (None: as in
+    the model); values of a lower level move first, and as few stated values as possible.  Raises
+    ArithmeticError if no consistent state is found, ValueError for a t, level or parameter that is not
+    valid."""
     model = equations(p)
     model.check()
     if not abs(t) < inf:
@@ -96,26 +99,27 @@ def consistent(x=None, t=0.0, p=None, levels=None):
     if status == OK:
         status = reach_start(model.p, float(t), room)
     if status in FAILED:
-        raise ArithmeticError(f"{STATUSES[status]} (index {room.culprit})")
+        raise ArithmeticError(f"{STATUSES[status]} Index: {room.culprit}.")
     return [*room.y[: NQ + NV], *guess[NQ + NV :]]
 '''
 
 _SYSTEM = '''\
 def mass_matrix(t, x, p=None):
-    """M, NV rows of NV."""
+    """Return the mass matrix M, NV rows of NV."""
     packed = equations(p).system(float(t), _floats(x))[1]
     rows = [packed[i * (i + 1) // 2 :][: i + 1] for i in range(NV)]
     return [[rows[max(i, j)][min(i, j)] for j in range(NV)] for i in range(NV)]
 
 
 def forces(t, x, p=None):
-    """r[NV] = tau - h: given forces less the velocity terms, M a = r + G^T lam."""
+    """Return r[NV] = tau - h: applied forces minus velocity terms, M a = r + G^T lam."""
     return equations(p).system(float(t), _floats(x))[2]
 '''
 
 _CONSTRAINTS = '''\
 def constraints(t, x, p=None):
-    """phi[NH], psi[NC] (the rates of all rows), G (NC rows of NV), gamma[NC] with G a = gamma."""
+    """Return phi[NH], psi[NC] (all constraints at velocity level), G (NC rows of NV) and gamma[NC] with
+    G a = gamma."""
     model, t, x = equations(p), float(t), _floats(x)
     _, _, _, g, gamma = model.system(t, x)
     rows = [g[i * NV : (i + 1) * NV] for i in range(NC)]
@@ -128,7 +132,7 @@ def constraints(t, x, p=None):
 
 _ENERGIES = '''\
 def energies(t, x, p=None):
-    """Kinetic, potential, and the energy whose balance the work is."""
+    """Return kinetic energy, potential energy, and the energy whose change is the work."""
     e = [0.0] * 3
     fn_energies(equations(p).p, float(t), _floats(x), e)
     return e
@@ -136,7 +140,7 @@ def energies(t, x, p=None):
 
 _OUTPUTS = '''\
 def outputs(t, x, p=None):
-    """y[NY], in the order of Y_NAMES."""
+    """Return the outputs y[NY], in the order of Y_NAMES."""
     model, xdot, lam = _solved(t, x, p)
     y = [0.0] * NY
 @ENERGIES@    fn_outputs(model.p, float(t), _floats(x), @E@xdot[NQ : NQ + NV], lam, y)
@@ -151,9 +155,9 @@ _ENERGIES_FIRST = """\
 _DERIVATIVES = '''
 
 def stack(t, x, a, lam, p=None):
-    """What is differentiated, part by part as STACK has it, at any a and lam: qdot, M a, tau - h + G^T lam,
-    G a - gamma, the conditions of a start, the start values, the outputs, what switches
-    change at, new values of states."""
+    """Return the differentiated functions at any a and lam, with the rows of STACK: qdot, M a,
+    tau - h + G^T lam, G a - gamma, initial equations, start values, outputs, event indicators, values of
+    `reinit`."""
     found = [0.0] * max(rows.stop for rows in STACK.values())
     _at_state(fn_stack@ON@, equations(p).p, float(t), _floats(x), _floats(a), _floats(lam), found)
     return found
@@ -166,8 +170,8 @@ def _at_state(function, p, t, x, a, lam, *last):
 _BY_GROUPS = '''
 
 def derivatives(group, t, x, a, lam, p=None):
-    """J, the derivatives of the stack by a group of PATTERNS, which has their places: "time", "state" (q, v),
-    "acceleration" (a, lam) or "parameter" (parameters, then inputs)."""
+    """Return the derivatives of `stack` by a group: "time", "state" (q, v), "acceleration" (a, lam) or
+    "parameter" (parameters, then inputs).  PATTERNS has their rows and columns."""
     found = [0.0] * len(PATTERNS[group])
     if found:
         function = {@FUNCTIONS@}[group]
@@ -178,8 +182,8 @@ def derivatives(group, t, x, a, lam, p=None):
 _ALONG = '''
 
 def along(t, x, a, lam, d, p=None):
-    """What the stack changes by where (t, x, a, lam, p) changes along d = (dt, dx, da, dlam, dp), with all
-    parameters, then inputs; its entries may be arrays, of many directions at once."""
+    """Return the derivative of `stack` in the direction d = (dt, dx, da, dlam, dp), with parameters, then
+    inputs, in p.  The entries of d may be arrays, for many directions at once."""
     found = [0.0] * max(rows.stop for rows in STACK.values())
     _at_state(fn_along@ON@, equations(p).p, float(t), _floats(x), _floats(a), _floats(lam), d, found)
     return found
@@ -187,18 +191,19 @@ def along(t, x, a, lam, d, p=None):
 
 _AT_STATE = "function(p, t, x, a, lam, *last)"
 _ON_BRANCH = """\
-\"\"\"On the branch of the state.\"\"\"
+\"\"\"Call `function` in the modes of the state.\"\"\"
     modes = [0.0] * NMODE
     fn_modes(p, t, x, modes)
     function(p, t, x, modes, a, lam, *last)"""
 
 _MANY = '''\
 def rhs_many(t, x, p=None):
-    """xdot of many states at once: arrays of shape (n_states, NX), t a number or one for each.
+    """Return xdot of many states, an array of shape (n_states, NX).
 
-    p is as for `rhs`, or an array (n_states, number of parameters).  Needs NumPy, whose functions
-    may differ from the C library's in the last bit.  States that need more care (see `Equations`)
-    are computed one by one, and are NaN where that fails.
+    x has the same shape; t is a number or an array of n_states; p is as for `rhs`, or an array
+    (n_states, number of parameters).  Needs NumPy, whose functions may differ from those of the C library in
+    the last bit.  States whose linear solve is inaccurate are computed one by one; a state without a solution
+    gives NaN.
     """
     import numpy
 
@@ -221,7 +226,7 @@ def rhs_many(t, x, p=None):
                 xdot[:, k] = value
             sound = health[0] >= (LEAST_PIVOT if NC else SINGULAR)
             if NC:
-                sound = sound & (health[1] <= ROUNDING * NMANY * NMANY)
+                sound = sound & (health[1] <= REFINED_RESIDUAL * NMANY * NMANY)
             sound = sound & numpy.isfinite(xdot).all(axis=1)
         rest = numpy.flatnonzero(~sound)
     for i in rest:
@@ -232,7 +237,7 @@ def rhs_many(t, x, p=None):
 
 
 def _vectorised(function):
-    """`function` on columns of numbers instead of numbers."""
+    """Return `function` for arrays instead of numbers."""
     import numpy
 
     names = {
@@ -256,7 +261,7 @@ _LOOKED_UP = """\
 
 
 _WATCH = """\
-            if not numpy.all(health[0] >= CLEAR):
+            if not numpy.all(health[0] >= TRUSTED_PIVOT):
                 _vectorised(fn_watch)(given, health)
 """
 _PLAIN = "_vectorised(fn_rhs)(given, t, list(x.T), "
@@ -267,7 +272,7 @@ modes = [0.0] * NMODE
 
 
 def verbs(program: Program, complete: bool) -> list[str]:
-    """Those that the model has a use for; `complete`, with those that a run of lagc does without."""
+    """Return the functions that apply to the model; `complete` adds those that a run of lagc does not call."""
     found = [_ALWAYS.replace("@STATUSES@", _statuses())]
     for name, text in (
         ("start", _START),
@@ -300,7 +305,7 @@ def _outputs(program: Program) -> str:
 
 
 def _stacked(interface: Interface) -> str:
-    """What is differentiated, and its derivatives: with the places of their entries, or along directions."""
+    """Return `stack` and its derivatives, by groups or along directions."""
     parts = [f"    {name!r}: {part!r},\n" for name, part in interface.stack.items()]
     on = "_on" if interface.switches else ""
     text = "".join(["STACK = {  # rows of the derivatives\n", *parts, "}\n", _DERIVATIVES])
@@ -309,7 +314,7 @@ def _stacked(interface: Interface) -> str:
 
 
 def _by_groups(patterns: Mapping[str, Sequence[tuple[int, int]]]) -> str:
-    from textwrap import fill  # where there are derivatives
+    from textwrap import fill  # only for models with derivatives
 
     text = ["\n\nPATTERNS = {  # (row, column) of each\n"]
     for name, pattern in patterns.items():
@@ -320,4 +325,4 @@ def _by_groups(patterns: Mapping[str, Sequence[tuple[int, int]]]) -> str:
 
 
 def _statuses() -> str:
-    return "".join(["(\n", *(f"    {text!r},\n" for text in texts()), ")"])
+    return "".join(["(\n", *(f"    {text!r},\n" for text in status_texts()), ")"])

@@ -1,4 +1,4 @@
-"""The runtime of a model in Python: the kernels that it needs, with its sizes and tables."""
+"""The runtime of a model in Python: the kernels that it calls, its sizes and tables."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from lagc.kernels import METHODS
 from lagc.lowering.program import Interface, Program
 
 MARK = "# -- what follows is part of generated modules --\n"
-SUPPORT = ("base.py", "slices.py")  # what runs of lagc use too
-# Kernels that every model has, and those for rows of constraints.
+SUPPORT = ("base.py", "slices.py")  # runs of lagc use them too
+# Kernels of every model, and of models with constraints.
 ROOTS = ("begin", "step", "dense", "advance", "record", "rhs_at", "factor_safely", "system_at")
-OF_SYSTEM = ("system_at",)  # where the dense system is there
-OF_ANY_RANK = ("factor_safely",)  # where it is, or there are rows
+OF_SYSTEM = ("system_at",)  # if the program has the dense system
+OF_ANY_RANK = ("factor_safely",)  # if it has the dense system or constraints
 OF_ROWS = ("assemble_at", "solve_at")
-SEARCH = ("prepare", "reach_start")  # for a consistent start
-GIVEN = ("Options",)  # records that are written by hand
+SEARCH = ("prepare", "reach_start")  # initialization
+GIVEN = ("Options",)  # records that are not printed: `support` has them
 NUMBERS = ("int", "Real", "Code", "Method")  # kinds of parts
 PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NALL", "NY", "NWORK", "NMODE", "NWHEN")
 
 
 def definitions(program: Program, complete: bool, given: frozenset[str]) -> list[str]:
-    """Sizes, tables, statuses and options, records, kernels and the classes that call them."""
+    """Return sizes, tables, statuses, records, kernels and the classes that call them."""
     search = SEARCH if complete and program.interface.needs_consistency else ()
     checks = ("is_bound",) if complete and program.interface.prepared else ()
     use = _needed(program.interface, (*ROOTS, *search, *checks), complete)
@@ -36,7 +36,7 @@ def definitions(program: Program, complete: bool, given: frozenset[str]) -> list
 
 
 def evaluation(program: Program, given: frozenset[str]) -> list[str]:
-    """What is the model's own, and what evaluates one state: equations without steps."""
+    """Return the constants of the model, and the kernels that evaluate one state."""
     use = _needed(program.interface, ("rhs_at", "factor_safely", "system_at"), False)
     own = "\n\n".join([_constants(program.interface, use, given), _work(program)])
     return [own, *kernels(use), EQUATIONS]
@@ -53,7 +53,7 @@ def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chose
 
 
 def _constants(interface: Interface, use: Chosen, given: frozenset[str]) -> str:
-    """Sizes, tables, statuses, numbers that kernels know, but for those that are `given`."""
+    """Return sizes, tables, statuses and constants of kernels, without those that are `given`."""
     kinds = [kind for _, members in _records(use) for _, kind, *_ in members]
     used = {*use.names, *PUBLIC, *(size for kind in kinds for size in kind)}
     used |= (
@@ -71,7 +71,7 @@ def _constants(interface: Interface, use: Chosen, given: frozenset[str]) -> str:
 
 
 def numbers(used: Collection[str]) -> str:
-    """The statuses, and the numbers `used`."""
+    """Return the statuses, and the constants in `used`."""
     text = ""
     for part in parts():
         if part["kind"] == "Status" or (part["kind"] in NUMBERS and part["name"] in used):
@@ -80,7 +80,7 @@ def numbers(used: Collection[str]) -> str:
 
 
 def kernels(use: Chosen) -> list[str]:
-    """Records and functions."""
+    """Return records and functions."""
     records = [_record(part["name"], part["doc"], members) for part, members in _records(use)]
     return [*records, *(leaf["python"] for _, leaf in use.functions)]
 
@@ -91,7 +91,7 @@ def _records(use: Chosen) -> list[tuple[Part, tuple[Sequence[Any], ...]]]:
 
 @cache
 def support(names: tuple[str, ...] = SUPPORT) -> tuple[str, ...]:
-    """The text that is written by hand; each file from MARK on."""
+    """Return the text of each support file from MARK on."""
     folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "support")
     found = []
     for name in names:
@@ -101,7 +101,7 @@ def support(names: tuple[str, ...] = SUPPORT) -> tuple[str, ...]:
 
 
 def _record(name: str, doc: str, members: Sequence[Sequence[Any]]) -> str:
-    """A class of slots."""
+    """Return a class with slots, filled with zeros."""
     about = "\n    ".join(doc.splitlines())
     slots = "".join(f'        "{m}",\n' for m, *_ in members)
     zeros = "".join(f"        self.{m} = {_zero(kind)}\n" for m, kind, *_ in members)
@@ -118,7 +118,7 @@ def _zero(kind: Sequence[str]) -> str:
 
 
 def _work(program: Program) -> str:
-    """The rate of the work integral, with all that the model's function of it may read."""
+    """Return the rate of the work integral, with the arguments of the kernels."""
     if not program.interface.nz:
         return ""
     power = program.functions.get("power")

@@ -152,7 +152,7 @@ def project_error(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
     return not failed(status)
 
 
-def displace(p: Params, t: Real, x: Vec[NX], y: Vec[NX], w: Work) -> None:
+def displace_state(p: Params, t: Real, x: Vec[NX], y: Vec[NX], w: Work) -> None:
     """y = x with its coordinates moved by the displacement w.kkt_solution."""
     y[:] = x
     if HAS_DISPLACE:
@@ -175,7 +175,7 @@ def perturb_off_constraints(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], 
     for i in range(NC):
         w.kkt_rhs[NV + i] = (ROUNDOFF_RESIDUAL if i % 2 == 0 else -ROUNDOFF_RESIDUAL) * w.row_scales[i]
     solve_at(w.kkt_rhs, w.kkt_solution, w)
-    displace(p, t, x, w.x_perturbed, w)
+    displace_state(p, t, x, w.x_perturbed, w)
     fn_velocity(p, t, w.x_perturbed, w.row_values)
     for i in range(NC):
         w.kkt_rhs[NV + i] = -w.row_values[i]
@@ -202,7 +202,7 @@ def project_positions(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
         for i in range(NH):
             w.kkt_rhs[NV + i] = -w.row_values[i]
         solve_at(w.kkt_rhs, w.kkt_solution, w)
-        displace(p, t, x, w.x_candidate, w)
+        displace_state(p, t, x, w.x_candidate, w)
         if NQUAT > 0:
             normalise(w.x_candidate)
         fn_position(p, t, w.x_candidate, w.row_values)

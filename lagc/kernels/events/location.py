@@ -28,7 +28,7 @@ from lagc.kernels.language.records import State, Trial, Work
 from lagc.kernels.language.scaling_groups import enlarge_sizes
 from lagc.kernels.language.sizes import NEDGES, NFREE, NGROUP, NMODE, NQ, NTIMED, NV, NX
 from lagc.kernels.language.statuses import failed
-from lagc.kernels.language.tables import group, has_edges
+from lagc.kernels.language.tables import has_edges, scaling_group
 from lagc.kernels.language.tolerances import EVENT_TIME_ULPS, SPACING
 from lagc.kernels.language.words import Params, Real, Vec, vector
 
@@ -255,7 +255,7 @@ def increase_slack(p: Params, s: State, k: int, w: Work) -> None:
     enlarge_sizes(s.x, sizes)
     enlarge_sizes(w.x_trial, sizes)
     for i in range(NQ + NV):
-        w.x_part_middle[i] = sizes[group[i]]
+        w.x_part_middle[i] = sizes[scaling_group[i]]
     estimate_indicator_roundoff(p, s, w.x_part_middle, w)
     j = k - NTIMED
     off = fabs(margin(k, w.indicators_before[k], s.slack[k], w)) + fabs(w.margins[j])

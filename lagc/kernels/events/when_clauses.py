@@ -26,7 +26,7 @@ from lagc.kernels.language.records import ABSENT, State, Work
 from lagc.kernels.language.scaling_groups import enlarge_sizes, not_finite
 from lagc.kernels.language.sizes import NACTS, NC, NFREE, NJUMP, NMODE, NQ, NQUAT, NTIMED, NV, NWHEN, NX, NZ
 from lagc.kernels.language.statuses import CHATTERING, MISPLACED, OK, TERMINATED, failed
-from lagc.kernels.language.tables import group, has_edges, reinit_clause, reinit_target, terminates
+from lagc.kernels.language.tables import has_edges, reinit_clause, reinit_target, scaling_group, terminates
 from lagc.kernels.language.words import Params, Real, Status
 
 MOST_GROWTH_AFTER_EVENT = 1e5
@@ -71,7 +71,7 @@ def meets_constraints(p: Params, s: State, w: Work) -> bool:
     if failed(project(p, s.t, s.x, s.sizes, w)):
         return False
     for i in range(NQ + NV):
-        if not fabs(s.x[i] - w.x_reinit[i]) <= MOST_PROJECTION * s.sizes[group[i]]:
+        if not fabs(s.x[i] - w.x_reinit[i]) <= MOST_PROJECTION * s.sizes[scaling_group[i]]:
             return False
     return True
 

@@ -11,7 +11,7 @@ from lagc.kernels.language.records import Options, State, Work
 from lagc.kernels.language.scaling_groups import enlarge_sizes
 from lagc.kernels.language.sizes import NGROUP, NQ, NV, NX
 from lagc.kernels.language.statuses import failed
-from lagc.kernels.language.tables import group
+from lagc.kernels.language.tables import scaling_group
 from lagc.kernels.language.tolerances import EVENT_TIME_ULPS, SPACING, TINY
 from lagc.kernels.language.words import Params, Real, Vec, vector
 
@@ -25,10 +25,10 @@ def extend_groups_at_rest(s: State, h: Real, w: Work, sizes: Vec[NGROUP]) -> Non
     what it reaches itself."""
     longer = w.longest_step / fabs(h)
     for i in range(NQ + NV):
-        if s.sizes[group[i]] == 0.0:
+        if s.sizes[scaling_group[i]] == 0.0:
             way = fabs(s.x_new[i] - s.x[i]) * longer
-            if way > sizes[group[i]]:
-                sizes[group[i]] = way
+            if way > sizes[scaling_group[i]]:
+                sizes[scaling_group[i]] = way
 
 
 def set_error_weights(s: State, o: Options, h: Real, w: Work) -> None:
@@ -49,8 +49,8 @@ def set_error_weights(s: State, o: Options, h: Real, w: Work) -> None:
     atol = o.atol
     blur = 10.0 * fabs(h)
     for i in range(NQ + NV):
-        size = sizes[group[i]]
-        if group[i] == 0 and size > 1.0:
+        size = sizes[scaling_group[i]]
+        if scaling_group[i] == 0 and size > 1.0:
             size = fabs(s.x_new[i]) if fabs(s.x_new[i]) > 1.0 else 1.0
         weight = atol + rtol * size + blur * (s.rate_roundoff[i] + w.coordinate_roundoff[i])
         w.error_weights[i] = weight if weight > TINY else TINY

@@ -19,7 +19,7 @@ from lagc.kernels.language.records import Options, State, Work
 from lagc.kernels.language.scaling_groups import enlarge_differences
 from lagc.kernels.language.sizes import NC, NGROUP, NH, NP, NPREPARED, NQ, NV, NX, TWO
 from lagc.kernels.language.statuses import failed
-from lagc.kernels.language.tables import group
+from lagc.kernels.language.tables import scaling_group
 from lagc.kernels.language.tolerances import BRANCH_DISTANCE, CROSSING_BRANCHES, FOUR_ULPS
 from lagc.kernels.language.words import Count, Mat, Params, Real, Vec, params, size, vector
 
@@ -87,14 +87,14 @@ def is_nearly_dependent(p: Params, s: State, h: Real, w: Work) -> bool:
     for k in range(NGROUP):
         left[k] = 0.0
     for i in range(NQ):
-        own = group[i]
+        own = scaling_group[i]
         if fabs(s.x_new[i] - s.x[i]) > moved[own]:
             moved[own] = fabs(s.x_new[i] - s.x[i])
         if fabs(w.x_perturbed[i] - s.x[i]) > left[own]:
             left[own] = fabs(w.x_perturbed[i] - s.x[i])
     for i in range(NQ):
-        if left[group[i]] > w.trial_sizes[group[i]]:
-            w.coordinate_roundoff[i] = left[group[i]] / fabs(h)
+        if left[scaling_group[i]] > w.trial_sizes[scaling_group[i]]:
+            w.coordinate_roundoff[i] = left[scaling_group[i]] / fabs(h)
     for k in range(NGROUP):
         reach = w.trial_sizes[k]
         if w.reaches[NC + NH + k] > reach:

@@ -1,4 +1,4 @@
-"""The functions of the model, printed from its Program."""
+"""The functions of the model.  They are printed from its Program."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def fn_holds_on(p: Params, t: Real, x: Vec[NX], modes: Vec[NMODE], c: Out[NWHEN]
 def fn_reinit(p: Params, t: Real, x: Vec[NX], r: Out[NJUMP]) -> None: ...
 def fn_energies(p: Params, t: Real, x: Vec[NX], e: Out[Any]) -> None: ...
 def fn_enclosure_on(p: Params, modes: Vec[NMODE], box: Vec[NBOX], e: Out[NENDS]) -> None: ...
-# Of a model with switches, the same functions on the branch of `modes`.
+# For a model with relations: the same functions in given modes.
 def fn_rhs_on(p: Params, t: Real, x: Vec[NX], modes: Vec[NMODE], xdot: Out[NX], lam: Out[NC],
               health: Out[NHEALTH]) -> None: ...
 def fn_system_on(p: Params, t: Real, x: Vec[NX], modes: Vec[NMODE], qdot: Out[NQ], M: Out[NM], r: Out[NV],

@@ -1,4 +1,4 @@
-"""What is prepared of the parameters: computed once, not at every call."""
+"""Numbers computed from the parameters alone, once and not at every evaluation."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from lagc.kernels.language.words import Params, public, vector
 
 @public
 def bind(p: Params) -> None:
-    """Prepare what depends on parameters alone: once they are set, and whenever one was changed, before the
-    next call.  Inputs may change at any time."""
+    """Compute the prepared numbers.  Call it after the parameters are set, and again after each change of a
+    parameter; a change of an input needs no call."""
     made = vector(NPREPARED)
     fn_bind(p, made)
     for k in range(NPREPARED):
@@ -19,7 +19,7 @@ def bind(p: Params) -> None:
 
 
 def is_bound(p: Params) -> bool:
-    """Whether no parameter was changed since."""
+    """Return whether no parameter changed since the last call of `bind`."""
     for k in range(NREAD):
         if not p[sources[k]] == p[NP + NPREPARED - NREAD + k]:
             return False

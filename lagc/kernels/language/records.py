@@ -1,4 +1,7 @@
-"""What a run keeps: its options, its state, and room to work in."""
+"""The records of a run: options, workspace, state of a trajectory, and one attempted step.
+
+A comment before a field opens a section of the record; the header of generated C shows it.
+"""
 
 from __future__ import annotations
 
@@ -36,8 +39,8 @@ from lagc.kernels.language.sizes import (
 )
 from lagc.kernels.language.words import Code, Count, IVec, Mat, Params, Real, Size, Vec, record
 
-# The culprit of INVALID; of a parameter or an input: LAGC_BAD_PARAMETER + its place in lagc_params; behind
-# these, of a value that is made of parameters: its place in lagc_limits.
+# The culprit of INVALID.  A parameter or input has LAGC_BAD_PARAMETER + its place in lagc_params.  A value
+# computed from parameters (see lagc_limits) has its place there, behind all parameters and inputs.
 BAD_METHOD = Code(0)
 BAD_MAX_STEPS = Code(1)
 BAD_RTOL = Code(2)
@@ -48,126 +51,147 @@ BAD_MAX_STEP = Code(6)
 BAD_TIME = Code(7)  # s->t, t1, t, times, or n and *done
 BAD_BUDGET = Code(8)
 BAD_LEVEL = Code(9)
-BAD_BINDING = Code(10)  # lagc_bind was not called, or a parameter was changed since
+BAD_BINDING = Code(10)  # lagc_bind was not called since a parameter changed
 BAD_PARAMETER = Code(16)
 
-# Where a rate, or the dense output, is to be found.
-ABSENT = 0
-STAGES = 1  # a rate: the first of them
-READY = 2  # a rate: the last of the stages
+# Where the rate of change, or the dense output, of a state is stored.
+ABSENT = 0  # nowhere: it has to be computed
+STAGES = 1  # rate: the first stage; dense output: to be computed from the stages
+READY = 2  # rate: the last stage; dense output: its coefficients
 
 
 @record
 class Options:
-    """Numbers are finite and not negative."""
+    """How to integrate.  All numbers are finite and not negative."""
 
     method: int  # lagc_method
-    project: bool  # 0: let the constraints drift
-    max_steps: Count  # of one call, accepted and rejected; 0: no limit
-    rtol: Real  # below 1; of the largest magnitude so far of the states of the same kind
-    atol: Real  # added for every state; where it is 0, rtol is 1e-15 at least
-    step: Real  # > 0: fixed steps, rtol and atol unused
+    project: bool  # 1: project onto the constraints after each step; 0: let the constraints drift
+    max_steps: Count  # limit of accepted and rejected steps of one call; 0: no limit
+    rtol: Real  # below 1; relative to the largest magnitude so far in the scaling group of a state
+    atol: Real  # added for every state; if it is 0, rtol is at least 1e-15
+    step: Real  # > 0: fixed step size, rtol and atol are not used
     first_step: Real  # 0: chosen
     max_step: Real  # 0: no limit
     if NMODE > 0:
-        report: (
-            int  # 1: advance and record return INTERRUPTED at each time at which switches change: s->changed
-        )
-        halves: bool  # 1: steps that end where switches change, or with the call, are made in two
+        report: int  # 1: advance and record return INTERRUPTED after each event, see s->changed
+        halves: bool  # 1: the last step before an event, or before the end of a call, is split in two
 
 
 @record
 class Work:
-    """Room for the calls below; fill it with zeros before its first use.  Between calls it holds nothing
-    that another needs, but for lagc_solve after lagc_assemble: it may serve any states, in any order."""
+    """Workspace of the functions below.  Fill it with zeros before the first use.  It may serve any states
+    in any order: between calls it keeps nothing, except from lagc_assemble to lagc_solve."""
 
-    culprit: int  # what a status refers to: an index of v or x, or a row
-    fallbacks: Count  # linear solves that took the slower, safer way
+    culprit: int  # what a status refers to: an index of v or x, or a constraint row
+    fallbacks: Count  # linear solves that used the slower, rank-revealing factorization
     if NC > 0:
-        redundant: IVec[NC]  # 1: this row was found to depend on others
-        rank_deficient: bool  # rows of G are known to depend on others
+        redundant: IVec[NC]  # 1: this constraint row was found to depend on others
+    # Private from here on: the library alone reads and writes these fields.
+    # Right-hand side
     lam: Vec[NC]
     xdot: Vec[NX]
     a: Vec[NV]
-    trial_sizes: Vec[NGROUP]  # sizes of the kinds of states, with the one that is tried
-    error_weights: Vec[NX]
-    longest_step: Real  # that of the trajectory, in a second attempt at a step
-    coordinate_roundoff: Vec[NX]  # rates that what projection leaves of coordinates is over a step
-    health: Vec[NHEALTH]
-    power: Vec[TWO]
     qdot: Vec[NQ]
+    power: Vec[TWO]
+    health: Vec[NHEALTH]  # smallest pivot ratio and squared residual of the last linear solve
     if NM > 0:
+        # Mass matrix, its factor and the dense equations of motion
         M: Vec[NM]  # packed by rows of the lower triangle
         force: Vec[NV]
-        cholesky: Vec[NM]
-        row_begin: IVec[NV]  # where rows of low begin to differ from zero
+        cholesky: Vec[NM]  # M = L L^T
+        row_begin: IVec[NV]  # first column of each row of L that is not zero
         pivot_column: Vec[NV]
         G: Vec[NG]
         gamma: Vec[NC]
-    position_residual: Real  # scaled residuals after a projection
-    velocity_residual: Real
+    if NWORK > 0:
+        # Sparse factors of [M G^T; G 0]
+        kkt_entries: Vec[NWORK]
     if NC > 0:
-        gamma_sizes: Vec[NC]  # of the terms of gamma
-        if NM > 0:
-            penalty: Real
-        constraint_violation: Real
-        regularity: Vec[NC]
-        reaches: Vec[NREACH]
-        group_sizes: Vec[NGROUP]
-        if NM > 0:
-            q_rows: Mat[NC, NV]
-            q_begin: IVec[NC]  # where rows of b begin to differ from zero, and where they cease to
-            q_end: IVec[NC]
-            q_factor: Mat[NC, NC]
-            dependence: Mat[NC, NC]
-            normal_matrix: Mat[NC, NC]
-            row_lengths: Vec[NC]
-        row_room: Vec[NC]
-        row_room2: Vec[NC]
-        row_scales: Vec[NC]  # of residuals, and of their rates
-        rate_scales: Vec[NC]
-        row_values: Vec[NC]
+        # Solves with [M G^T; G 0]
         kkt_rhs: Vec[NR]
         kkt_solution: Vec[NR]
-        x_candidate: Vec[NX]
-        dq: Vec[NQ]
+        rank_deficient: bool  # constraint rows are known to depend on others
+        is_assembled: bool  # the factors of this projection exist
         if NM > 0:
-            row_order: IVec[NC]
-        redundant_before: IVec[NC]  # rows that were redundant before a look at another state
-        if NM > 0:
-            row_rhs: Vec[NC]
-            mu: Vec[NC]
-            rank: Size
-            is_dense: bool
+            is_dense: bool  # the factors are those of the rank-revealing factorization
         else:
             kkt_residual: Vec[NR]
             kkt_correction: Vec[NR]
-        is_assembled: bool  # the factors of this projection are there
+        # Constraint rows and their scales
+        row_scales: Vec[NC]  # of the residuals
+        rate_scales: Vec[NC]  # of the residual rates
+        reaches: Vec[NREACH]  # change of each row over the sizes of the states
+        gamma_sizes: Vec[NC]  # sum of the magnitudes of the terms of gamma
+        regularity: Vec[NC]  # 1; less for a degenerate row, whose gradient nearly vanishes
+        constraint_violation: Real  # scaled distance of x from the constraints
+        group_sizes: Vec[NGROUP]
+        row_values: Vec[NC]
+        row_room: Vec[NC]
+        row_room2: Vec[NC]
+        redundant_before: IVec[NC]
+        if NM > 0:
+            # Rank-revealing factorization L^-1 G^T = Q F diag(row_lengths)
+            q_rows: Mat[NC, NV]  # Q^T
+            q_begin: IVec[NC]  # first and last column of each row of Q^T that is not zero
+            q_end: IVec[NC]
+            q_factor: Mat[NC, NC]  # F
+            row_lengths: Vec[NC]
+            row_order: IVec[NC]  # pivot order
+            rank: Size
+            penalty: Real  # > 0: L is the factor of M + penalty G^T G
+            dependence: Mat[NC, NC]  # dependent rows as combinations of the independent ones
+            normal_matrix: Mat[NC, NC]
+            row_rhs: Vec[NC]
+            mu: Vec[NC]
+        # Projection
+        x_candidate: Vec[NX]
+        dq: Vec[NQ]
+    position_residual: Real  # largest scaled residuals after a projection
+    velocity_residual: Real
+    # Error of a step
+    trial_sizes: Vec[NGROUP]  # s->sizes, with the new state included
+    error_weights: Vec[NX]
+    longest_step: Real  # over which groups at rest are extrapolated; 0: they are not
+    coordinate_roundoff: Vec[NX]  # residual of the projection of coordinates, divided by the step size
     if NH > 0:
-        error_parts: Mat[TWO, NX]  # of the error of a step
-        error_parts_before: Mat[TWO, NX]  # the same of another attempt
+        error_parts: Mat[TWO, NX]  # the two error estimates of the step
+        error_parts_before: Mat[TWO, NX]  # those of the step before it was perturbed
         x_perturbed: Vec[NX]
-    if NWORK > 0:
-        kkt_entries: Vec[NWORK]
     if NMODE > 0:
-        modes_fixed: bool  # the modes are those of a step
+        # Modes of relations
         modes: Vec[NMODE]
-        indicators: Vec[NMODE]  # what each switch changes at
-        indicators_before: Vec[NMODE]
-        indicator_rates: Vec[NMODE]  # rates of the sides
-        old_indicator_rates: Vec[NMODE]
-        old_indicators: Vec[NMODE]  # on the branch that it leaves
+        modes_fixed: bool  # evaluations keep these modes; else they follow the state
+        indicators: Vec[NMODE]  # event indicators
+        indicator_rates: Vec[NMODE]
+        crossed: IVec[NMODE]  # 1: this indicator crosses zero, or an edge, at the end of the step
+        indicators_before: Vec[NMODE]  # in the modes that were looked at before
+        indicator_jumped: IVec[NMODE]  # 1: this indicator changed with the modes of others
         candidate_modes: Vec[NMODE]
-        indicator_jumped: IVec[NMODE]  # 1: its side, as others changed
-        old_rates: Vec[NX]  # of the state, on the branch that it leaves
-        crossed: IVec[NMODE]  # 1: it changes at the end of the step
-        sliding_candidates: IVec[NFREE]  # 1: its side comes to zero then, too
+        sliding_candidates: IVec[NFREE]  # 1: this indicator reaches zero at the same time
+        # The modes that an event leaves
+        old_indicators: Vec[NMODE]
+        old_indicator_rates: Vec[NMODE]
+        old_rates: Vec[NX]  # of the state
+    if NEDGES > 0:
+        edges: Vec[NEDGES]  # lower and upper edge of the mode of each stepwise relation
+        old_edges: Vec[NEDGES]
+    if NTIMED > 0:
+        # Relations of time alone
+        indicator_slopes: Vec[NTIMED]
+        event_times: Vec[NTIMED]
+    if NFREE > 0:
+        # Detection of zero crossings
+        enclosures: Vec[NENDS]  # lower and upper bound of each indicator in the box
+        margins: Vec[NFREE]  # distance of each indicator from its crossing, negative beyond it
+        margin_changes: Vec[NFREE]
+        indicator_roundoff: Vec[NFREE]  # change of each indicator by one unit in the last place of (t, x)
     if NWHEN > 0:
-        conditions: Vec[NWHEN]  # 1: a condition does
+        # Clauses `when`
+        conditions: Vec[NWHEN]  # 1: this condition is true
         triggered: IVec[NWHEN]  # 1: it has become true
-        indicator_reset: IVec[NFREE]  # 1: its side, by what was done at this moment
-        x_saved: Vec[NX]  # and all else that is put back where what is to be done cannot be
-        at_event_time: bool  # the state is at the time of a change
+        indicator_reset: IVec[NFREE]  # 1: a clause changed this indicator at this event
+        at_event_time: bool  # the state is that at the time of the crossing
+        x_saved: Vec[NX]
         conditions_saved: Vec[NWHEN]
         modes_saved: Vec[NMODE]
         slack_saved: Vec[NMODE]
@@ -175,31 +199,23 @@ class Work:
         reinit_values: Vec[NJUMP]
         x_reinit: Vec[NX]
         energies: Vec[THREE]
-    if NEDGES > 0:
-        edges: Vec[NEDGES]  # of the modes
-        old_edges: Vec[NEDGES]
-    if NTIMED > 0:
-        indicator_slopes: Vec[NTIMED]
-        event_times: Vec[NTIMED]
-    if NFREE > 0:
-        enclosures: Vec[NENDS]
-        margins: Vec[NFREE]  # how far each side is from where its switch changes
-        margin_changes: Vec[NFREE]
-        indicator_roundoff: Vec[NFREE]  # what last places are worth in these sides
     if NFEAT > 0:
-        feature_bounds: Vec[NBOUNDS]
+        # Step guards: narrow features
+        feature_bounds: Vec[NBOUNDS]  # lower and upper bound of each in the box
         feature_values: Vec[NFEAT]
-        feature_low: Vec[NFEAT]  # between which each is seen
+        feature_low: Vec[NFEAT]  # range that the ends of the step show
         feature_high: Vec[NFEAT]
     if NPOLE > 0:
-        divisor_bounds: Vec[NNEAR]  # between which each is
-        divisor_limits: Vec[NPOLE]  # how far from zero each is to stay
+        # Step guards: divisors near zero
+        divisor_bounds: Vec[NNEAR]  # lower and upper bound of each in the box
+        divisor_limits: Vec[NPOLE]  # least distance of each from zero
         divisor_begin: Vec[NPOLE]
         divisor_middle: Vec[NPOLE]
         divisor_end: Vec[NPOLE]
-        guards_divisors: bool  # whether any is to
+        guards_divisors: bool  # a divisor may come nearer to zero within the step
     if NSEARCH > 0:
-        box: Vec[NBOX]  # least time and states, largest time and states
+        # Parts of a step
+        box: Vec[NBOX]  # lower ends of time and states, then upper ends
         x_trial: Vec[NX]
         x_part_begin: Vec[NX]
         x_part_middle: Vec[NX]
@@ -208,84 +224,89 @@ class Work:
 
 @record
 class State:
-    """A state on its way: t and x now, and the last step, with all that dense output of it and the next
-    step need.  A copy is a state of its own."""
+    """The state of a trajectory: t and x, the last step for dense output, and what the next step needs.
+    A copy continues on its own."""
 
     t: Real
     x: Vec[NX]
-    t_old: Real  # where the last step began
-    position_drift: Real  # largest scaled residuals after a step
+    t_old: Real  # begin of the last step
+    position_drift: Real  # largest scaled constraint residuals after a step, so far
     velocity_drift: Real
-    steps: Count
+    steps: Count  # accepted
     rejected: Count
-    rhs: Count  # evaluations
-    culprit: int
-    sizes: Vec[NGROUP]  # of coordinates, and speeds, of one unit: the largest so far
+    rhs: Count  # evaluations of the right-hand side
+    culprit: int  # what the status of the last call refers to
+    sizes: Vec[NGROUP]  # largest magnitude so far in each scaling group
     if NMODE > 0:
-        changes: Count  # times at which a switch has changed
-        changed: IVec[NMODE]  # 1: a switch that did at the last of these
-        event_roundoff: Vec[NX]  # what the last place of these times is worth in the states, in all
+        changes: Count  # events so far: times at which a mode changed
+        changed: IVec[NMODE]  # 1: this relation changed at the last event
+        event_roundoff: Vec[NX]  # sum of the errors of x by round-off of event times
     if NWHEN > 0:
-        acts: int  # of clauses `when` then
-        acted: IVec[NACTS]  # which, in the order in which they did
-        jumps: Count  # acts that gave states new values
-        x_before_event: Vec[NX]  # where the last step ended, before anything was done there
-    longest_step: Real  # step that was tried at first
-    roundoff_estimated: bool  # the error of the last step was judged with its rounding
-    roundoff_memory: Real  # 1 where rounding made a step good, and less the longer ago that is; 0: forgotten
-    rate_roundoff: Vec[NX]  # that rounding, of the rates
-    steps_before_call: Count  # steps and attempts before this call
-    is_new_call: bool  # from here on for the functions below: no step was made since the caller had it
-    parameters_known: bool  # p is that of the last step
-    method: int  # of the last step
-    rate_place: int  # at (t, x): k[0], the last of k, or to be found
-    dense_place: int  # of the last step: r, k, or to be found
-    if NC > 0:
-        rank_deficient: bool
-    grid_index: Count
-    grid_begin: Real
-    grid_step: Real
-    h: Real
-    error_old: Real
+        acts: int  # clauses `when` that acted at the last event
+        acted: IVec[NACTS]  # their numbers, in the order in which they acted
+        jumps: Count  # clauses that changed the state, so far
+        x_before_event: Vec[NX]  # end of the last step, before clauses changed it
+    # Private from here on: the library alone reads and writes these fields.
+    # The last step
     h_old: Real
     x_old: Vec[NX]
-    t_end: Real
-    x_end: Vec[NX]  # where the last step ended
-    p: Params  # of the last step
-    if NMODE > 0:
-        modes: Vec[NMODE]  # the branch of the next step: sign(e), or floor(e), of each switch
-        modes_old: Vec[NMODE]  # of the last
-        slack: Vec[NMODE]  # how far a side is beyond its change
-        after_event: bool  # the last step ended with one
-        event_time_error: Real  # time that errors of the last step are worth
-        first_order_time: (
-            Real  # time, beside the last step: what is of second order in it is less than its error
-        )
-        is_split: bool  # it was the first half of one that would
-        changes_at_time: Count  # changes at the time t_changed
-        t_changed: Real
-    if NWHEN > 0:
-        conditions: Vec[NWHEN]  # 1: a condition that holds
-        conditions_known: bool  # these are known
-        crossing_times: Vec[NFREE]  # when each switch that the state changes did last
-    x_new: Vec[NX]  # where the next may end
+    t_end: Real  # where it ended
+    x_end: Vec[NX]
+    p: Params
+    method: int
     k: Mat[NK, NX]  # rates at the stages
     r: Mat[ND, NX]  # coefficients of the dense output
+    rate_place: int  # where the rate at (t, x) is; 0: nowhere, 1: k[0], 2: the last stage
+    dense_place: int  # where the dense output is; 0: nowhere, 1: to be computed from k, 2: r
+    # This call
+    is_new_call: bool  # no step was made since the caller had this state
+    steps_before_call: Count
+    parameters_known: bool  # p holds the parameters of the last step
+    # Step size
+    h: Real  # of the next attempt; 0: to be chosen
+    error_old: Real  # scaled error of the last accepted step
+    longest_step: Real  # longest first attempt so far
+    grid_begin: Real  # grid of fixed steps
+    grid_step: Real
+    grid_index: Count
+    x_new: Vec[NX]  # end of the step that is attempted
+    # Round-off
+    roundoff_estimated: bool  # the error of the last step was compared with its round-off
+    roundoff_memory: Real  # 1 when round-off decided on a step; fades with the distance from it to 0
+    rate_roundoff: Vec[NX]  # estimated round-off of the rates
+    if NC > 0:
+        rank_deficient: bool  # constraint rows are known to depend on others
+    if NMODE > 0:
+        # Events
+        modes: Vec[NMODE]  # of the next step: sign(z) or floor(z) of each indicator z
+        modes_old: Vec[NMODE]  # of the last step
+        slack: Vec[NMODE]  # by how much each indicator is beyond its crossing
+        after_event: bool  # the last step ended at an event
+        is_split: bool  # the last step was the first half of a split one
+        event_time_error: Real  # errors of event times by the tolerance
+        first_order_time: Real  # times below it are corrected to first order
+        t_changed: Real  # time of the last event
+        changes_at_time: Count  # events at that time
+    if NWHEN > 0:
+        conditions: Vec[NWHEN]  # 1: this condition is true
+        conditions_known: bool
+        crossing_times: Vec[NFREE]  # last crossing of each indicator that depends on the state
 
 
 @record
 class Trial:
-    """One attempt at a step from (s.t, s.x)."""
+    """One attempt of a step from (s.t, s.x)."""
 
-    direction: Real
-    size: Real  # |h| that is wanted
+    direction: Real  # 1 or -1
+    size: Real  # |h|
     h: Real
     t_new: Real
-    error: Real  # at most 1 where it is accepted
-    ends_on_target: bool  # on t1, exactly
-    roundoff_estimated: bool  # the error was judged with its rounding
+    error: Real  # scaled; at most 1: the step is accepted
+    is_accepted: bool
+    ends_on_target: bool  # it ends at the given time exactly
+    roundoff_estimated: bool  # the error was compared with its round-off
     if NMODE > 0:
-        ends_at_event: bool  # it ends where a switch changes
-        is_split: bool  # it is the first of one that would
-        size_before_event: Real  # the size that was accepted before it was made to
-    rejected: int  # attempts before
+        ends_at_event: bool
+        is_split: bool  # it is the first half of a step
+        size_before_event: Real  # accepted size before the step was shortened to end at an event
+    rejected: int  # attempts before this one

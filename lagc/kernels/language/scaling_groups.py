@@ -1,7 +1,7 @@
-"""Sizes.
+"""Scaling groups.
 
-States are judged by the largest magnitude of their kind: coordinates, or speeds, of one unit.
-Kind 0 are the coordinates that are numbers, as angles are.
+A scaling group holds the coordinates, or the speeds, of one unit.  Errors of a state are scaled by the
+largest magnitude in its group.  Group 0 holds coordinates without unit, such as angles.
 """
 
 from __future__ import annotations
@@ -10,22 +10,22 @@ from math import fabs
 from typing import Any
 
 from lagc.kernels.language.sizes import NGROUP, NQ, NV, NX
-from lagc.kernels.language.tables import group
+from lagc.kernels.language.tables import scaling_group
 from lagc.kernels.language.words import Size, Vec
 
-# Of the change of a row over the sizes of states: a row whose terms vanish is judged by it.
+# Share of the reach of a row in its scale: a row whose terms all vanish is scaled by it.
 VANISHING_ROW = 1e-3
 
 
 def enlarge_sizes(x: Vec[NX], sizes: Vec[NGROUP]) -> None:
-    """sizes[NGROUP] become at least those of x."""
+    """Raise sizes[NGROUP] to the magnitudes of x."""
     for i in range(NQ + NV):
-        if fabs(x[i]) > sizes[group[i]]:
-            sizes[group[i]] = fabs(x[i])
+        if fabs(x[i]) > sizes[scaling_group[i]]:
+            sizes[scaling_group[i]] = fabs(x[i])
 
 
 def not_finite(values: Vec[Any], n: Size) -> int:
-    """The index of the first value that is infinite or not a number; -1."""
+    """Return the index of the first value that is infinite or NaN, or -1."""
     total = 0.0
     for i in range(n):
         total += values[i]
@@ -38,7 +38,7 @@ def not_finite(values: Vec[Any], n: Size) -> int:
 
 
 def enlarge_differences(one: Vec[NX], other: Vec[NX], apart: Vec[NX]) -> None:
-    """apart[NX] become at least how far rates are apart."""
+    """Raise apart[NX] to the differences of two vectors of rates."""
     for i in range(NQ + NV):
         if fabs(one[i] - other[i]) > apart[i]:
             apart[i] = fabs(one[i] - other[i])

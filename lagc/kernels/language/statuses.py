@@ -1,28 +1,29 @@
-"""Statuses: what a call ends with."""
+"""Statuses: the result of a call."""
 
 from __future__ import annotations
 
 from lagc.kernels import Status
 
-OK = Status(0)  # done
-SINGULAR_MASS = Status(1)  # the mass matrix is singular, or not positive definite; culprit: index of v
-# rows of constraints depend on each other; culprit: a row; a success: lambda is the smallest that fits
+OK = Status(0)  # Success.
+# The mass matrix is singular or not positive definite; culprit: an index of v
+SINGULAR_MASS = Status(1)
+# Success with redundant constraints: the multipliers are the smallest that fit; culprit: a constraint row
 REDUNDANT = Status(2)
-INCONSISTENT = Status(3)  # rows of constraints contradict each other; culprit: a row
-# a value is not finite; culprit: index of x: of what is not finite there, else of its rate
+INCONSISTENT = Status(3)  # The constraints contradict each other; culprit: a constraint row
+# A value is not finite; culprit: the index of x that is not finite, or whose rate is not
 NOT_FINITE = Status(4)
-# the step became too small, for the tolerance or beside the way to go, of more than 1e38 steps; culprit: none
-STEP_UNDERFLOW = Status(5)
-MAX_STEPS = Status(6)  # the steps that one call may take are used up; culprit: none; call again to go on
-INTERRUPTED = Status(7)  # interrupted; culprit: none; call again to go on
-INVALID = Status(8)  # an option, a time or a parameter makes no sense; culprit: see LAGC_BAD_METHOD and on
-# a switch changes to and fro at once, without end; culprit: the switch, or behind these a clause `when`
+STEP_UNDERFLOW = Status(5)  # The step size underflowed; culprit: none
+MAX_STEPS = Status(6)  # The step limit of one call is reached; call again to continue; culprit: none
+INTERRUPTED = Status(7)  # Interrupted; call again to continue; culprit: none
+# An option, a time or a parameter is not valid; culprit: one of LAGC_BAD_...
+INVALID = Status(8)
+# Modes change without end at one time; culprit: the relation, or the number of relations + the `when` clause
 CHATTERING = Status(9)
-
-TERMINATED = Status(10)  # a `when` ended the run; culprit: the clause; call again to go on
-MISPLACED = Status(11)  # new values are not finite, or do not meet the constraints; culprit: the clause
+TERMINATED = Status(10)  # A `when` clause ended the run; call again to continue; culprit: the clause
+# The new values of a `when` clause are not finite or violate the constraints; culprit: the clause
+MISPLACED = Status(11)
 
 
 def failed(status: Status) -> bool:
-    """Whether an evaluation gave nothing: rows that depend on others are solved."""
+    """Return whether an evaluation has no result; redundant constraints have one."""
     return status != OK and status != REDUNDANT

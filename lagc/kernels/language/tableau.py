@@ -1,4 +1,4 @@
-"""What `runge_kutta` and the dispatch of `method` know of a method: see `methods`."""
+"""The names of a tableau, as `explicit_runge_kutta` and `dispatch` use them: see `tableaus`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the kernels know of a model besides sizes: constant arrays in the generated code."""
+"""Tables of a model: constant arrays in the generated code."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from lagc.kernels.language.sizes import (
 )
 from lagc.kernels.language.words import IVec, Mat
 
-group: IVec[NX]  # of each coordinate and speed: those of one unit share a size; 0 are the angles
-quaternion: IVec[NQUAT]  # where each begins in x
+scaling_group: IVec[NX]  # of each coordinate and speed; group 0: angles and other numbers without unit
+quaternion: IVec[NQUAT]  # first index in x of each unit quaternion
 level: IVec[NU]  # how firmly each unknown of the start is stated
 unit: IVec[NU]
 angle: IVec[NU]  # 1: of an angle
@@ -31,11 +31,11 @@ stretch_begins: IVec[NSTRETCH]  # the unknowns of these, condition by condition,
 stretch_ends: IVec[NSTRETCH]  # behind the last
 part_ends: IVec[NPARTED]  # the same by unknowns and sums: of each condition, then of each sum
 part_column: IVec[NPARTS]  # an unknown, or behind these a sum
-sources: IVec[NREAD]  # the places of parameters that `bind` reads
-bounded: IVec[NBOUNDED]  # the places of parameters that have bounds
-bounds: Mat[NBOUNDED, TWO]  # least and largest
-has_edges: IVec[NMODE]  # 1: a switch that changes at the edges of its mode, else at zero
+sources: IVec[NREAD]  # indices of the parameters that `bind` reads
+bounded: IVec[NBOUNDED]  # indices of the parameters that have bounds
+bounds: Mat[NBOUNDED, TWO]  # lower and upper bound of each
+has_edges: IVec[NMODE]  # 1: a stepwise relation, whose mode changes at edges; 0: it changes at zero
 terminates: IVec[NWHEN]  # 1: this clause ends the run
-reinit_clause: IVec[NJUMP]  # to which a new value belongs
-reinit_target: IVec[NJUMP]  # the state that takes it
-derived_bounds: Mat[NLIMITS, TWO]  # the same of values made of parameters
+reinit_clause: IVec[NJUMP]  # the clause that assigns each value
+reinit_target: IVec[NJUMP]  # the state that it is assigned to
+derived_bounds: Mat[NLIMITS, TWO]  # bounds of values computed from parameters

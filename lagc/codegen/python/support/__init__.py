@@ -1,5 +1,4 @@
-"""What generated Python modules have besides their functions and the kernels: statuses, options and
-trajectories.
+"""Options and trajectories of generated Python modules.
 
-Each file is part of generated modules from its marker on, and importable here, as runs of lagc use it too.
+Generated modules contain each file from its marker on.  Runs of lagc import the files.
 """

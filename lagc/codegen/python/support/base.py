@@ -1,4 +1,4 @@
-"""Statuses, options and results of the integrators: in generated Python modules, and for runs of lagc."""
+"""Options and results of the integrators, in generated Python modules and in runs of lagc."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from lagc.kernels.language.statuses import INCONSISTENT, NOT_FINITE, OK, SINGULA
 
 MOST_EVENTS = 10_000
 MOST_CORNERS = 1000
-FIRST_LOOK = 1024  # accepted steps after which a run is looked at; then twice as many, and so on
+FIRST_LOOK = 1024  # accepted steps before the first call of `watch`; they double from call to call
 FAILED = frozenset((SINGULAR_MASS, INCONSISTENT, NOT_FINITE))  # of one evaluation
 
 
 class Options:
     """How to integrate one trajectory.
 
-    `method`: one of METHODS.  `rtol` is relative to the largest magnitude so far of the states of
-    the same kind, `atol` is added for all.  `step` > 0 asks for fixed steps (rtol, atol unused).
-    `first_step` 0: chosen; `max_step` 0: no limit; `max_steps`, of one call: accepted and rejected, 0: no
-    limit.  `watch` is asked after 1024, 2048, 4096, ... accepted steps, with the trajectory so far: where
-    it says True, the run ends as at `max_steps`.  `report`: the changes of switches are in the trajectory's
-    `events`.  `halves`: steps that end where switches change, or at the last time, are made in two.
-    `project` False leaves the constraints to drift (for tests).
+    `method`: one of METHODS.  `rtol`: relative to the largest magnitude so far in the scaling group of a
+    state; `atol`: added for every state.  `step` > 0: fixed step size; rtol and atol are not used.
+    `first_step`: 0 means chosen; `max_step`: 0 means no limit; `max_steps`: limit of accepted and rejected
+    steps, 0 means none.  `watch`: called with the trajectory so far after 1024, 2048, 4096, ... accepted
+    steps; if it returns True the run ends as at `max_steps`.  `report`: store events in the trajectory.
+    `halves`: split the last step before an event or the last time in two.  `project`: False lets the
+    constraints drift (for tests).
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class Options:
         self.project, self.watch, self.report, self.halves = project, watch, report, halves
 
     def check(self) -> None:
-        """Raises ValueError, naming the option that makes no sense."""
+        """Raise ValueError, with its name, for an option that is not valid."""
         if self.method not in METHODS:
             raise ValueError(f"the option method must be {' or '.join(METHODS)}, not {self.method!r}")
         if not self.max_steps >= 0:
@@ -66,19 +66,20 @@ class Options:
 
 
 class Trajectory:
-    """States at the asked times (as many as were reached), and what it took.
+    """States at the requested times that were reached, with statistics.
 
-    `status` OK, or what stopped it, at time `t` with state `x` (kept) and `culprit`.
-    `step` is the size of the last accepted step.
-    `position_drift`, `velocity_drift`: largest scaled residuals over the accepted steps.
-    `fallbacks`: linear solves that needed the pivoted QR.
-    `sizes`: the largest magnitude of the states of each kind, at the ends of all steps.
-    `events`: (time, switch) of changes of switches, and (time, number of switches + clause) of clauses `when`
-    that acted, the first MOST_EVENTS of them, where they were asked for; `jumps` their times at which states
-    took new values; `corners`: the first MOST_CORNERS times of changes, with the states before and behind.
-    Where a clause ended the run, its time and state are the last of `times`, `states`.
-    `changes`: how often switches changed.
-    `event_roundoff`: what the last place of the times at which switches changed is worth in each state, in all.
+    `status`: OK, or the reason of the end, at time `t` with state `x` and `culprit`.
+    `step`: size of the last accepted step.
+    `position_drift`, `velocity_drift`: largest scaled constraint residuals over all steps.
+    `fallbacks`: linear solves that used the rank-revealing factorization.
+    `sizes`: largest magnitude in each scaling group, over all steps.
+    `events`: (time, relation) of changes of modes, and (time, number of relations + clause) of `when` clauses
+    that acted, the first MOST_EVENTS, with the option `report`.
+    `jumps`: times at which clauses changed the state.
+    `corners`: the first MOST_CORNERS event times, with the states before and after.
+    `changes`: number of events.
+    `event_roundoff`: sum of the errors of each state by round-off of event times.
+    If a clause ended the run, its time and state are the last of `times` and `states`.
     """
 
     def __init__(
@@ -118,5 +119,5 @@ class Trajectory:
             self.times, self.states = [*times, t], [*states, list(x)]
 
     def changed(self, **values: Any) -> Trajectory:
-        """This one with other values."""
+        """Return a copy with other values."""
         return Trajectory(**{**vars(self), **values})

@@ -1,4 +1,4 @@
-"""A trajectory in slices, between which it may be watched and interrupted."""
+"""Integration in slices; between slices a run may be watched and interrupted."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ OPTIONS = ("method", "max_steps", "rtol", "atol", "step", "first_step", "max_ste
 
 
 def refused(culprit: int) -> ValueError:
-    """What INVALID says of options and times."""
+    """Return the exception for a status INVALID of options or times."""
     if 0 <= culprit < len(OPTIONS):
-        return ValueError(f"the option {OPTIONS[culprit]} makes no sense here")
-    return ValueError("the times are finite and in order, from that of the start on")
+        return ValueError(f"the option {OPTIONS[culprit]} is not valid here")
+    return ValueError("the times must be finite and in order, from the initial time on")
 
 
 def recorded(
@@ -30,10 +30,11 @@ def recorded(
     progress: Callable[[float], None] | None,
     clock: Callable[[], float] | None = None,
 ) -> Trajectory:
-    """What `told(status)` gives at the end of `record(steps, max_steps)`, which makes so many steps of a
-    trajectory and knows its limit.  `state` has its t, steps, rejected, culprit.  KeyboardInterrupt ends it
-    with what was recorded; ValueError where an option or the times make no sense.  With a `clock` of seconds
-    slices become as long as SLICE lets them."""
+    """Call `record(steps, max_steps)` until the trajectory ends, and return `told(status)`.
+
+    `record` makes at most so many steps and returns a status; `state` has t, steps, rejected and culprit.
+    KeyboardInterrupt ends the run with status INTERRUPTED.  With a `clock` in seconds, slices grow up to SLICE.
+    Raises ValueError if an option or the times are not valid."""
     budget, look = FIRST_BUDGET, FIRST_LOOK
     status: int = INTERRUPTED
     try:
