@@ -1,17 +1,16 @@
-"""The Python interface: load a model file, compile a scene of it, simulate.
+"""The Python interface: load a model, compile a scene, simulate.
 
     model = lagc.load("pendulum.lag")
     system = model.compile(scene="room", backend="c")
     run = system.simulate(stop=10, accuracy=1e-8, parameters={"l": 0.7})
     run.t, run["theta"], run.plot(), run.save("run.npz")
 
-Numbers are in SI; a pair (70, "cm") is a number with its unit.
+Numbers are in SI units; a pair such as (70, "cm") is a number with a unit.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from time import perf_counter
 from typing import TYPE_CHECKING, TypeAlias
 
 from lagc.api_derivatives import Differentiable
@@ -34,29 +33,27 @@ if TYPE_CHECKING:
     from lagc.reports.equations.matrices import Matrices
     from lagc.semantics.model import Model
     from lagc.semantics.scenes.choice import Inputs
-    from lagc.simulation.initialization.initialize import NoStart
-    from lagc.simulation.initialization.result import Start
     from lagc.simulation.solution import Array
 
 Progress: TypeAlias = Callable[[float], None]
 
 
 def load(path: str) -> ModelFile:
-    """The model file `path`, or a model of the library by its name (`simple_pendulum`).
+    """Read the model file `path`, or the library model of that name (such as `simple_pendulum`).
 
-    Raises Refused where it cannot be read; what is wrong inside it is found by `compile` and `check`.
-    """
+    Raises Refused if the file cannot be read.  `ModelFile.compile` and `ModelFile.check` report errors in
+    the text."""
     return ModelFile(model_library.read(str(path)))
 
 
 def loads(text: str, name: str = "<text>") -> ModelFile:
-    """A model from its text; faults call it `name`."""
+    """Return a model from its text; messages call it `name`."""
     return ModelFile(Source(name, text))
 
 
 @dataclass(frozen=True)
 class ModelFile:
-    """A model text, not yet compiled."""
+    """The text of a model, not yet compiled."""
 
     source: Source
 
@@ -72,15 +69,19 @@ class ModelFile:
         until: str | None = None,
         backend: str = "auto",
     ) -> CompiledModel:
-        """One scene of one model (the first where none is named), with the effects `use` added and
-        `without` left out.
+        """Compile one scene of one model and return it.
 
-        `parameters` here are the values for every run, unless a run gives others; structural
-        integers are built in.  An input is a number, the text of an expression, `drive.csv:u`, or
-        points over time, `(t, values)` or `(t, values, "cubic")` in SI; all but numbers are built in.
-        `until` is a condition, as "x > 3 [m]", that ends a run where it becomes true.
-        `backend` is "c", "numpy" or "auto" (C where a compiler is found and it pays).  Raises Refused with
-        all faults.
+        scene, model: their names; the first scene and the only model by default.
+        use, without: names of effects that are added to the scene or left out.
+        parameters: values for every run, unless a run gives others: SI numbers, or pairs such as (70,
+            "cm").  Structural parameters (integers that set sizes) become part of the code.
+        inputs: for each input a number, the text of an expression, a column of a file ("drive.csv:u"), or
+            points over time in SI units: (t, values) or (t, values, "cubic").  All but numbers become part
+            of the code.
+        until: a condition such as "x > 3 [m]" that ends a run when it becomes true.
+        backend: "c", "numpy", or "auto" (C if a compiler is found and the run is long enough).
+
+        Raises Refused with all errors of the model or of the arguments, ValueError for an unknown backend.
         """
         if backend not in ("auto", "c", "numpy"):
             raise ValueError(f"there is no backend {backend!r}: auto, c or numpy")
@@ -93,8 +94,10 @@ class ModelFile:
         return CompiledModel(Compilation(self.source, choice), backend)
 
     def check(self) -> list[Fault]:
-        """The faults of the text, in all its scenes: of its syntax or, without such, of its names and
-        dimensions; without these of its equations, then of its starts."""
+        """Return the errors and warnings of the text, for all its models and scenes.
+
+        If a stage finds errors, later stages are not checked.  The stages are the syntax, names and
+        dimensions, the equations, and the initial conditions."""
         from lagc.compiler.checking import check
 
         return check(self.source, Choice())
@@ -104,23 +107,25 @@ class ModelFile:
 
 
 class Run(Solution):
-    """A Solution that can be looked at."""
+    """The result of a simulation, with plots and files."""
 
     def plot(self, *names: str, path: str | None = None) -> object:
-        """Draw the named columns over time (the coordinates without a name), into the file `path`
-        where one is given.  Raises ImportError where matplotlib is not installed."""
+        """Draw the named columns over time and return the matplotlib figure.
+
+        Without names, draw the coordinates.  `path` is the file to write (.png, .svg, .pdf).  Raises
+        ImportError if matplotlib is not installed, KeyError for an unknown name."""
         from lagc.reports.plots.plot import plot
 
         return plot(self, names=names, path=path)
 
     def save(self, path: str, units: bool = False) -> None:
-        """Write the recorded times and columns; the ending says how: .csv .npz .parquet.
+        """Write the recorded times and columns to a file; the ending gives the format: .csv, .npz or
+        .parquet.
 
-        `units` writes them into the header of a CSV file, `theta [rad]`; the other formats, and the
-        file `PATH.json` beside a CSV file, carry them in any case, with what else is known of the run.
-        Raises `lagc.simulation.formats.CannotSave` where the ending is none of these, a package is missing
-        or the file cannot be written.
-        """
+        `units` adds the units to the header of a CSV file, as in `theta [rad]`.  Units and all metadata are
+        always saved: in the archive, or in the file `PATH.json` beside a CSV file.  Raises
+        `lagc.simulation.formats.CannotSave` if the ending is unknown, a package is missing or the file
+        cannot be written."""
         from lagc.simulation.formats import save
 
         save(self, path, units)
@@ -132,12 +137,11 @@ class Run(Solution):
 
 
 class CompiledModel(Differentiable):
-    """One scene of a model: equations, program, and what simulates it.
+    """A compiled scene of a model: its equations, its code, and the methods that simulate and linearize it.
 
-    What was compiled before comes out of the cache, stages that nobody asks for are not run.  Nothing
-    that is done with it changes its answers: parameters belong to a run, or are bound by `bind`.  Any
-    number of threads may use one at the same time, and it pickles.
-    """
+    Compiled code comes from the cache if it is there; other stages run only if they are needed.  An
+    instance never changes: parameters belong to a run, or to a new instance made by `bind`.  Any number of
+    threads may use one instance.  It can be pickled."""
 
     def __init__(self, compilation: Compilation, backend: str = "auto"):
         self._loaded = Loaded(compilation, backend)
@@ -147,8 +151,10 @@ class CompiledModel(Differentiable):
         self._driven: tuple[object, CompiledModel] | None = None
 
     def bind(self, parameters: Mapping[str, Value]) -> CompiledModel:
-        """This model with other values of parameters, for every run that does not give its own; nothing is
-        compiled again.  Raises Refused where one is unknown or out of its bounds."""
+        """Return this model with other default values of parameters; nothing is compiled again.
+
+        Raises Refused if a name is unknown, or a value is out of its bounds or part of the code.
+        """
         bound = CompiledModel.__new__(CompiledModel)
         bound._loaded = self._loaded
         bound._given = self._with_given(parameters)
@@ -178,57 +184,67 @@ class CompiledModel(Differentiable):
 
     @property
     def compilation(self) -> Compilation:
+        """The stages of the compiler, from the text to the code."""
         return self._loaded.compilation
 
     @property
     def asked_backend(self) -> str:
+        """The backend as it was asked for: "auto", "c" or "numpy"."""
         return self._loaded.asked
 
     @property
     def artifact(self) -> Artifact:
+        """The generated code and its interface."""
         return self._loaded.artifact
 
     @property
     def compile_s(self) -> float:
-        """What compiling has taken so far, s."""
+        """The time of compilation so far, in s."""
         return self._loaded.seconds
 
     @property
     def model(self) -> Model:
-        """The model with its names resolved."""
+        """The model with all names resolved."""
         return self.compilation.model
 
     @property
     def equations(self) -> EquationsOfMotion:
+        """The equations of motion as expressions."""
         return self.compilation.equations
 
     @property
     def program(self) -> Program:
-        """What the backends print: straight-line functions, with their operation counts."""
+        """The functions that the code generators print, with their operation counts."""
         return self.compilation.program
 
     @property
     def interface(self) -> Interface:
-        """Names, units, sizes."""
+        """Names, units and sizes of states, parameters, inputs and outputs."""
         return self.artifact.interface
 
     @property
     def operations(self) -> int:
-        """Arithmetic operations of one right-hand side."""
+        """The number of arithmetic operations of one right-hand side."""
         return self.interface.operations
 
     @property
     def backend(self) -> str:
-        """The backend that is loaded, or will be first."""
+        """The backend that is loaded, or that will be loaded first: "c" or "numpy"."""
         return self._loaded.backend
 
     @property
+    def state_names(self) -> tuple[str, ...]:
+        """The names of the entries of x = (q, v): coordinates, then speeds."""
+        return self.interface.state_names
+
+    @property
     def system(self) -> System:
-        """The loaded system, with the parameters of this model; NaN for those without a value."""
+        """The loaded system with the parameters of this model; NaN for parameters without a value."""
         return self.load(self.backend)
 
     def load(self, backend: str) -> System:
-        """The system of `backend`, compiled where it is not yet, with the parameters of this model."""
+        """Return the system of `backend` ("c" or "numpy") with the parameters of this model; compile it if
+        needed."""
         found = self._own.get(backend)
         if found is None:
             values = self._bound(None, demanding=False)
@@ -236,7 +252,7 @@ class CompiledModel(Differentiable):
         return found
 
     def _with(self, parameters: Mapping[str, Value] | None) -> System:
-        """The system for one call, with `parameters` in place of this model's."""
+        """The system for one call, with `parameters` in place of those of this model."""
         own, given = self.system, quantities("parameters", parameters)
         if not given and not any(v != v for v in own.parameters):
             return own
@@ -266,14 +282,27 @@ class CompiledModel(Differentiable):
         sensitivity: str | Sequence[str] = (),
         progress: Progress | None = None,
     ) -> Run:
-        """Simulate to `stop` (s), to the global relative error `accuracy`, or by hand with
-        `method` and tolerances or a fixed `step`; see `lagc.simulation.request.Request`.
+        """Simulate from t = 0 to `stop` and return the motion.
 
-        `inputs` and `until` as for `compile`: a number costs nothing, anything else is compiled, unless it
-        was for the last run too.  `sensitivity` names parameters, inputs and starts, `start(theta)`, by which
-        the motion is differentiated.  What is not said is the scene's, then the default's.  A failed run
-        keeps what was computed and says why in `status` and `message`.  Raises Refused for wrong requests.
-        """
+        stop: the end time in s.
+        accuracy: the global relative error of the whole motion (default 1e-6).  Method and tolerance are
+            chosen, and the error is estimated by comparing runs.
+        method, rtol, atol, step: choose the integration method and its tolerances, or a fixed step in s,
+            instead of an accuracy; the error is not estimated then.
+        max_step: the longest step in s.
+        every, points: the interval in s, or the number, of the recorded points (default 501 points).  They
+            do not change the steps.
+        parameters: values for this run, as for `ModelFile.compile`.
+        inputs, until: as for `ModelFile.compile`.  A number costs nothing; anything else is compiled,
+            unless the last run had the same.
+        starts: initial values of coordinates and speeds by name, in place of those of the model.
+        sensitivity: names of parameters, inputs and initial values (`start(theta)`); the motion is
+            differentiated by each of them.
+        progress: a function that is called with the time reached.
+
+        An argument that is not given has the value of the scene, or else its default.  A failed run keeps
+        the results so far, and says why it failed in `status` and `message`.  Raises Refused if an argument
+        is invalid or there is no consistent initial state."""
         if inputs is not None or until is not None:
             numbers, courses = parted(inputs)
             driven = self._with_courses(numbers, courses, condition(until))
@@ -296,14 +325,13 @@ class CompiledModel(Differentiable):
     def _with_courses(
         self, numbers: Mapping[str, float | Quantity], courses: Inputs, until: str | None
     ) -> CompiledModel:
-        """This model with other inputs and another end built in, and with numbers in the place of those that
-        are."""
+        """This model with other inputs and another end condition in its code."""
         choice, built_in = self.compilation.choice, self.artifact.built_in
         fixed = {name: value for name, value in numbers.items() if name in built_in}
         if not courses and not fixed and until is None:
             return self
         wanted = (dict(courses), fixed, until)
-        recent = self._driven  # another thread may put its own there at any time
+        recent = self._driven  # another thread may set it at any time
         if recent is None or recent[0] != wanted or not recent[1].compilation.is_current:
             kept = {name: given for name, given in choice.inputs.items() if name not in numbers}
             given = {name: value for name, value in self._given.items() if name not in courses}
@@ -314,88 +342,28 @@ class CompiledModel(Differentiable):
         return recent[1]
 
     def run(self, request: Request, parameters: Sequence[float], progress: Progress | None = None) -> Run:
-        """Simulate with the array p given."""
+        """Simulate a `Request` with the array p of all parameters, then inputs, in SI units."""
         parameters = [float(value) for value in parameters]
-        if not request.sensitivity:
-            return self._moved(request, parameters, progress)
-        from lagc.simulation.sensitivity.sensitivities import directions
-        from lagc.simulation.sensitivity.sensitivity import sensitivities
+        system = None
+        if request.sensitivity:
+            from lagc.simulation.sensitivity.sensitivities import directions
+            from lagc.simulation.sensitivity.sensitivity import sensitivities
 
-        artifact = self.artifact
-        wanted = directions(self.interface, request.sensitivity, artifact.unused, artifact.built_in)
-        system = self._loaded.differentiated.model.bind(parameters)
-        found = self._moved(request, parameters, progress)
-        complete = request.completed(self.interface.simulate)
-        sensitivities(system, found, complete, wanted, running(progress))
-        return found
-
-    def _moved(self, request: Request, parameters: Sequence[float], progress: Progress | None) -> Run:
-        """The motion; with `auto`, begin in NumPy and change to C where that takes longer than compiling
-        would."""
-        request.completed(self.interface.simulate)
-        if self.asked_backend != "auto":
-            return self._run(self.asked_backend, request, parameters, progress)
-        from lagc.simulation.backends.compile import CannotCompile
-
-        if self.backend == "c":
-            try:
-                return self._run("c", request, parameters, progress, "compiled before")
-            except CannotCompile as error:
-                return self._run("numpy", request, parameters, progress, str(error))
-        from lagc.simulation.supervision import CompileTimer, SlowRun, compile_time
-
-        system = self._loaded.system("numpy").bind(parameters)
-        began = perf_counter()
-        start = self._begun(system, request)
-        timer = CompileTimer(compile_time(self.interface), progress)
-        try:
-            reason = "done sooner than C compiles"
-            return self._run("numpy", request, parameters, timer, reason, start, perf_counter() - began)
-        except SlowRun:
-            spent = perf_counter() - began
-            if progress is not None:
-                progress(0.0)  # it begins again: nothing is kept of what was computed
-            try:
-                self._loaded.system("c")
-            except (CannotCompile, Refused) as error:  # a file that it was made of has changed
-                return self._run("numpy", request, parameters, progress, str(error), start, spent)
-            return self._run("c", request, parameters, progress, "a long run", start, spent)
-
-    def _run(
-        self,
-        backend: str,
-        request: Request,
-        parameters: Sequence[float],
-        progress: Progress | None,
-        reason: str = "",
-        start: Start | None = None,
-        spent: float = 0.0,
-    ) -> Run:
-        from lagc.simulation.initialization.initialize import NoStart
-        from lagc.simulation.simulate import simulate
-
-        system = self._loaded.system(backend).bind(parameters)
-        try:
-            found = simulate(system, request, self.compile_s, running(progress), start, spent)
-        except NoStart as none:
-            raise self._placed(none) from None
-        found.backend_reason = reason
-        return Run(**{name: getattr(found, name) for name in names(Solution)})
-
-    def _begun(self, system: System, request: Request) -> Start:
-        """Where a run begins, in any backend: they agree bitwise."""
-        from lagc.simulation.initialization.initialize import NoStart, begin
-
-        try:
-            return begin(system, request)
-        except NoStart as none:
-            raise self._placed(none) from None
+            artifact = self.artifact
+            wanted = directions(self.interface, request.sensitivity, artifact.unused, artifact.built_in)
+            system = self._loaded.differentiated.model.bind(parameters)
+        found = self._loaded.simulate(request, parameters, progress)
+        run = Run(**{name: getattr(found, name) for name in names(Solution)})
+        if system is not None:
+            complete = request.completed(self.interface.simulate)
+            sensitivities(system, run, complete, wanted, running(progress))
+        return run
 
     def rhs(self, t: float, x: Sequence[float], parameters: Mapping[str, Value] | None = None) -> Array:
-        """dx/dt at (t, x), x = (q, v) or (q, v, z) with the work integral z: for other integrators.
+        """Return dx/dt at (t, x) as an array of the length of x, in SI units; for use with other integrators.
 
-        Raises ValueError where x has another length, ArithmeticError where the motion is not
-        determined there.
+        x = (q, v), or (q, v, z) with the integral z of the work.  Raises ValueError if x has another length,
+        ArithmeticError if the accelerations are not determined there.
         """
         import numpy
 
@@ -412,38 +380,30 @@ class CompiledModel(Differentiable):
         return numpy.array(xdot[: len(state)])
 
     def start(self, parameters: Mapping[str, Value] | None = None, **starts: Value) -> Array:
-        """A consistent start x = (q, v), for other integrators.  Raises Refused where there is none."""
+        """Return a consistent initial state x = (q, v) as an array, in SI units.
+
+        `starts` are initial values by name, in place of those of the model.  Raises Refused if there is no
+        consistent state.
+        """
         import numpy
 
         wanted = Request(starts=bound_starts(self.interface, quantities("starts", starts)))
-        found = self._begun(self._with(parameters), wanted)
+        found = self._loaded.initialize(self._with(parameters), wanted)
         return numpy.array(found.x[: self.interface.nq + self.interface.nv])
 
-    def _placed(self, none: NoStart) -> Refused:
-        """With its places in the text."""
-        from lagc.simulation.initialization.source_spans import placed
-
-        with self.compilation.lock:
-            return placed(self.equations, none)
-
     def matrices(self) -> Matrices:
-        """M, h, tau, G, gamma and qdot as SymPy matrices.  Raises ImportError where SymPy is missing."""
+        """Return M, h, tau, G, gamma and qdot as SymPy matrices.  Raises ImportError without SymPy."""
         from lagc.reports.equations.matrices import matrices
 
         with self.compilation.lock:
             return matrices(self.equations)
-
-    @property
-    def state_names(self) -> tuple[str, ...]:
-        """What x = (q, v) holds."""
-        return self.interface.state_names
 
     def _bound(self, parameters: Mapping[str, Value] | None, demanding: bool = True) -> list[float]:
         given = self._with_given(parameters) if parameters is not None else self._given
         return bound_parameters(self.interface, given, self.artifact.unused, demanding)
 
     def _with_given(self, parameters: Mapping[str, Value]) -> dict[str, float | Quantity]:
-        """The values of this model, with those of `parameters` in their place."""
+        """The values of this model, replaced by those of `parameters`."""
         more = quantities("parameters", parameters)
         for name in self.artifact.built_in:
             if name in more and more[name] != self._given.get(name):

@@ -1,24 +1,32 @@
-"""The backends of a compiled model: what is loaded, once for all that use it."""
+"""The backends of a compiled model, loaded once for all that use it, and the choice between them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 from lagc.base.records import RLock, once
 from lagc.compiler.pipeline import Compilation
+from lagc.diagnostics.faults import Refused
+from lagc.host.budgets import running
 from lagc.simulation.system import System
 
 if TYPE_CHECKING:
     from lagc.simulation.backends.python import NumpySystem
+    from lagc.simulation.initialization.initialize import NoStart
+    from lagc.simulation.initialization.result import Start
+    from lagc.simulation.request import Request
+    from lagc.simulation.solution import Solution
+
+Progress = Callable[[float], None]
 
 
 class Loaded:
-    """What is compiled and loaded of a model, for all that is bound to it.
+    """The code of a model, compiled and loaded, for all systems with different parameters.
 
-    `artifact` is that of the backend `first`; `seconds` is what compiling took.  It pickles as these and
-    the source: where it arrives, another backend may come first.
-    """
+    `artifact` is that of the backend `first`; `seconds` is the time of compilation so far.  Pickles without
+    the loaded code: on another machine, another backend may come first."""
 
     def __init__(self, compilation: Compilation, backend: str):
         self.compilation, self.asked = compilation, backend
@@ -39,13 +47,13 @@ class Loaded:
 
     @property
     def backend(self) -> str:
-        """The backend that is loaded, C before NumPy; else the one that will be first."""
+        """The backend that is loaded (C before NumPy), or else the first that will be."""
         if self.asked != "auto":
             return self.asked
         return next((b for b in ("c", "numpy") if b in self.systems), self.preferred)
 
     def system(self, backend: str) -> System:
-        """With the model's own values."""
+        """The system of `backend` with the model's own parameter values."""
         found = self.systems.get(backend)
         if found is not None:
             return found
@@ -61,7 +69,7 @@ class Loaded:
 
     @once
     def differentiated(self) -> NumpySystem:
-        """With derivatives, in Python."""
+        """The system with derivatives, in Python."""
         from lagc.simulation.backends.python import NumpySystem
 
         has = self.compilation.differentiates
@@ -69,8 +77,81 @@ class Loaded:
         assert isinstance(found, NumpySystem)
         return found
 
+    def simulate(
+        self, request: Request, parameters: Sequence[float], progress: Progress | None = None
+    ) -> Solution:
+        """Return the motion.
+
+        The backend `auto` takes C if the library is in the cache.  Otherwise the run starts in NumPy, and
+        changes to C when it has taken as long as compiling would."""
+        request.completed(self.artifact.interface.simulate)  # refuses before anything is compiled
+        if self.asked != "auto":
+            return self._run(self.asked, request, parameters, progress)
+        from lagc.simulation.backends.compile import CannotCompile
+
+        if self.backend == "c":
+            try:
+                return self._run("c", request, parameters, progress, "compiled before")
+            except CannotCompile as error:
+                return self._run("numpy", request, parameters, progress, str(error))
+        from lagc.simulation.supervision import CompileTimer, SlowRun, compile_time
+
+        system = self.system("numpy").bind(parameters)
+        began = perf_counter()
+        start = self.initialize(system, request)
+        timer = CompileTimer(compile_time(self.artifact.interface), progress)
+        try:
+            reason = "faster than compiling C"
+            return self._run("numpy", request, parameters, timer, reason, start, perf_counter() - began)
+        except SlowRun:
+            spent = perf_counter() - began
+            if progress is not None:
+                progress(0.0)  # the run starts again from its initial state
+            try:
+                self.system("c")
+            except (CannotCompile, Refused) as error:  # Refused: an imported file has changed
+                return self._run("numpy", request, parameters, progress, str(error), start, spent)
+            return self._run("c", request, parameters, progress, "a long run", start, spent)
+
+    def _run(
+        self,
+        backend: str,
+        request: Request,
+        parameters: Sequence[float],
+        progress: Progress | None,
+        reason: str = "",
+        start: Start | None = None,
+        spent: float = 0.0,
+    ) -> Solution:
+        from lagc.simulation.initialization.initialize import NoStart
+        from lagc.simulation.simulate import simulate
+
+        system = self.system(backend).bind(parameters)
+        try:
+            found = simulate(system, request, self.seconds, running(progress), start, spent)
+        except NoStart as error:
+            raise self._with_places(error) from None
+        found.backend_reason = reason
+        return found
+
+    def initialize(self, system: System, request: Request) -> Start:
+        """The initial state of a run; all backends give the same bits.  Raises Refused if there is none."""
+        from lagc.simulation.initialization.initialize import NoStart, begin
+
+        try:
+            return begin(system, request)
+        except NoStart as error:
+            raise self._with_places(error) from None
+
+    def _with_places(self, error: NoStart) -> Refused:
+        """The error with its places in the model text."""
+        from lagc.simulation.initialization.source_spans import placed
+
+        with self.compilation.lock:
+            return placed(self.compilation.equations, error)
+
     def _preferred(self) -> str:
-        """With `auto`, C where the compiled library is in the cache, else NumPy to begin with."""
+        """For `auto`: C if the compiled library is in the cache, NumPy otherwise."""
         if self.asked != "auto":
             return self.asked
         from lagc.simulation.backends.compile import cached_library
