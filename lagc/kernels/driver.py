@@ -11,10 +11,10 @@ from math import fabs
 from lagc.kernels.call_boundary import evaluate_start, keep_parameters, report_culprit
 from lagc.kernels.constraints.projection import project
 from lagc.kernels.dynamics.rhs import rhs_at
-from lagc.kernels.events.enclosing import NO_EVENT
 from lagc.kernels.events.location import (
     LEAST_SLACK,
     MOST_SLACK,
+    NO_EVENT,
     crosses_by_roundoff,
     crosses_within_roundoff,
     first_crossing,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from math import fabs, inf
 
-from lagc.kernels.language.branch_evaluation import update_modes
 from lagc.kernels.language.model import (
     fn_assemble,
     fn_assemble_on,
@@ -13,6 +12,7 @@ from lagc.kernels.language.model import (
     fn_forces_on,
     fn_gradient_sizes,
     fn_gradients,
+    fn_modes,
     fn_position,
     fn_reaches,
     fn_refine,
@@ -40,10 +40,24 @@ from lagc.kernels.language.tolerances import (
     STILL_DEPENDENT,
     TRUSTED_PIVOT,
 )
-from lagc.kernels.language.words import Params, Real, Status, Vec, part, size
+from lagc.kernels.language.words import Params, Real, Status, Vec, part, public, size
 from lagc.kernels.linear_algebra.cholesky import cholesky, solve_lower, solve_upper
 from lagc.kernels.linear_algebra.rank_revealing import factor_rank_revealing, solve_rank_revealing
 from lagc.kernels.linear_algebra.sparse_rank_revealing import factor_all_rows, factor_sparse, solve_sparse
+
+
+def update_modes(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
+    """That of the state alone, where no step holds another."""
+    if not w.modes_fixed:
+        fn_modes(p, t, x, w.modes)
+
+
+@public
+def hold(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
+    """From here on the equations are evaluated with *w on the branch of (t, x), until it is used to
+    integrate or filled with zeros."""
+    fn_modes(p, t, x, w.modes)
+    w.modes_fixed = True
 
 
 def system_at(p: Params, t: Real, x: Vec[NX], w: Work) -> None:

@@ -1,9 +1,10 @@
-"""Where conditions change: switches, within a step.
+"""Event location: zero crossings of event indicators within a step.
 
-Where time alone changes a switch, a step ends there.  Elsewhere what it changes at is enclosed over the step
-(R. E. Moore, *Interval Analysis*, 1966), on ever smaller parts of its dense output, where it might; a step
-that passes a change is made once more, to end there.  L. F. Shampine, I. Gladwell, R. W. Brankin: Reliable
-solution of special event location problems for ODEs, ACM Trans. Math. Software 17 (1991) 11-25.
+A step ends where a relation of time alone changes. Indicators that depend on the state are enclosed over
+the step by interval arithmetic (R. E. Moore, Interval Analysis, Prentice-Hall 1966), on ever smaller parts
+of its dense output while the enclosure contains zero. A step with a crossing is repeated so that it ends
+there: L. F. Shampine, I. Gladwell, R. W. Brankin, Reliable solution of special event location problems for
+ODEs, ACM Trans. Math. Software 17 (1991) 11-25.
 """
 
 from __future__ import annotations
@@ -11,37 +12,111 @@ from __future__ import annotations
 from math import fabs, inf, sqrt
 
 from lagc.kernels.dynamics.rhs import rhs_at
-from lagc.kernels.events.enclosing import (
-    LONGEST_PART,
-    NO_EVENT,
-    enclose_dense_output,
-    enclose_state,
-    enclose_step,
-    enclose_time,
-    is_known,
-    trial_dense_output,
-)
 from lagc.kernels.events.modes import margin
-from lagc.kernels.integrators.dispatch import method_dense_at
+from lagc.kernels.integrators.dispatch import (
+    last_stage,
+    method_dense_at,
+    method_dense_output,
+    method_stage_deviations,
+)
 from lagc.kernels.language.model import fn_enclosure_on, fn_indicator_rates_on, fn_indicators_on, fn_slopes_on
-from lagc.kernels.language.records import State, Trial, Work
+from lagc.kernels.language.records import ABSENT, State, Trial, Work
 from lagc.kernels.language.scaling_groups import enlarge_sizes
 from lagc.kernels.language.sizes import NEDGES, NFREE, NGROUP, NMODE, NQ, NTIMED, NV, NX
 from lagc.kernels.language.statuses import failed
 from lagc.kernels.language.tables import has_edges, scaling_group
-from lagc.kernels.language.tolerances import EVENT_TIME_ULPS, SPACING
-from lagc.kernels.language.words import Params, Real, Vec, vector
+from lagc.kernels.language.tolerances import EVENT_TIME_ULPS, SPACING, UNKNOWN
+from lagc.kernels.language.words import Params, Real, Status, Vec, vector
 
-SHORTEST_PART = 0.00390625  # the shortest that is looked at by its ends
-NARROWEST_PART = 1e-9  # of a step: what is narrower is not looked for
-MOST_SHORT_PARTS = 64  # parts that are as short, in a step that stays beside a change
-LEAST_SLACK = 2.0  # of what a switch is beyond its change by rounding; more where it is so again in a step,
-MOST_SLACK = 4096.0  # but what is beyond ever again is so for another reason
-SLACK_GROWTH = 8.0  # last places
+LONGEST_PART = 0.125  # of a step: length of the longest part that is enclosed at once
+ENCLOSURE_MARGIN = 0.25  # of the hull of the cubic over a step: what is added to it
+NO_EVENT = 2.0  # a part behind the end of the step
+SHORTEST_PART = 0.00390625  # length below which a part is tested by the values at its ends
+NARROWEST_PART = 1e-9  # length below which two crossings are not told apart
+MOST_SHORT_PARTS = 64  # shorter parts in one step, which may stay beside a crossing
+LEAST_SLACK = 2.0  # slack over the distance beyond a crossing by round-off; it doubles in each repetition
+MOST_SLACK = 4096.0  # up to this; then the crossing is taken for a true one
+SLACK_GROWTH = 8.0  # units in the last place
+
+
+def is_known(low: Real, high: Real) -> bool:
+    """Return whether these are finite bounds of an expression."""
+    return low > -UNKNOWN and high < UNKNOWN and low <= high
+
+
+def enclose_time(t0: Real, t1: Real, w: Work) -> None:
+    """Set the ends of the time in w.box."""
+    w.box[0] = t0 if t0 < t1 else t1
+    w.box[NQ + NV + 1] = t1 if t0 < t1 else t0
+
+
+def enclose_state(i: int, low: Real, high: Real, more: Real, w: Work) -> None:
+    """Set the ends of state i in w.box to [low - more, high + more]."""
+    w.box[1 + i] = low - more
+    w.box[NQ + NV + 2 + i] = high + more
+
+
+def enclose_step(s: State, method: int, a: Trial, w: Work) -> None:
+    """Set w.box to an estimate of the range of the step from s.x to s.x_new. It is the hull of the control
+    points of the cubic through both ends, widened by a quarter and by |h| times the largest deviation of a
+    stage from this cubic."""
+    enclose_time(s.t, a.t_new, w)
+    method_stage_deviations(method, a.h, s, w.x_part_middle)
+    for i in range(NQ + NV):
+        low = s.x[i]
+        high = low
+        for j in range(3):
+            if j == 0:
+                value = s.x_new[i]
+            elif j == 1:
+                value = s.x[i] + a.h * s.k[0][i] / 3.0
+            else:
+                value = s.x_new[i] - a.h * s.k[last_stage(method)][i] / 3.0
+            if value < low:
+                low = value
+            if value > high:
+                high = value
+        enclose_state(i, low, high, ENCLOSURE_MARGIN * (high - low) + fabs(a.h) * w.x_part_middle[i], w)
+
+
+def enclose_part(t: Real, h: Real, left: Real, right: Real, w: Work) -> None:
+    """Set w.box to an estimate of the range of a part of a step: the hull of its ends and middle, widened
+    by a quarter of their second difference, which is twice as factor as a parabola needs."""
+    enclose_time(t + left * h, t + right * h, w)
+    for i in range(NQ + NV):
+        low = w.x_part_begin[i]
+        high = low
+        if w.x_part_middle[i] < low:
+            low = w.x_part_middle[i]
+        if w.x_part_middle[i] > high:
+            high = w.x_part_middle[i]
+        if w.x_part_end[i] < low:
+            low = w.x_part_end[i]
+        if w.x_part_end[i] > high:
+            high = w.x_part_end[i]
+        enclose_state(
+            i, low, high, 0.25 * fabs(w.x_part_begin[i] - 2.0 * w.x_part_middle[i] + w.x_part_end[i]), w
+        )
+
+
+def enclose_dense_output(s: State, method: int, a: Trial, left: Real, right: Real, w: Work) -> None:
+    """Set w.box for a part of a step by its dense output. w.x_part_begin is known."""
+    method_dense_at(method, right, s, w.x_part_end)
+    method_dense_at(method, 0.5 * (left + right), s, w.x_part_middle)
+    enclose_part(s.t, a.h, left, right, w)
+
+
+def trial_dense_output(p: Params, s: State, method: int, a: Trial, w: Work) -> Status:
+    """Compute the coefficients of the dense output of the step from s.x to s.x_new."""
+    w.x_trial[:] = s.x_new
+    status = method_dense_output(method, p, s.t, s.x, w.x_trial, a.h, s, w)
+    s.x_new[:] = w.x_trial
+    s.dense_place = ABSENT
+    return status
 
 
 def update_margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
-    """w.margins, of those switches that the state changes."""
+    """Compute w.margins, for the indicators that depend on the state."""
     fn_indicators_on(p, t, x, w.modes, w.indicators)
     for j in range(NFREE):
         k = NTIMED + j
@@ -49,7 +124,7 @@ def update_margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
 
 
 def any_crossed(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> bool:
-    """Whether one of them is beyond its change."""
+    """Return whether one of these indicators is beyond its crossing."""
     update_margins(p, t, x, s, w)
     for j in range(NFREE):
         if w.margins[j] < 0.0:
@@ -58,8 +133,8 @@ def any_crossed(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> bool:
 
 
 def smallest_margin(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Real:
-    """The least of these margins, each in what it changes by between two parts of the step, w.margin_changes: their
-    units differ."""
+    """Return the smallest margin. Each is divided by its change over the part of the step,
+    w.margin_changes, as the indicators have different units."""
     least = inf
     update_margins(p, t, x, s, w)
     for j in range(NFREE):
@@ -70,7 +145,7 @@ def smallest_margin(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Real:
 
 
 def within_mode(k: int, low: Real, high: Real, w: Work) -> bool:
-    """Whether a side that is between these changes nothing."""
+    """Return whether an indicator between these bounds stays in its mode."""
     if NEDGES > 0:
         if has_edges[k] > 0:
             return low > w.edges[2 * k] and high < w.edges[2 * k + 1]
@@ -80,7 +155,7 @@ def within_mode(k: int, low: Real, high: Real, w: Work) -> bool:
 
 
 def excludes_crossings(p: Params, s: State, w: Work) -> bool:
-    """Whether no switch changes in w.box."""
+    """Return whether no indicator crosses in w.box."""
     fn_enclosure_on(p, w.modes, w.box, w.enclosures)
     for j in range(NFREE):
         k = NTIMED + j
@@ -92,8 +167,9 @@ def excludes_crossings(p: Params, s: State, w: Work) -> bool:
 
 
 def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right: Real, w: Work) -> Real:
-    """Where the least margin changes its sign between two parts of the step, to the last place of the time:
-    just beyond, with w.crossed.  Regula falsi, every third time halves."""
+    """Return the part of the step where the smallest margin changes sign, to the last place of the time
+    and just beyond the crossing, with w.crossed. Illinois method (M. Dowell, P. Jarratt, BIT 11 (1971)
+    168-174); each third iteration bisects."""
     low = left
     high = right
     method_dense_at(method, low, s, w.x_part_middle)
@@ -139,8 +215,8 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
 
 
 def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
-    """The part of the step from s.x to s.x_new after which a switch changes first; NO_EVENT; below zero where that
-    cannot be told."""
+    """Return the part of the step from s.x to s.x_new after which the first indicator crosses, NO_EVENT,
+    or a negative number if the dense output failed."""
     enclose_step(s, method, a, w)
     if excludes_crossings(p, s, w):
         return NO_EVENT
@@ -161,7 +237,7 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
             continue
         elif any_crossed(p, s.t + right * a.h, w.x_part_end, s, w):
             return locate_crossing(p, s, method, a.h, left, right, w)
-        elif looked < MOST_SHORT_PARTS:  # it may be passed twice
+        elif looked < MOST_SHORT_PARTS:  # it may be crossed twice
             looked += 1
             if width > NARROWEST_PART:
                 width *= 0.5
@@ -174,7 +250,7 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
 
 
 def moves_away(k: int, direction: Real, w: Work) -> bool:
-    """Whether a side moves away from its change, w.indicator_rates."""
+    """Return whether an indicator moves away from its crossing, by w.indicator_rates."""
     rate = w.indicator_rates[k] * direction
     if NEDGES > 0:
         if has_edges[k] > 0:
@@ -184,15 +260,19 @@ def moves_away(k: int, direction: Real, w: Work) -> bool:
 
 
 def all_move_away(direction: Real, w: Work) -> bool:
+    """Return whether all indicators in w.crossed do so."""
     for j in range(NFREE):
         if w.crossed[NTIMED + j] > 0 and not moves_away(NTIMED + j, direction, w):
             return False
     return True
 
 
-def crosses_by_roundoff(p: Params, s: State, method: int, part: Real, much: Real, a: Trial, w: Work) -> bool:
-    """Whether switches that change after this part of the step, w.crossed, move away from their changes both
-    where it begins and there: what is beyond is so by rounding, and from then on that is slack."""
+def crosses_by_roundoff(
+    p: Params, s: State, method: int, part: Real, factor: Real, a: Trial, w: Work
+) -> bool:
+    """Return whether the indicators in w.crossed move away from their crossings both at the begin of the
+    step and after this part. They are beyond by round-off then, and `factor` times this is added to their
+    slack."""
     fn_indicator_rates_on(p, s.t, s.x, w.modes, s.k[0], w.indicator_rates)
     if not all_move_away(a.direction, w):
         return False
@@ -205,13 +285,13 @@ def crosses_by_roundoff(p: Params, s: State, method: int, part: Real, much: Real
         return False
     for j in range(NFREE):
         if w.crossed[NTIMED + j] > 0:
-            s.slack[NTIMED + j] -= much * w.margins[j]
+            s.slack[NTIMED + j] -= factor * w.margins[j]
     return True
 
 
 def estimate_indicator_roundoff(p: Params, s: State, reach: Vec[NX], w: Work) -> None:
-    """w.indicator_roundoff: what last places of time and of states that are as large as here, or as `reach`, are worth in
-    the sides that these change."""
+    """Compute w.indicator_roundoff: the change of each indicator of the state by one unit in the last
+    place of the time and of states as large as here, or as `reach`."""
     enclose_time(s.t - SPACING * fabs(s.t), s.t + SPACING * fabs(s.t), w)
     for i in range(NQ + NV):
         size = fabs(s.x[i]) if fabs(s.x[i]) > fabs(reach[i]) else fabs(reach[i])
@@ -223,13 +303,13 @@ def estimate_indicator_roundoff(p: Params, s: State, reach: Vec[NX], w: Work) ->
 
 
 def is_still_sliding(k: int, s: State, w: Work) -> bool:
-    """Whether a side that was at rest, w.indicators_before now, has not left its slack."""
+    """Return whether an indicator in sliding mode, w.indicators_before, is within its slack."""
     return s.modes[k] == 0.0 and has_edges[k] == 0 and fabs(w.indicators_before[k]) <= s.slack[k]
 
 
 def is_crossing(k: int, direction: Real, w: Work) -> bool:
-    """Whether a switch changes where dense output says so, by the rate of its side, w.indicator_rates, where the step
-    has ended: what moves away from its change has not come to it, and what moves back has not left it."""
+    """Return whether an indicator that crosses in the dense output crosses at the end of the step, by its
+    rate there. One that moves away has not reached its crossing; one that moves back has not left it."""
     if w.modes[k] == 0.0 and has_edges[k] == 0:
         ahead = w.indicator_rates[k] * direction
         return ahead * w.indicators_before[k] >= 0.0 and (w.indicators_before[k] != 0.0 or ahead != 0.0)
@@ -237,7 +317,7 @@ def is_crossing(k: int, direction: Real, w: Work) -> bool:
 
 
 def release_slack(p: Params, s: State, w: Work) -> None:
-    """Sides that have got away from their changes, by several times their slack, need none any more."""
+    """Set the slack of an indicator to 0 once its margin is several times the slack."""
     fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
     for j in range(NFREE):
         k = NTIMED + j
@@ -246,9 +326,9 @@ def release_slack(p: Params, s: State, w: Work) -> None:
 
 
 def increase_slack(p: Params, s: State, k: int, w: Work) -> None:
-    """More slack for a switch that dense output says has changed, and has not: what that was off by, as
-    beside what grows from nothing; ever nearer to what last places of sizes in its step are worth, where that
-    is more: what the side is to become may be far less."""
+    """Increase the slack of an indicator that crosses in the dense output, but not at the end of the step.
+    The increase is the distance to the crossing; if the round-off of the indicator over the step is
+    larger, it approaches this round-off from call to call."""
     sizes = vector(NGROUP)
     for i in range(NGROUP):
         sizes[i] = 0.0
@@ -267,7 +347,7 @@ def increase_slack(p: Params, s: State, k: int, w: Work) -> None:
 
 
 def confirm_crossings(p: Params, s: State, direction: Real, w: Work) -> bool:
-    """Whether any in w.crossed does; others are taken out."""
+    """Remove indicators from w.crossed that do not cross, and return whether any does."""
     found = False
     for k in range(NMODE):
         if w.crossed[k] > 0:
@@ -283,8 +363,8 @@ def confirm_crossings(p: Params, s: State, direction: Real, w: Work) -> bool:
 
 
 def crosses_within_roundoff(p: Params, s: State, direction: Real, w: Work) -> bool:
-    """Whether a switch changes within some last places of the time, w.crossed: where the branch ends there,
-    as sqrt(x) does at 0, no step gets any nearer."""
+    """Return whether an indicator crosses within round-off of the time, with w.crossed. No step gets
+    nearer if the equations end at the crossing, as sqrt(x) at 0."""
     found = False
     time = EVENT_TIME_ULPS * SPACING * fabs(s.t)
     fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
@@ -302,7 +382,7 @@ def crosses_within_roundoff(p: Params, s: State, direction: Real, w: Work) -> bo
 
 
 def crossing_time(k: int, t: Real, direction: Real, w: Work) -> Real:
-    """When time changes this switch, on from t; infinite where it does not."""
+    """Return the time after t at which a relation of time alone changes, or infinity."""
     slope = w.indicator_slopes[k]
     ahead = slope * direction
     if NEDGES > 0:
@@ -315,7 +395,8 @@ def crossing_time(k: int, t: Real, direction: Real, w: Work) -> Real:
 
 
 def next_time_event(p: Params, s: State, t1: Real, direction: Real, w: Work) -> Real:
-    """The time at which time itself changes a switch next, with w.crossed; t1 where that comes before."""
+    """Return the next time at which a relation of time alone changes, with w.crossed, or t1 if that comes
+    first."""
     fn_slopes_on(p, w.modes, w.indicator_slopes)
     fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
     soon = inf * direction
@@ -345,7 +426,7 @@ def next_time_event(p: Params, s: State, t1: Real, direction: Real, w: Work) -> 
 
 
 def is_time_event_due(w: Work) -> bool:
-    """Whether time changes a switch where it was found to."""
+    """Return whether w.crossed holds a relation of time alone."""
     for k in range(NTIMED):
         if w.crossed[k] > 0:
             return True

@@ -1,4 +1,4 @@
-"""What becomes of a motion where conditions change: the branch on from there."""
+"""Mode changes at an event: new modes, sliding, and the first-order correction of the state."""
 
 from __future__ import annotations
 
@@ -23,11 +23,12 @@ from lagc.kernels.language.tables import has_edges
 from lagc.kernels.language.tolerances import EVENT_TIME_ULPS, SPACING
 from lagc.kernels.language.words import Params, Real, Status
 
-MOST_CHANGES = 20  # changes at one time, and two for each switch
+MOST_CHANGES = 20  # at one time, plus two for each relation
 
 
 def cancel_grazing(p: Params, s: State, direction: Real, w: Work) -> bool:
-    """Whether switches that only touched their change, as another turned them back there, are put back."""
+    """Put back the modes of indicators that touched their crossings and are turned back there by other
+    changes of modes. Return whether there are any."""
     found = False
     others = 0
     for i in range(NMODE):
@@ -47,13 +48,13 @@ def cancel_grazing(p: Params, s: State, direction: Real, w: Work) -> bool:
 
 
 def is_first_order(time: Real, s: State) -> bool:
-    """Of the last step, or last places of the time."""
+    """Return whether a time is so short that a correction to first order is exact within the tolerance."""
     return fabs(time) <= s.first_order_time + EVENT_TIME_ULPS * SPACING * fabs(s.t)
 
 
 def correct_state(p: Params, s: State, direction: Real, w: Work) -> None:
-    """The state, for the time since the first of the switches in w.crossed changed, or until it does: what is
-    left of a step that ends there, which rounding is for the most part, as times have last places."""
+    """Correct the state to first order for the time since the first crossing, or until it: the rates
+    differ before and after it. This residual time of the location is mostly round-off."""
     for k in range(NMODE):
         if w.crossed[k] > 0:
             since = time_since_crossing(k, direction, w)
@@ -68,7 +69,7 @@ def correct_state(p: Params, s: State, direction: Real, w: Work) -> None:
 
 
 def is_chattering(s: State, w: Work) -> bool:
-    """Whether switches change each other at one time without end."""
+    """Return whether modes change each other without end at one time."""
     if s.t != s.t_changed:
         s.t_changed = s.t
         s.changes_at_time = 0
@@ -80,8 +81,8 @@ def is_chattering(s: State, w: Work) -> bool:
 
 
 def cross_edge(k: int, s: State, direction: Real, w: Work) -> None:
-    """The next mode of a switch that counts.  None where its side moves away from the nearest edge: a
-    long step leads elsewhere once it ends where it seemed to come to one.  Twice at one time it moves on."""
+    """Move a stepwise relation to its next mode. If its indicator moves away from the nearest edge it
+    stays, as a repeated step may lead elsewhere; at a second event at the same time it moves."""
     if NEDGES > 0:
         up = w.old_indicator_rates[k] * direction > 0.0
         above = w.edges[2 * k + 1] - w.indicators_before[k] < w.indicators_before[k] - w.edges[2 * k]
@@ -90,7 +91,8 @@ def cross_edge(k: int, s: State, direction: Real, w: Work) -> None:
 
 
 def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """The switches in w.crossed change at (s.t, s.x)."""
+    """Change the modes of the relations in w.crossed at (s.t, s.x). Returns CHATTERING, with the relation
+    as the culprit, if an indicator is driven back on both sides and does not slide."""
     if NEDGES > 0:
         for i in range(NEDGES):
             w.old_edges[i] = w.edges[i]
@@ -138,7 +140,7 @@ def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
             and w.indicator_jumped[k] == 0
             and turns_back(k, rate, w.old_indicator_rates[k], direction, w)
         ):
-            # From rest it goes only where it does not come back.
+            # An indicator leaves sliding mode only if it does not return.
             left = s.modes[k] == 0.0 and not is_still_sliding(k, s, w)
             if left or not slides(p, s, k, rate, w.old_indicator_rates[k], w):
                 w.culprit = k

@@ -1,4 +1,8 @@
-"""The branch of a step: the modes of switches, in which the sides of these are."""
+"""Modes: the branch of each relation on which the equations are evaluated.
+
+A mode is sign(z) of an indicator z, or floor(z) of a stepwise relation, which changes at the edges of its
+mode. Modes are constant during a step.
+"""
 
 from __future__ import annotations
 
@@ -21,13 +25,14 @@ from lagc.kernels.language.words import Params, Real, Status, Vec
 
 
 def sign_of(a: Real) -> Real:
+    """Return 1, 0 or -1."""
     if a > 0.0:
         return 1.0
     return -1.0 if a < 0.0 else 0.0
 
 
 def update_edges(w: Work) -> None:
-    """What goes with the modes.  Outermost edges are infinite, so that no side comes to them."""
+    """Compute the edges of the current modes. An outermost edge is infinite: no indicator reaches it."""
     if NEDGES > 0:
         fn_edges_on(w.modes, w.edges)
         for i in range(NEDGES):
@@ -36,14 +41,14 @@ def update_edges(w: Work) -> None:
 
 
 def step_mode(k: int, up: bool, w: Work) -> None:
-    """The next mode of a switch that counts, where there is one."""
+    """Move a stepwise relation to its next mode, up or down, if there is one."""
     if NEDGES > 0:
         if fabs(w.edges[2 * k + 1] if up else w.edges[2 * k]) < inf:
             w.modes[k] += 1.0 if up else -1.0
 
 
 def margin(k: int, side: Real, slack: Real, w: Work) -> Real:
-    """How far a side is from where its switch changes, below zero beyond it."""
+    """Return the distance of an indicator from its crossing, plus its slack; negative beyond it."""
     if NEDGES > 0:
         if has_edges[k] > 0:
             low = side - w.edges[2 * k]
@@ -54,7 +59,8 @@ def margin(k: int, side: Real, slack: Real, w: Work) -> Real:
 
 
 def advance_mode(k: int, direction: Real, more: Real, w: Work, t: Real) -> None:
-    """A side that has come to an edge of its mode, but for rounding and `more`, is where it goes."""
+    """If an indicator is within round-off and `more` of a crossing, change its mode to the one that it
+    moves to."""
     ahead = w.indicator_rates[k] * direction
     near = more + 16.0 * SPACING * (
         fabs(w.indicators[k]) + fabs(w.old_indicators[k]) + fabs(t * w.indicator_rates[k])
@@ -71,7 +77,8 @@ def advance_mode(k: int, direction: Real, more: Real, w: Work, t: Real) -> None:
 
 
 def adopt_modes(p: Params, s: State, w: Work) -> None:
-    """Sides that are others than w.indicators_before take the modes that they tell, w.indicator_jumped."""
+    """Give indicators that differ from w.indicators_before the modes of their values, and mark them in
+    w.indicator_jumped. Repeat, since modes change other indicators."""
     for k in range(NMODE):
         w.indicator_jumped[k] = 0
     for turn in range(NMODE):
@@ -91,8 +98,8 @@ def adopt_modes(p: Params, s: State, w: Work) -> None:
 
 
 def propagate_changes(p: Params, s: State, direction: Real, rates: Vec[NX], w: Work) -> None:
-    """Sides that depend on modes that have changed may jump, and are on another side of theirs then: those
-    that were at their change too.  w.indicators_before are those before; `rates` of the state there."""
+    """After some modes changed, update the modes of indicators that depend on them and jump.
+    w.indicators_before are the indicators before; `rates` are the rates of the state there."""
     w.old_indicators[:] = w.indicators_before
     adopt_modes(p, s, w)
     fn_indicator_rates_on(p, s.t, s.x, w.modes, rates, w.indicator_rates)
@@ -103,8 +110,8 @@ def propagate_changes(p: Params, s: State, direction: Real, rates: Vec[NX], w: W
 
 
 def accept_modes(s: State, w: Work) -> None:
-    """The branch that was found; what a side is beyond its change, as it is where that was located, is none
-    of another.  What rests keeps its slack."""
+    """Make w.modes the modes of the next step. The slack of an indicator becomes its distance beyond a
+    crossing, which is that of its location; an indicator in sliding mode keeps at least its slack."""
     for k in range(NMODE):
         beyond = -margin(k, w.indicators[k], 0.0, w)
         least = s.slack[k] if w.modes[k] == 0.0 and s.modes[k] == 0.0 else 0.0
@@ -113,14 +120,15 @@ def accept_modes(s: State, w: Work) -> None:
 
 
 def is_at_lower_edge(k: int, w: Work) -> bool:
-    """Whether a side is at the lower edge of its mode."""
+    """Return whether an indicator is exactly at the lower edge of its mode."""
     if NEDGES > 0:
         return w.indicators_before[k] == w.edges[2 * k]
     return False
 
 
 def choose_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """The branch on from a state of which nothing else is known, and the rates there."""
+    """Find the modes of a new state, and compute its rates. An indicator at zero gets the mode that it
+    moves to."""
     fn_modes(p, s.t, s.x, w.modes)
     update_edges(w)
     status = rhs_at(p, s.t, s.x, s.k[0], w.lam, w)

@@ -1,5 +1,9 @@
-"""Where a side comes to rest at its change: what acts on either side of it drives it back, what acts
-between leaves it there.  So dry friction stops what slides, and the joints of a mechanism all at once."""
+"""Sliding modes: indicators that stay at zero, as the sliding speed of dry friction that sticks.
+
+The vector fields on both sides of the surface z = 0 point to it (A. F. Filippov, Differential Equations
+with Discontinuous Righthand Sides, Kluwer 1988). In mode zero, sign(z) is 0; the indicator slides if its
+rate vanishes then. Other sliding motions are refused.
+"""
 
 from __future__ import annotations
 
@@ -15,12 +19,12 @@ from lagc.kernels.language.tables import has_edges
 from lagc.kernels.language.tolerances import EVENT_TIME_ULPS, SPACING
 from lagc.kernels.language.words import Params, Real, Status
 
-REVERSED_RATE = 1e-9  # of a rate: more than that back to where it came from is no rounding
-SLIDING_RATE = 1e-12  # of the rates on both sides: less than that is rest between them
+REVERSED_RATE = 1e-9  # of the rate before: a smaller rate back is round-off
+SLIDING_RATE = 1e-12  # of the rates on both sides: a smaller rate in mode zero is round-off
 
 
 def turns_back(k: int, rate: Real, before: Real, direction: Real, w: Work) -> bool:
-    """Whether a switch that has changed goes back at once, by its rates now and before."""
+    """Return whether an indicator that has crossed returns at once, by its rates after and before."""
     ahead = rate * direction
     if has_edges[k] > 0:
         ahead *= sign_of(before * direction)
@@ -30,7 +34,7 @@ def turns_back(k: int, rate: Real, before: Real, direction: Real, w: Work) -> bo
 
 
 def time_since_crossing(k: int, direction: Real, w: Work) -> Real:
-    """The time since this switch changed, by what its side was before."""
+    """Return the time since an indicator crossed, by its value and rate in the old modes."""
     target = 0.0
     if NEDGES > 0:
         if has_edges[k] > 0:
@@ -43,7 +47,7 @@ def time_since_crossing(k: int, direction: Real, w: Work) -> Real:
 
 
 def update_indicator_rates(p: Params, s: State, w: Work) -> Status:
-    """w.indicator_rates, on the branch of w.modes."""
+    """Compute w.indicator_rates in the modes w.modes."""
     s.rhs += 1
     status = rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
     if not failed(status):
@@ -52,6 +56,7 @@ def update_indicator_rates(p: Params, s: State, w: Work) -> Status:
 
 
 def first_crossed(w: Work) -> int:
+    """Return the first relation in w.crossed."""
     first = 0
     while first < NMODE - 1 and w.crossed[first] == 0:
         first += 1
@@ -59,7 +64,8 @@ def first_crossed(w: Work) -> int:
 
 
 def find_simultaneous(s: State, first: int, direction: Real, w: Work) -> bool:
-    """Whether other sides come to zero with this one, as exactly as the step tells: w.sliding_candidates."""
+    """Mark the indicators that reach zero at the same time as this one, within the error of the step, in
+    w.sliding_candidates. Return whether there are any."""
     when = time_since_crossing(first, direction, w)
     near = s.event_time_error + EVENT_TIME_ULPS * SPACING * fabs(s.t)
     found = False
@@ -79,7 +85,8 @@ def find_simultaneous(s: State, first: int, direction: Real, w: Work) -> bool:
 
 
 def set_sliding(p: Params, s: State, first: int, w: Work) -> bool:
-    """Mode zero for this side and for those of w.sliding_candidates whose modes move it, which remain; whether any do."""
+    """Set this indicator, and those candidates whose modes change its rate, to mode zero. Return whether
+    any candidates remain."""
     w.modes[first] = 0.0
     if failed(update_indicator_rates(p, s, w)):
         return False
@@ -103,7 +110,7 @@ def set_sliding(p: Params, s: State, first: int, w: Work) -> bool:
 
 
 def is_sliding_consistent(p: Params, s: State, direction: Real, w: Work) -> bool:
-    """Whether the sides in w.sliding_candidates stay at zero, and are driven back where all have passed."""
+    """Return whether the candidates stay at zero in mode zero, and are driven back to zero beyond it."""
     there = not failed(update_indicator_rates(p, s, w))
     for j in range(NFREE):
         k = NTIMED + j
@@ -122,7 +129,8 @@ def is_sliding_consistent(p: Params, s: State, direction: Real, w: Work) -> bool
 
 
 def slide_together(p: Params, s: State, direction: Real, w: Work) -> bool:
-    """Whether sides that come to zero together stay there, in mode zero, as joints with friction do."""
+    """Return whether several indicators that reach zero together slide there, as joints with dry friction
+    do. They are in mode zero then."""
     first = first_crossed(w)
     if (
         first < NTIMED
@@ -141,7 +149,7 @@ def slide_together(p: Params, s: State, direction: Real, w: Work) -> bool:
 
 
 def slides(p: Params, s: State, k: int, rate: Real, before: Real, w: Work) -> bool:
-    """Whether the side stays at zero, where its mode is zero."""
+    """Return whether an indicator stays at zero in mode zero, which is set then."""
     if has_edges[k] > 0:
         return False
     mode = w.modes[k]
@@ -155,7 +163,8 @@ def slides(p: Params, s: State, k: int, rate: Real, before: Real, w: Work) -> bo
 
 
 def set_sliding_slack(s: State, w: Work) -> None:
-    """What rests has the slack by which it would go on within last places of the time."""
+    """Give an indicator that begins to slide the slack by which it would move within round-off of the
+    time."""
     for j in range(NFREE):
         k = NTIMED + j
         if s.modes[k] == 0.0 and s.changed[k] > 0:

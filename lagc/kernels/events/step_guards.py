@@ -1,19 +1,24 @@
-"""What a step may hide: terms that are nothing at both its ends, and much within it; divisors that come much
-nearer to zero there."""
+"""Step guards: reject steps over a narrow feature, or over a divisor that comes near zero.
+
+A feature is a term that may be negligible at both ends of a step and large within it, such as a short
+pulse. Features and divisors are enclosed over parts of the dense output (R. E. Moore, Interval Analysis,
+1966).
+"""
 
 from __future__ import annotations
 
 from math import fabs, inf
 
-from lagc.kernels.events.enclosing import (
+from lagc.kernels.events.location import (
     LONGEST_PART,
+    NARROWEST_PART,
     NO_EVENT,
+    SHORTEST_PART,
     enclose_dense_output,
     enclose_step,
     is_known,
     trial_dense_output,
 )
-from lagc.kernels.events.location import NARROWEST_PART, SHORTEST_PART
 from lagc.kernels.integrators.dispatch import method_dense_at
 from lagc.kernels.language.model import (
     fn_feature_bounds,
@@ -30,20 +35,18 @@ from lagc.kernels.language.sizes import NFEAT, NMODE, NPOLE, NX
 from lagc.kernels.language.statuses import failed
 from lagc.kernels.language.words import Params, Real, Vec
 
-VISIBLE_CHANGE = 0.1  # in the measure of features
-STEEP_SHARE = 0.9
-NEAR_ZERO_SHARE = 0.0625  # of what a divisor is at the ends
-INTERPOLATED_PART = (
-    0.0625  # of a step: what is as short is told by three values, of divisors that do not jump
-)
-MOST_HIDDEN_PARTS = (
-    256  # parts shorter than the finest: some four for each halving on the way to the thinnest
-)
-ZERO_SHARE = 1e-8  # of what a divisor is at the other end: there the rates show what it does
+VISIBLE_CHANGE = 0.1  # of a feature, in its own scale
+STEEP_SHARE = 0.9  # of the change of a feature over a step
+NEAR_ZERO_SHARE = 0.0625  # of a divisor at the ends of a step
+# Length of a part of a step up to which values at three points bound a smooth divisor.
+INTERPOLATED_PART = 0.0625
+# Number of shorter parts in a step: about four for each halving down to the narrowest.
+MOST_HIDDEN_PARTS = 256
+ZERO_SHARE = 1e-8  # of a divisor at the other end: so near to zero the rates show its effect
 
 
 def enclose_features(p: Params, w: Work) -> None:
-    """w.feature_bounds in w.box."""
+    """Compute w.feature_bounds in w.box."""
     if NMODE > 0:
         fn_feature_bounds_on(p, w.modes, w.box, w.feature_bounds)
     else:
@@ -51,6 +54,7 @@ def enclose_features(p: Params, w: Work) -> None:
 
 
 def features_at(p: Params, t: Real, x: Vec[NX], values: Vec[NFEAT], w: Work) -> None:
+    """Compute the features at (t, x)."""
     if NMODE > 0:
         fn_features_on(p, t, x, w.modes, values)
     else:
@@ -58,8 +62,8 @@ def features_at(p: Params, t: Real, x: Vec[NX], values: Vec[NFEAT], w: Work) -> 
 
 
 def find_steep_quarter(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
-    """The part of the step after which a feature, which goes from w.feature_low to w.feature_high, goes nearly all of its
-    way within a quarter; NO_EVENT."""
+    """Return the begin of the quarter of the step in which a feature makes nearly all of its change from
+    w.feature_low to w.feature_high, or NO_EVENT."""
     for k in range(NFEAT):
         w.feature_bounds[k] = w.feature_low[k]
     for quarter in range(4):
@@ -76,6 +80,7 @@ def find_steep_quarter(p: Params, s: State, method: int, a: Trial, w: Work) -> R
 
 
 def features_differ(w: Work) -> bool:
+    """Return whether a feature changes visibly from w.feature_low to w.feature_high."""
     for k in range(NFEAT):
         if fabs(w.feature_high[k] - w.feature_low[k]) > VISIBLE_CHANGE:
             return True
@@ -83,7 +88,8 @@ def features_differ(w: Work) -> bool:
 
 
 def set_feature_limits(rtol: Real, w: Work) -> None:
-    """w.feature_low and w.feature_high, the ends of a step: what is seen of each there, and half of that more."""
+    """Set w.feature_low and w.feature_high, the values at both ends of the step, to the range that these
+    show, which is half as much wider."""
     for k in range(NFEAT):
         one = w.feature_low[k]
         other = w.feature_high[k]
@@ -93,7 +99,7 @@ def set_feature_limits(rtol: Real, w: Work) -> None:
 
 
 def enclose_divisors(p: Params, w: Work) -> None:
-    """w.divisor_bounds in w.box."""
+    """Compute w.divisor_bounds in w.box."""
     if NMODE > 0:
         fn_pole_bounds_on(p, w.modes, w.box, w.divisor_bounds)
     else:
@@ -101,6 +107,7 @@ def enclose_divisors(p: Params, w: Work) -> None:
 
 
 def divisors_at(p: Params, t: Real, x: Vec[NX], values: Vec[NPOLE], w: Work) -> None:
+    """Compute the divisors at (t, x)."""
     if NMODE > 0:
         fn_poles_on(p, t, x, w.modes, values)
     else:
@@ -108,12 +115,13 @@ def divisors_at(p: Params, t: Real, x: Vec[NX], values: Vec[NPOLE], w: Work) -> 
 
 
 def distance_from_zero(k: int, w: Work) -> Real:
-    """How far this divisor stays from it, at least; below zero where it may pass."""
+    """Return the least distance of a divisor from zero within its bounds; negative if they contain zero."""
     return w.divisor_bounds[2 * k] if w.divisor_bounds[2 * k] > 0.0 else -w.divisor_bounds[2 * k + 1]
 
 
 def set_divisor_limits(p: Params, s: State, a: Trial, w: Work) -> None:
-    """w.divisor_limits, where a divisor may change by much in w.box."""
+    """Set w.guards_divisors if a divisor may come much nearer to zero in w.box than elsewhere there, and
+    w.divisor_limits by the values at both ends of the step."""
     enclose_divisors(p, w)
     w.guards_divisors = False
     for k in range(NPOLE):
@@ -136,7 +144,7 @@ def set_divisor_limits(p: Params, s: State, a: Trial, w: Work) -> None:
 
 
 def divisors_stay_clear(p: Params, w: Work) -> bool:
-    """Whether no divisor comes nearer to zero than it is to in w.box."""
+    """Return whether all divisors stay beyond their limits in w.box."""
     enclose_divisors(p, w)
     for k in range(NPOLE):
         if not distance_from_zero(k, w) >= w.divisor_limits[k]:
@@ -145,8 +153,8 @@ def divisors_stay_clear(p: Params, w: Work) -> bool:
 
 
 def divisors_interpolate_clear(p: Params, t: Real, h: Real, left: Real, right: Real, w: Work) -> bool:
-    """The same of a part of a step by values at its ends and its middle, as states are enclosed there: where
-    all that a divisor is the difference of moves far, it may hardly change."""
+    """Return the same for a part of a step by the values at its ends and middle. A divisor may hardly
+    change while the terms that it is the difference of change much, so that their enclosure is too wide."""
     divisors_at(p, t + left * h, w.x_part_begin, w.divisor_begin, w)
     divisors_at(p, t + 0.5 * (left + right) * h, w.x_part_middle, w.divisor_middle, w)
     divisors_at(p, t + right * h, w.x_part_end, w.divisor_end, w)
@@ -162,7 +170,7 @@ def divisors_interpolate_clear(p: Params, t: Real, h: Real, left: Real, right: R
 
 
 def features_stay_visible(p: Params, w: Work) -> bool:
-    """Whether w.box hides nothing of them."""
+    """Return whether all features stay in their ranges in w.box."""
     enclose_features(p, w)
     for k in range(NFEAT):
         low = w.feature_bounds[2 * k]
@@ -173,7 +181,7 @@ def features_stay_visible(p: Params, w: Work) -> bool:
 
 
 def hides_nothing(p: Params, t: Real, h: Real, left: Real, right: Real, w: Work) -> bool:
-    """Whether w.box, of this part of a step, hides nothing."""
+    """Return whether the ends of the step show all of this part, enclosed in w.box."""
     if NFEAT > 0:
         if not features_stay_visible(p, w):
             return False
@@ -184,7 +192,7 @@ def hides_nothing(p: Params, t: Real, h: Real, left: Real, right: Real, w: Work)
 
 
 def exceeds_limits(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
-    """Whether the values of a state are beyond what is to be seen."""
+    """Return whether a feature or divisor at (t, x) is outside of its range."""
     if NFEAT > 0:
         features_at(p, t, x, w.feature_values, w)
         for k in range(NFEAT):
@@ -200,8 +208,8 @@ def exceeds_limits(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
 
 
 def first_hidden_part(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
-    """The part of a step with dense output from which on `hides_nothing` does not hold; NO_EVENT.  Where that is so of
-    many short parts, enclosures are too wide to tell, and states have to."""
+    """Return the part of a step after which its ends do not show all, or NO_EVENT. After many short parts
+    the values in their middles decide, as enclosures are too wide then."""
     unseen = 0
     left = 0.0
     width = LONGEST_PART
@@ -231,7 +239,7 @@ def first_hidden_part(p: Params, s: State, method: int, a: Trial, w: Work) -> Re
 
 
 def first_part_near_zero(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
-    """The part of a step after which a divisor is next to nothing; NO_EVENT."""
+    """Return the part of a step after which a divisor nearly vanishes, or NO_EVENT."""
     for k in range(NPOLE):
         w.divisor_limits[k] *= ZERO_SHARE
     part = first_hidden_part(p, s, method, a, w)
@@ -239,8 +247,8 @@ def first_part_near_zero(p: Params, s: State, method: int, a: Trial, w: Work) ->
 
 
 def find_hidden_event(p: Params, s: State, method: int, a: Trial, rtol: Real, w: Work) -> Real:
-    """The part of the step from s.x to s.x_new after which something begins that its ends do not show; NO_EVENT;
-    below zero where that cannot be told."""
+    """Return the part of the step from s.x to s.x_new after which something begins that its ends do not
+    show, NO_EVENT, or a negative number if the dense output failed."""
     far = False
     if NFEAT > 0:
         features_at(p, s.t, s.x, w.feature_low, w)

@@ -1,7 +1,7 @@
-"""Clauses `when`: what is done at the moment that a condition becomes true.
+"""Clauses `when`: actions at the time at which a condition becomes true.
 
-Those that become true at one moment act in their order, each on the state that the one before has left.
-What they do may make others true, which act after them.
+Clauses that are triggered at the same time act in their order, each on the state that the one before has
+left. Conditions that this makes true trigger more clauses.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ from lagc.kernels.language.statuses import CHATTERING, MISPLACED, OK, TERMINATED
 from lagc.kernels.language.tables import has_edges, reinit_clause, reinit_target, scaling_group, terminates
 from lagc.kernels.language.words import Params, Real, Status
 
-MOST_GROWTH_AFTER_EVENT = 1e5
-MOST_PROJECTION = 1e-6  # of the sizes of states: what constraints move new values by is no rounding
+MOST_GROWTH_AFTER_EVENT = 1e5  # longest next step, over the time between the last two crossings
+MOST_PROJECTION = 1e-6  # of the sizes of states: a larger change of new values by projection is an error
 
 
 def update_conditions(p: Params, s: State, w: Work) -> bool:
-    """Whether conditions do, in w.triggered."""
+    """Evaluate the conditions; return whether some have become true, w.triggered."""
     found = False
     fn_holds_on(p, s.t, s.x, w.modes, w.conditions)
     for k in range(NWHEN):
@@ -46,7 +46,7 @@ def update_conditions(p: Params, s: State, w: Work) -> bool:
 
 
 def last_reinit_clause(w: Work) -> int:
-    """The last of the clauses in w.triggered that gives new values; -1."""
+    """Return the last clause in w.triggered that assigns values to states, or -1."""
     found = -1
     for j in range(NJUMP):
         if w.triggered[reinit_clause[j]] > 0:
@@ -55,7 +55,7 @@ def last_reinit_clause(w: Work) -> int:
 
 
 def apply_reinit(p: Params, s: State, k: int, w: Work) -> bool:
-    """The new values of clause k; whether there are any."""
+    """Assign the new values of clause k; return whether there are any."""
     found = False
     fn_reinit(p, s.t, s.x, w.reinit_values)
     for j in range(NJUMP):
@@ -66,7 +66,8 @@ def apply_reinit(p: Params, s: State, k: int, w: Work) -> bool:
 
 
 def meets_constraints(p: Params, s: State, w: Work) -> bool:
-    """Whether new values do, but for rounding, which is taken away."""
+    """Project the new values onto the constraints; return whether that changes them by no more than
+    round-off."""
     w.x_reinit[:] = s.x
     if failed(project(p, s.t, s.x, s.sizes, w)):
         return False
@@ -77,7 +78,8 @@ def meets_constraints(p: Params, s: State, w: Work) -> bool:
 
 
 def choose_modes_after_reinit(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """The branch on from a state that has jumped, and its rates, in w.xdot.  w.indicators_before: its sides before."""
+    """Find the modes of a state that has jumped, and its rates w.xdot. w.indicators_before are the
+    indicators before the jump."""
     w.old_indicators[:] = w.indicators_before
     adopt_modes(p, s, w)
     status = rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
@@ -104,13 +106,15 @@ def choose_modes_after_reinit(p: Params, s: State, direction: Real, w: Work) -> 
 
 
 def extrapolate_state(s: State, time: Real, w: Work) -> None:
+    """Move the state by `time` with the rates w.xdot."""
     if time != 0.0:
         for i in range(NX):
             s.x[i] += time * w.xdot[i]
 
 
 def reset_conditions(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """Conditions that hold no longer after one clause may become true by the next."""
+    """Between two clauses of one event: mark conditions that are no longer true, as the next clause may
+    make them true again."""
     status = choose_modes_after_reinit(p, s, direction, w)
     if not failed(status):
         fn_holds_on(p, s.t, s.x, w.modes, w.conditions)
@@ -121,8 +125,8 @@ def reset_conditions(p: Params, s: State, direction: Real, w: Work) -> Status:
 
 
 def reinitialize(p: Params, s: State, giver: int, direction: Real, w: Work) -> Status:
-    """The clauses in w.triggered, of which `giver` is the last that does, give new values; what the energy gains by
-    it is work that is done."""
+    """Assign the new values of the clauses in w.triggered up to `giver`, the last one that has any. The
+    work integral gains the change of the energy."""
     fn_indicators_on(p, s.t, s.x, w.modes, w.indicators_before)
     if NZ > 0:
         fn_energies(p, s.t, s.x, w.energies)
@@ -153,9 +157,9 @@ def reinitialize(p: Params, s: State, giver: int, direction: Real, w: Work) -> S
 
 
 def has_left_crossing(p: Params, s: State, direction: Real, w: Work) -> bool:
-    """Whether the sides of the switches in w.crossed go where these have changed to, and have been somewhere
-    else since they changed last: what comes back within the last places of the time or of a state, as bounces
-    that are ever shorter, has not got anywhere."""
+    """Return whether the indicators in w.crossed enter their new modes, and were elsewhere since their
+    last crossing. An indicator that returns within round-off of time or state, as in ever shorter bounces,
+    has not left it."""
     if NFREE > 0:
         estimate_indicator_roundoff(p, s, s.x, w)
         for j in range(NFREE):
@@ -170,7 +174,7 @@ def has_left_crossing(p: Params, s: State, direction: Real, w: Work) -> bool:
 
 
 def report_chattering(w: Work) -> Status:
-    """Clauses act without end."""
+    """Return CHATTERING, with the last clause in w.triggered as the culprit."""
     for k in range(NWHEN):
         if w.triggered[k] > 0:
             w.culprit = NMODE + k
@@ -178,8 +182,8 @@ def report_chattering(w: Work) -> Status:
 
 
 def act_in_order(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
-    """The clauses whose conditions come true, and those that these make true.  Before the first new values
-    the state goes back by `since`; w.at_event_time tells whether it has."""
+    """Let the clauses act whose conditions become true, and then those that they trigger. Before the first
+    new values the state goes back by `since`, the time since the crossing, and w.at_event_time is set."""
     ended = OK
     while update_conditions(p, s, w):
         if s.acts == 0 and not has_left_crossing(p, s, direction, w):
@@ -207,8 +211,8 @@ def act_in_order(p: Params, s: State, direction: Real, since: Real, w: Work) -> 
 
 
 def act_on_conditions(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
-    """The clauses whose conditions come true at (s.t, s.x), `since` after they did: what they do is done at
-    the time of then, and the motion goes on from it to now.  Rates are in w.xdot."""
+    """Let the clauses act whose conditions became true `since` before (s.t, s.x). They act on the state of
+    that time, which then moves on to s.t. Rates are in w.xdot."""
     for j in range(NFREE):
         w.indicator_reset[j] = 0
     s.acts = 0
@@ -225,7 +229,7 @@ def act_on_conditions(p: Params, s: State, direction: Real, since: Real, w: Work
 
 
 def event_delay(s: State, direction: Real, w: Work) -> Real:
-    """What the first switch in w.crossed is late by, where that is rounding."""
+    """Return the time since the first crossing in w.crossed, or 0 if it is more than round-off."""
     for k in range(NMODE):
         if w.crossed[k] > 0:
             since = time_since_crossing(k, direction, w)
@@ -234,7 +238,7 @@ def event_delay(s: State, direction: Real, w: Work) -> Real:
 
 
 def save_state(s: State, w: Work) -> None:
-    """What is there before anything is done."""
+    """Save what clauses may change."""
     w.x_saved[:] = s.x
     w.conditions_saved[:] = s.conditions
     w.modes_saved[:] = s.modes
@@ -242,7 +246,7 @@ def save_state(s: State, w: Work) -> None:
 
 
 def restore_state(s: State, w: Work) -> None:
-    """Nothing is done that cannot be: another call comes to it again."""
+    """Restore the saved state: actions that fail are not done at all, and another call tries them again."""
     s.x[:] = w.x_saved
     s.conditions[:] = w.conditions_saved
     s.modes[:] = w.modes_saved
@@ -250,8 +254,8 @@ def restore_state(s: State, w: Work) -> None:
 
 
 def record_crossing_times(s: State, w: Work) -> None:
-    """When each switch has changed; of one that changes ever sooner, as by bounces, no change is stepped
-    over: the next step is no longer than many times what lies between the last two."""
+    """Store the times of the crossings. For crossings that follow ever faster, such as bounces, limit the
+    next step to a multiple of the time between the last two."""
     for j in range(NFREE):
         if w.crossed[NTIMED + j] > 0:
             since = fabs(s.t - s.crossing_times[j])
@@ -261,7 +265,7 @@ def record_crossing_times(s: State, w: Work) -> None:
 
 
 def handle_event(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """The switches in w.crossed change at (s.t, s.x), and what is to be done then is done."""
+    """Change the modes of the relations in w.crossed at (s.t, s.x), then let clauses `when` act."""
     if NWHEN > 0:
         save_state(s, w)
     status = change_modes(p, s, direction, w)
@@ -276,8 +280,8 @@ def handle_event(p: Params, s: State, direction: Real, w: Work) -> Status:
 
 
 def update_modes_for_parameters(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """The branch on from a state that is as it was, where parameters or inputs are others: sides that these
-    move take the modes that they tell."""
+    """Find the modes of an unchanged state after a change of parameters or inputs: indicators that this
+    moves get the modes of their values."""
     w.modes[:] = s.modes
     update_edges(w)
     fn_indicators_on(s.p, s.t, s.x, w.modes, w.indicators_before)
@@ -293,8 +297,8 @@ def update_modes_for_parameters(p: Params, s: State, direction: Real, w: Work) -
 
 
 def start_modes(p: Params, s: State, direction: Real, elsewhere: bool, w: Work) -> Status:
-    """The branch on from where a call begins, `elsewhere` than the last one ended, and what is to be done
-    there: conditions that hold at the start of a trajectory do not become true."""
+    """Find the modes at the begin of a call, and let clauses act there. `elsewhere`: the caller changed
+    the state. Conditions that are true at the begin of a trajectory do not trigger."""
     if NWHEN > 0:
         if not s.conditions_known:
             fn_modes(p, s.t, s.x, w.modes)
