@@ -1,6 +1,6 @@
 """Faults as people and programs read them.
 
-error[LAG0201]: `thet` is not known here
+error[LAG0201]: `thet` is not declared
   --> pendulum.lag:7:38
    |
  7 |   body bob = Particle(mass = m, at = l*{sin(thet), 0, 0});

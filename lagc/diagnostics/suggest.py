@@ -17,17 +17,19 @@ _FOREIGN = {
     "diff": "write `der(x)` for the time derivative", "ddt": "write `der(x)`", "dot_": "write `der(x)`",
     "deriv": "write `der(x)`", "derivative": "write `der(x)`", "dt": "write `der(x)`",
     "ceiling": "write `ceil`", "round": "write `floor(x + 1/2)`", "fmod": "write `mod`", "rem": "write `mod`",
-    "radians": "give the number its unit: `30 [deg]`", "deg2rad": "give the number its unit: `30 [deg]`",
+    "radians": "write the unit of the number: `30 [deg]`",
+    "deg2rad": "write the unit of the number: `30 [deg]`",
     "heaviside": "write `if x > 0 then 1 else 0`", "step": "write `if time > 1 [s] then 1 else 0`",
-    "Pi": "write `pi`", "PI": "write `pi`", "t": "the time is `time`",
+    "Pi": "write `pi`", "PI": "write `pi`", "t": "write `time`",
 }  # fmt: skip
 
 _FOREIGN_TYPES = {
     **dict.fromkeys(("Boolean", "bool", "Bool", "boolean"),
-        "a choice is an `effect`; as a number write `if condition then 1 else 0`"),
-    **dict.fromkeys(("String", "string", "str"), "only quantities are declared; a description is a text"),
+        "declare an `effect` for a choice, or write `if condition then 1 else 0` for a number"),
+    **dict.fromkeys(("String", "string", "str"),
+        "there are no text variables; write a text as the description of a declaration"),
     **dict.fromkeys(("float", "double", "Float", "Double", "real", "Number", "number", "Scalar"),
-        "write `Real`, or the kind of quantity that it is, such as `Length`"),
+        "write `Real` or a quantity type such as `Length`"),
     **dict.fromkeys(("int", "Int", "integer"), "write `Integer`"),
     **dict.fromkeys(("Speed", "LinearVelocity"), "write `Velocity`"),
     **dict.fromkeys(("Position", "Distance", "Displacement", "Radius", "Height"), "write `Length`"),
@@ -35,9 +37,10 @@ _FOREIGN_TYPES = {
     **dict.fromkeys(("MomentOfInertia", "InertiaMoment"), "write `Inertia`"),
     **dict.fromkeys(("Moment", "Couple"), "write `Torque`"),
     **dict.fromkeys(("Work", "Heat"), "write `Energy`"),
-    **dict.fromkeys(("Vector", "vector", "Vector3"), "a vector is an array: `parameter Length r[3];`"),
+    **dict.fromkeys(("Vector", "vector", "Vector3"), "write a vector as an array: `parameter Length r[3];`"),
     "TranslationalSpringConstant": "write `Stiffness`", "Spring": "write `Stiffness`",
-    "Rotation": "write `Angle`, or `Orientation` for all three", "Quaternion": "write `Orientation`",
+    "Rotation": "write `Angle`, or `Orientation` for a rotation in space",
+    "Quaternion": "write `Orientation`",
 }  # fmt: skip
 
 LONGEST = 64  # characters of a name that is compared
@@ -133,17 +136,19 @@ class Foreign(NamedTuple):
     ours: tuple[str, ...] | None = None
 
 
-_COORDINATE = Foreign("unknowns are declared with `coordinate Type name;`", ("coordinate",))
+_COORDINATE = Foreign("declare unknowns with `coordinate Type name;`", ("coordinate",))
 _CONSTANT = Foreign("write `constant`", ("constant",))
 _PARAMETER = Foreign("write `parameter`", ("parameter",))
 _MODEL = Foreign("write `model`", ("model",))
 _FUNCTION = Foreign("write `function name(Type x) = expression;`")
 _EQUATION = Foreign(
-    "the equations of motion are derived; a law that holds is a `constraint name: left = right;`", ()
+    "there is no equation section: lagc derives the equations of motion; write an equation that always "
+    "holds as `constraint name: left = right;`",
+    (),
 )
 _PREFIX = Foreign("leave it out", ())
 _TYPE = Foreign(
-    "a quantity is declared with its kind: `parameter Length l = 1 [m];`, `coordinate Angle theta;`"
+    "write the kind of a quantity first: `parameter Length l = 1 [m];`, `coordinate Angle theta;`"
 )
 
 FOREIGN: dict[str, Foreign] = {
@@ -157,12 +162,12 @@ FOREIGN: dict[str, Foreign] = {
     "replaceable": _PREFIX, "encapsulated": _PREFIX, "discrete": _PREFIX, "flow": _PREFIX,
     "real": _TYPE, "integer": _TYPE, "boolean": _TYPE, "double": _TYPE, "float": _TYPE, "int": _TYPE,
     "include": Foreign("write `import`", ("import",)), "using": Foreign("write `import`", ("import",)),
-    "connect": Foreign("bodies are connected by joints: `joint j = Revolute(a, b, axis = ..., at = ...);`"),
-    "while": Foreign("loops are `for i in 1:n loop ... end for;`"),
-    "if": Foreign("`if` stands in expressions: `x = if condition then value else other;`"),
-    "assert": Foreign("bounds are said where a quantity is declared: `parameter Mass m(min = 0);`"),
-    "spring": Foreign("a spring is a potential: `potential V = 1/2*k*x^2;`"),
-    "damper": Foreign("a damper is a dissipation: `dissipation D = 1/2*c*der(x)^2;`"),
+    "connect": Foreign("connect bodies by constraints: `constraint c: position(a) = position(b);`"),
+    "while": Foreign("write a loop as `for i in 1:n loop ... end for;`"),
+    "if": Foreign("use `if` in an expression: `x = if condition then value else other;`"),
+    "assert": Foreign("give bounds where a quantity is declared: `parameter Mass m(min = 0);`"),
+    "spring": Foreign("write a spring as a potential: `potential V = 1/2*k*x^2;`"),
+    "damper": Foreign("write a damper as a dissipation: `dissipation D = 1/2*c*der(x)^2;`"),
 }  # fmt: skip
 
 _UNITS = frozenset({

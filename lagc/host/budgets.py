@@ -75,7 +75,7 @@ class Limits:
         if self.outer is not None:
             self.end, self.limit, self.doing = self.outer.end, self.outer.limit, self.outer.doing
         if self.time is not None:
-            self._bound_time(self.time, f"the {time_text(self.time)} that were given")
+            self._bound_time(self.time, f"the limit of {time_text(self.time)}")
         if self.memory is not None:
             self._bound_memory(self.memory)
         self._set()
@@ -95,7 +95,7 @@ class Limits:
         if isinstance(error, Exhausted):
             message, remedy = (
                 f"{self.doing} took longer than {self.told}",
-                "give it more: `--max-time 1h`, or `none`",
+                "allow more time: `--max-time 1h`, or `none`",
             )
             raise Refused([Fault("LAG0801", message, remedy=remedy)]) from None
         if error is not None and self.memory is not None and _of_memory(error):
@@ -105,7 +105,7 @@ class Limits:
         most, more = "there is", None
         if self.most < inf:
             most = f"{size_text(self.most)}, the limit"
-            more = "allow more: `--max-memory 8G`, or `none`"
+            more = "allow more memory: `--max-memory 8G`, or `none`"
         return Refused([Fault("LAG0802", f"{self.doing} needs more memory than {most}", remedy=more)])
 
     def ask(self) -> None:

@@ -55,8 +55,8 @@ def locate(name: str) -> str:
 
 def _not_found(name: str, wanted: str, matches: list[str], models: list[str]) -> Fault:
     if matches:
-        message = f"`{name}` is the name of several models"
-        return Fault("LAG0701", message, remedy="say " + " or ".join(matches))
+        message = f"several models are called `{name}`"
+        return Fault("LAG0701", message, remedy="write " + " or ".join(matches))
     message = f"there is no file `{name}`, and no model of that name in the library"
     if os.path.isfile(name + SUFFIX):
         return Fault("LAG0701", message, remedy=f"did you mean the file `{name}{SUFFIX}`?")
@@ -115,14 +115,14 @@ def content(path: str, pipes: bool = False, largest: int = LARGEST) -> bytes:
             mode = os.fstat(found).st_mode
             if not S_ISREG(mode):
                 if not (pipes and S_ISFIFO(mode)):
-                    kind = "a folder" if S_ISDIR(mode) else "no regular file"
+                    kind = "a folder" if S_ISDIR(mode) else "not a regular file"
                     raise Unreadable("LAG0702", f"cannot be read: it is {kind}")
                 os.set_blocking(found, True)
             data = file.read(largest + 1) or b""  # None where a file of the system would wait
     except (OSError, ValueError) as error:
         raise Unreadable("LAG0702", f"cannot be read: {cache.reason(error)}") from None
     if S_ISFIFO(mode) and not data:
-        raise Unreadable("LAG0702", "cannot be read: it is a pipe into which nothing is written")
+        raise Unreadable("LAG0702", "cannot be read: it is a pipe that nothing is written to")
     return _bounded(data, largest)
 
 
@@ -154,6 +154,6 @@ def _standard_input() -> bytes:
 
 def _bounded(data: bytes, largest: int = LARGEST) -> bytes:
     if len(data) > largest:
-        size, kind = largest // 1_000_000, "model file" if largest == LARGEST else "file of numbers"
-        raise Unreadable("LAG0704", f"is larger than {size} MB, the largest {kind} that is read")
+        size, kind = largest // 1_000_000, "model file" if largest == LARGEST else "data file"
+        raise Unreadable("LAG0704", f"is larger than {size} MB, the maximum for a {kind}")
     return data

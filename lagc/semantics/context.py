@@ -122,9 +122,7 @@ class Context:
         """One more declaration.  Raises Wrong where there are too many."""
         self.count += 1
         if self.count > LARGEST:
-            raise Wrong(
-                "LAG0218", f"the model has more than {LARGEST} declarations and values by number", span
-            )
+            raise Wrong("LAG0218", f"the model has more than {LARGEST} declarations and list elements", span)
 
     def value(self, entry: Entry, span: Span) -> Value:
         """The value of a declaration, found when it is first asked for.
@@ -142,14 +140,14 @@ class Context:
                 f"`{entry.path}` depends on itself",
                 span,
                 related=((entry.span, "declared here"),),
-                remedy="break the circle: one of its members must be given by something else",
+                remedy="break the circle: one of these declarations must not depend on the others",
             )
         if self.depth >= DEEPEST_CHAIN:
             raise Wrong(
                 "LAG0218",
-                f"more than {DEEPEST_CHAIN} declarations wait for one another",
+                f"a chain of more than {DEEPEST_CHAIN} declarations depend on one another",
                 span,
-                "declare what others depend on before them",
+                "put each declaration before those that depend on it",
             )
         entry.state = "running"
         self.depth += 1

@@ -74,7 +74,9 @@ class Builder:
         if any(base is declaration for base in self.bases):
             raise Wrong("LAG0205", f"`{declaration.name}` extends itself", declaration.name_span)
         if len(self.bases) >= DEEPEST:
-            raise Wrong("LAG0218", f"more than {DEEPEST} models extend each other", declaration.name_span)
+            raise Wrong(
+                "LAG0218", f"models extend one another more than {DEEPEST} levels deep", declaration.name_span
+            )
         if id(declaration) in self.extended:  # it is extended in another way, too
             return
         self.extended[id(declaration)] = []
@@ -91,7 +93,7 @@ class Builder:
         excluded = self._excluded(d)
         if excluded is not None:
             for name in names_of(d):
-                self.instance.unused.setdefault(name, f"is left out where the effect `{excluded}` is used")
+                self.instance.unused.setdefault(name, f"is left out because the effect `{excluded}` is used")
         elif isinstance(d, tree.Quantities):
             for declarator in d.declarators:
                 self._enter(d.kind, declarator.name, d, declarator, home)
@@ -112,9 +114,9 @@ class Builder:
         elif isinstance(d, tree.Start | tree.Simulate):
             raise Wrong(
                 "LAG0221",
-                "this belongs into a scene",
+                "this is only allowed in a scene",
                 d.span,
-                "write it between `scene ... uses ...` and `end`",
+                "write it between `scene name uses ...` and `end name;`",
             )
 
     def _excluded(self, d: tree.Declaration) -> str | None:
@@ -145,9 +147,7 @@ class Builder:
     def _construct(self, d: tree.Construct | tree.Load | tree.Constraint, home: Home) -> None:
         kind = "constraint" if isinstance(d, tree.Constraint) else d.kind
         if kind in _LATER:
-            raise Wrong(
-                "LAG0220", f"{_LATER[kind]} part of the language, but not yet of this version", d.span
-            )
+            raise Wrong("LAG0220", f"{_LATER[kind]} not yet supported", d.span)
         if not d.index:
             self._enter(kind, d.name, d, d, home)
             return
@@ -170,7 +170,7 @@ class Builder:
             if isinstance(
                 declaration, tree.Extends | tree.Scene | tree.Effect | tree.Initial | tree.ModelDeclaration
             ):
-                raise Wrong("LAG0221", "this does not belong into an effect", declaration.span)
+                raise Wrong("LAG0221", "this is not allowed in an effect", declaration.span)
         if self._uses(d.name):
             self._register(d.body, replace(home, effect=d.name))
             return
@@ -226,7 +226,7 @@ class Builder:
                 if isinstance(declaration, tree.Quantities)
                 else None
             )
-            raise Wrong("LAG0221", "this does not belong into a loop", declaration.span, remedy)
+            raise Wrong("LAG0221", "this is not allowed in a loop", declaration.span, remedy)
         for number in integers(self.context, d.range, home.environment):
             self.context.grow(d.span)
             value = Scalar(self.context.graph.const(number), None if number == 0 else NONE)
@@ -260,7 +260,7 @@ class Builder:
             if source.dimensions:
                 raise Wrong(
                     "LAG0221",
-                    f"there are no arrays of `{d.type.path[0]}` declared this way",
+                    f"an array of `{d.type.path[0]}` cannot be declared this way",
                     source.span,
                     "write `body b[i] = ...;` in a loop",
                 )
@@ -275,7 +275,7 @@ class Builder:
             if modifier.argument.value is not None:
                 raise Wrong(
                     "LAG0209",
-                    f"`{entry.name}` is an instance of a model, it has no value",
+                    f"`{entry.name}` is an instance of a model and has no value",
                     modifier.argument.span,
                 )
             for name, given in modifiers_of(modifier.argument.arguments, modifier.environment).items():
@@ -310,7 +310,7 @@ class Builder:
         if found.partial:
             raise Wrong(
                 "LAG0211",
-                f"`{found.name}` is partial, it can only be extended",
+                f"`{found.name}` is partial; it can only be extended",
                 d.type.span,
                 related=((found.name_span, "declared here"),),
             )
@@ -330,7 +330,7 @@ class Builder:
                 raise Wrong("LAG0205", f"`{model.name}` contains itself", model.name_span)
             above = above.parent
         if self.instance.depth >= DEEPEST:
-            raise Wrong("LAG0218", f"instances are nested deeper than {DEEPEST}", model.name_span)
+            raise Wrong("LAG0218", f"instances are nested more than {DEEPEST} levels deep", model.name_span)
         inner = instantiate(self.context, model, space, path, modifiers, self.instance)
         items.append(inner.items)
         self.context.conditions += inner.conditions
@@ -342,7 +342,7 @@ class Builder:
         known = [n for n, e in self.instance.entries.items() if e.kind in _CHANGEABLE]
         remedy = did_you_mean(name, known)
         if remedy is None and known:
-            remedy = f"what can be given is {', '.join(f'`{n}`' for n in known[:MOST_NAMED])}"
+            remedy = f"it has {', '.join(f'`{n}`' for n in known[:MOST_NAMED])}"
         return Wrong("LAG0209", f"`{owner}` has no `{name}`", span, remedy)
 
 

@@ -103,7 +103,7 @@ def resolve(
                 "LAG0222",
                 f"the model `{declaration.name}` has no coordinates, so nothing can move{reason}",
                 declaration.name_span,
-                "give a size of 1 or more" if empty else "declare one: `coordinate Length x;`",
+                "set the size to 1 or more" if empty else "declare one: `coordinate Length x;`",
             )
         )
     context.refuse_faults()
@@ -227,7 +227,7 @@ def _model(
     left_out = [e.name for e in effects if not e.used]
     notes = setting.notes
     if setting.scene is None and left_out:
-        notes = (*notes, f"the model has no scenes, the effects are left out: {', '.join(left_out)}")
+        notes = (*notes, f"the model has no scenes; these effects are not used: {', '.join(left_out)}")
     return nouns.Model(
         name=declaration.name,
         scene=setting.name,
@@ -263,9 +263,8 @@ def _function(context: Context, entry: Entry) -> Value:
 
 
 def _instance(context: Context, entry: Entry) -> Value:
-    raise Wrong(
-        "LAG0205", f"the size of something depends on `{entry.path}`, which is not there yet", entry.span
-    )
+    message = f"a size depends on `{entry.path}`, which is only created after the sizes are known"
+    raise Wrong("LAG0205", message, entry.span)
 
 
 DECLARE: dict[str, Callable[[Context, Entry], Value]] = {

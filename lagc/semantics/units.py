@@ -124,8 +124,8 @@ _TOKEN = re.compile(r"\s*(?:([A-Za-zµ%]+|1)(?:\^?([+-]?\d{1,2})|\^\(([+-]?\d{1,
 def unit(text: str) -> Unit:
     """The meaning of a unit text.  Raises UnknownUnit."""
     if _BROKEN.search(text):
-        remedy = "raise a number to that power: `k*(x/(1 [m]))^1.5`, with k in newtons"
-        raise UnknownUnit(f"`{text}` is not a unit: exponents are whole numbers", remedy=remedy)
+        remedy = "raise a pure number to that power: `k*(x/(1 [m]))^1.5`, with k in newtons"
+        raise UnknownUnit(f"`{text}` is not a unit; exponents must be integers", remedy=remedy)
     tokens = _tokens(text)
     position, result = _product(tokens, 0, text)
     if position != len(tokens):
@@ -138,7 +138,7 @@ def _tokens(text: str) -> list[tuple[str, int]]:
     found: list[tuple[str, int]] = []
     at, stripped = 0, text.rstrip()
     if not stripped:
-        raise UnknownUnit("an empty unit")
+        raise UnknownUnit("the unit is empty")
     while at < len(stripped):
         match = _TOKEN.match(stripped, at)
         if match is None:
@@ -146,7 +146,7 @@ def _tokens(text: str) -> list[tuple[str, int]]:
         found.append((match[4], 0) if match[4] else (match[1], int(match[2] or match[3] or 1)))
         at = match.end()
     if len(found) > 64:
-        raise UnknownUnit("a unit of more than 64 factors")
+        raise UnknownUnit("the unit has more than 64 factors")
     return found
 
 

@@ -60,5 +60,5 @@ def value_of(node: Node, known: Mapping[Node, float]) -> float:
 def double(value: float) -> float:
     """`value`.  Raises Refused (LAG0590) where it is infinite or none."""
     if value - value != 0.0:
-        raise Refused((Fault("LAG0590", "a number of the equations is too large for a double", None),))
+        raise Refused((Fault("LAG0590", "a number in the equations is too large for a double", None),))
     return value

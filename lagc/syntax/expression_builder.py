@@ -79,8 +79,10 @@ class Expressions:
         if not isinstance(base, _PARTS) and isinstance(indices[0], tree.Name | tree.Binary):
             bracket = Span(self.source, indices[0].span.start - 1, span.end)
             if self.source.text[bracket.start - 1].isspace():
-                message = "a unit stands behind a number or a vector in braces, or behind `Real`"
-                self.faults.append(Fault("LAG0121", message, bracket, remedy="write the unit within"))
+                message = "a unit follows a number, a vector in braces, or `Real`"
+                self.faults.append(
+                    Fault("LAG0121", message, bracket, remedy="write the unit inside the brackets")
+                )
         return self._part(tree.Index(c[0], c[1], span), c[0])
 
     def call(self, c: Children, span: Span) -> tree.Call:

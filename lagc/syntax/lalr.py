@@ -158,7 +158,7 @@ class Machine:
             depth += 1
             if depth > DEEPEST:
                 span = Span(self.source, token.start, token.end)
-                self.faults.append(Fault("LAG0106", f"this is nested more than {DEEPEST} deep", span))
+                self.faults.append(Fault("LAG0106", f"this is nested more than {DEEPEST} levels deep", span))
                 return False
         if terminal == "END" and not self._closes():
             return True

@@ -72,16 +72,16 @@ _HINTS = {
     "²": "write `^2`",
     "³": "write `^3`",
     "°": "write the unit in brackets: `30 [deg]`",
-    "“": 'texts stand between straight quotes, "..."',
-    "”": 'texts stand between straight quotes, "..."',
-    "„": 'texts stand between straight quotes, "..."',
-    "'": 'texts stand between double quotes, "..."',
-    "`": 'texts stand between double quotes, "..."',
+    "“": 'write texts between straight quotes, "..."',
+    "”": 'write texts between straight quotes, "..."',
+    "„": 'write texts between straight quotes, "..."',
+    "'": 'write texts between double quotes, "..."',
+    "`": 'write texts between double quotes, "..."',
     "#": "comments begin with `//`",
     "?": "write `if condition then value else other`",
     "√": "write `sqrt(...)`",
     "½": "write `1/2`",
-    "∞": "leave the bound away",
+    "∞": "leave out the bound",
     "\ufeff": "delete it",
 }
 _GREEK_NAMES = """
@@ -187,7 +187,7 @@ def _odd_character(source: Source, lexed: Lexed, character: str, start: int) -> 
     lexed.faults.append(
         Fault(
             "LAG0101",
-            f"`{character}` is not a sign of the language",
+            f"`{character}` is not a character of the language",
             Span(source, start, start + 1),
             remedy=f"write `{meant}`",
         )
@@ -199,7 +199,7 @@ def _odd(source: Source, character: str, start: int) -> Fault:
     shown = f"`{character}`" if character.isprintable() else f"the character U+{ord(character):04X}"
     return Fault(
         "LAG0101",
-        f"{shown} is not a sign of the language",
+        f"{shown} is not a character of the language",
         Span(source, start, start + 1),
         remedy=_HINTS.get(character),
     )
@@ -229,7 +229,7 @@ def _foreign_word(source: Source, word: str, start: int) -> Fault:
     good = plain.isascii() and plain.isidentifier()
     return Fault(
         "LAG0101",
-        f"`{word}` is no name: names are made of the letters A-Z and a-z, digits and `_`",
+        f"`{word}` is not a name; names consist of the letters A-Z and a-z, digits and `_`",
         Span(source, start, start + len(word)),
         remedy=f"write `{plain}`" if good else None,
     )

@@ -39,7 +39,7 @@ def parse_expression(source: Source) -> Expression:
         ):
             if value is not None:
                 return value
-    message = "this is more than one expression, or none"
+    message = "this is not a single expression"
     raise Refused([Fault("LAG0110", message, Span(source, 0, length), remedy="write it without `;`")])
 
 
@@ -47,7 +47,10 @@ def read(source: Source) -> tuple[Tree, Lexed, list[Fault]]:
     """The same, with what the text is made of."""
     nul = source.text.find("\0")
     if nul >= 0:  # in a comment too
-        message, remedy = "the character U+0000 is not a sign of the language", "save the file as UTF-8 text"
+        message, remedy = (
+            "the language does not use the character U+0000",
+            "save the file as UTF-8 text",
+        )
         fault = Fault("LAG0101", message, Span(source, nul, nul + 1), remedy=remedy)
         return Tree(source, ()), Lexed([], [], []), [fault]
     lexed = tokenise(source)

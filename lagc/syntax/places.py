@@ -138,13 +138,13 @@ def _check(kind: str, span: Span, container: str, misplaced: set[str], faults: l
     shown = "an instance" if kind == "instance" else f"`{kind}`"
     good = [_SHOWN[place] for place in _SHOWN if place in places]
     if container == "for" and kind in _BY_INDEX:
-        remedy = f"declare all outside: `{kind} Type name[n]{_BY_INDEX[kind]};`"
+        remedy = f"declare an array before the loop: `{kind} Type name[n]{_BY_INDEX[kind]};`"
     else:
         remedy = f"it belongs {' or '.join(good)}"
     if kind == "instance" and container == "scene":
-        remedy += "; the effects of a scene stand behind `uses`: `scene name uses gravity;`"
+        remedy += "; list the effects of a scene after `uses`: `scene name uses gravity;`"
     if kind in ("effect", "scene") and container == "effect":
-        remedy += "; is an `end` missing before it?"
+        remedy += "; an `end` may be missing before it"
     faults.append(Fault("LAG0120", f"{shown} cannot stand {_SHOWN[container]}", begin, remedy=remedy))
 
 
@@ -156,10 +156,10 @@ def _equation_outside(item: tree.Initial) -> Fault:
         return Fault("LAG0132", message, left.span, remedy=f"write `{left.name} name = ...`")
     return Fault(
         "LAG0122",
-        "an equation stands in the `initial` section only",
+        "an equation is only allowed in the `initial` section",
         condition.span,
-        remedy="for a law of the motion write `constraint name: left = right;`, "
-        "for a condition at the start put `initial` before it",
+        remedy="for an equation that always holds write `constraint name: left = right;`; "
+        "for an initial condition put `initial` before it",
     )
 
 
@@ -167,9 +167,9 @@ def _dotted(declarator: tree.Declarator) -> Fault:
     """`parameter a.l = 2;` outside of a scene."""
     return Fault(
         "LAG0134",
-        "a name that is declared has no `.`: what is within an instance is declared in its model",
+        "a declared name contains no `.`; a part of an instance is declared in its model",
         declarator.name_span,
-        remedy=f"give it where the instance is declared, `Model a({declarator.name} = ...)`, or in a scene",
+        remedy=f"set its value at the instance, `Model a({declarator.name} = ...)`, or in a scene",
     )
 
 
@@ -178,7 +178,7 @@ def _no_type(item: tree.Quantities) -> Fault:
     example = "Integer n" if item.kind == "structural" else "Length l"
     return Fault(
         "LAG0133",
-        f"`{item.kind}` is followed by a type and a name; here is only `{name.name}`",
+        f"`{item.kind}` needs a type and a name; there is only `{name.name}`",
         name.name_span,
-        remedy=f"write for instance `{item.kind} {example};`",
+        remedy=f"for example, write `{item.kind} {example};`",
     )

@@ -68,7 +68,7 @@ class Recovery:
         at = machine.tokens[machine.position].start
         if top.text == "end" and "SEMICOLON" not in machine.tables.actions[machine.states[-1]]:
             span = Span(machine.source, top.start, top.end)
-            machine.report(block.fault("LAG0113", "an `end` names what it closes", span), top)
+            machine.report(block.fault("LAG0113", "`end` needs the name of its block", span), top)
             machine.tokens.insert(machine.position, Token(WORD, block.closing, at, at))
             return True
         before = machine.values[-2]
@@ -223,10 +223,10 @@ def explain(where: Where) -> Explained:
 
 def _anything_else(w: Where) -> Explained:
     if not w.inside:
-        message = f"{w.shown} begins no declaration"
-        begins = "one begins with a keyword (`parameter`, `body`, ...) or the name of a model"
+        message = f"{w.shown} does not begin a declaration"
+        begins = "begin with a keyword (`parameter`, `body`, ...) or the name of a model"
         return Explained(Fault("LAG0110", message, w.span(w.token), remedy=begins))
-    remedy = "is a `;` or an operator missing?" if w.accepts("SEMICOLON") else None
+    remedy = "a `;` or an operator may be missing" if w.accepts("SEMICOLON") else None
     message = f"{w.shown} cannot stand after `{w.before.text}`"
     return Explained(Fault("LAG0110", message, w.span(w.token), remedy=remedy))
 

@@ -274,16 +274,16 @@ def _no_kind(made: tree.TypeName) -> Fault:
     word = made.path[-1]
     foreign = FOREIGN.get(word.lower())
     if foreign is not None:
-        message = f"`{word}` declares nothing by itself"
+        message = f"`{word}` is not a keyword of the language"
         return Fault("LAG0118", message, made.span, remedy=foreign.remedy)
     if word in ("Particle", "Solid"):
-        message = f"the data of a `{word}` stand in parentheses after its name"
+        message = f"the arguments of a `{word}` follow its name in parentheses"
         remedy = f"write `body b = {word}(...);`, or `{word} b(...);`"
         return Fault("LAG0119", message, made.span, remedy=remedy)
     keywords = tables().keywords
     near = word.lower() if word.lower() in keywords else closest(word, keywords)
-    message = f"`{word}` is no keyword, and an instance of a model has no value"
-    quantity = f"a quantity says what it is: `parameter {word} x = 1;`"
+    message = f"`{word}` is not a keyword, and an instance of a model has no value"
+    quantity = f"for a quantity write its kind first: `parameter {word} x = 1;`"
     return Fault("LAG0119", message, made.span, remedy=f"did you mean `{near}`?" if near else quantity)
 
 

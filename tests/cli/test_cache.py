@@ -142,7 +142,7 @@ def test_a_damaged_entry_is_as_good_as_absent(
     cache.store("head", KEY, BODY)
     DAMAGES[damage](root / f"head-{KEY}")
     assert kept() is None
-    assert len(cache.notes) == 1 and KEY in cache.notes[0] and "made again" in cache.notes[0]
+    assert len(cache.notes) == 1 and KEY in cache.notes[0] and "created again" in cache.notes[0]
     if damage != "a folder":
         cache.store("head", KEY, BODY)
         assert kept() == BODY

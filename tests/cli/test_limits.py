@@ -133,7 +133,7 @@ def test_a_run_that_is_ended_keeps_what_it_computed(
     assert main(["sim", spring, *words, "--max-memory", "none", "--json"]) == 4
     found = json.loads(capsys.readouterr().out)
     assert found["status"] == "failed"
-    assert found["message"].endswith("it took longer than the 2 s that were given")
+    assert found["message"].endswith("it took longer than the limit of 2 s")
     rows = list(csv.DictReader(path.open()))
     assert len(rows) > 3  # of which the pilots are good to about 1e-6 for a turn
     for row in rows:
@@ -232,7 +232,7 @@ def test_limits_hold_inside_and_after_others(
 ) -> None:
     """The outer limit ends what the inner block does, and what comes after it."""
     before, began, seen = signal.getsignal(signal.SIGALRM), monotonic(), ""
-    with pytest.raises(Refused, match=r"LAG0801: .* than the 0[.]3 s that were given"), lagc.Limits(outer):
+    with pytest.raises(Refused, match=r"LAG0801: .* than the limit of 0[.]3 s"), lagc.Limits(outer):
         try:
             with lagc.Limits(inner, careful=careful), budgets.stage("a stage"):
                 if ended:

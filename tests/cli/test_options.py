@@ -122,7 +122,7 @@ def test_what_is_wrong_in_a_command_is_not_the_model(
 
 
 def test_what_is_no_file_is_not_laid_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["fmt", str(tmp_path)]) == 2 and "is no regular file" in capsys.readouterr().err
+    assert main(["fmt", str(tmp_path)]) == 2 and "is not a regular file" in capsys.readouterr().err
     assert main(["fmt", str(tmp_path / "a.lag")]) == 2 and "there is no file" in capsys.readouterr().err
 
 

@@ -47,20 +47,20 @@ error[LAG0209]: a coordinate has no `strt`
    |                                            ^^^^
    = help: did you mean `start`?
 
-error[LAG0201]: `thet` is not known here
+error[LAG0201]: `thet` is not declared
   --> m.lag:5:45
    |
  5 |   body bob = Particle(mass = 1, at = l*{sin(thet), 0, -cos(theta)});
    |                                             ^^^^
    = help: did you mean `theta`?
 
-error[LAG0301]: the elements differ in dimension: Length [m] and a number
+error[LAG0301]: the elements have different dimensions: Length [m] and a number
   --> m.lag:6:49
    |
  6 |   body ball = Particle(mass = 1, at = {theta*l, 2, 0});
    |                                                 ^
    |                                        ------- Length [m]
-   = help: a bare number has no unit within an expression: write `2 [m]`
+   = help: a number inside an expression has no unit: write `2 [m]`
 
 error[LAG0215]: there is no parameter or input `ll`
   --> m.lag:7:21
@@ -93,7 +93,7 @@ end A;
     assert (
         shown(text)
         == """\
-error[LAG0301]: the two sides of `+` differ in dimension: Length [m] and Time [s]
+error[LAG0301]: the two sides of `+` have different dimensions: Length [m] and Time [s]
   --> m.lag:2:28
    |
  2 |   function f(Length u) = u + 1 [s];
@@ -142,12 +142,12 @@ def test_faults_of_an_imported_file_are_shown_there(tmp_path: Path, monkeypatch:
     assert (
         shown(text, "main.lag")
         == """\
-error[LAG0302]: the potential `V` is Energy [J], this is Length [m]
+error[LAG0302]: the potential `V` must be Energy [J]; this is Length [m]
   --> sub/lib.lag:3:17
    |
  3 |   potential V = x;
    |                 ^
-   = help: a factor in `[N]` is missing in it"""
+   = help: a factor with the unit `[N]` is missing"""
     )
 
 
@@ -211,21 +211,21 @@ def test_words_of_other_languages() -> None:
 @pytest.mark.parametrize(
     "line, remedies",
     [
-        ("potential V = 9.81*m*x;", ["is a unit missing? `9.81 [m/s2]` makes it Energy [J]"]),
-        ("constraint c: x = -1;", ["a bare number has no unit within an expression: write `-1 [m]`"]),
-        ("point P = {0, x, 1/2};", ["a bare number has no unit within an expression: write `1/2*1 [m]`"]),
+        ("potential V = 9.81*m*x;", ["a unit may be missing: `9.81 [m/s2]` gives Energy [J]"]),
+        ("constraint c: x = -1;", ["a number inside an expression has no unit: write `-1 [m]`"]),
+        ("point P = {0, x, 1/2};", ["a number inside an expression has no unit: write `1/2*1 [m]`"]),
         ("torque M = {0, 0, 1} on b;", [None]),
         ("body c = Particle(mas = m, place = {x, 0, 0});", ["did you mean `mass`?", "it takes `mass`, `at`"]),
         ("body c = Partcle(mass = m, at = {x, 0, 0});", ["did you mean `Particle`?"]),
-        ("potential V = sin(x/x)^2;", ["a factor in `[J]` is missing in it"]),
-        ("potential V = 2*sin(x/x) + 1;", ["give a number in it its unit, such as `1 [J]`"]),
+        ("potential V = sin(x/x)^2;", ["a factor with the unit `[J]` is missing"]),
+        ("potential V = 2*sin(x/x) + 1;", ["give a number in it a unit, such as `1 [J]`"]),
         ("output Energy E = kinetic;", ["write `kinetic()`"]),
         ("output Velocity v = velocity;", ["write `velocity(of)`"]),
         ("Gravity field; output Acceleration y = g;", ["write `field.g`"]),
         ("output Acceleration y = g; Gravity field;", ["write `field.g`"]),
         ("constraint c: {x, 2*x} = {0, 0}; output Force y = reaction(c[1]);",
-         ["the force of a row is an element of all: `reaction(c)[1]`"]),
-        ("output Real y = atan2(x);", ["`atan2` takes (y, x)"]),
+         ["write `reaction(c)[1]` for the force of one component"]),
+        ("output Real y = atan2(x);", ["the arguments are (y, x)"]),
         ("coordinate Speed y;", ["write `Velocity`"]),
         ("scene s start m = 2; end s;", ["`m` is a parameter: write `parameter m = ...;`"]),
         ("scene s parameter x = 2; end s;", ["`x` is a coordinate: write `start x = ...;`"]),

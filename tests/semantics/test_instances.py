@@ -129,7 +129,7 @@ end P;
 def test_the_first_scene_is_used_and_said() -> None:
     model = read(SCENES)
     assert model.scene == "free" and model.scenes == ("free", "lab", "room")
-    assert model.notes == ("no scene named, the first one is used: free",)
+    assert model.notes == ("no scene was chosen; the first one is used: free",)
     assert [a.name for a in model.actions] == ["spring"]
 
 
@@ -516,4 +516,4 @@ def test_gravity_that_acts_twice_on_a_body_is_told_once_for_each_pair(
     found = check(Source("m.lag", text), Choice(model="Many"))
     assert [fault.code for fault in found] == ["LAG0229"] * len(pairs)
     for fault, (one, other) in zip(found, pairs):
-        assert fault.message.startswith(f"`{one}` and `{other}` both pull at") and fault.severity == "warning"
+        assert fault.message.startswith(f"`{one}` and `{other}` both act on") and fault.severity == "warning"

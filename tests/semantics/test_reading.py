@@ -72,7 +72,7 @@ def test_all_imports_together_are_bounded(tmp_path: Path) -> None:
     (tmp_path / f"l{number - 1}.lag").write_bytes(b"//")
     lines = "".join(f'import "l{k}.lag";\n' for k in range(number))
     (fault,) = faults(tmp_path, lines + MAIN.split("\n", 1)[1].replace("x0", "2"))
-    assert str(fault.span) == f"{tmp_path}/main.lag:{number}:1" and "40 MB together" in fault.message
+    assert str(fault.span) == f"{tmp_path}/main.lag:{number}:1" and "larger than 40 MB" in fault.message
 
 
 def make_pipe(path: Path) -> None:

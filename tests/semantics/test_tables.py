@@ -263,7 +263,7 @@ def test_the_remedy_for_columns_without_a_unit_is_one_in_the_header(tmp_path: Pa
     with pytest.raises(Refused) as refused:
         lagc.load(str(tmp_path / "m.lag")).compile().simulate(1.0)
     remedy = refused.value.faults[0].remedy
-    assert remedy == "give the columns their unit in the first line of the file, as `u [N]`"
+    assert remedy == "write the unit of each column in the first line of the file: `u [N]`"
     (tmp_path / "d.csv").write_text("t,u1 [N],v [N]\n0,1,2\n1,2,3\n")
     assert lagc.load(str(tmp_path / "m.lag")).compile().simulate(1.0).status == "ok"
 
@@ -319,33 +319,33 @@ def test_an_index_stands_right_behind_a_name(head: str, name: str, unit: str | N
         (None, '"d.csv", "u"', "LAG0226", "No such file"),
         (b"", '"d.csv", "u"', "LAG0314", "is empty"),
         (b"\n\n", '"d.csv", "u"', "LAG0314", "is empty"),
-        (b"time,u\n", '"d.csv", "u"', "LAG0314", "two rows at least, this has 0"),
-        (b"time,u\n0,1\n", '"d.csv", "u"', "LAG0314", "two rows at least, this has 1"),
-        (b"0,1\n1,2\n", '"d.csv", "u"', "LAG0314", "no names of columns"),
-        (b"time,u\n0,1\n1\n", '"d.csv", "u"', "LAG0314", "2 columns, but 1 in line 3"),
-        (b"time,u\n0,1\n\n1,2\n", '"d.csv", "u"', "LAG0314", "2 columns, but 0 in line 3"),
-        (b"time,u\n0,1\n1,2,\n", '"d.csv", "u"', "LAG0314", "2 columns, but 3 in line 3"),
+        (b"time,u\n", '"d.csv", "u"', "LAG0314", "at least two rows; this has 0"),
+        (b"time,u\n0,1\n", '"d.csv", "u"', "LAG0314", "at least two rows; this has 1"),
+        (b"0,1\n1,2\n", '"d.csv", "u"', "LAG0314", "no column names"),
+        (b"time,u\n0,1\n1\n", '"d.csv", "u"', "LAG0314", "2 columns, but 1 values in line 3"),
+        (b"time,u\n0,1\n\n1,2\n", '"d.csv", "u"', "LAG0314", "2 columns, but 0 values in line 3"),
+        (b"time,u\n0,1\n1,2,\n", '"d.csv", "u"', "LAG0314", "2 columns, but 3 values in line 3"),
         (b"time,u\n0,1\n1,nan\n", '"d.csv", "u"', "LAG0314", "in line 3: `nan` is not a finite number"),
         (b"time,u\n0,1\n1,1e999\n", '"d.csv", "u"', "LAG0314", "in line 3: `1e999`"),
         (b"time,u\n0,1\n1,1_0\n", '"d.csv", "u"', "LAG0314", "in line 3: `1_0`"),
         ("time,u\n0,1\n1,\u0661\n".encode(), '"d.csv", "u"', "LAG0314", "in line 3"),
-        (b"time,u\n0,1\n1,\n", '"d.csv", "u"', "LAG0314", "in line 3: there is no number"),
+        (b"time,u\n0,1\n1,\n", '"d.csv", "u"', "LAG0314", "in line 3: the cell is empty"),
         (b"time;u\n0;1\n1;2\n", '"d.csv", "u"', "LAG0314", "no column `u`"),
         (b"time,u\n0,1\n1,2\n", '"d.csv", "v"', "LAG0314", "no column `v`"),
         (b"time,u\n0,1\n1,2\n", '"d.csv", "u", over = "t"', "LAG0314", "no column `t`"),
-        (b"time,u,u\n0,1,1\n1,2,2\n", '"d.csv", "u"', "LAG0314", "two columns `u`"),
+        (b"time,u,u\n0,1,1\n1,2,2\n", '"d.csv", "u"', "LAG0314", "two columns called `u`"),
         (b"time,u,v\n0,1,1\n1,2,2\n", '"d.csv"', "LAG0210", "`time`, `u`, `v`"),
-        (b"time,u\n0,1\n0,2\n", '"d.csv", "u"', "LAG0314", "in line 3 of the file comes 0 again"),
-        (b"time,u\n0,1\n2,2\n1,2\n", '"d.csv", "u"', "LAG0314", "in line 4 of the file comes 1 after 2"),
+        (b"time,u\n0,1\n0,2\n", '"d.csv", "u"', "LAG0314", "line 3 of the file has 0 again"),
+        (b"time,u\n0,1\n2,2\n1,2\n", '"d.csv", "u"', "LAG0314", "line 4 of the file has 1 after 2"),
         (
             b'"time",u\n0,"1\n"\n2,2\n1,2\n',
             '"d.csv", "u"',
             "LAG0314",
-            "in line 5 of the file comes 1",
+            "line 5 of the file has 1",
         ),
         (b"time,u [m]\n0,1\n1,2\n", '"d.csv", "u"', "LAG0302", "Length"),
         (b"time,u [rad]\n0,1\n1,2\n", '"d.csv", "u"', "LAG0302", "a number"),
-        (b"time [m],u\n0,1\n1,2\n", '"d.csv", "u"', "LAG0301", "the table is over Length [m]"),
+        (b"time [m],u\n0,1\n1,2\n", '"d.csv", "u"', "LAG0301", "the table has the argument Length [m]"),
         (b"time,u [Newton]\n0,1\n1,2\n", '"d.csv", "u"', "LAG0304", "Newton"),
         (b"time,u\n0,1\n1,2\xff\n", '"d.csv", "u"', "LAG0226", "not UTF-8"),
         (b'time,u\n0,1\n1,"2\n', '"d.csv", "u"', "LAG0314", "comma-separated"),

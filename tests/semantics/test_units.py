@@ -177,7 +177,7 @@ def test_exponents_of_units_are_whole(text: str) -> None:
     """As those of Hertz' stiffness are not: a way out is told."""
     with pytest.raises(UnknownUnit) as refused:
         unit(text)
-    assert "whole" in refused.value.reason and "^1.5" in (refused.value.remedy or "")
+    assert "integers" in refused.value.reason and "^1.5" in (refused.value.remedy or "")
 
 
 def test_exponents_may_stand_in_parentheses() -> None:

@@ -85,7 +85,7 @@ def load(kind: str, key: str, read: Callable[[bytes], T]) -> T | None:
     except FileNotFoundError:
         return None
     except Exception as error:
-        note(f"{name} is made again: {reason(error)}")
+        note(f"{name} is created again: {reason(error)}")
         return None
 
 

@@ -79,7 +79,7 @@ class Folder:
         with open(found, "rb", buffering=0) as file:
             status = os.fstat(found)
             if not S_ISREG(status.st_mode):
-                raise Unfit("it is no regular file")
+                raise Unfit("it is not a regular file")
             _trust(status)
             if status.st_size > LARGEST:
                 raise Unfit("it is too large")
@@ -138,7 +138,7 @@ def _trust(status: os.stat_result) -> None:
         if status.st_uid != os.geteuid():
             raise Unfit("it belongs to another user")
         if status.st_mode & 0o022:
-            raise Unfit("others may write to it (`chmod go-w` ends that)")
+            raise Unfit("other users can write to it (forbid it with `chmod go-w`)")
 
 
 def reason(error: Exception) -> str:

@@ -37,7 +37,9 @@ def limit() -> int:
     found = size_of(given)
     if found is None:
         if given.strip():
-            note(f"LAGC_CACHE_SIZE={given} is no size such as 500M or 2G; {LIMIT // 1_000_000_000}G is taken")
+            note(
+                f"LAGC_CACHE_SIZE={given} is not a size such as 500M or 2G; {LIMIT // 1_000_000_000}G is used"
+            )
         return LIMIT
     return int(found)
 

@@ -43,9 +43,9 @@ def _no_modifiers(entry: Entry) -> None:
     for modifier in entry.modifiers:
         raise Wrong(
             "LAG0209",
-            f"the {entry.kind} `{entry.name}` cannot be modified from outside",
+            f"the {entry.kind} `{entry.name}` cannot be changed from outside",
             modifier.argument.span,
-            "modify the parameters that it is made of",
+            "change the parameters in its declaration",
         )
 
 
@@ -54,9 +54,9 @@ def _timely(context: Context, node: Node, span: Span, what: str) -> None:
         raise Wrong(
             "LAG0219",
             f"{what} depends on an acceleration, a reaction or an energy of the run, which are "
-            "known once the equations are solved",
+            "only known after the equations are solved",
             span,
-            "use these in outputs",
+            "use them only in outputs",
         )
 
 
@@ -65,7 +65,7 @@ def declare_frame(context: Context, entry: Entry) -> Value:
     value = evaluate(context, source.value, entry.environment)
     if not isinstance(value, Frame):
         raise Wrong(
-            "LAG0221", f"a frame is `rotate(...)` of another, this is {kind(value)}", source.value.span
+            "LAG0221", f"a frame is a rotation of another frame; this is {kind(value)}", source.value.span
         )
     for row in value.axes:
         for node in row:
@@ -104,9 +104,9 @@ def declare_potential(context: Context, entry: Entry) -> Value:
     if context.clock.mask(node) & VELOCITY:
         raise Wrong(
             "LAG0313",
-            "a potential depends on no rate",
+            "a potential must not depend on a rate",
             span,
-            "a term of the Lagrangian with rates is `lagrangian L = ...;`",
+            "write a term of the Lagrangian with rates as `lagrangian L = ...;`",
         )
     entry.nouns.append(nouns.Potential(entry.path, node, entry.span, entry.effect))
     return Thing(entry)
@@ -181,9 +181,9 @@ def _where_applied(
         if source.reaction is not None:
             raise Wrong(
                 "LAG0221",
-                "`from` belongs to a torque, or to a force `on` a body",
+                "`from` is only allowed for a torque, or for a force `on` a body",
                 source.reaction.span,
-                "write `on body at point from other`; any other opposite force is another `force`",
+                "write `on body at point from other`, or declare the opposite force separately",
             )
         at = None if isinstance(place.value, Body) else vector_of(place.value, place.span, "a point")[0]
         return velocity_of(context, place, None), at
@@ -207,7 +207,7 @@ def _frame_of(value: Value, written: tree.Expression) -> Frame:
         return value.frame
     raise Wrong(
         "LAG0221",
-        f"a torque acts on a solid or a frame, this is {kind(value)}"
+        f"a torque acts on a solid or a frame; this is {kind(value)}"
         + (" without a frame" if isinstance(value, Body) else ""),
         written.span,
     )
@@ -221,11 +221,11 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
     if source.relation != "=":
         raise Wrong(
             "LAG0220",
-            f"constraints with `{source.relation}` are part of the language, but not yet of this version",
+            f"constraints with `{source.relation}` are not yet supported",
             source.relation_span,
         )
     if source.arguments:
-        raise Wrong("LAG0209", "an equality takes no further data", source.arguments[0].span)
+        raise Wrong("LAG0209", "a constraint with `=` takes no arguments", source.arguments[0].span)
     left, right = all_values(context, [source.left, source.right], entry.environment)
     differences = _residuals(left, right, source)
     entry.size = None if isinstance(left, Scalar) else len(differences)
@@ -259,9 +259,7 @@ def _residuals(
     """left - right, component by component.  Raises Wrong."""
     for value, side in ((left, source.left), (right, source.right)):
         if not isinstance(value, Scalar | Array | Body):
-            raise Wrong(
-                "LAG0307", f"an equality is between numbers or vectors, this is {kind(value)}", side.span
-            )
+            raise Wrong("LAG0307", f"an equation needs numbers or vectors; this is {kind(value)}", side.span)
     if isinstance(left, Scalar) and isinstance(right, Scalar):
         pairs = [(left, right)]
     elif isinstance(left, Array) and isinstance(right, Array) and len(left.elements) == len(right.elements):
@@ -274,14 +272,13 @@ def _residuals(
                 )
             )
     else:
-        message = f"the two sides differ in shape: {kind(left)} and {kind(right)}"
+        message = f"the two sides have different shapes: {kind(left)} and {kind(right)}"
         raise Wrong("LAG0306", message, source.relation_span, _zeros(left, right))
     found: list[tuple[Node, Dimension | None]] = []
     for a, b in pairs:
         if a.dimension is not None and b.dimension is not None and a.dimension != b.dimension:
-            message = (
-                f"the two sides differ in dimension: {describe(a.dimension)} and {describe(b.dimension)}"
-            )
+            one, other = describe(a.dimension), describe(b.dimension)
+            message = f"the two sides have different dimensions: {one} and {other}"
             raise Wrong(
                 "LAG0301",
                 message,
@@ -300,7 +297,7 @@ def _zeros(left: Value, right: Value) -> str | None:
     """The remedy where a bare 0 stands beside an array."""
     for zero, array in ((left, right), (right, left)):
         if isinstance(array, Array) and isinstance(zero, Scalar) and zero.node.is_zero:
-            return f"write `{{{', '.join('0' * len(array.elements))}}}` in place of `0`"
+            return f"write `{{{', '.join('0' * len(array.elements))}}}` instead of `0`"
     return None
 
 

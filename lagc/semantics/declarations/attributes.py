@@ -56,7 +56,7 @@ def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[
         argument = modifier.argument
         if argument.name is None:
             context.report(
-                Wrong("LAG0209", "what is said about a quantity has a name: `start = 0`", argument.span)
+                Wrong("LAG0209", "an attribute of a quantity needs a name: `start = 0`", argument.span)
             )
         elif argument.name not in known:
             context.report(
@@ -96,9 +96,9 @@ def no_value(entry: Entry) -> None:
     if modifier is not None and modifier.argument.value is not None:
         raise Wrong(
             "LAG0209",
-            "a coordinate is unknown, it has no value",
+            "a coordinate is an unknown and has no value",
             modifier.argument.value.span,
-            "give its value at the start: `(start = ...)`",
+            "give an initial value: `(start = ...)`",
         )
 
 
@@ -114,7 +114,7 @@ def elements(
     if isinstance(value, Scalar):
         found = [value] * count
     elif not sizes:
-        raise Wrong("LAG0306", f"{what} is one number, this is {kind(value)}", expression.span)
+        raise Wrong("LAG0306", f"{what} must be a number; this is {kind(value)}", expression.span)
     else:
         found = flat(value, expression.span, what)
         _as_many(value, sizes, expression.span, what)
@@ -130,7 +130,7 @@ def own_part(value: Value, modifier: Modifier, sizes: list[int], what: str) -> V
             if not isinstance(value, Array) or not 1 <= number <= len(value.elements):
                 assert modifier.argument.value is not None
                 span = modifier.argument.value.span
-                raise Wrong("LAG0306", f"{what} has fewer elements than there are instances", span)
+                raise Wrong("LAG0306", f"{what} has fewer elements than the array of instances", span)
             value = value.elements[number - 1]
     return value
 
@@ -138,7 +138,7 @@ def own_part(value: Value, modifier: Modifier, sizes: list[int], what: str) -> V
 def _as_many(value: Value, sizes: list[int], span: Span, what: str) -> None:
     if shape(value) != sizes:
         shown = " x ".join(str(n) for n in sizes)
-        raise Wrong("LAG0306", f"{what} has {shown} elements, this has {math.prod(shape(value))}", span)
+        raise Wrong("LAG0306", f"{what} needs {shown} elements; this has {math.prod(shape(value))}", span)
 
 
 def shaped(scalars: list[Scalar], sizes: list[int]) -> Value:
@@ -152,7 +152,7 @@ def shaped(scalars: list[Scalar], sizes: list[int]) -> Value:
 def still(context: Context, node: Node, span: Span, what: str) -> None:
     """Raises Wrong where `node` moves: it must be made of parameters alone."""
     if context.clock.mask(node) & (MOVING | LATE):
-        raise Wrong("LAG0311", f"{what} depends on the motion, it may depend on parameters only", span)
+        raise Wrong("LAG0311", f"{what} must depend on parameters only; this depends on the motion", span)
 
 
 def given_elements(
@@ -170,7 +170,7 @@ def given_scalar(context: Context, given: Given, dimension: Dimension, what: str
     if given.expression is not None and given.environment is not None:
         value = evaluate_as(context, given.expression, given.environment, dimension)
         if not isinstance(value, Scalar):
-            raise Wrong("LAG0306", f"{what} is one number, this is {kind(value)}", given.expression.span)
+            raise Wrong("LAG0306", f"{what} must be a number; this is {kind(value)}", given.expression.span)
         expect(value.dimension, dimension, given.expression.span, what)
         return value
     if given.points is not None:
@@ -243,7 +243,7 @@ def fixed(
 
 def _said(value: Value, name: str, span: Span) -> bool:
     if not isinstance(value, Truth) or not value.node.is_const:
-        raise Wrong("LAG0307", f"`{name}` is true or false, this is {kind(value)}", span)
+        raise Wrong("LAG0307", f"`{name}` must be true or false; this is {kind(value)}", span)
     return bool(value.node.value)
 
 
@@ -256,7 +256,7 @@ def _leaves(value: Value) -> list[Value]:
 def no_rates(context: Context, node: Node, span: Span, what: str) -> None:
     """Raises Wrong where `node` depends on a rate or a speed."""
     if context.clock.mask(node) & VELOCITY:
-        raise Wrong("LAG0313", f"{what} depends on no rate", span)
+        raise Wrong("LAG0313", f"{what} must not depend on a rate", span)
 
 
 @dataclass(frozen=True, slots=True)
@@ -322,7 +322,7 @@ def bounds_of(context: Context, quantity: Quantity) -> tuple[float, float]:
         if modifier is not None:
             scalar = elements(context, modifier, [], quantity.type.dimension, f"`{name}`")[0]
             if not scalar.node.is_const:
-                raise Wrong("LAG0208", f"`{name}` is a fixed number", modifier.argument.span)
+                raise Wrong("LAG0208", f"`{name}` must be a fixed number", modifier.argument.span)
             found[k] = scalar.node.value
     return found[0], found[1]
 
@@ -340,7 +340,7 @@ def check_bounds(
             "LAG0308",
             f"`{name}` = {number_text(value)}{shown} is {side} {number_text(limit)}{shown}",
             span,
-            related=((bound, "said here"),),
+            related=((bound, "declared here"),),
         )
 
 

@@ -36,7 +36,7 @@ from lagc.syntax import tree
 
 INERTIA = dimension(kg=1, m=2)
 GRAVITY = over(M, (0, 0, 2 * S[2], 0, 0, 0, 0))
-NO_BODY = "a body is a `Particle(...)` or a `Solid(...)`"
+NO_BODY = "a body must be a `Particle(...)` or a `Solid(...)`"
 STANDARD = 9.81  # m/s2, where a model says nothing else
 
 _SAME = 12  # digits after the point of directions that are one
@@ -52,9 +52,9 @@ def declare_body(context: Context, entry: Entry) -> Value:
     for modifier in entry.modifiers:
         raise Wrong(
             "LAG0209",
-            f"the body `{entry.name}` cannot be modified from outside",
+            f"the body `{entry.name}` cannot be changed from outside",
             modifier.argument.span,
-            "modify the parameters that it is made of",
+            "change the parameters in its declaration",
         )
     call = _call_of(entry)
     name = call.function.name if isinstance(call.function, tree.Name) else ""
@@ -64,10 +64,10 @@ def declare_body(context: Context, entry: Entry) -> Value:
     given = _arguments(context, entry, call, name)
     place = given.get("com") or given.get("at")
     if place is None:
-        remedy = "write `com = {0, 0, 0}` where that is the origin"
-        raise Wrong("LAG0210", "`Solid` needs the argument `com`, its centre of mass", call.span, remedy)
+        remedy = "for example, write `com = {0, 0, 0}`"
+        raise Wrong("LAG0210", "`Solid` needs the argument `com`, its center of mass", call.span, remedy)
     if "com" in given and "at" in given:
-        raise Wrong("LAG0209", "`com` and `at` are the same, give one", given["at"].span)
+        raise Wrong("LAG0209", "`com` and `at` mean the same; give only one of them", given["at"].span)
     found: dict[str, Any] = dict(each(context, lambda part: (part, _READ[part](context, given[part])), given))
     mass, position = found["mass"], found.get("com") or found["at"]
     frame, inertia = found.get("frame"), found.get("inertia")
@@ -109,22 +109,22 @@ def _mass(_: Context, given: Argument) -> Node:
     scalar = scalar_of(given.value, given.span, "`mass`")
     expect(scalar.dimension, KG, given.span, "`mass`")
     if scalar.node.is_const and scalar.node.value < 0:
-        raise Wrong("LAG0308", "a mass is not negative", given.span)
+        raise Wrong("LAG0308", "a mass must not be negative", given.span)
     return scalar.node
 
 
 def _place(context: Context, given: Argument) -> Vector:
-    vector, found = vector_of(given.value, given.span, "the place of a body")
-    expect(found, M, given.span, "the place of a body")
+    vector, found = vector_of(given.value, given.span, "the position of a body")
+    expect(found, M, given.span, "the position of a body")
     for node in vector:
         if context.clock.mask(node) & (LATE | VELOCITY):
-            raise Wrong("LAG0313", "the place of a body depends on no rate", given.span)
+            raise Wrong("LAG0313", "the position of a body must not depend on a rate", given.span)
     return vector
 
 
 def _frame(_: Context, given: Argument) -> nouns.Frame:
     if not isinstance(given.value, nouns.Frame):
-        raise Wrong("LAG0221", f"`frame` is a frame, this is {kind(given.value)}", given.span)
+        raise Wrong("LAG0221", f"`frame` must be a frame; this is {kind(given.value)}", given.span)
     return given.value
 
 
@@ -150,9 +150,9 @@ def _matrix(context: Context, value: Value, span: Span) -> Matrix:
     if len(rows) == 3 and all(isinstance(r, Array) and len(r.elements) == 3 for r in rows):
         (a, d, e), (f, b, g), (h, i, c) = (vector_of(row, span, "a row of the inertia")[0] for row in rows)
         if (d, e, g) != (f, h, i):
-            raise Wrong("LAG0306", "an inertia matrix is symmetric, this one is not", span)
+            raise Wrong("LAG0306", "an inertia matrix must be symmetric", span)
         return ((a, d, e), (d, b, g), (e, g, c))
-    raise Wrong("LAG0306", "an inertia is {I1, I2, I3} or a matrix of 3 x 3", span)
+    raise Wrong("LAG0306", "an inertia is {I1, I2, I3} or a symmetric 3 x 3 matrix", span)
 
 
 def _check_principal(a: Node, b: Node, c: Node, span: Span) -> None:
@@ -160,7 +160,9 @@ def _check_principal(a: Node, b: Node, c: Node, span: Span) -> None:
         values = sorted(float(x.value) for x in (a, b, c))
         if values[0] < 0 or values[2] > (values[0] + values[1]) * (1 + 1e-9):
             raise Wrong(
-                "LAG0308", "no body has these moments of inertia: each is at most the sum of the others", span
+                "LAG0308",
+                "each principal moment of inertia must be non-negative and at most the sum of the two others",
+                span,
             )
 
 
@@ -173,7 +175,7 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
     strength, way = match(context, call, ("g", "direction"), 0, "`Gravity`")
     if entry.modifiers:
         raise Wrong(
-            "LAG0209", f"`{entry.name}` cannot be modified from outside", entry.modifiers[0].argument.span
+            "LAG0209", f"`{entry.name}` cannot be changed from outside", entry.modifiers[0].argument.span
         )
     g = _strength(context, entry, strength)
     entry.parts["g"] = Scalar(g, GRAVITY)
@@ -206,9 +208,9 @@ def _note_field(context: Context, entry: Entry, body: Entry, direction: Vector) 
 def _twice(first: Entry, entry: Entry, body: Entry) -> Fault:
     return Fault(
         "LAG0229",
-        f"`{first.path}` and `{entry.path}` both pull at `{body.path}`, the same way",
+        f"`{first.path}` and `{entry.path}` both act on `{body.path}` in the same direction",
         entry.span,
-        remedy="gravity acts on all bodies, those of instances too: leave one out",
+        remedy="gravity acts on all bodies, including those of instances: remove one of the two",
         severity="warning",
     )
 

@@ -82,15 +82,15 @@ def _where(environment: Environment) -> str:
 def _condition(context: Context, written: tree.Expression, environment: Environment) -> Node:
     value = evaluate(context, written, environment)
     if not isinstance(value, Truth):
-        raise Wrong("LAG0307", f"a condition stands here, this is {kind(value)}", written.span)
+        raise Wrong("LAG0307", f"`when` needs a condition; this is {kind(value)}", written.span)
     mask = context.clock.mask
     _early(context, value.node, written, "a condition of `when`")
     if any(node.op == "eq" and mask(node) & MOVING for node in reachable([value.node])):
         raise Wrong(
             "LAG0227",
-            "a motion is equal to a value for no time at all",
+            "`==` holds only for an instant, which is never detected",
             written.span,
-            "write `<` or `>`: the moment that it passes the value is found",
+            "write `<` or `>`: the time of the crossing is located",
         )
     return value.node
 
@@ -99,10 +99,10 @@ def _early(context: Context, node: Node, written: tree.Expression, what: str) ->
     if context.clock.mask(node) & LATE:
         raise Wrong(
             "LAG0219",
-            f"{what} depends on an acceleration, a reaction or an energy of the run, which are known once "
-            "the equations are solved",
+            f"{what} depends on an acceleration, a reaction or an energy of the run, which are only known "
+            "after the equations are solved",
             written.span,
-            "an `output` records it; `when time > T` may act at the time T that it shows",
+            "record it with an `output`, find the time T there, and write `when time > T`",
         )
 
 
@@ -113,13 +113,13 @@ def _action(statement: tree.Statement) -> Action:
     action = statement.action
     if statement.value is not None or not isinstance(action, tree.Call):
         raise Wrong(
-            "LAG0227", "a `when` does something at one moment: it holds no equations", statement.span,
-            f"it may hold {_USES}",
+            "LAG0227", "a `when` clause contains actions, not equations", statement.span,
+            f"the actions are {_USES}",
         )  # fmt: skip
     name = action.function.name if isinstance(action.function, tree.Name) else action.function.span.text
     if name not in _ACTIONS:
-        remedy = did_you_mean(name, _ACTIONS) or f"there are {_USES}"
-        raise Wrong("LAG0227", f"`{name}` is nothing that a `when` can do", action.function.span, remedy)
+        remedy = did_you_mean(name, _ACTIONS) or f"the actions are {_USES}"
+        raise Wrong("LAG0227", f"`{name}` is not an action of `when`", action.function.span, remedy)
     return _ACTIONS[name]
 
 
@@ -128,14 +128,14 @@ def _arguments(statement: tree.Statement, count: int, usage: str) -> list[tree.E
     assert isinstance(action, tree.Call)
     found = [a.value for a in action.arguments if a.name is None and a.value is not None and not a.arguments]
     if len(found) != count or len(action.arguments) != count:
-        raise Wrong("LAG0227", "the arguments do not fit", action.span, f"write `{usage}`")
+        raise Wrong("LAG0227", "these arguments do not match the action", action.span, f"write `{usage}`")
     return found
 
 
 def _text(statement: tree.Statement, usage: str) -> str:
     (argument,) = _arguments(statement, 1, usage)
     if not isinstance(argument, tree.String):
-        raise Wrong("LAG0227", "this is a text between quotes", argument.span, f"write `{usage}`")
+        raise Wrong("LAG0227", "this must be a text in double quotes", argument.span, f"write `{usage}`")
     words = " ".join(argument.value.split())
     if not words:
         raise Wrong("LAG0227", "this text is empty", argument.span, f"write `{usage}`")
@@ -154,14 +154,14 @@ def _reinit(context: Context, statement: tree.Statement, environment: Environmen
     target, written = _arguments(statement, 2, "reinit(x, value)")
     value = evaluate(context, target, environment)
     if isinstance(value, nouns.Orientation):
-        remedy = f"give new values to its angular velocity: `reinit({target.span.text}.rate, {{0, 0, 0}})`"
-        raise Wrong("LAG0228", "an orientation takes no new value as a whole", target.span, remedy)
-    states = flat(value, target.span, "what is given a new value")
+        remedy = f"set its angular velocity: `reinit({target.span.text}.rate, {{0, 0, 0}})`"
+        raise Wrong("LAG0228", "`reinit` cannot set a whole orientation", target.span, remedy)
+    states = flat(value, target.span, "the first argument of `reinit`")
     for state in states:
         if state.node.op != "symbol" or state.node.record.kind not in ("coordinate", "rate", "speed"):
             raise Wrong(
                 "LAG0228",
-                "a new value is given to a coordinate, to its rate, or to a declared speed",
+                "`reinit` sets a coordinate, its rate or a declared speed",
                 target.span,
                 "write `reinit(x, ...)` or `reinit(der(x), ...)`",
             )
@@ -169,12 +169,12 @@ def _reinit(context: Context, statement: tree.Statement, environment: Environmen
     new = evaluate_as(context, written, environment, dimension)
     values = flat(new, written.span, "a new value")
     if shape(new) != shape(value):
-        raise Wrong("LAG0306", f"{kind(value)} is given {kind(new)}", written.span)
+        raise Wrong("LAG0306", f"the new value must be {kind(value)}; this is {kind(new)}", written.span)
     for state, one in zip(states, values):
         expect_of(written, one.dimension, state.dimension or NONE, "the new value", describe(dimension))
         _early(context, one.node, written, "a new value")
         if state.node in found.changes:
-            raise Wrong("LAG0228", "it is given two values at one moment", target.span)
+            raise Wrong("LAG0228", "this state is set twice in the same clause", target.span)
         found.changes[state.node] = one.node
 
 

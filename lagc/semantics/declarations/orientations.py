@@ -30,8 +30,8 @@ _SMALLEST = 1e-6  # norm of a start that has a direction
 def declare_orientation(context: Context, entry: Entry, source: tree.Declarator) -> Value:
     """The orientation, its symbols and their time derivatives q' = 1/2 q (0, rate).  Raises Wrong."""
     if source.dimensions:
-        remedy = "let a model have one, and declare an array of its instances"
-        raise Wrong("LAG0221", "there are no arrays of orientations", source.span, remedy)
+        remedy = "declare the orientation in a model, and an array of instances of that model"
+        raise Wrong("LAG0221", "arrays of orientations are not supported", source.span, remedy)
     no_value(entry)
     attributes = attributes_of(context, entry, ("start", "rate", "fixed", "startFixed", "rateFixed"))
     graph, name = context.graph, entry.path
@@ -124,7 +124,9 @@ def _unit(context: Context, entry: Entry, start: list[Node]) -> tuple[Node, Node
         length = math.sqrt(square.value)
         if length < _SMALLEST:
             raise Wrong(
-                "LAG0309", f"the start of `{entry.path}` is zero, which is no orientation", entry.span
+                "LAG0309",
+                f"the initial value of `{entry.path}` is zero; a quaternion needs a norm above zero",
+                entry.span,
             )
         if length == 1.0:
             return (w, x, y, z)

@@ -83,9 +83,9 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
     if entry.kind == "structural" and meant and meant.name != "Integer" and declaration.type is not None:
         raise Wrong(
             "LAG0221",
-            "a structural parameter is an `Integer`: it counts",
+            "a structural parameter must be an `Integer`",
             declaration.type.span,
-            "write `structural Integer`, or `parameter` where it is a quantity",
+            "write `structural Integer`, or `parameter` for a quantity",
         )
     sizes = [integer(context, size, entry.environment, "a size") for size in source.dimensions]
     attributes = attributes_of(context, entry, _ATTRIBUTES[entry.kind])
@@ -125,9 +125,8 @@ def _display(context: Context, meant: QuantityType, attributes: dict[str, Modifi
     assert argument.value is not None
     value = evaluate(context, argument.value, modifier.environment)
     if not isinstance(value, Text):
-        raise Wrong(
-            "LAG0307", f'`displayUnit` is a text such as "deg", this is {kind(value)}', argument.value.span
-        )
+        message = f'`displayUnit` must be a text such as "deg"; this is {kind(value)}'
+        raise Wrong("LAG0307", message, argument.value.span)
     try:
         dimension = unit(value.text).dimension
     except UnknownUnit as unknown:
@@ -152,13 +151,13 @@ def _fixed(context: Context, quantity: Quantity) -> Value:
                 "LAG0210",
                 f"the {_SAID.get(entry.kind, entry.kind)} `{name}` has no value",
                 entry.span,
-                "write `= value`" + (" or give it with `-p`" if entry.kind == "structural" else ""),
+                "write `= value`" + (" or set it with `-p`" if entry.kind == "structural" else ""),
             )
         still(context, scalar.node, span, f"`{name}`")
         if entry.kind == "structural":
             number = scalar.node.value
             if not scalar.node.is_const or not isinstance(number, float):
-                raise Wrong("LAG0208", f"the structural parameter `{name}` is an integer", span)
+                raise Wrong("LAG0208", f"the structural parameter `{name}` must be an integer", span)
             whole(number, span, f"the structural parameter `{name}`")
             check_bounds(quantity, name, number, bounds, span, "")
             context.built_in.append(name)
@@ -227,7 +226,7 @@ def _input(context: Context, quantity: Quantity) -> Value:
 def _followed(context: Context, quantity: Quantity, name: str, node: Node) -> nouns.Output:
     """An input that is no number, but what stands in its place: it is seen as an output."""
     if context.clock.mask(node) & LATE:
-        message = "an input depends on no acceleration and no reaction"
+        message = "an input must not depend on an acceleration or a reaction"
         raise Wrong("LAG0219", message, value_span(context, quantity))
     context.built_in.append(name)
     kind = quantity.type
@@ -309,7 +308,7 @@ def _speed(context: Context, quantity: Quantity) -> Value:
             "LAG0210",
             f"the speed `{entry.path}` needs a value",
             entry.span,
-            "write `= ` a combination of `der(...)`",
+            "define it by rates: `= der(x) + ...`",
         )
     values = elements(context, modifier, quantity.sizes, quantity.type.dimension, f"`{entry.path}`")
     at_start, stated = starts(context, quantity, "start", quantity.type.dimension, quantity.name)
@@ -319,7 +318,7 @@ def _speed(context: Context, quantity: Quantity) -> Value:
         if context.clock.mask(scalar.node) & LATE:
             raise Wrong(
                 "LAG0219",
-                "a speed depends on no acceleration and no reaction",
+                "a speed must not depend on an acceleration or a reaction",
                 value_span(context, quantity),
             )
         name = quantity.name(subscript)
@@ -354,9 +353,8 @@ def _output(context: Context, quantity: Quantity) -> Value:
         )
     sizes = shape(value)
     if quantity.sizes and sizes != quantity.sizes:
-        raise Wrong(
-            "LAG0306", f"`{entry.path}` is declared with another shape than its value has", expression.span
-        )
+        message = f"the value of `{entry.path}` has a different shape than its declaration"
+        raise Wrong("LAG0306", message, expression.span)
     for subscript, scalar in zip(subscripts(sizes, entry.span), scalars):
         entry.nouns.append(
             nouns.Output(

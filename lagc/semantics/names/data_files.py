@@ -38,7 +38,7 @@ class Columns:
         for line, cells in self.rows:
             cell = cells[k].strip()
             if not _NUMBER.fullmatch(cell) or not math.isfinite(float(cell)):
-                shown = f"`{cell}` is not a finite number" if cell else "there is no number"
+                shown = f"`{cell}` is not a finite number" if cell else "the cell is empty"
                 raise Unfit(f"has no value of `{self.heads[k][0]}` in line {line}: {shown}")
             found.append(float(cell))
         return found
@@ -57,22 +57,22 @@ def columns(text: str) -> Columns:
                 raise Unfit(f"has more than {MOST_ROWS:,} rows")
             rows.append((reader.line_num, cells))
     except csv.Error as error:
-        raise Unfit(f"is not of comma-separated values: {error}, in line {reader.line_num}") from None
+        raise Unfit(f"is not a file of comma-separated values: {error} in line {reader.line_num}") from None
     while rows and not rows[-1][1]:
         rows.pop()
     if not rows:
-        raise Unfit("is empty", "its first line names the columns: `time,u`")
+        raise Unfit("is empty", "name the columns in the first line: `time,u`")
     (_, names), *rows = rows
     heads = [_head(name) for name in names]
     if any(_NUMBER.fullmatch(name) for name, _ in heads):
-        raise Unfit("has no names of columns", "its first line names them: `time,u` or `time [s],u [N]`")
+        raise Unfit("has no column names", "name the columns in the first line: `time,u` or `time [s],u [N]`")
     for k, (name, _) in enumerate(heads):
         if name in [other for other, _ in heads[:k]]:
-            raise Unfit(f"has two columns `{name}`")
+            raise Unfit(f"has two columns called `{name}`")
     for line, cells in rows:
         if len(cells) != len(heads):
-            message = f"has {len(heads)} columns, but {len(cells)} in line {line}"
-            raise Unfit(message, "separate numbers by commas, and write them with a point")
+            message = f"has {len(heads)} columns, but {len(cells)} values in line {line}"
+            raise Unfit(message, "separate the numbers by commas and write decimals with a point")
     return Columns(heads, rows)
 
 

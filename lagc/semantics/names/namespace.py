@@ -101,7 +101,7 @@ class Namespace:
                 break
             declaration, space = found
             if not isinstance(declaration, tree.Package):
-                raise Wrong("LAG0206", f"`{path[0]}` is no package, it has no `{name}`", span)
+                raise Wrong("LAG0206", f"`{path[0]}` is not a package and has no `{name}`", span)
             inner = self.importer.inside(declaration, space)
             near = inner.names
             member = inner.names.get(name)
@@ -311,7 +311,7 @@ class Importer:
             return found
         container, outer = found
         if not isinstance(container, tree.Package):
-            raise Wrong("LAG0216", f"`{'.'.join(declaration.path)}` is no package", declaration.span)
+            raise Wrong("LAG0216", f"`{'.'.join(declaration.path)}` is not a package", declaration.span)
         return self.inside(container, outer)
 
     def data(self, written: str, span: Span) -> Columns:
@@ -340,7 +340,7 @@ class Importer:
                 "LAG0217",
                 f"`{written}` is outside the folders that may be imported from",
                 span,
-                remedy="put the file in the folder of the model or below",
+                remedy="move the file into the folder of the model or a subfolder",
             )
         return path
 
@@ -348,7 +348,7 @@ class Importer:
         """Raises Wrong where this is too much."""
         self.size += len(data)
         if self.size > TOGETHER:
-            raise Wrong("LAG0216", f"imports of more than {TOGETHER // 1_000_000} MB together", span)
+            raise Wrong("LAG0216", f"the imports together are larger than {TOGETHER // 1_000_000} MB", span)
 
     def _allowed(self, path: str) -> bool:
         return any(path.startswith(root.rstrip(os.sep) + os.sep) for root in self.roots)
@@ -374,7 +374,7 @@ class Importer:
         names = declaration.path
         return Wrong(
             "LAG0216",
-            f"there is nothing to import called `{'.'.join(names)}`",
+            f"`{'.'.join(names)}` cannot be imported: no file declares it",
             declaration.span,
             remedy=f"looked for {_candidates(names)} in: {', '.join(shown(r) or '.' for r in self.roots)}",
         )
@@ -384,7 +384,7 @@ class Importer:
         if path not in self.files and path not in self.broken:
             self._parse(path, span)
         if path in self.broken:
-            raise Wrong("LAG0216", f"`{os.path.basename(path)}` has faults of its own", span)
+            raise Wrong("LAG0216", f"`{os.path.basename(path)}` has errors", span)
         self.asked[asked] = self._fingerprints[path]
         return self.files[path]
 

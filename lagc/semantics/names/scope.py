@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 LARGEST = 200_000  # declarations, loops and arrays unrolled
 DEEPEST = 64  # instances within instances
+LONGEST_SHOWN = 40  # characters of an expression that a remedy repeats
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +143,7 @@ def modifiers_of(arguments: Iterable[tree.Argument], environment: Environment) -
     found: Modifiers = {}
     for argument in map(_named, arguments):
         if argument.name is None:
-            raise Wrong("LAG0209", "the arguments of a model have names: `name = value`", argument.span)
+            raise Wrong("LAG0209", "an argument of a model needs a name: `name = value`", argument.span)
         if argument.name in found:
             raise Wrong("LAG0209", f"`{argument.name}` is given twice", argument.span)
         found[argument.name] = [Modifier(argument, environment)]
@@ -183,9 +184,9 @@ def subscripts(sizes: list[int], span: Span) -> list[tuple[int, ...]]:
     found: list[tuple[int, ...]] = [()]
     for size in sizes:
         if size < 0:
-            raise Wrong("LAG0207", f"the size of an array is not negative, here it is {size}", span)
+            raise Wrong("LAG0207", f"the size of an array is negative: {size}", span)
         if len(found) * size > LARGEST:
-            raise Wrong("LAG0218", f"an array of more than {LARGEST} elements", span)
+            raise Wrong("LAG0218", f"the array has more than {LARGEST} elements", span)
         found = [(*before, n) for before in found for n in range(1, size + 1)]
     return found
 
@@ -271,7 +272,10 @@ def vector_of(value: Value, span: Span, what: str) -> tuple[Vector, Dimension | 
         if isinstance(a, Scalar) and isinstance(b, Scalar) and isinstance(c, Scalar):
             return (a.node, b.node, c.node), common_dimension((a, b, c), span)
     size = f" of {len(value.elements)} elements" if isinstance(value, Array) else ""
-    raise Wrong("LAG0306", f"{what} is a vector {{x, y, z}}, this is {kind(value)}{size}", span)
+    remedy = None
+    if isinstance(value, Scalar) and len(span.text) <= LONGEST_SHOWN and "\n" not in span.text:
+        remedy = f"for a vector along x write `{{{span.text}, 0, 0}}`"
+    raise Wrong("LAG0306", f"{what} must be a vector {{x, y, z}}; this is {kind(value)}{size}", span, remedy)
 
 
 def numbers_of(value: Value, span: Span, what: str) -> tuple[tuple[Node, ...], Dimension | None]:
@@ -291,9 +295,8 @@ def common_dimension(scalars: tuple[Scalar, ...], span: Span) -> Dimension | Non
         if scalar.dimension is None:
             continue
         if found is not None and found != scalar.dimension:
-            message = (
-                f"the components differ in dimension: {describe(found)} and {describe(scalar.dimension)}"
-            )
+            one, other = describe(found), describe(scalar.dimension)
+            message = f"the components have different dimensions: {one} and {other}"
             raise Wrong("LAG0301", message, span)
         found = scalar.dimension
     return found
@@ -303,7 +306,7 @@ def scalar_of(value: Value, span: Span, what: str) -> Scalar:
     if isinstance(value, Scalar):
         return value
     remedy = _AS_NUMBER if isinstance(value, Truth) else None
-    raise Wrong("LAG0307", f"{what} is a number, this is {kind(value)}", span, remedy)
+    raise Wrong("LAG0307", f"{what} must be a number; this is {kind(value)}", span, remedy)
 
 
 def expect(
@@ -311,7 +314,7 @@ def expect(
 ) -> None:
     """Raises Wrong where `what` has another dimension than it should, which messages call `named`."""
     if dimension is not None and dimension != wanted:
-        message = f"{what} is {named or describe(wanted)}, this is {describe(dimension)}"
+        message = f"{what} must be {named or describe(wanted)}; this is {describe(dimension)}"
         raise Wrong("LAG0302", message, span, _to_fit(wanted, dimension, span))
 
 
@@ -321,17 +324,17 @@ def _to_fit(wanted: Dimension, found: Dimension, span: Span | None) -> str:
     written = span.source.text[span.start : span.end] if span else ""
     plain = re.sub(r'"[^"]*"', '""', written)  # names of files and columns are no numbers
     if found == NONE and written.startswith("{") and written.endswith("}") and "table(" not in plain:
-        return f"give all of it a unit behind the braces: `{{...}} {unit}`"
+        return f"write a unit after the braces: `{{...}} {unit}`"
     if found == NONE and (not span or _NUMBER.search(plain)):
-        return f"give a number in it its unit, such as `1 {unit}`"
+        return f"give a number in it a unit, such as `1 {unit}`"
     if found == NONE and "table(" in plain and '""' in plain:
-        return f"give the columns their unit in the first line of the file, as `u {unit}`"
+        return f"write the unit of each column in the first line of the file: `u {unit}`"
     literal = re.fullmatch(r"[-+.\w]+\s*(\[[^\]]*\])", written)
     if literal is None:
-        return f"a factor in `[{si_text(over(wanted, found))}]` is missing in it"
+        return f"a factor with the unit `[{si_text(over(wanted, found))}]` is missing"
     if wanted == NONE:
         return f"leave out `{literal[1]}`"
-    return f"write `{unit}` in place of `{literal[1]}`"
+    return f"write `{unit}` instead of `{literal[1]}`"
 
 
 def flat(value: Value, span: Span, what: str) -> list[Scalar]:
@@ -341,7 +344,9 @@ def flat(value: Value, span: Span, what: str) -> list[Scalar]:
     if isinstance(value, Array):
         return [s for element in value.elements for s in flat(element, span, what)]
     remedy = _AS_NUMBER if isinstance(value, Truth) else None
-    raise Wrong("LAG0307", f"{what} is a number or an array of numbers, this is {kind(value)}", span, remedy)
+    raise Wrong(
+        "LAG0307", f"{what} must be a number or an array of numbers; this is {kind(value)}", span, remedy
+    )
 
 
 def shape(value: Value) -> list[int]:

@@ -48,7 +48,7 @@ def choose_model(
         if not isinstance(found, tree.ModelDeclaration):
             raise Wrong("LAG0215", f"`{wanted}` is not a model", None, _which_model(wanted, file))
         if found.partial:
-            raise Wrong("LAG0211", f"`{wanted}` is partial, it can only be extended", found.name_span)
+            raise Wrong("LAG0211", f"`{wanted}` is partial; it can only be extended", found.name_span)
         return found, where
     models = [d for d in file.declarations if isinstance(d, tree.ModelDeclaration)]
     whole = [m for m in models if not m.partial]
@@ -129,7 +129,7 @@ def choose_scene(
     if wanted is None and scenes:
         wanted = next(iter(scenes))
         if len(scenes) > 1:
-            notes.append(f"no scene named, the first one is used: {wanted}")
+            notes.append(f"no scene was chosen; the first one is used: {wanted}")
     elif wanted is None or (wanted == "default" and not scenes):
         wanted = "default"
     scene = scenes.get(wanted)
@@ -180,9 +180,9 @@ def read_rest(context: Context, setting: Setting, environment: Environment) -> d
 def _typed(type_name: tree.TypeName) -> None:
     raise Wrong(
         "LAG0221",
-        "a scene gives another value to what the model declares, its type is known",
+        "a scene only changes values; the type is declared in the model",
         type_name.span,
-        "leave the type out",
+        "leave out the type",
     )
 
 
@@ -199,7 +199,7 @@ def _is_plain(declarator: tree.Declarator) -> bool:
 
 def _parameter(context: Context, declarator: tree.Declarator, environment: Environment) -> None:
     if declarator.value is None:
-        raise Wrong("LAG0210", f"the parameter `{declarator.name}` gets no value here", declarator.span)
+        raise Wrong("LAG0210", f"the parameter `{declarator.name}` needs a value here", declarator.span)
     plain = tree.Name(declarator.name, declarator.name_span)
     name = target_text(context, declarator.within or plain, environment)
     if declarator.dimensions:
@@ -249,7 +249,7 @@ def target_text(context: Context, e: tree.Expression, environment: Environment) 
         return derived(target_text(context, inner, environment))
     raise Wrong(
         "LAG0224",
-        "a start is given to a coordinate or to its rate",
+        "`start` sets a coordinate or its rate",
         e.span,
         "write `start x = ...;` or `start der(x) = ...;`",
     )
@@ -283,7 +283,7 @@ def _effects(name: str, context: Context) -> str:
     """What to do about an effect that there is not."""
     if not context.effects:
         own = name.rpartition(".")[2].partition("[")[0]
-        return f"the model has no effects; one is declared by `effect {own} ... end {own};`"
+        return f"the model has no effects; declare one with `effect {own} ... end {own};`"
     whole = without_subscripts(name)
     elements = [path for path in context.effects if whole != name and without_subscripts(path) == whole]
     listed = ", ".join(f"`{path}`" for path in (elements or [*context.effects])[:MOST_LISTED])

@@ -51,7 +51,7 @@ class Settings:
         """Raises Wrong."""
         name, value = argument.name, argument.value
         if name is None:
-            raise Wrong("LAG0209", "what `simulate` is given has a name: `stop = 20`", argument.span)
+            raise Wrong("LAG0209", "an argument of `simulate` needs a name: `stop = 20`", argument.span)
         if name not in _SETTINGS or value is None:
             raise Wrong(
                 "LAG0209",
@@ -75,9 +75,9 @@ class Settings:
         """Raises Wrong where it is none, or not of the dimension."""
         value = evaluate_as(self.context, e, self.environment, _SETTINGS[name])
         if not isinstance(value, Scalar):
-            raise Wrong("LAG0306", f"`{name}` is one number, this is {kind(value)}", e.span)
+            raise Wrong("LAG0306", f"`{name}` must be a number; this is {kind(value)}", e.span)
         if not value.node.is_const:
-            message = f"`{name}` is a fixed number, this depends on parameters or on the motion"
+            message = f"`{name}` must be a fixed number; this depends on parameters or on the motion"
             raise Wrong("LAG0208", message, e.span)
         expect(value.dimension, _SETTINGS[name], e.span, f"`{name}`")
         number = value.node.value
@@ -87,14 +87,14 @@ class Settings:
     def _fault(self, name: str, number: float) -> str | None:
         """What makes a number no such setting."""
         if number <= 0:
-            return f"`{name}` is positive"
+            return f"`{name}` must be positive"
         if name in _BELOW_ONE and number >= 1:
-            return f"`{name}` is a relative {_BELOW_ONE[name]}, below 1"
+            return f"`{name}` is a relative {_BELOW_ONE[name]} and must be below 1"
         if name == "rtol" and number < FINEST:
-            return f"`rtol` is below {FINEST:g}, where rounding is all that is left"
+            return f"`rtol` is below {FINEST:g}, the limit set by round-off"
         if name == "points" and (number < 2 or number % 1 or number > MOST_POINTS):
-            return f"`points` is a whole number, 2 to {MOST_POINTS:,}"
+            return f"`points` must be an integer from 2 to {MOST_POINTS:,}"
         numbers = {**self.numbers(), name: number}
         if name in ("stop", "every") and numbers.get("stop", 0.0) / numbers.get("every", inf) > MOST_POINTS:
-            return f"a point every {numbers['every']:g} s makes more than {MOST_POINTS:,} points"
+            return f"`every` = {numbers['every']:g} s gives more than {MOST_POINTS:,} points"
         return None

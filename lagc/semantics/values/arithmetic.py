@@ -33,9 +33,9 @@ def binary(context: Context, e: tree.Binary, left: Value, right: Value) -> Value
         return _connective(context, e, left, right)
     for value, side in ((left, e.left), (right, e.right)):
         if not isinstance(value, Scalar | Array):
-            remedy = "did you mean its position, `position(...)`?" if isinstance(value, Body) else None
+            remedy = "write `position(...)` for its position" if isinstance(value, Body) else None
             raise Wrong(
-                "LAG0307", f"`{e.op}` takes numbers and vectors, this is {kind(value)}", side.span, remedy
+                "LAG0307", f"`{e.op}` takes numbers and vectors; this is {kind(value)}", side.span, remedy
             )
     try:
         if e.op in _COMPARISONS:
@@ -51,7 +51,7 @@ def negative(value: Value, span: Span) -> Value:
         return Scalar(-value.node, value.dimension)
     if isinstance(value, Array):
         return Array(tuple([negative(x, span) for x in value.elements]))
-    raise Wrong("LAG0307", f"`-` takes a number or a vector, this is {kind(value)}", span)
+    raise Wrong("LAG0307", f"`-` takes a number or a vector; this is {kind(value)}", span)
 
 
 def select(context: Context, condition: Node, first: tuple[Value, Span], second: tuple[Value, Span]) -> Value:
@@ -68,7 +68,7 @@ def select(context: Context, condition: Node, first: tuple[Value, Span], second:
 
     if not isinstance(a, Scalar | Array) or not isinstance(b, Scalar | Array):
         wrong, span = (a, a_span) if not isinstance(a, Scalar | Array) else (b, b_span)
-        raise Wrong("LAG0307", f"the branches of `if` are numbers or vectors, this is {kind(wrong)}", span)
+        raise Wrong("LAG0307", f"the branches of `if` are numbers or vectors; this is {kind(wrong)}", span)
     return _elementwise(a, b, one, "the branches of `if`", b_span)
 
 
@@ -77,7 +77,7 @@ def _elementwise(a: Value, b: Value, one: Callable[[Scalar, Scalar], Scalar], wh
         return one(a, b)
     if isinstance(a, Array) and isinstance(b, Array) and len(a.elements) == len(b.elements):
         return Array(tuple([_elementwise(x, y, one, what, span) for x, y in zip(a.elements, b.elements)]))
-    raise Wrong("LAG0306", f"{what} differ in shape: {_shape(a)} and {_shape(b)}", span)
+    raise Wrong("LAG0306", f"{what} have different shapes: {_shape(a)} and {_shape(b)}", span)
 
 
 def _shape(value: Value) -> str:
@@ -92,7 +92,7 @@ def _same(
         return b.dimension
     if b.dimension is None or a.dimension == b.dimension:
         return a.dimension
-    message = f"{what} differ in dimension: {describe(a.dimension)} and {describe(b.dimension)}"
+    message = f"{what} have different dimensions: {describe(a.dimension)} and {describe(b.dimension)}"
     raise Wrong(
         "LAG0301",
         message,
@@ -139,7 +139,7 @@ def _product(e: tree.Binary, left: Value, right: Value) -> Value:
         return Array(tuple([_product(e, x, right) for x in left.elements]))
     if isinstance(left, Array) and isinstance(right, Array) and _is_matrix(left):
         return Array(tuple([_row_times(e, row, right) for row in left.elements]))
-    raise Wrong("LAG0306", "the product of two vectors is `dot(a, b)` or `cross(a, b)`", e.span)
+    raise Wrong("LAG0306", "`*` does not multiply two vectors; write `dot(a, b)` or `cross(a, b)`", e.span)
 
 
 def _is_matrix(value: Array) -> bool:
@@ -148,9 +148,8 @@ def _is_matrix(value: Array) -> bool:
 
 def _row_times(e: tree.Binary, row: Value, right: Array) -> Value:
     if not isinstance(row, Array) or len(row.elements) != len(right.elements):
-        raise Wrong(
-            "LAG0306", "the columns of the matrix are not as many as the elements of the vector", e.span
-        )
+        message = "the number of columns of the matrix differs from the number of elements of the vector"
+        raise Wrong("LAG0306", message, e.span)
     total: Value | None = None
     plus = tree.Binary("+", e.left, e.right, e.op_span, e.span)
     for x, y in zip(row.elements, right.elements):
@@ -163,7 +162,7 @@ def _row_times(e: tree.Binary, row: Value, right: Array) -> Value:
 
 def _quotient(e: tree.Binary, left: Value, right: Value) -> Value:
     if not isinstance(right, Scalar):
-        raise Wrong("LAG0306", "one divides by a number only", e.right.span)
+        raise Wrong("LAG0306", "only a number can be a divisor", e.right.span)
     if isinstance(left, Array):
         return Array(tuple([_quotient(e, x, right) for x in left.elements]))
     assert isinstance(left, Scalar)
@@ -179,7 +178,8 @@ def _power(e: tree.Binary, left: Value, right: Value) -> Value:
             "write the square of a vector as `dot(a, a)` or `norm(a)^2`",
         )
     if right.dimension not in (None, NONE):
-        raise Wrong("LAG0305", f"an exponent is a number, this is {describe(right.dimension)}", e.right.span)
+        message = f"an exponent must be a pure number; this is {describe(right.dimension)}"
+        raise Wrong("LAG0305", message, e.right.span)
     dimension: Dimension | None = NONE
     if left.dimension not in (None, NONE):
         number = right.node.value
@@ -212,7 +212,7 @@ def _comparison(context: Context, e: tree.Binary, left: Value, right: Value) -> 
 def _connective(context: Context, e: tree.Binary, left: Value, right: Value) -> Value:
     for value, side in ((left, e.left), (right, e.right)):
         if not isinstance(value, Truth):
-            raise Wrong("LAG0307", f"`{e.op}` takes conditions, this is {kind(value)}", side.span)
+            raise Wrong("LAG0307", f"`{e.op}` takes conditions; this is {kind(value)}", side.span)
     assert isinstance(left, Truth) and isinstance(right, Truth)
     return Truth(context.graph.binary(e.op, left.node, right.node))
 
@@ -240,4 +240,4 @@ def _finite(value: Value, e: tree.Binary) -> Value:
 def _no_value(e: tree.Binary) -> str:
     if e.op == "/":
         return "this divides by zero"
-    return f"the result of `{e.op}` is no finite number"
+    return f"the result of `{e.op}` is not finite"

@@ -35,7 +35,7 @@ def written(name: str) -> str | None:
 def call(context: Context, e: tree.Call, environment: Environment) -> Value:
     """The value of a call.  Raises Wrong."""
     if len(e.arguments) > LONGEST:
-        raise Wrong("LAG0209", f"a call of more than {LONGEST} arguments", e.span)
+        raise Wrong("LAG0209", f"the call has more than {LONGEST} arguments", e.span)
     try:
         called, arguments = _called(context, e, environment)
     except (Wrong, Poisoned):
@@ -74,7 +74,7 @@ def _applied(context: Context, builtin: Builtin, e: tree.Call, given: list[Argum
     try:
         return builtin.apply(context, e.span, *given)
     except (ZeroDivisionError, OverflowError, ValueError):
-        raise Wrong("LAG0309", "this has no finite value", e.span) from None
+        raise Wrong("LAG0309", "the value is not finite", e.span) from None
 
 
 def match(
@@ -105,7 +105,7 @@ def match(
     if not wrong and (missing or required > len(found) + len(many)):
         lacking = missing[0] if missing else "another"
         listed = ", ".join("..." if p == "*" else p for p in parameters)
-        remedy = f"{who} takes ({listed})" if len(parameters) > 1 else None
+        remedy = f"the arguments are ({listed})" if len(parameters) > 1 else None
         wrong.append(Wrong("LAG0210", f"{who} needs the argument `{lacking}`", e.span, remedy))
     for fault in wrong:
         context.report(fault)
@@ -123,7 +123,7 @@ def _parameter(argument: tree.Argument, position: int, parameters: tuple[str, ..
         if parameters and parameters[-1] == "*" and position >= len(parameters) - 1:
             return "*"
         if position >= len(parameters):
-            raise Wrong("LAG0209", f"{who} takes {_count(parameters)}, here are more", argument.span)
+            raise Wrong("LAG0209", f"{who} takes {_count(parameters)}; more are given", argument.span)
         return parameters[position]
     if argument.name not in parameters or argument.name == "*":
         known = [p for p in parameters if p != "*"]
@@ -261,21 +261,22 @@ def _enter(context: Context, e: tree.Call, function: tree.FunctionDeclaration) -
         )
     if context.all_calls > MOST_CALLS:
         context.callers.pop()
-        raise Wrong("LAG0218", f"more than {MOST_CALLS} calls of functions", e.span, related=related)
+        message = f"the model calls functions more than {MOST_CALLS} times"
+        raise Wrong("LAG0218", message, e.span, related=related)
 
 
 def _unknown(name: str, e: tree.Call, environment: Environment) -> Wrong:
     span = e.function.span
     if name in RESERVED:
-        message = f"`{name}` is part of the language, but not yet of this version"
-        before = "leave it out: in `reinit(x, value)` names stand for the values before"
+        message = f"`{name}` is not yet supported"
+        before = "leave it out: the names in `reinit(x, value)` already mean the values before the event"
         return Wrong("LAG0220", message, span, before if name == "pre" else None)
     if name in environment.instance.unused:
         return Wrong("LAG0214", f"`{name}` {environment.instance.unused[name]}", span)
     if name in ("Particle", "Solid", "Gravity"):
         return Wrong(
             "LAG0221",
-            f"`{name}` is the value of a whole declaration, not of an expression",
+            f"`{name}` is only allowed as the whole value of a declaration",
             span,
             f"write `body b = {name}(...);`" if name != "Gravity" else "write `Gravity field;`",
         )

@@ -22,10 +22,10 @@ def constant_of(
     if declared.kind != "constant":
         raise Wrong(
             "LAG0221",
-            f"`{name}` is a {declared.kind} outside of any model",
+            f"`{name}` is a {declared.kind} outside of a model",
             span,
             related=((declarator.name_span, "declared here"),),
-            remedy="declare it in a model, or make it a `constant`",
+            remedy="declare it in a model, or as a `constant`",
         )
     if declarator.value is None:
         raise Wrong("LAG0210", f"the constant `{name}` has no value", declarator.name_span)
@@ -102,7 +102,7 @@ def type_of(name: tree.TypeName | None, space: Namespace, depth: int = 0) -> Qua
         return TYPES["Real"]
     if name.unit is not None:
         if name.path != ("Real",):
-            raise Wrong("LAG0203", "a unit in brackets follows `Real` only", name.span, "write `Real[...]`")
+            raise Wrong("LAG0203", "only `Real` takes a unit in brackets", name.span, "write `Real[...]`")
         return _real(name.unit)
     declared = space.lookup(name.path[0])
     if declared is None and len(name.path) == 1:
@@ -115,7 +115,8 @@ def type_of(name: tree.TypeName | None, space: Namespace, depth: int = 0) -> Qua
     if not isinstance(found, tree.TypeDeclaration):
         raise Wrong("LAG0203", f"`{'.'.join(name.path)}` is not a type of quantity", name.span)
     if depth > DEEPEST:
-        raise Wrong("LAG0205", f"the type `{found.name}` is defined by itself", found.name_span)
+        message = f"the definition of the type `{found.name}` uses `{found.name}` itself"
+        raise Wrong("LAG0205", message, found.name_span)
     return replace(type_of(found.definition, where, depth + 1), name=found.name)
 
 

@@ -49,26 +49,26 @@ def integer(context: Context, expression: tree.Expression, environment: Environm
     """The value of an expression that is a structural integer.  Raises Wrong."""
     value = evaluate(context, expression, environment)
     if not isinstance(value, Scalar):
-        raise Wrong("LAG0208", f"{what} is an integer, this is {kind(value)}", expression.span)
+        raise Wrong("LAG0208", f"{what} must be an integer; this is {kind(value)}", expression.span)
     number = value.node.value
     if not value.node.is_const or not isinstance(number, float):
         raise Wrong(
             "LAG0208",
-            f"{what} must be known when the model is compiled, this is not",
+            f"{what} must be known when the model is compiled; this is not",
             expression.span,
             remedy="use integers, loop variables and `structural Integer` parameters",
         )
     if value.dimension not in (None, NONE):
-        raise Wrong("LAG0208", f"{what} is an integer, this is not", expression.span)
+        raise Wrong("LAG0208", f"{what} must be an integer; this is not", expression.span)
     return whole(number, expression.span, what)
 
 
 def whole(number: float, span: Span, what: str) -> int:
     """Raises Wrong where the number is no integer, or may stand for another one than was written."""
     if number != math.floor(number):
-        raise Wrong("LAG0208", f"{what} is an integer, this is not", span)
+        raise Wrong("LAG0208", f"{what} must be an integer; this is not", span)
     if abs(number) >= BEYOND:
-        message = f"{what} is an integer of less than 2^53 = {BEYOND}, from where on numbers are not exact"
+        message = f"{what} must be an integer below 2^53 = {BEYOND}; larger ones are not exact"
         raise Wrong("LAG0208", message, span)
     return int(number)
 
@@ -76,7 +76,7 @@ def whole(number: float, span: Span, what: str) -> int:
 def integers(context: Context, expression: tree.Expression, environment: Environment) -> list[int]:
     """The values of a loop's range `1:n`, `1:2:n`.  Raises Wrong."""
     if not isinstance(expression, tree.Range):
-        raise Wrong("LAG0208", "a loop runs over a range, such as `1:n`", expression.span)
+        raise Wrong("LAG0208", "a loop needs a range, such as `1:n`", expression.span)
     first = integer(context, expression.start, environment, "the start of a range")
     last = integer(context, expression.stop, environment, "the end of a range")
     step = (
@@ -86,10 +86,10 @@ def integers(context: Context, expression: tree.Expression, environment: Environ
     )
     if step == 0:
         span = expression.step.span if expression.step else expression.span
-        raise Wrong("LAG0208", "the step of a range is not 0", span)
+        raise Wrong("LAG0208", "the step of a range must not be 0", span)
     found = range(first, last + (1 if step > 0 else -1), step)
     if (last - first) // step >= LONGEST_RANGE:
-        raise Wrong("LAG0218", f"a range of more than {LONGEST_RANGE} values", expression.span)
+        raise Wrong("LAG0218", f"the range has more than {LONGEST_RANGE} values", expression.span)
     return list(found)
 
 

@@ -66,7 +66,7 @@ def _quantity(context: Context, e: tree.Quantity, environment: Environment) -> V
             if not math.isfinite(number):
                 raise Wrong("LAG0309", "the number is too large", e.span)
             return Scalar(context.graph.const(number), meant.dimension)
-        raise Wrong("LAG0304", "a unit stands after a number or a vector of numbers", e.unit.span)
+        raise Wrong("LAG0304", "a unit can only follow a number or a vector of numbers", e.unit.span)
 
     return converted(value)
 
@@ -91,7 +91,7 @@ def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
             "LAG0214",
             f"`{e.name}` {instance.unused[e.name]}",
             e.span,
-            remedy="use it within the same effect, or let the scene use that effect",
+            remedy="move this into the same effect, or use that effect in the scene",
         )
     function = written(e.name)
     if function is not None:
@@ -106,7 +106,7 @@ def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
     ]
     raise Wrong(
         "LAG0201",
-        f"`{e.name}` is not known here",
+        f"`{e.name}` is not declared",
         e.span,
         remedy=foreign(e.name) or _strength(e.name, instance) or did_you_mean(e.name, known),
     )
@@ -171,22 +171,23 @@ def _no_unit(e: tree.Index, environment: Environment) -> None:
         unit(text[1:-1])
     except UnknownUnit:
         return
-    message = "a unit stands after a number or a vector of numbers"
-    raise Wrong("LAG0304", message, e.span, remedy=f"a factor `1 {text}` gives it that unit")
+    message = "a unit can only follow a number or a vector of numbers"
+    raise Wrong("LAG0304", message, e.span, remedy=f"multiply by `1 {text}`")
 
 
 def _range(context: Context, e: tree.Range, environment: Environment) -> Value:
-    raise Wrong("LAG0208", "a range stands in a loop, `for i in 1:n`, or takes elements, `x[1:n]`", e.span)
+    message = "a range is only allowed in a loop, `for i in 1:n`, or as a subscript, `x[1:n]`"
+    raise Wrong("LAG0208", message, e.span)
 
 
 def _unary(context: Context, e: tree.Unary, environment: Environment) -> Value:
     value = evaluate(context, e.operand, environment)
     if e.op == "not":
         if not isinstance(value, Truth):
-            raise Wrong("LAG0307", f"`not` takes a condition, this is {kind(value)}", e.operand.span)
+            raise Wrong("LAG0307", f"`not` takes a condition; this is {kind(value)}", e.operand.span)
         return Truth(context.graph.logical_not(value.node))
     if e.op == "+":
-        flat(value, e.operand.span, "what `+` stands before")
+        flat(value, e.operand.span, "the operand of `+`")
         return value
     return negative(value, e.operand.span)
 
@@ -217,7 +218,7 @@ def _conditional(context: Context, e: tree.Conditional, environment: Environment
     def truth_of(condition: tree.Expression) -> Node:
         truth = evaluate(context, condition, environment)
         if not isinstance(truth, Truth):
-            raise Wrong("LAG0307", f"`if` takes a condition, this is {kind(truth)}", condition.span)
+            raise Wrong("LAG0307", f"`if` takes a condition; this is {kind(truth)}", condition.span)
         return truth.node
 
     try:
@@ -260,7 +261,7 @@ def _array(elements: Sequence[Value], written: Sequence[tree.Expression]) -> Arr
         if not conditions:
             flat(value, given.span, "an element of a vector")
         if shape(value) != shape(elements[0]):
-            raise Wrong("LAG0306", "the elements of an array are all of one shape", given.span)
+            raise Wrong("LAG0306", "the elements of an array must have the same shape", given.span)
     _one_dimension(elements, written)
     return Array(tuple(elements))
 
@@ -286,14 +287,14 @@ def _one_dimension(elements: Sequence[Value], written: Sequence[tree.Expression]
         here, there = describe(value.dimension), describe(first[0])
         raise Wrong(
             "LAG0301",
-            f"the elements differ in dimension: {there} and {here}",
+            f"the elements have different dimensions: {there} and {here}",
             expression.span,
             unit_remedy(expression, first[0]),
             related=((first[1].span, there),),
         )
 
 
-_AN_ELEMENT = "an element is taken behind parentheses: `({3, 1, 2})[i]`"
+_AN_ELEMENT = "to take an element of a vector, put it in parentheses: `({3, 1, 2})[i]`"
 
 HOW: dict[type, Callable[..., Value]] = {
     tree.Number: _number, tree.Boolean: _boolean, tree.String: _string, tree.Quantity: _quantity,

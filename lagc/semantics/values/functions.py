@@ -74,7 +74,7 @@ TABLE = Table()
 
 def _plain(op: str) -> Callable[[Context, Span, Argument], Value]:
     def apply(context: Context, span: Span, x: Argument) -> Value:
-        return Scalar(folded(context.graph.unary(op, number(x, f"`{op}` takes")), span), NONE)
+        return Scalar(folded(context.graph.unary(op, number(x, f"the argument of `{op}`")), span), NONE)
 
     return apply
 
@@ -86,29 +86,29 @@ for _op, _row in OPERATORS.items():
 
 def number(x: Argument, what: str) -> Node:
     """The node of an argument that is a pure number.  Raises Wrong."""
-    scalar = scalar_of(x.value, x.span, f"what {what}")
+    scalar = scalar_of(x.value, x.span, what)
     if scalar.dimension not in (None, NONE):
-        raise Wrong(
-            "LAG0303", f"{what} a number without a dimension, this is {describe(scalar.dimension)}", x.span
-        )
+        raise Wrong("LAG0303", f"{what} must be a pure number; this is {describe(scalar.dimension)}", x.span)
     return scalar.node
 
 
 def folded(node: Node, span: Span) -> Node:
     """`node`; a function of a constant that could not be folded has no finite value there."""
     if node.args and all(a.is_const for a in node.args):
-        raise Wrong("LAG0309", f"`{node.op}` has no finite value here", span)
+        raise Wrong("LAG0309", f"the value of `{node.op}` is not finite here", span)
     return node
 
 
 @TABLE.enter("log10", "x")
 def _log10(context: Context, span: Span, x: Argument) -> Value:
-    return Scalar(folded(context.graph.unary("log", number(x, "`log10` takes")), span) / math.log(10.0), NONE)
+    return Scalar(
+        folded(context.graph.unary("log", number(x, "the argument of `log10`")), span) / math.log(10.0), NONE
+    )
 
 
 @TABLE.enter("sqrt", "x")
 def _sqrt(context: Context, span: Span, x: Argument) -> Value:
-    scalar = scalar_of(x.value, x.span, "what `sqrt` takes")
+    scalar = scalar_of(x.value, x.span, "the argument of `sqrt`")
     dimension: Dimension | None = None
     if scalar.dimension is not None:
         dimension = raised(scalar.dimension, 0.5)
@@ -119,28 +119,33 @@ def _sqrt(context: Context, span: Span, x: Argument) -> Value:
 
 @TABLE.enter("abs", "x")
 def _abs(context: Context, span: Span, x: Argument) -> Value:
-    scalar = scalar_of(x.value, x.span, "what `abs` takes")
+    scalar = scalar_of(x.value, x.span, "the argument of `abs`")
     return Scalar(context.graph.unary("abs", scalar.node), scalar.dimension)
 
 
 @TABLE.enter("sign", "x")
 def _sign(context: Context, span: Span, x: Argument) -> Value:
-    return Scalar(context.graph.unary("sign", scalar_of(x.value, x.span, "what `sign` takes").node), NONE)
+    return Scalar(
+        context.graph.unary("sign", scalar_of(x.value, x.span, "the argument of `sign`").node), NONE
+    )
 
 
 @TABLE.enter("floor", "x")
 def _floor(context: Context, span: Span, x: Argument) -> Value:
-    return Scalar(context.graph.unary("floor", number(x, "`floor` takes")), NONE)
+    return Scalar(context.graph.unary("floor", number(x, "the argument of `floor`")), NONE)
 
 
 @TABLE.enter("ceil", "x")
 def _ceil(context: Context, span: Span, x: Argument) -> Value:
-    return Scalar(-context.graph.unary("floor", -number(x, "`ceil` takes")), NONE)
+    return Scalar(-context.graph.unary("floor", -number(x, "the argument of `ceil`")), NONE)
 
 
 @TABLE.enter("mod", "x", "y")
 def _mod(context: Context, span: Span, x: Argument, y: Argument) -> Value:
-    a, b = scalar_of(x.value, x.span, "what `mod` takes"), scalar_of(y.value, y.span, "what `mod` takes")
+    a, b = (
+        scalar_of(x.value, x.span, "the argument of `mod`"),
+        scalar_of(y.value, y.span, "the argument of `mod`"),
+    )
     dimension = shared([x, y], "`mod`")
     return Scalar(a.node - b.node * context.graph.unary("floor", a.node / b.node), dimension)
 
@@ -148,7 +153,10 @@ def _mod(context: Context, span: Span, x: Argument, y: Argument) -> Value:
 @TABLE.enter("atan2", "y", "x")
 def _atan2(context: Context, span: Span, y: Argument, x: Argument) -> Value:
     shared([y, x], "`atan2`")
-    a, b = scalar_of(y.value, y.span, "what `atan2` takes"), scalar_of(x.value, x.span, "what `atan2` takes")
+    a, b = (
+        scalar_of(y.value, y.span, "the argument of `atan2`"),
+        scalar_of(x.value, x.span, "the argument of `atan2`"),
+    )
     return Scalar(context.graph.binary("atan2", a.node, b.node), NONE)
 
 
@@ -158,9 +166,9 @@ def _extreme(op: str) -> Callable[..., Value]:
         if len(every) == 1 and isinstance(every[0].value, Array):
             every = [Argument(element, every[0].span) for element in every[0].value.elements]
         if not every:
-            raise Wrong("LAG0306", f"`{op}` of nothing", span)
+            raise Wrong("LAG0306", f"`{op}` needs at least one number", span)
         dimension = shared(every, f"`{op}`")
-        nodes = [scalar_of(g.value, g.span, f"what `{op}` takes").node for g in every]
+        nodes = [scalar_of(g.value, g.span, f"the argument of `{op}`").node for g in every]
         result = nodes[0]
         for node in nodes[1:]:
             result = context.graph.binary(op, result, node)
@@ -177,12 +185,13 @@ def shared(given: list[Argument], who: str) -> Dimension | None:
     """The one dimension of all the arguments.  Raises Wrong."""
     found: tuple[Dimension, Span] | None = None
     for one in given:
-        dimension = scalar_of(one.value, one.span, f"what {who} takes").dimension
+        dimension = scalar_of(one.value, one.span, f"an argument of {who}").dimension
         if dimension is None:
             continue
         if found is not None and found[0] != dimension:
             message = (
-                f"the arguments of {who} differ in dimension: {describe(found[0])} and {describe(dimension)}"
+                f"the arguments of {who} have different dimensions: {describe(found[0])} and "
+                f"{describe(dimension)}"
             )
             raise Wrong("LAG0301", message, one.span, related=((found[1], describe(found[0])),))
         found = found or (dimension, one.span)
@@ -198,31 +207,31 @@ def _product(a: Dimension | None, b: Dimension | None) -> Dimension | None:
 
 @TABLE.enter("dot", "a", "b")
 def _dot(context: Context, span: Span, a: Argument, b: Argument) -> Value:
-    u, first = numbers_of(a.value, a.span, "what `dot` takes")
-    w, second = numbers_of(b.value, b.span, "what `dot` takes")
+    u, first = numbers_of(a.value, a.span, "the argument of `dot`")
+    w, second = numbers_of(b.value, b.span, "the argument of `dot`")
     if len(u) != len(w):
-        message = f"`dot` takes two of one length, these have {len(u)} and {len(w)} elements"
+        message = f"`dot` takes two vectors of the same length; these have {len(u)} and {len(w)} elements"
         raise Wrong("LAG0306", message, span)
     return Scalar(vectors.dot(u, w), _product(first, second))
 
 
 @TABLE.enter("cross", "a", "b")
 def _cross(context: Context, span: Span, a: Argument, b: Argument) -> Value:
-    u, first = vector_of(a.value, a.span, "what `cross` takes")
-    w, second = vector_of(b.value, b.span, "what `cross` takes")
+    u, first = vector_of(a.value, a.span, "the argument of `cross`")
+    w, second = vector_of(b.value, b.span, "the argument of `cross`")
     return vector_value(vectors.cross(u, w), _product(first, second))
 
 
 @TABLE.enter("norm", "a")
 def _norm(context: Context, span: Span, a: Argument) -> Value:
-    vector, dimension = numbers_of(a.value, a.span, "what `norm` takes")
+    vector, dimension = numbers_of(a.value, a.span, "the argument of `norm`")
     length = length_of(context, vector) if len(vector) == 3 else vectors.norm(vector)
     return Scalar(length, dimension)
 
 
 @TABLE.enter("normalize", "a")
 def _normalize(context: Context, span: Span, a: Argument) -> Value:
-    vector, _ = vector_of(a.value, a.span, "what `normalize` takes")
+    vector, _ = vector_of(a.value, a.span, "the argument of `normalize`")
     return vector_value(unit_vector(context, vector, a.span), NONE)
 
 
@@ -253,8 +262,8 @@ def _size(context: Context, span: Span, a: Argument, dimension: Argument | None)
         raise Wrong("LAG0306", "`size` takes an array", a.span)
     if dimension is None:
         return constant(context.graph, float(sizes[0]), NONE)
-    which = number(dimension, "the dimension in `size` is")
+    which = number(dimension, "the second argument of `size`")
     if not which.is_const or which.value not in range(1, len(sizes) + 1):
         last = len(sizes)
-        raise Wrong("LAG0207", f"the dimensions of this array are numbered 1 to {last}", dimension.span)
+        raise Wrong("LAG0207", f"this array has the dimensions 1 to {last}", dimension.span)
     return constant(context.graph, float(sizes[int(which.value) - 1]), NONE)

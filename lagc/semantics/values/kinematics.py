@@ -42,7 +42,7 @@ def derivative(context: Context, node: Node, span: Span) -> Node:
             "LAG0311",
             "the time derivative of an input is not known",
             span,
-            "write it as a function of `time`",
+            "write it as an expression of `time` instead of an input",
         )
     if mask & LATE:
         what = "an acceleration, a reaction or an energy of the run"
@@ -56,7 +56,7 @@ def _der(context: Context, span: Span, x: Argument) -> Value:
         if isinstance(value, Array):
             return Array(tuple([one(element) for element in value.elements]))
         if not isinstance(value, Scalar):
-            raise Wrong("LAG0307", f"`der` takes a number or a vector, this is {kind(value)}", x.span)
+            raise Wrong("LAG0307", f"`der` takes a number or a vector; this is {kind(value)}", x.span)
         found = derivative(context, value.node, x.span)
         return Scalar(found, None if value.dimension is None else over(value.dimension, S))
 
@@ -65,7 +65,7 @@ def _der(context: Context, span: Span, x: Argument) -> Value:
 
 @TABLE.enter("position", "of")
 def _position(context: Context, span: Span, of: Argument) -> Value:
-    vector, found = vector_of(of.value, of.span, "what has a position")
+    vector, found = vector_of(of.value, of.span, "the argument of `position`")
     expect(found, M, of.span, "a position")
     return vector_value(vector, M)
 
@@ -76,7 +76,7 @@ def velocity_of(context: Context, of: Argument, at: Argument | None) -> vectors.
         return material_velocity(context, of, at)
     if isinstance(of.value, Body):
         return of.value.velocity
-    vector, found = vector_of(of.value, of.span, "what has a velocity")
+    vector, found = vector_of(of.value, of.span, "the argument of `velocity`")
     expect(found, M, of.span, "a position")
     x, y, z = (derivative(context, node, of.span) for node in vector)
     return (x, y, z)
@@ -87,7 +87,7 @@ def material_velocity(context: Context, of: Argument, at: Argument) -> vectors.V
     body = of.value
     if not isinstance(body, Body):
         has = ", which has no place" if isinstance(body, Frame) else ""
-        raise Wrong("LAG0221", f"`at` names a point of a body, this is {kind(body)}{has}", of.span)
+        raise Wrong("LAG0221", f"`at` needs a body; this is {kind(body)}{has}", of.span)
     place, there = vector_of(at.value, at.span, "a point")
     expect(there, M, at.span, "a point")
     if body.frame is not None:
@@ -96,9 +96,9 @@ def material_velocity(context: Context, of: Argument, at: Argument) -> vectors.V
     if place != body.position:
         raise Wrong(
             "LAG0221",
-            f"`{body.name}` is a particle, and it is not at this point",
+            f"`{body.name}` is a particle and is not at this point",
             at.span,
-            f"write `at {body.name}`, or make it a `Solid`, which has more points than one",
+            f"write `at {body.name}`, or declare it as a `Solid`",
             ((body.span, "declared here"),),
         )
     return body.velocity
@@ -122,7 +122,7 @@ def _angular_velocity(context: Context, span: Span, of: Argument) -> Value:
     frame = of.value.frame if isinstance(of.value, Body) else of.value
     if not isinstance(frame, Frame):
         raise Wrong(
-            "LAG0221", f"a frame or a solid has an angular velocity, this is {kind(of.value)}", of.span
+            "LAG0221", f"`angular_velocity` takes a frame or a solid; this is {kind(of.value)}", of.span
         )
     context.mentioned_velocities.append((frame.spin, span))
     return vector_value(frame.spin, TURN)
@@ -150,7 +150,7 @@ def _kinetic(context: Context, span: Span, of: Argument | None) -> Value:
         return _quantity(context, "kinetic", ENERGY)
     body = of.value
     if not isinstance(body, Body):
-        raise Wrong("LAG0221", f"a body has a kinetic energy, this is {kind(body)}", of.span)
+        raise Wrong("LAG0221", f"`kinetic` takes a body; this is {kind(body)}", of.span)
     return Scalar(body.kinetic_energy, ENERGY)
 
 
@@ -161,7 +161,7 @@ def _potential(context: Context, span: Span, of: Argument | None) -> Value:
     nouns = of.value.entry.nouns if isinstance(of.value, Thing) else []
     energies = [noun.energy for noun in nouns if isinstance(noun, Potential)]
     if not energies:
-        raise Wrong("LAG0221", f"`potential` takes a potential, this is {kind(of.value)}", of.span)
+        raise Wrong("LAG0221", f"`potential` takes a potential; this is {kind(of.value)}", of.span)
     return Scalar(context.graph.sum(energies), ENERGY)
 
 
@@ -171,10 +171,10 @@ def _momentum(context: Context, span: Span, of: Argument | None) -> Value:
         return _quantities(context, "momentum", MOMENTUM)
     if isinstance(of.value, Body):
         return vector_value(vectors.scale(of.value.mass, of.value.velocity), MOMENTUM)
-    scalar = scalar_of(of.value, of.span, "what has a momentum")
+    scalar = scalar_of(of.value, of.span, "the argument of `momentum`")
     symbol = scalar.node.record if scalar.node.op == "symbol" else None
     if symbol is None or symbol.kind != "coordinate" or symbol.component or scalar.dimension is None:
-        raise Wrong("LAG0221", "a coordinate or a body has a momentum, this is neither", of.span)
+        raise Wrong("LAG0221", "`momentum` takes a coordinate or a body; this is neither", of.span)
     return _quantity(context, "momentum", over(times(ENERGY, S), scalar.dimension), symbol.owner)
 
 
@@ -184,7 +184,7 @@ def _angular_momentum(context: Context, span: Span, of: Argument | None) -> Valu
         return _quantities(context, "angular_momentum", ANGULAR_MOMENTUM)
     body = of.value
     if not isinstance(body, Body):
-        raise Wrong("LAG0221", f"a body has an angular momentum, this is {kind(body)}", of.span)
+        raise Wrong("LAG0221", f"`angular_momentum` takes a body; this is {kind(body)}", of.span)
     total = vectors.cross(body.position, vectors.scale(body.mass, body.velocity))
     if body.frame is not None and body.inertia is not None:
         spin = vectors.matvec(body.inertia, body.frame.angular_velocity)
@@ -195,7 +195,8 @@ def _angular_momentum(context: Context, span: Span, of: Argument | None) -> Valu
 @TABLE.enter("power", "of")
 def _power(context: Context, span: Span, of: Argument) -> Value:
     if not isinstance(of.value, Thing) or of.value.entry.kind not in _ACTIONS:
-        raise Wrong("LAG0221", f"a given action has a power, this is {kind(of.value)}", of.span)
+        message = f"`power` takes a force, torque, potential or dissipation; this is {kind(of.value)}"
+        raise Wrong("LAG0221", message, of.span)
     return _quantity(context, "power", POWER, of.value.entry.path)
 
 
@@ -209,7 +210,7 @@ def _reaction(context: Context, span: Span, of: Argument) -> Value:
         of.value.entry.nouns if isinstance(of.value, Thing) and of.value.entry.kind == "constraint" else []
     )
     if not nouns or not isinstance(nouns[0], Constraint):
-        raise Wrong("LAG0221", f"a constraint has a reaction, this is {kind(of.value)}", of.span)
+        raise Wrong("LAG0221", f"`reaction` takes a constraint; this is {kind(of.value)}", of.span)
     row = nouns[0]
     assert isinstance(of.value, Thing)
     found: dict[str, Scalar] = {}
@@ -248,11 +249,11 @@ def _rotate(context: Context, span: Span, frame: Argument, axis: Argument, angle
     parent = frame_of(frame)
     if isinstance(axis.value, Orientation):
         if angle is not None:
-            raise Wrong("LAG0209", "a turn by an orientation takes no angle", angle.span)
+            raise Wrong("LAG0209", "a rotation by an orientation takes no angle", angle.span)
         return _oriented(context, parent, axis.value)
     if angle is None:
         raise Wrong(
-            "LAG0210", "`rotate` needs a frame, an axis and an angle; or a frame and an orientation", span
+            "LAG0210", "`rotate` takes a frame, an axis and an angle, or a frame and an orientation", span
         )
     vector, _ = vector_of(axis.value, axis.span, "the axis of a rotation")
     return _about(context, parent, *direction(context, parent, vector, axis.span), angle, axis.span)
@@ -262,7 +263,7 @@ def frame_of(argument: Argument) -> Frame:
     """Raises Wrong where the argument is no frame."""
     if isinstance(argument.value, Frame):
         return argument.value
-    raise Wrong("LAG0221", f"one rotates a frame, this is {kind(argument.value)}", argument.span)
+    raise Wrong("LAG0221", f"a rotation starts from a frame; this is {kind(argument.value)}", argument.span)
 
 
 def about_axis(context: Context, frame: Argument, k: int, angle: Argument) -> Frame:
@@ -271,7 +272,7 @@ def about_axis(context: Context, frame: Argument, k: int, angle: Argument) -> Fr
 
 
 def _about_own(context: Context, parent: Frame, k: int, sense: float, angle: Argument) -> Frame:
-    node = number(angle, "an angle of rotation is")
+    node = number(angle, "an angle of rotation")
     graph = context.graph
     c, s, one, zero = graph.cos(node), sense * graph.sin(node), graph.one, graph.zero
     turns: tuple[Matrix, ...] = (
@@ -303,7 +304,7 @@ def _about(context: Context, parent: Frame, axis: Vector, own: Vector, angle: Ar
     for k in range(3):
         if own[k].is_const and abs(own[k].value) == 1.0 and all(own[j].is_zero for j in range(3) if j != k):
             return _about_own(context, parent, k, own[k].value, angle)
-    node = number(angle, "an angle of rotation is")
+    node = number(angle, "an angle of rotation")
     rate = derivative(context, node, angle.span)
     if still(context, axis):  # W R, with a turn W of the world that holds the axis
         turn, about = _turn(axis, node), add(parent.angular_velocity, scale(rate, own))

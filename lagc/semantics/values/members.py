@@ -86,7 +86,7 @@ def _of_reaction(value: Value, numbers: Sequence[int]) -> str | None:
     """Rows are called `roll[1]` in reports."""
     if isinstance(value, Thing) and value.entry.kind == "constraint":
         written = ", ".join(map(str, numbers))
-        return f"the force of a row is an element of all: `reaction({value.entry.name})[{written}]`"
+        return f"write `reaction({value.entry.name})[{written}]` for the force of one component"
     return None
 
 
@@ -134,7 +134,7 @@ def element(context: Context, base: Value, numbers: list[int], e: tree.Index) ->
         if not 1 <= number <= len(value.elements):
             raise Wrong(
                 "LAG0207",
-                f"there is no element {number}, there are {len(value.elements)}",
+                f"there is no element {number}; the array has {len(value.elements)}",
                 index.span,
                 "elements are counted from 1",
             )

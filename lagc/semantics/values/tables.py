@@ -40,7 +40,7 @@ def _table(
 ) -> Value:  # fmt: skip
     """The function of x through points: `values` at `data`, or pairs of both, `{{x, y}, ...}`; of a file, the
     column `values` over the column `over`."""
-    at = scalar_of(x.value, x.span, "what a table is asked at")
+    at = scalar_of(x.value, x.span, "the argument of a table")
     way = _choice(interpolation, tuple(KINDS), "linear")
     beyond = _choice(extrapolation, BEYOND, "line" if way == "cubic" else "hold")
     name, file = "table", ""
@@ -48,11 +48,11 @@ def _table(
         file = data.value.text
         knots, found, name = _from_file(context, data, values, over)
     elif over:
-        raise Wrong("LAG0209", "columns have names in files only", over.span)
+        raise Wrong("LAG0209", "`over` is only allowed with a file", over.span)
     else:
         knots, found = _from_text(data, values)
     if at.dimension is not None and not knots.bare and knots.dimension != at.dimension:
-        message = f"the table is over {describe(knots.dimension)}, and is asked at {describe(at.dimension)}"
+        message = f"the table has the argument {describe(knots.dimension)}; this is {describe(at.dimension)}"
         raise Wrong("LAG0301", message, x.span, related=((data.span, describe(knots.dimension)),))
     points = knots.numbers, found.numbers
     node = through(context, at.node, *points, way, beyond == "line", name, data.span, file)
@@ -74,16 +74,16 @@ def through(
     try:
         return interpolant(x, knots, values, way, straight, own)
     except (OverflowError, ZeroDivisionError):
-        raise Wrong("LAG0314", "between some knots the table is steeper than any number", span) from None
+        raise Wrong("LAG0314", "the slope of the table between two points is not finite", span) from None
 
 
 def over_time(context: Context, points: Points, name: str) -> Node:
     """What goes through `points` of time and value.  Raises Wrong."""
     knots, values, way = points
     if way not in KINDS:
-        raise Wrong("LAG0307", f"points are gone through {', '.join(KINDS)}, not {way!r}", None)
+        raise Wrong("LAG0307", f"the interpolation is one of {', '.join(KINDS)}, not {way!r}", None)
     if len(knots) != len(values) or not all(map(math.isfinite, [*knots, *values])):
-        message = f"`{name}` is given by as many finite values as times, in order"
+        message = f"`{name}` needs as many finite values as times"
         raise Wrong("LAG0314", message, None)
     return through(context, context.time, knots, values, way, way == "cubic", name, None)
 
@@ -91,12 +91,12 @@ def over_time(context: Context, points: Points, name: str) -> Node:
 def check_order(knots: Sequence[float], span: Span | None, lines: Sequence[int] = ()) -> None:
     """Raises Wrong where there are not two, or one is not above the one before.  `lines` of a file."""
     if len(knots) < 2:
-        raise Wrong("LAG0314", f"a table has two rows at least, this has {len(knots)}", span)
+        raise Wrong("LAG0314", f"a table needs at least two rows; this has {len(knots)}", span)
     for k, (before, here) in enumerate(pairwise(knots), 2):
         if not here > before:
             said = "again" if here == before else f"after {before:g}"
             place = f"line {lines[k - 1]} of the file" if lines else f"row {k}"
-            message = f"what a table is over grows from row to row: in {place} comes {here:g} {said}"
+            message = f"the argument of a table must increase from row to row: {place} has {here:g} {said}"
             raise Wrong("LAG0314", message, span)
 
 
@@ -106,7 +106,7 @@ def _choice(given: Argument | None, known: Sequence[str], default: str) -> str:
     said = given.value.text if isinstance(given.value, Text) else ""
     if said not in known:
         listed = ", ".join(f'"{word}"' for word in known)
-        raise Wrong("LAG0307", f"this is one of {listed}", given.span, did_you_mean(said, known))
+        raise Wrong("LAG0307", f"this must be one of {listed}", given.span, did_you_mean(said, known))
     return said
 
 
@@ -114,12 +114,13 @@ def _from_text(data: Argument, values: Argument | None) -> tuple[Column, Column]
     if values is not None:
         knots, found = (_column(_elements(a), a) for a in (data, values))
         if len(knots.numbers) != len(found.numbers):
-            counts = f"{len(found.numbers)} values at {len(knots.numbers)} places"
-            raise Wrong("LAG0314", f"a table has a value at each place, here are {counts}", values.span)
+            counts = f"{len(found.numbers)} values for {len(knots.numbers)} arguments"
+            message = f"a table needs one value for each argument; there are {counts}"
+            raise Wrong("LAG0314", message, values.span)
         return knots, found
     pairs = [row.elements for row in _elements(data) if isinstance(row, Array)]
     if not pairs or any(len(pair) != 2 for pair in pairs):
-        message = "the data of a table are `{x1, x2, ...}, {y1, y2, ...}`, pairs `{{x1, y1}, ...}`, or a file"
+        message = "a table takes arrays, `{x1, x2, ...}, {y1, y2, ...}`, pairs, `{{x1, y1}, ...}`, or a file"
         raise Wrong("LAG0306", message, data.span)
     first, second = zip(*pairs)
     return _column(first, data), _column(second, data)
@@ -127,14 +128,14 @@ def _from_text(data: Argument, values: Argument | None) -> tuple[Column, Column]
 
 def _elements(a: Argument) -> Sequence[Value]:
     if not isinstance(a.value, Array):
-        raise Wrong("LAG0306", f"the data of a table are arrays or a file, this is {kind(a.value)}", a.span)
+        raise Wrong("LAG0306", f"a table takes arrays or a file; this is {kind(a.value)}", a.span)
     return a.value.elements
 
 
 def _column(cells: Sequence[Value], given: Argument) -> Column:
     scalars = [scalar_of(cell, given.span, "an entry of a table") for cell in cells]
     if not all(s.node.is_const for s in scalars):
-        message = "the numbers of a table are fixed: this depends on parameters or on the motion"
+        message = "the values of a table must be fixed; this depends on parameters or on the motion"
         raise Wrong("LAG0208", message, given.span, "multiply the table by the parameter")
     dimension = common_dimension(tuple(scalars), given.span) or NONE
     return Column([s.node.value for s in scalars], dimension, given.bare)
@@ -151,7 +152,7 @@ def _from_file(
         others = [k for k in range(len(file.heads)) if k != first]
         if len(others) != 1:
             listed = ", ".join(f"`{name}`" for name, _ in file.heads)
-            raise Wrong("LAG0210", f"which column is meant?  There are {listed}", data.span)
+            raise Wrong("LAG0210", f"choose a column; the file has {listed}", data.span)
         second = others[0]
     else:
         second = _place(file, values)
@@ -162,11 +163,12 @@ def _from_file(
 
 def _place(file: Columns, asked: Argument) -> int:
     if not isinstance(asked.value, Text):
-        raise Wrong("LAG0307", f"a column is named by a text, this is {kind(asked.value)}", asked.span)
+        message = f"write the name of a column as a text; this is {kind(asked.value)}"
+        raise Wrong("LAG0307", message, asked.span)
     found = file.place(asked.value.text)
     if found is None:
         names = [name for name, _ in file.heads]
-        listed = "there are " + ", ".join(f"`{name}`" for name in names[:12])
+        listed = "the columns are " + ", ".join(f"`{name}`" for name in names[:12])
         remedy = did_you_mean(asked.value.text, names) or listed
         raise Wrong("LAG0314", f"the file has no column `{asked.value.text}`", asked.span, remedy)
     return found

@@ -35,8 +35,8 @@ def unit_remedy(expression: tree.Expression, wanted: Dimension | None) -> str | 
     span = expression.span
     text, unit = span.source.text[span.start : span.end], si_text(wanted)
     if isinstance(expression, tree.Binary):
-        return f"a bare number has no unit within an expression: write `{text}*1 [{unit}]`"
-    return f"a bare number has no unit within an expression: write `{text} [{unit}]`"
+        return f"a number inside an expression has no unit: write `{text}*1 [{unit}]`"
+    return f"a number inside an expression has no unit: write `{text} [{unit}]`"
 
 
 def expect_of(
@@ -50,7 +50,7 @@ def expect_of(
         if number is None or dimension is None:
             raise
         unit = si_text(over(wanted, dimension))
-        remedy = f"is a unit missing? `{number.text} [{unit}]` makes it {named}"
+        remedy = f"a unit may be missing: `{number.text} [{unit}]` gives {named}"
         fault = wrong.fault
         raise Wrong(fault.code, fault.message, fault.span, remedy, fault.related) from None
 

@@ -17,20 +17,20 @@ def first_word(w: Where) -> Explained | None:
         return None
     foreign = FOREIGN.get(word.lower())
     if foreign is not None:
-        message = f"`{word}` is no word of the language"
+        message = f"`{word}` is not a keyword of the language"
         fault = Fault("LAG0118", message, w.span(w.first), remedy=foreign.remedy)
         repair = None if foreign.ours is None else w.replace_first(*foreign.ours)
         return Explained(fault, repair)
     if w.tokens[w.begin + 1].kind != WORD:
         return None
     if word.lower() in w.keywords:
-        message = f"keywords are written in small letters: `{word.lower()}`"
+        message = "keywords are written in lower case"
         fault = Fault("LAG0119", message, w.span(w.first), remedy=f"write `{word.lower()}`")
         return Explained(fault, w.replace_first(word.lower()))
     near = closest(word, w.keywords)
     if near is None or not w.inside:
         return None
-    message = f"`{word}` is no keyword"
+    message = f"`{word}` is not a keyword"
     fault = Fault("LAG0119", message, w.span(w.first), remedy=f"did you mean `{near}`?")
     return Explained(fault, w.replace_first(near))
 
@@ -39,8 +39,8 @@ def else_when(w: Where) -> Explained | None:
     if w.before.text != "elsewhen":
         return None
     message, remedy = (
-        "`elsewhen` is no word of the language",
-        "each condition has its own `when ... end when;`",
+        "`elsewhen` is not a keyword of the language",
+        "write a separate `when ... end when;` for each condition",
     )
     fault = Fault("LAG0118", message, w.span(w.before), remedy=remedy)
     words = [token_of(word, w.before.start) for word in ("end", "when", ";", "when")]
@@ -51,10 +51,10 @@ def if_statement(w: Where) -> Explained | None:
     if w.first.text != "if":
         return None
     remedy = (
-        "choose the value, `force f = if y > 0 [m] then a else b at P;`; what is done at one moment is a "
-        "`when`, and what a scene may leave out an `effect`"
+        "use it in a value: `force f = if y > 0 [m] then a else b at P;`; an action at one moment is a "
+        "`when`, and an optional part of a model is an `effect`"
     )
-    message = "`if` is part of an expression here, and begins no declaration"
+    message = "`if` belongs in an expression and does not begin a declaration"
     return Explained(Fault("LAG0118", message, w.span(w.first), remedy=remedy))
 
 
@@ -70,7 +70,7 @@ def missing_end_word(w: Where) -> Explained | None:
 def stray_end(w: Where) -> Explained | None:
     if w.inside or w.token.text != "end":
         return None
-    return Explained(Fault("LAG0113", "nothing is open that this `end` could close", w.span(w.token)))
+    return Explained(Fault("LAG0113", "there is no open block that this `end` could close", w.span(w.token)))
 
 
 def brace_for_block(w: Where) -> Explained | None:
@@ -78,7 +78,7 @@ def brace_for_block(w: Where) -> Explained | None:
         return Explained(_loop_fault(w), w.replace("loop"))
     if w.first.text != "{" or w.begin < 2 or w.tokens[w.begin - 2].text not in HEADERS:
         return None
-    message = "blocks stand between their first line and `end name;`, without braces"
+    message = "a block ends with `end name;` and has no braces"
     fault = Fault("LAG0114", message, w.span(w.first), remedy="delete it")
     return Explained(fault, Repair(w.begin, 1, ()))
 
@@ -91,8 +91,8 @@ def family(w: Where) -> Explained | None:
     again = w.token.text == "," and w.brackets[-1].text == "{" and any(t.text == "for" for t in behind)
     if not again and w.token.text != "for":
         return None
-    message = "values by number stand in braces of their own, `{i^2 for i in 1:n}`"
-    remedy = "for two numbers write `{{i*j for j in 1:m} for i in 1:n}`" if again else None
+    message = "a list of values for each index has its own braces: `{i^2 for i in 1:n}`"
+    remedy = "for two indices write `{{i*j for j in 1:m} for i in 1:n}`" if again else None
     return Explained(Fault("LAG0110", message, w.span(w.token), remedy=remedy))
 
 
@@ -147,7 +147,7 @@ def constraint_parts(w: Where) -> Explained | None:
 def description_last(w: Where) -> Explained | None:
     if w.before.kind != STRING or w.token.text not in ("=", "(", "[", "at", "on", "unless", ":", "uses"):
         return None
-    message = "the description stands last, right before the `;` or the `,`"
+    message = "write the description last, right before the `;` or the `,`"
     return Explained(Fault("LAG0125", message, w.span(w.before)))
 
 
@@ -155,4 +155,4 @@ def missing_name(w: Where) -> Explained | None:
     if not w.inside or not w.accepts("NAME") or w.accepts("NUMBER") or w.accepts("SEMICOLON"):
         return None
     what = f"after `{w.before.text}`"
-    return Explained(Fault("LAG0132", f"a name is missing {what}; {w.shown} is none", w.span(w.token)))
+    return Explained(Fault("LAG0132", f"a name is missing {what}; {w.shown} is not a name", w.span(w.token)))

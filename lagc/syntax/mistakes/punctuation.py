@@ -16,7 +16,7 @@ def foreign_operator(w: Where) -> Explained | None:
     if w.token.kind != SYMBOL or w.token.text not in OPERATORS:
         return None
     ours = OPERATORS[w.token.text]
-    message = f"`{w.token.text}` is no operator of the language"
+    message = f"`{w.token.text}` is not an operator of the language"
     if ours is None:
         return Explained(Fault("LAG0117", message, w.span(w.token)))
     if w.token.text == ":=" and w.block is not None and w.block.closing == "when":
@@ -31,10 +31,10 @@ def comparison_for_equation(w: Where) -> Explained | None:
     if w.token.kind != SYMBOL:
         return None
     if text == "==" and w.accepts("EQUALS"):
-        message = "`==` compares; here stands a single `=`"
+        message = "`==` compares two values; a declaration uses a single `=`"
         return Explained(Fault("LAG0115", message, w.span(w.token), remedy="write `=`"), w.replace("="))
     if text in ("<", ">", "<>") and w.first.text == "constraint" and w.accepts("EQUALS"):
-        message = f"a constraint is an equation, or an inequality with `>=` or `<=`, and not `{text}`"
+        message = f"a constraint uses `=`, `>=` or `<=`, not `{text}`"
         remedy = None if text == "<>" else f"write `{text}=`"
         repair = None if text == "<>" else w.replace(text + "=")
         return Explained(Fault("LAG0115", message, w.span(w.token), remedy=remedy), repair)
@@ -53,7 +53,7 @@ def equation_for_comparison(w: Where) -> Explained | None:
 
 def chained(w: Where) -> Explained | None:
     if w.token.text == "^":
-        message = "powers of powers need parentheses: `a^b^c` may mean two things"
+        message = "`a^b^c` is ambiguous"
         return Explained(Fault("LAG0126", message, w.span(w.token), remedy="write `a^(b^c)` or `(a^b)^c`"))
     if w.token.text in ("<", "<=", ">", ">=", "==", "<>") and not w.accepts("EQUALS"):
         depth = 0
@@ -62,7 +62,7 @@ def chained(w: Where) -> Explained | None:
             if depth < 0 or token.text in ("and", "or", "if", "elseif", "then", "else", ",", "="):
                 break
             if depth == 0 and token.text in ("<", "<=", ">", ">=", "==", "<>"):
-                message = "comparisons do not chain"
+                message = "comparisons cannot be chained"
                 fault = Fault(
                     "LAG0126", message, w.span(w.token),
                     related=((w.span(token), "the first comparison"),),
@@ -83,7 +83,7 @@ def decimal_comma(w: Where) -> Explained | None:
     number.kind, number.text, number.end = NUMBER, f"{whole.text}.{part.text}", part.end
     fault = Fault(
         "LAG0105",
-        "decimals stand behind a point",
+        "decimals are written with a point",
         w.span(whole, part),
         remedy=f"write `{number.text}`",
     )
@@ -99,7 +99,7 @@ def comma_between_starts(w: Where) -> Explained | None:
         last += 1
     if place.kind != WORD or w.tokens[last].text != "=":
         return None
-    message, end = "each `start` gives one value", w.tokens[last - 1]
+    message, end = "each `start` sets one value", w.tokens[last - 1]
     another = w.source.text[place.start : end.end]
     fault = Fault("LAG0110", message, w.span(w.token, end), remedy=f"write `; start {another}`")
     return Explained(fault, w.replace(";", "start"))
@@ -123,7 +123,7 @@ def bare_unit(w: Where) -> Explained | None:
     unit = "".join("." if t.text == "*" else t.text for t in tokens[w.position : last + 1])
     fault = Fault(
         "LAG0121",
-        "a unit stands in brackets",
+        "a unit is written in brackets",
         w.span(w.token, tokens[last]),
         remedy=f"write `{w.before.text} [{unit}]`",
     )
@@ -148,7 +148,7 @@ def _is_declared(w: Where, name: str) -> bool:
 def unit_behind_expression(w: Where) -> Explained | None:
     if w.token.kind != UNIT and not (w.token.text == "[" and w.before.text in (")", "]")):
         return None
-    message = "a unit stands behind a number or a vector in braces, or behind `Real`"
+    message = "a unit follows a number, a vector in braces, or `Real`"
     return Explained(Fault("LAG0121", message, w.span(w.token)))
 
 
@@ -157,14 +157,14 @@ def brackets(w: Where) -> Explained | None:
     if text in _OPENING:
         if not w.brackets:
             if w.first.text in ("model", "package", "effect", "scene") or not w.inside:
-                message, remedy = "blocks are closed by `end name;`", None
+                message, remedy = "a block ends with `end name;`", None
             else:
-                message, remedy = f"nothing is open for this `{text}`", "delete it"
+                message, remedy = f"no bracket is open for this `{text}`", "delete it"
             return Explained(Fault("LAG0114", message, w.span(w.token), remedy=remedy), w.replace())
         opening = w.brackets[-1]
         if _CLOSING[opening.text] != text and w.accepts(w.sign(_CLOSING[opening.text])):
             right = _CLOSING[opening.text]
-            message = f"this `{text}` cannot close that `{opening.text}`"
+            message = f"this `{text}` does not match the `{opening.text}`"
             outer = any(_CLOSING[bracket.text] == text for bracket in w.brackets[:-1])
             fault = Fault(
                 "LAG0114", message, w.span(w.token), related=((w.span(opening), "opened here"),),
@@ -195,9 +195,9 @@ def semicolon_too_many(w: Where) -> Explained | None:
         return None
     header = w.tokens[max(w.position - 2, 0)].text in HEADERS
     if w.before.text in ("then", "loop", "else") or header:
-        message = f"no `;` stands after `{w.before.text}`"
+        message = f"there must be no `;` after `{w.before.text}`"
     elif not w.inside:
-        message = "this `;` ends nothing"
+        message = "this `;` is superfluous"
     else:
         return None
     return Explained(Fault("LAG0124", message, w.span(w.token), remedy="delete it"), w.replace())
@@ -224,7 +224,7 @@ def comma_in_list(w: Where) -> Explained | None:
         if w.tokens[at].text == "uses":
             message = f"a `,` is missing between `{w.tokens[w.begin - 1].text}` and `{w.first.text}`"
             span = w.span(w.tokens[w.begin - 1], w.first)
-            fault = Fault("LAG0130", message, span, remedy="names in a list stand apart by `,`")
+            fault = Fault("LAG0130", message, span, remedy="separate the names in a list by `,`")
             comma = token_of(",", w.first.start)
             return Explained(fault, Repair(w.begin - 1, 1, (w.tokens[w.begin - 1], comma)))
         at -= 1
@@ -239,8 +239,8 @@ def missing_sign(w: Where) -> Explained | None:
         return None
     span = w.span(w.before, w.token)
     if w.accepts("COMMA"):
-        message = f"a sign is missing between `{w.before.text}` and `{w.token.text}`"
-        return Explained(Fault("LAG0130", message, span, remedy="a `,` or a `=` stands there"))
+        message = f"a `,` or `=` is missing between `{w.before.text}` and `{w.token.text}`"
+        return Explained(Fault("LAG0130", message, span, remedy="write `,` or `=`"))
     message = f"a `=` is missing between `{w.before.text}` and `{w.token.text}`"
     return Explained(Fault("LAG0130", message, span, remedy="write `=`"), w.insert("="))
 
