@@ -1,5 +1,6 @@
-"""Motion.
+"""Simulation of a compiled model.
 
-In: `System` (generated code with parameters) and `Request`.  Out: `Solution`, with its files.  Consistent
-starts and the choice of tolerance are made here.
+From a `System` (generated code with parameter values) and a `Request` to a `Solution` and its files.  The
+room finds a consistent initial state, chooses method and tolerance, estimates the global error, and
+explains failures.
 """

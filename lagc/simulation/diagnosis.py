@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from math import exp, inf, isfinite, log, sqrt
 
-from lagc.simulation.error_measure import kinds, sizes
+from lagc.simulation.error_measure import scaling_groups, sizes
 from lagc.simulation.system import (
     FAILED,
     REDUNDANT,
@@ -81,7 +81,7 @@ def losing_rank(system: System, run: Trajectory, t: float, x: list[float]) -> st
 def _coordinate_sizes(system: System, run: Trajectory, x: list[float]) -> list[float]:
     """The size of each coordinate's scaling group so far (infinite if zero); 1 rad for an angle."""
     found = [0.0] * system.nq
-    for group in kinds(system.interface):
+    for group in scaling_groups(system.interface):
         size = max(abs(y[i]) for y in [*run.states, x] for i in group) or inf
         for i in group:
             if i < system.nq:
@@ -130,7 +130,7 @@ def _stiffness(system: System, run: Trajectory, t: float, x: list[float]) -> str
     if rates is None or run.steps == 0:
         return ""
     fastest, own = _spectral_radius(system, run, t, x, rates), 0.0
-    for group in kinds(system.interface):
+    for group in scaling_groups(system.interface):
         size = max((abs(y[i]) for y in [*run.states, x] for i in group), default=0.0)
         own = max(own, max(abs(rates[i]) for i in group) / size if size > 0.0 else 0.0)
     step = _elapsed(run, t) / run.steps

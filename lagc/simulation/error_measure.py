@@ -1,4 +1,4 @@
-"""How far apart motions are, in the sizes of their kinds of states."""
+"""Differences between trajectories, relative to the sizes of their scaling groups."""
 
 from __future__ import annotations
 
@@ -18,23 +18,27 @@ Sizes = Sequence[tuple[Sequence[int], float]]
 
 
 def sizes(trajectory: Trajectory, interface: Interface) -> list[tuple[list[int], float]]:
-    """The indices of the states of each kind, and the largest magnitude of these: at the recorded times, and
-    at the ends of all steps."""
+    """Return the state indices of each scaling group and the largest magnitude of these states.
+
+    The magnitude is taken over the recorded times and the ends of all steps.
+    """
     largest = [max(max(column), -min(column)) for column in zip(*trajectory.states)]
     found = []
-    for group in kinds(interface):
+    for group in scaling_groups(interface):
         seen = [trajectory.sizes[interface.kinds[group[0]]]] if trajectory.sizes else [0.0]
         found.append((group, max(seen + [largest[i] for i in group] if largest else seen)))
     return found
 
 
-def moving(groups: Sizes, still: Mapping[int, float]) -> list[tuple[Sequence[int], float]]:
-    """`groups`, with size 0 for the kinds (by place) that are no larger than rounding makes them."""
-    return [(group, 0.0 if size <= still.get(k, 0.0) else size) for k, (group, size) in enumerate(groups)]
+def moving(groups: Sizes, noise: Mapping[int, float]) -> list[tuple[Sequence[int], float]]:
+    """Return `groups` with size 0 for the groups (by number) that are no larger than their round-off
+    `noise`."""
+    return [(group, 0.0 if size <= noise.get(k, 0.0) else size) for k, (group, size) in enumerate(groups)]
 
 
-def kinds(interface: Interface) -> list[list[int]]:
-    """The indices of the coordinates and speeds that share a scale."""
+def scaling_groups(interface: Interface) -> list[list[int]]:
+    """The indices of the coordinates and speeds that share a scale (E. Hairer, G. Wanner, Solving ODEs II,
+    1996, IV.8)."""
     groups: dict[int, list[int]] = {}
     for i, kind in enumerate(interface.kinds):
         groups.setdefault(kind, []).append(i)
@@ -42,8 +46,11 @@ def kinds(interface: Interface) -> list[list[int]]:
 
 
 def between(a: Trajectory, b: Trajectory) -> frozenset[int]:
-    """The places of common times at which one run has come to a jump of the motion that the other comes to a
-    moment later: nothing is compared there."""
+    """The indices of recorded times at which one run has passed a jump that the other reaches a moment
+    later.
+
+    States are not compared there.
+    """
     if not (a.jumps or b.jumps):
         return frozenset()
     both, last, found = min(len(a.jumps), len(b.jumps)), min(len(a.times), len(b.times)) - 1, []
@@ -55,7 +62,7 @@ def between(a: Trajectory, b: Trajectory) -> frozenset[int]:
 
 
 def _at_the_end(a: Trajectory, b: Trajectory) -> bool:
-    """Whether the jumps that only one of them has are that close to the end."""
+    """Whether the jumps that only one of the runs has are near the end."""
     more, both = (a if len(a.jumps) > len(b.jumps) else b), min(len(a.jumps), len(b.jumps))
     near = NEAR_THE_END * abs(more.times[-1] - more.times[0])
     return all(abs(more.times[-1] - t) <= near for t in more.jumps[both:])
@@ -66,25 +73,28 @@ def difference(
     b: Trajectory,
     interface: Interface,
     target: float,
-    still: Mapping[int, float] | None = None,
+    noise: Mapping[int, float] | None = None,
 ) -> tuple[float, float | None]:
-    """The largest scaled difference over the common times, and the last time up to which it stays below
-    `target` by the sizes of the motion until there (None where that is the end): a motion that runs
-    away later makes nothing before it more exact.  `still`: how far rounding may move some kinds (by
-    place), of which less than that tells nothing."""
+    """The largest scaled difference over the common times, and the last time until which it stays below
+    `target`.
+
+    The time is None if that is the end.  It is judged by the sizes until then, so that later growth does
+    not hide earlier errors.  `noise` is the round-off of some groups by number; a group within its noise is
+    not compared.
+    """
     alike = [True] * min(len(a.states), len(b.states))
     largest, left_out = _apart_in_time(a, b), between(a, b)
-    for place, group in enumerate(kinds(interface)):
+    for place, group in enumerate(scaling_groups(interface)):
         size = apart = 0.0
-        noise = still.get(place, 0.0) if still else 0.0
+        limit = noise.get(place, 0.0) if noise else 0.0
         for k, (x, y) in enumerate(zip(a.states, b.states)):
             for i in group if k not in left_out else ():
                 size = max(size, abs(x[i]), abs(y[i]))
                 if not abs(x[i] - y[i]) <= apart:
                     apart = abs(x[i] - y[i])
-            if not (apart <= target * size or size <= noise):
+            if not (apart <= target * size or size <= limit):
                 alike[k] = False
-        if not (apart <= largest * size or size <= noise):
+        if not (apart <= largest * size or size <= limit):
             largest = apart / size if apart < inf else inf
     if not alike or alike[-1]:
         return largest, None
@@ -92,7 +102,7 @@ def difference(
 
 
 def spread(a: Trajectory, b: Trajectory, of_a: Sizes, of_b: Sizes) -> float:
-    """The largest scaled difference of two runs over the same times, from their sizes."""
+    """The largest scaled difference of two runs over the same times, with the sizes of each."""
     left_out, worst = between(a, b), _apart_in_time(a, b)
     one, other = a.states, b.states
     if left_out:
@@ -109,8 +119,7 @@ def spread(a: Trajectory, b: Trajectory, of_a: Sizes, of_b: Sizes) -> float:
 
 
 def _apart_in_time(a: Trajectory, b: Trajectory) -> float:
-    """How far apart the moments are at which states jump, and at which clauses `when` end the runs, of the
-    whole time."""
+    """The largest difference between the times of jumps, and of termination, relative to the whole time."""
     pairs = [*zip(a.jumps, b.jumps)]
     if TERMINATED in (a.status, b.status):
         pairs.append((a.times[-1], b.times[-1]))

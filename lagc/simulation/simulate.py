@@ -109,10 +109,10 @@ def _integrate(
     demand(system, found.tried[0])
     result = judge(system, found, request.accuracy, end)
     run, notes = grid.recorded(result.trajectory), list[str]()
-    if found.still:
-        from lagc.simulation.global_error.noise_groups import told
+    if found.noise:
+        from lagc.simulation.global_error.noise_groups import noise_note
 
-        notes = told(system, run, found.still)
+        notes = noise_note(system, run, found.noise)
     return _Done(
         Verdict(result.status, result.message, run, result.estimated), found.options, found.tried, notes
     )

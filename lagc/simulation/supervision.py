@@ -11,7 +11,7 @@ from typing import TypeAlias
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.host.budgets import size_text, time_text
 from lagc.lowering.program import Interface
-from lagc.simulation.error_measure import kinds
+from lagc.simulation.error_measure import scaling_groups
 from lagc.simulation.request import Request
 from lagc.simulation.system import System, Trajectory, rates_at
 
@@ -167,7 +167,7 @@ def _creeps(system: System, run: Trajectory, step: float) -> bool:
 
     Speeds of a group without kinetic energy are round-off, and are set to zero.
     """
-    groups = kinds(system.interface)
+    groups = scaling_groups(system.interface)
     x, moving = list(run.x), list(groups)
     kinetic = system.energies(run.t, x)[0]
     for group in groups:

@@ -96,10 +96,11 @@ class System(Protocol):
         x0: Vector,
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
-        way: int = 0,
+        direction: int = 0,
     ) -> Trajectory:
-        """From (t0, x0), consistent, to times[-1] exactly; states at `times` by dense output.  With a `way`,
-        1 or -1, arithmetic is rounded up in some slices of 16 steps and down in the others, or the opposite.
+        """From (t0, x0), consistent, to times[-1] exactly; states at `times` by dense output.  With a
+        `direction`, 1 or -1, arithmetic is rounded up in some slices of 16 steps and down in the others, or
+        the opposite.
 
         KeyboardInterrupt raised in `progress` ends it with what was computed (status INTERRUPTED).
         """
@@ -107,7 +108,7 @@ class System(Protocol):
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int: ...
 
-    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], way: int) -> int | None:
+    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], direction: int) -> int | None:
         """`rhs` with arithmetic rounded up (1) or down (-1), where that is one call of compiled code."""
         ...
 
@@ -207,8 +208,8 @@ class Counted:
         self._counts[0] += 1
         return self.system.rhs(t, x, xdot, lam)
 
-    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], way: int) -> int | None:
-        status = self.system.rounded(t, x, xdot, lam, way)
+    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], direction: int) -> int | None:
+        status = self.system.rounded(t, x, xdot, lam, direction)
         self._counts[0] += status is not None
         return status
 

@@ -11,7 +11,7 @@ import os
 import time
 
 from lagc.api import CompiledModel
-from lagc.simulation.error_measure import kinds
+from lagc.simulation.error_measure import scaling_groups
 from lagc.simulation.solution import Solution
 from tests.benchmarks.tables import Cell, machine, table
 from tests.physics.references import Reference, Sample, compiled, names, read
@@ -25,7 +25,7 @@ def true_error(run: Solution, model: CompiledModel, sample: Sample) -> float:
     states = [*interface.q_names, *interface.v_names]
     last = list(run.states[-1])
     errors = []
-    for group in kinds(interface):
+    for group in scaling_groups(interface):
         size = max(abs(x[i]) for x in run.states for i in group)
         told = [i for i in group if states[i] in sample.values]
         errors += [abs(last[i] - sample.values[states[i]]) / size for i in told]

@@ -17,7 +17,7 @@ import lagc
 from lagc.api import Run
 from lagc.simulation.backends.directed_rounding import apart, control, directed
 from lagc.simulation.error_measure import difference, sizes
-from lagc.simulation.global_error.rounding import close_look, quick_bound, quick_look, rounded_rates
+from lagc.simulation.global_error.rounding import close_estimate, quick_bound, quick_estimate, rounded_rates
 from lagc.simulation.global_error.verified_run import verified_run
 from lagc.simulation.request import Request
 from lagc.simulation.simulate import simulate
@@ -140,7 +140,7 @@ def test_coordinates_that_nearly_depend_on_each_other(apart: float) -> None:
     text, exact = in_coordinates(near(2, apart, chance), chance, nonlinear=apart > 3e-3)
     runs = honest(text, exact, 2.0)
     if apart < 3e-4:
-        assert runs[-1].status == "failed" and "rounding" in runs[-1].message
+        assert runs[-1].status == "failed" and "round-off" in runs[-1].message
     else:
         assert runs[0].status == "ok"
     if apart > 3e-2:
@@ -222,9 +222,9 @@ def test_what_is_well_conditioned_takes_few_evaluations(name: str, backend: str)
     assert counted.evaluations <= 40
     # the quick look is a bound of the close one
     groups = sizes(found.trajectory, system.interface)
-    changes, _ = quick_look(system, found.trajectory, groups)
+    changes, _ = quick_estimate(system, found.trajectory, groups)
     quick = quick_bound(system, found.trajectory, groups, changes)
-    assert sum(moved for _, moved in close_look(system, found.trajectory, groups)) <= quick <= 1e-10
+    assert sum(moved for _, moved in close_estimate(system, found.trajectory, groups)) <= quick <= 1e-10
 
 
 def test_every_evaluation_is_counted() -> None:

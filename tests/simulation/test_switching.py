@@ -26,7 +26,7 @@ def test_pulses_barriers_square_waves(first: int) -> None:
         accuracy = 10.0 ** -(4 + seed % 6)
         run = lagc.loads(case(seed).text).compile(backend="numpy").simulate(STOP, points=8, accuracy=accuracy)
         if run.status != "ok":  # of many changes, the last places of their times
-            assert "rounding" in run.message and len(run.events) > 50, run.message
+            assert "round-off" in run.message and len(run.events) > 50, run.message
             continue
         known += 1
         sizes = [max(abs(state[i]) for state in exact) for i in (0, 1)]

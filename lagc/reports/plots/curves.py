@@ -71,12 +71,12 @@ def _doubts(solution: Solution) -> dict[str, float]:
 def _still(solution: Solution, run: Trajectory) -> Iterator[str]:
     """The states that rounding alone moves."""
     from lagc.simulation.error_measure import sizes
-    from lagc.simulation.global_error.noise_groups import still_kinds
-    from lagc.simulation.global_error.rounding import quick_look
+    from lagc.simulation.global_error.noise_groups import find_noise_groups
+    from lagc.simulation.global_error.rounding import quick_estimate
 
     system, names = solution.system, solution.state_names
     groups = sizes(run, system.interface)
-    bounds = still_kinds(system, run, groups, quick_look(system, run, groups))
+    bounds = find_noise_groups(system, run, groups, quick_estimate(system, run, groups))
     for k, (group, size) in enumerate(groups):
         if size <= bounds.get(k, 0.0):
             yield from (names[i] for i in group)

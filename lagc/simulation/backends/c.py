@@ -116,12 +116,12 @@ class CSystem(CompiledSystem):
         """lagc_params, bound."""
         return self._bound(0)
 
-    def _bound(self, way: int) -> Any:
+    def _bound(self, direction: int) -> Any:
         """The same with arithmetic rounded up or down."""
         p = (c_double * max(len(self._values) + self.interface.prepared, 1))(*self._values)
         if self.interface.prepared:
             bind = self.model.functions["bind"]
-            (_rounded(bind, way) if way else bind)(p)
+            (_rounded(bind, direction) if direction else bind)(p)
         return p
 
     @property
@@ -136,14 +136,14 @@ class CSystem(CompiledSystem):
         lam[:] = desk.lam[: self.nc]
         return status
 
-    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], way: int) -> int | None:
+    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], direction: int) -> int | None:
         from lagc.simulation.backends.directed_rounding import control
 
         if control() is None:
             return None
         desk = self._at(x)
-        rhs = _rounded(desk.rhs, way)
-        status: int = rhs(self._bound(way), c_double(t), desk.x, desk.xdot, desk.lam, desk.work)
+        rhs = _rounded(desk.rhs, direction)
+        status: int = rhs(self._bound(direction), c_double(t), desk.x, desk.xdot, desk.lam, desk.work)
         xdot[:] = desk.xdot[:]
         lam[:] = desk.lam[: self.nc]
         return status
@@ -186,7 +186,7 @@ class CSystem(CompiledSystem):
         x0: Vector,
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
-        way: int = 0,
+        direction: int = 0,
     ) -> Trajectory:
         options.check()
         nx, n, call = self.nx, len(times), self.model.functions
@@ -204,14 +204,14 @@ class CSystem(CompiledSystem):
         grid, states, done = (c_double * n)(*times), (c_double * (n * nx))(), c_size_t(0)
         head = self.model.head.from_buffer(work)
         p = self._p
-        if way:
+        if direction:
             from lagc.simulation.backends.directed_rounding import turns
 
-            p, ways = self._bound(way), turns(way)
+            p, directions = self._bound(direction), turns(direction)
 
         def record(steps: int, max_steps: int) -> int:
             asked.max_steps = max_steps
-            kernel = _rounded(call["record"], next(ways)) if way else call["record"]
+            kernel = _rounded(call["record"], next(directions)) if direction else call["record"]
             seen = state.changes if self.interface.switches else 0
             status: int = kernel(
                 p, ctypes.byref(state), ctypes.byref(asked), grid, c_size_t(n), states,
@@ -246,7 +246,7 @@ class CSystem(CompiledSystem):
                 changes=state.changes if self.interface.switches else 0,
             )  # fmt: skip
 
-        return recorded(state, options, record, told, progress, None if way else perf_counter)
+        return recorded(state, options, record, told, progress, None if direction else perf_counter)
 
     def _at(self, x: Vector) -> Any:
         """The desk of this thread, with x on it."""
@@ -282,12 +282,12 @@ class CSystem(CompiledSystem):
         return [array[:length] for array, length in zip(arrays, lengths)]
 
 
-def _rounded(function: Callable[..., int], way: int) -> Callable[..., int]:
+def _rounded(function: Callable[..., int], direction: int) -> Callable[..., int]:
     """Compiled code with arithmetic rounded up (1) or down (-1)."""
     from lagc.simulation.backends.directed_rounding import directed
 
     def call(*given: Any) -> int:
-        with directed(way):
+        with directed(direction):
             return function(*given)
 
     return call

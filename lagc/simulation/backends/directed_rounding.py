@@ -20,41 +20,41 @@ MODES = ((0x800, 0x400), (0x400000, 0x800000), (0x200, 0x100), (2, 3), (3, 2))
 
 
 @contextmanager
-def directed(way: int) -> Iterator[Callable[[int], None]]:
+def directed(direction: int) -> Iterator[Callable[[int], None]]:
     """Arithmetic of this thread rounded up (1) or down (-1), as usual for 0 and where it cannot be; what it
-    gives turns it another way.  All that runs meanwhile is rounded so: to be used `apart`."""
+    gives turns it another direction.  All that runs meanwhile is rounded so: to be used `apart`."""
     found = control()
 
-    def turned(way: int) -> None:
+    def turned(direction: int) -> None:
         if found is not None:
             turn, up, down = found
-            turn((0, up, down)[way])
+            turn((0, up, down)[direction])
 
-    turned(way)
+    turned(direction)
     try:
         yield turned
     finally:
         turned(0)
 
 
-def turns(way: int) -> Iterator[int]:
+def turns(direction: int) -> Iterator[int]:
     """Ways of rounding, up and down without pattern; for -1 the opposite ones."""
     k = 0
     while True:
-        yield -way if k * k * 0x9E3779B1 & 0x100000 else way
+        yield -direction if k * k * 0x9E3779B1 & 0x100000 else direction
         k += 1
 
 
-def by_turns(run: Callable[[Progress], T], way: int, progress: Progress | None) -> T:
-    """What `run(tell)` returns, apart, with arithmetic rounded another way of `turns` after each time that it
+def by_turns(run: Callable[[Progress], T], direction: int, progress: Progress | None) -> T:
+    """What `run(tell)` returns, apart, with arithmetic rounded another direction of `turns` after each time that it
     tells."""
 
     def work(tell: Progress) -> T:
-        ways = turns(way)
-        with directed(next(ways)) as turn:
+        directions = turns(direction)
+        with directed(next(directions)) as turn:
 
             def told(t: float) -> None:
-                turn(next(ways))
+                turn(next(directions))
                 tell(t)
 
             return run(told)

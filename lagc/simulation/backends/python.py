@@ -117,7 +117,7 @@ class NumpySystem(CompiledSystem):
         status: int = self._own.desk.rhs(t, x, xdot, lam)
         return status
 
-    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], way: int) -> int | None:
+    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], direction: int) -> int | None:
         return None
 
     def assemble(self, t: float, x: Vector) -> int:
@@ -261,18 +261,18 @@ class NumpySystem(CompiledSystem):
         x0: Vector,
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
-        way: int = 0,
+        direction: int = 0,
     ) -> Trajectory:
         def run(tell: Callable[[float], None] | None, clock: Callable[[], float] | None = None) -> Trajectory:
             integrate = self.model.module["_integrate"]
             done: Trajectory = integrate(self.equations(), options, t0, list(x0), list(times), tell, clock)
             return done
 
-        if way == 0:
+        if direction == 0:
             return run(progress, perf_counter)
         from lagc.simulation.backends.directed_rounding import by_turns
 
-        return by_turns(run, way, progress)
+        return by_turns(run, direction, progress)
 
     def _ask(self, name: str, length: int, t: float, x: Vector) -> list[float]:
         """The function `name` of the Program, with those of p t x e a lam that it reads."""

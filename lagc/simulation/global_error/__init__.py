@@ -1,1 +1,1 @@
-"""The estimate of the global error of a run."""
+"""The global error of a run: truncation, round-off, and the energy balance."""

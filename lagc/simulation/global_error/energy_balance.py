@@ -1,8 +1,8 @@
-"""Whether the energy of a motion is as exact as the motion is said to be.
+"""The energy balance of a motion, as a check of its accuracy.
 
-States with errors of A times their sizes s_i have an energy wrong by A times the sum of |dE/dx_i| s_i
-at most, to first order.  What is left between the energy gained and the work done must not be far more:
-if it is, the motion is not what the equations say, however well two runs of it agree.
+States with errors of A times their sizes s_i have an energy error of at most A times the sum of |dE/dx_i|
+s_i, to first order.  If the energy gained and the work done differ by far more, the motion does not solve
+the equations, although runs of different tolerance agree.
 """
 
 from __future__ import annotations
@@ -14,19 +14,20 @@ from lagc.base.records import dataclass
 from lagc.simulation.error_measure import Sizes
 from lagc.simulation.system import System, Trajectory
 
-RECORDED = 48  # states at which the balance is drawn
-FEW = 12  # at first, or more where a run took so many times SELDOM evaluations
+RECORDED = 48  # states at which the balance is evaluated
+FEW = 12  # states at first; more if a run had FEW times SELDOM evaluations
 SELDOM = 400
-PROBED = 6  # states at which the sensitivity of the energy is told
+PROBED = 6  # states at which the derivative of the energy is estimated
 STEP = 1e-6  # of a size, for differences
-MARGIN = 10.0  # on what errors of the states explain
-WORK_MARGIN = 100.0  # on the work, whose integral has no error control of its own
-ROUNDING = 1e3  # rounding of the terms, over that of one evaluation
+MARGIN = 10.0  # factor on the effect of state errors
+WORK_MARGIN = 100.0  # factor on the work, whose integral has no error control
+ROUNDING = 1e3  # factor on the round-off of one evaluation
 
 
 @dataclass(frozen=True, slots=True)
 class Balance:
-    """The largest imbalance, in J, its time, and the most that errors of the accuracy asked explain."""
+    """The largest imbalance in J, its time in s, and the largest imbalance that the accuracy asked
+    explains, in J."""
 
     imbalance: float
     t: float
@@ -38,10 +39,10 @@ class Balance:
 
 
 def balance(system: System, trajectory: Trajectory, groups: Sizes, accuracy: float) -> Balance:
-    """`groups`: the indices of the states of each kind, and their size.
+    """Return the energy balance of a run; `groups` are the scaling groups with their sizes.
 
-    As much as twice the kinetic energy is the sum over the speeds alone, where nothing depends on time: an
-    imbalance that a tenth of this explains is harmless, and nothing more is asked.
+    The sum over the speeds alone is twice the kinetic energy, if no part depends on time.  An imbalance
+    below a tenth of its effect is accepted without further evaluations.
     """
     states = trajectory.states
     if not states:
@@ -55,13 +56,13 @@ def balance(system: System, trajectory: Trajectory, groups: Sizes, accuracy: flo
     drawn = _Drawn(system, times, states, _picked(len(states), RECORDED))
     explained = accuracy * WORK_MARGIN * drawn.work()
     found = drawn.balance(explained)
-    if found.holds:  # whatever the states bring: to ask this takes an evaluation for each
+    if found.holds:  # without the derivatives of the energy, which cost one evaluation for each state
         return found
     return drawn.balance(explained + _explained(system, times, states, groups, accuracy))
 
 
 class _Drawn:
-    """The balance at the states `picked`."""
+    """The energies and works at the states `picked`."""
 
     def __init__(
         self, system: System, times: Sequence[float], states: Sequence[Sequence[float]], picked: list[int]
@@ -71,15 +72,17 @@ class _Drawn:
         self.works = [states[k][-1] if system.nz else 0.0 for k in picked]
 
     def kinetic(self) -> float:
-        """The largest kinetic energy; 0 where a part of it is not a square of the speeds."""
+        """The largest kinetic energy; 0 if a part of the energy is neither potential nor quadratic in the
+        speeds."""
         whole = all(abs(k + v - e) <= 1e-12 * (abs(k) + abs(v)) for k, v, e in self.energies)
         return max(k for k, _, _ in self.energies) if whole else 0.0
 
     def work(self) -> float:
-        """What was done to and fro."""
+        """The sum of the magnitudes of the work done."""
         return sum(abs(b - a) for a, b in pairwise(self.works))
 
     def balance(self, explained: float) -> Balance:
+        """The largest imbalance."""
         e0, w0 = self.energies[0][2], self.works[0]
         left = [abs(e[2] - e0 - (w - w0)) for e, w in zip(self.energies, self.works)]
         worst = max(range(len(left)), key=left.__getitem__)
@@ -93,7 +96,7 @@ def _explained(
     groups: Sizes,
     accuracy: float,
 ) -> float:
-    """What errors of the accuracy in the states, and rounding, bring at most."""
+    """The largest imbalance that state errors of the accuracy, and round-off, explain, in J."""
     from lagc.simulation.backends.directed_rounding import apart
 
     picked = _picked(len(states), PROBED)
@@ -107,7 +110,7 @@ def _picked(n: int, count: int) -> list[int]:
 
 
 def _slopes(system: System, t: float, x: Sequence[float], groups: Sizes) -> float:
-    """The sum of |dE/dx_i| s_i."""
+    """The sum of |dE/dx_i| s_i, in J."""
     here, total = system.energies(t, x)[2], 0.0
     for group, size in groups:
         for i in group:
@@ -119,11 +122,11 @@ def _slopes(system: System, t: float, x: Sequence[float], groups: Sizes) -> floa
 
 
 def _noise(system: System, t: float, x: Sequence[float]) -> float:
-    """How far rounding moves the energy at one state."""
+    """The round-off of the energy at one state, in J, from evaluations with directed rounding."""
     from lagc.simulation.backends.directed_rounding import directed
 
     found = [system.energies(t, x)]
-    for way in (1, -1):
-        with directed(way):
+    for direction in (1, -1):
+        with directed(direction):
             found.append(system.bind(system.parameters).energies(t, x))
     return max(abs(e[2] - found[0][2]) for e in found) + 2.0**-52 * max(abs(a) for a in found[0])

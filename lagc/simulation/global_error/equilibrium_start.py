@@ -1,5 +1,5 @@
-"""Whether a motion is none: in an equilibrium, as well as numbers of finite length can say, or because
-constraints leave no other."""
+"""Initial states from which nothing moves: equilibria to round-off, and mechanisms locked by their
+constraints."""
 
 from __future__ import annotations
 
@@ -9,17 +9,21 @@ from collections.abc import Sequence
 from lagc.simulation.global_error.rounding import ULP, rounded_rates
 from lagc.simulation.system import FAILED, OK, System, Trajectory, rates_at, row_gradients
 
-WAYS = 8  # in which time, state and parameters are changed in their last place
-CLEAR = 2.0**26  # times what last places change: a rate that keeps half its digits is no rounding
-SEVERAL = 2.0  # such changes of a rate are rounding
-NORMAL = sys.float_info.min  # a last place of what is less may be all of it
-MET = 1e-13  # scaled residual: farther off, a mechanism at a singular posture may seem to be locked
+DIRECTIONS = 8  # combinations of signs by which time, state and parameters are perturbed
+CLEAR = (
+    2.0**26
+)  # ratio of a rate to its round-off estimate: a rate with half its digits correct is not round-off
+SEVERAL = 2.0  # ratio of a rate to its round-off estimate: it is round-off
+NORMAL = sys.float_info.min  # a unit in the last place of smaller numbers may be all of the number
+MET = 1e-13  # scaled residual: with a larger one, a mechanism near a singular posture may seem locked
 
 
 def rests(system: System, x: Sequence[float], times: Sequence[float]) -> bool:
-    """Whether nothing but rounding moves the state x, where no time moves it either: no coordinate changes
-    in the last place of the largest of its kind over the whole time, and changes of state and parameters
-    in their last place, or other rounding, change each acceleration by as much as it is."""
+    """Return True if only round-off moves the state x during `times`.
+
+    No coordinate changes by one unit in the last place of its scaling group over the whole time, and each
+    acceleration is no larger than its round-off estimate.
+    """
     if system.interface.timed or any(0.0 < abs(p) < NORMAL for p in system.parameters):
         return False
     nq, span = system.nq, times[-1] - times[0]
@@ -39,9 +43,11 @@ def rests(system: System, x: Sequence[float], times: Sequence[float]) -> bool:
 
 
 def locked(system: System, x: Sequence[float], t: float) -> bool:
-    """Whether constraints that do not depend on time hold x where it is: no speed is one of theirs, and
-    they tell all speeds.  The rank of their rows is the trace of the projection, in the metric of the
-    mass matrix, onto what they see of the speeds; it counts as at the right-hand side."""
+    """Return True if the constraints, independent of time, allow no motion from x.
+
+    The constraint gradients must have the rank nv.  Their rank is the trace of the projection onto them in
+    the metric of the mass matrix.
+    """
     nq, nv = system.nq, system.nv
     if system.nc < nv or system.interface.driven:
         return False
@@ -55,26 +61,31 @@ def locked(system: System, x: Sequence[float], t: float) -> bool:
 
 
 def resting(x: Sequence[float], times: Sequence[float]) -> Trajectory:
-    """The motion that is none."""
+    """The trajectory of a system that stays at x."""
     return Trajectory(list(times), [list(x) for _ in times], times[-1], list(x), OK)
 
 
 def _last_places(system: System, t: float, x: Sequence[float], plain: Sequence[float]) -> list[float]:
-    """How far each acceleration changes where all numbers are changed in their last place."""
+    """The round-off of each acceleration, from perturbations of all numbers by one unit in the last place."""
     p, others = system.parameters, []
-    for way in range(WAYS):
-        last = [1.0 - ULP if (i + 1) * (2 * way + 3) >> 1 & 1 else 1.0 + ULP for i in range(len(x) + len(p))]
+    for direction in range(DIRECTIONS):
+        last = [
+            1.0 - ULP if (i + 1) * (2 * direction + 3) >> 1 & 1 else 1.0 + ULP for i in range(len(x) + len(p))
+        ]
         other = system.bind([a * b for a, b in zip(p, last[len(x) :])])
         others.append(rates_at(other, t, [a * b for a, b in zip(x, last)]))
     return _changes(system, others, plain)
 
 
 def _other_rounding(system: System, t: float, x: Sequence[float], plain: Sequence[float]) -> list[float]:
-    """How far each acceleration changes where arithmetic is rounded up, or down."""
-    return _changes(system, [r for way in (1, -1) for r in rounded_rates([system], [t], [x], way)], plain)
+    """The round-off of each acceleration, from arithmetic rounded up and down."""
+    return _changes(
+        system, [r for direction in (1, -1) for r in rounded_rates([system], [t], [x], direction)], plain
+    )
 
 
 def _changes(system: System, others: Sequence[Sequence[float] | None], plain: Sequence[float]) -> list[float]:
+    """The largest change of each acceleration."""
     found = [0.0] * system.nv
     for rates in others:
         moved = zip(found, (rates or plain)[system.nq :], plain[system.nq :])

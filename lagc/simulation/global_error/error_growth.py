@@ -1,10 +1,10 @@
-"""What rounding brings to a motion and what becomes of it.
+"""The part of the global error that round-off causes, and its growth along the motion.
 
-The coarse pilot begins displaced by DISPLACED in the way of rounding.  It parts from a finer run by its own
-errors and by what has become of the displacement: that bounds the growth at no cost.  Where the bound does
-not show rounding to be harmless, one more run displaced by FAR tells the growth, as its own errors are
-little beside that.  Where so much does not stay small, growth from the start says little of growth from
-later on: a run is made twice more, with arithmetic rounded up and down by turns, and oppositely.
+The coarse pilot run starts from a state displaced by DISPLACED in the direction of round-off.  Its distance
+to a finer run bounds the growth of perturbations at no cost.  If the bound is too large, one more run
+displaced by FAR measures the growth.  If such a displacement does not stay small, growth from the start
+says little about later growth; then two runs with arithmetic rounded up and down in turns measure the
+effect of round-off itself.
 """
 
 from __future__ import annotations
@@ -14,75 +14,82 @@ from itertools import accumulate
 from math import hypot, inf, sqrt
 
 from lagc.simulation.error_measure import Sizes, between, spread
-from lagc.simulation.global_error.rounding import Quick, close_look, jolted, nudged, quick_bound
+from lagc.simulation.global_error.rounding import Quick, close_estimate, event_shift, nudged, quick_bound
 from lagc.simulation.system import FAILED, INTERRUPTED, System, Trajectory, arrived
 
-LITTLE = 10.0  # of growth: a distance that tells no more may be all displacement
+LITTLE = 10.0  # growth: a smaller distance may be all displacement
 DISPLACED = 1e-7  # of the sizes: less than the errors of the coarse pilot in most motions
 FAR = 1e-4  # of the sizes: more than these errors in most motions
-NEWTON = 4  # steps: each takes away all but about a part FAR of what is missed
-LINEAR = 1e-2  # of the sizes: what is no larger grows in proportion
-ROUGHLY = 3.0  # on what rounding is seen to bring at a few states
-BIASED = 0.3  # of what the same direction of all rounding in a slice adds up to
+NEWTON = 4  # steps; each reduces the residual to about FAR times itself
+LINEAR = 1e-2  # of the sizes: smaller perturbations grow in proportion
+ROUGHLY = 3.0  # factor on the round-off estimated at a few states
+BIASED = 0.3  # share of the distance of oppositely rounded runs that counts as systematic
 
-Looks = Sequence[tuple[int, float]]  # where, how far
-Integrate = Callable[[float, Sequence[float], int], Trajectory]  # tolerance, start, way of rounding
+Estimates = Sequence[tuple[int, float]]  # index of the recorded state, effect
+Integrate = Callable[
+    [float, Sequence[float], int], Trajectory
+]  # tolerance, initial state, rounding direction
 
 
 class Rounding:
-    """Of the motion `run`, whose states have the sizes `groups`; `look` is the quick one at it, `coarse` the
-    tolerance of the pilot.
+    """The effect of round-off on the motion `run`.
 
-    `beside` is the displaced pilot; `bound` of the growth is infinite where it tells none.
+    `groups` are the scaling groups with their sizes, `estimate` the quick estimate of round-off, `coarse` the
+    tolerance of the pilot.  `beside` is the displaced pilot, and `bound` the bound of the growth, infinite
+    if unknown.
     """
 
-    def __init__(self, system: System, run: Trajectory, groups: Sizes, look: Quick, coarse: float,
+    def __init__(self, system: System, run: Trajectory, groups: Sizes, estimate: Quick, coarse: float,
                  integrate: Integrate):  # fmt: skip
         self.system, self.run, self.groups, self.integrate = system, run, groups, integrate
-        changes, self.way = look
+        changes, self.direction = estimate
         self.quick = quick_bound(system, run, groups, changes)
         self.beside = self._displaced(coarse, DISPLACED)
         self.bound = self.bounded(run)
         self.grown: list[float] | None = None  # differences from the start, up to each recorded time
-        self.looked: tuple[Trajectory, Looks] | None = None  # closely
-        self.moved: list[float] = []  # by rounding, up to each recorded time: what was measured last
+        self.estimated: tuple[Trajectory, Estimates] | None = None  # the close estimate
+        self.moved: list[float] = []  # the effect of round-off up to each recorded time, measured last
 
     def hides(self, accuracy: float) -> bool:
-        """Whether it may be the displacement that keeps the pilots apart by more than `accuracy`."""
+        """Whether the displacement may keep the pilots apart by more than `accuracy`."""
         return self.bound == inf or accuracy < self.bound * DISPLACED < LITTLE * DISPLACED
 
     def bounded(self, run: Trajectory) -> float:
-        """The bound that the distance to `run` tells."""
+        """The bound of the growth from the distance to `run`."""
         apart = self._apart(self.beside, run)
         return apart / DISPLACED if apart <= LINEAR else inf
 
     def drift(self, run: Trajectory, groups: Sizes, harmless: float) -> float:
-        """What rounding brings to `run` where differences do not grow: a bound, a rough one to `harmless`."""
+        """The effect of round-off on `run` without growth; a quick bound if it is below `harmless`."""
         if self.quick <= harmless:
             return self.quick
-        return ROUGHLY * sum(moved for _, moved in self._looks(run, groups))
+        return ROUGHLY * sum(moved for _, moved in self._estimates(run, groups))
 
     def of(self, runs: Mapping[float, Trajectory], groups: Sizes, least: float, harmless: float,
            bearable: float) -> float:  # fmt: skip
-        """What rounding brings to the finest of the runs (by their tolerances): a bound, where that is up to
-        `harmless`; up to `bearable`, roughly.  Differences grow by `least` or more."""
+        """The effect of round-off on the finest run (of `runs`, by tolerance).
+
+        A bound suffices below `harmless`, a rough value below `bearable`.  Perturbations grow by `least` or
+        more.
+        """
         bound = max(self.bound, least)
         if self.quick * bound <= harmless:
             return self.quick * bound
         fine = runs[min(runs)]
-        looks = self._looks(fine, groups)
-        drift = sum(moved for _, moved in looks)
+        estimates = self._estimates(fine, groups)
+        drift = sum(moved for _, moved in estimates)
         if drift == 0.0 or drift * bound <= harmless:
             return drift and drift * bound
         if self.grown is None:
             self.grown = self._growth(self._coarse(runs), fine) if self.bound < inf else []
         if self.grown:
             self.moved = [ROUGHLY * drift * grown for grown in self.grown]
-            return ROUGHLY * max(drift, drift * least, self._spread(looks, fine.steps))
+            return ROUGHLY * max(drift, drift * least, self._spread(estimates, fine.steps))
         return self.seen(runs, groups, bearable)
 
     def seen(self, runs: Mapping[float, Trajectory], groups: Sizes, bearable: float) -> float:
-        """The same as runs that are rounded otherwise tell: coarse ones, if that is up to `bearable`."""
+        """The effect of round-off from runs with directed rounding: coarse ones, if the result is below
+        `bearable`."""
         steps = runs[min(runs)].steps
         for tol in sorted({self._coarse(runs), min(runs)}, reverse=True):
             self.moved = self._seen(tol, runs[tol], groups, steps)
@@ -91,24 +98,25 @@ class Rounding:
         return self.moved[-1]
 
     def _coarse(self, runs: Mapping[float, Trajectory]) -> float:
-        """The tolerance of the coarsest that follows the finest."""
+        """The largest tolerance whose run follows the finest one."""
         fine = runs[min(runs)]
         return max(tol for tol, run in runs.items() if run is fine or self._apart(run, fine) <= LINEAR)
 
     def until(self, accuracy: float) -> float:
-        """The time up to which rounding stays below `accuracy`, where it was measured."""
+        """The time until which the effect of round-off is below `accuracy`, if it was measured."""
         times = self.run.times
         moved = self.moved or [0.0] * len(times)
         return max((t for t, far in zip(times, moved) if far <= accuracy), default=times[0])
 
-    def _looks(self, run: Trajectory, groups: Sizes) -> Looks:
-        if self.looked is None or self.looked[0] is not run:
-            looks = close_look(self.system, run, groups)
-            self.looked = run, [*looks, (0, jolted(self.system, run, groups))]
-        return self.looked[1]
+    def _estimates(self, run: Trajectory, groups: Sizes) -> Estimates:
+        if self.estimated is None or self.estimated[0] is not run:
+            estimates = close_estimate(self.system, run, groups)
+            self.estimated = run, [*estimates, (0, event_shift(self.system, run, groups))]
+        return self.estimated[1]
 
     def _growth(self, tol: float, run: Trajectory) -> list[float]:
-        """Of differences from the start, up to each recorded time; nothing where they do not stay small."""
+        """The growth of perturbations from the start to each recorded time; empty if they do not stay
+        small."""
         there = self._displaced(tol, FAR)
         if there.status != INTERRUPTED and not self._apart(there, run) <= LINEAR:
             return []
@@ -119,30 +127,30 @@ class Rounding:
                  for k, (x, y) in enumerate(zip(there.states, run.states))]  # fmt: skip
         return [*accumulate(grown, max), *[inf] * (len(run.states) - len(grown))]
 
-    def _spread(self, looks: Looks, steps: int) -> float:
-        """What was seen at some states, grown: what begins at one grows as what began before, or as much as
-        from the start in the time that is left.  Where that differs from time to time, the rounding of each
-        step counts by itself."""
+    def _spread(self, estimates: Estimates, steps: int) -> float:
+        """The effect of round-off estimated at some states, with growth.
+
+        A perturbation that begins at a state grows as an earlier one does from there, or as one from the
+        start in the time that remains.  If growth varies, the round-off of each step counts independently.
+        """
         grown = self.grown or [1.0]
         if grown[-1] == inf:
             return inf
-        whole = hypot(*(moved * max(grown[-1] / grown[k], grown[-1 - k]) for k, moved in looks))
-        return whole / sqrt(max(1.0, steps / len(looks)))
+        whole = hypot(*(moved * max(grown[-1] / grown[k], grown[-1 - k]) for k, moved in estimates))
+        return whole / sqrt(max(1.0, steps / len(estimates)))
 
     def _seen(self, tol: float, run: Trajectory, groups: Sizes, steps: int) -> list[float]:
-        """How far rounding moves `run`, of that tolerance, up to each recorded time, of the sizes; in `steps`
-        it is as much more as these are.
+        """The effect of round-off on `run` up to each recorded time, relative to the sizes.
 
-        What two runs are away from it that are rounded oppositely has two parts.  One is chance, as the
-        rounding of the run itself, and greater: that errs by up to half a last place, these by half of one
-        beside their mean.  The other, half of the distance between them, is what the same direction of all
-        rounding in a slice adds up to: of it, a part.  By one where the other does not arrive, without end
-        where neither does.
+        Two oppositely rounded runs differ from it by two parts.  The random part is the mean of both
+        differences.  The systematic part is half of their distance; a share of it counts.  If one run
+        fails, the other one counts alone; if both fail, the result is infinite.  `steps` scales the result
+        to a run with more steps.
         """
         sides: list[Trajectory] = []
-        for way in (1, -1):
+        for direction in (1, -1):
             if not sides or sides[0].status != INTERRUPTED:
-                sides.append(self.integrate(tol, nudged(run.states[0], way), way))
+                sides.append(self.integrate(tol, nudged(run.states[0], direction), direction))
         more = max(1.0, steps / max(run.steps, 1))
         left_out = {k for side in sides for k in between(side, run)}
         moving = [(i, more / size) for group, size in groups if size > 0.0 for i in group]
@@ -159,22 +167,23 @@ class Rounding:
         return [*accumulate(found, max)]
 
     def _displaced(self, tol: float, by: float) -> Trajectory:
-        """From the start moved in the way of rounding by that much of the sizes."""
-        parts = [(i, self.way[i] / size) for group, size in self.groups if size > 0.0 for i in group]
+        """The run of tolerance `tol` from the initial state displaced in the direction of round-off, by
+        that share of the sizes."""
+        parts = [(i, self.direction[i] / size) for group, size in self.groups if size > 0.0 for i in group]
         largest = max((abs(part) for _, part in parts), default=0.0)
         x = list(self.run.states[0])
         for i, _ in parts if largest > 0.0 else ():
-            x[i] += by * (self.way[i] / largest)
+            x[i] += by * (self.direction[i] / largest)
         return self.integrate(tol, _consistent(self.system, self.run.times[0], x), 0)
 
     def _apart(self, run: Trajectory, other: Trajectory) -> float:
-        """Of the sizes; infinite where a run did not arrive."""
+        """The distance relative to the sizes; infinite if a run did not reach its end."""
         alike = run.status == other.status and arrived(run)
         return spread(run, other, self.groups, self.groups) if alike else inf
 
 
 def _consistent(system: System, t: float, x: list[float]) -> list[float]:
-    """`x` near its constraints, put back onto them by simplified Newton steps."""
+    """Return `x`, near its constraints, projected onto them by simplified Newton steps."""
     if system.nc == 0 or system.assemble(t, x) in FAILED:
         return x
     nq, nv, others = system.nq, system.nv, [0.0] * (system.nc - system.nh)

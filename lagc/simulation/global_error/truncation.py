@@ -1,6 +1,7 @@
-"""The error that its steps bring to the finest of some runs, as their differences tell, and which is next.
+"""The truncation error of the finest of several runs, from their differences, and the tolerances of the
+next runs.
 
-It behaves as C tol^p; where steps are few, p is chance.
+The error behaves as C tol^p; with few steps, p is random.
 """
 
 from __future__ import annotations
@@ -12,40 +13,41 @@ from lagc.base.text import FINEST
 from lagc.simulation.error_measure import Sizes, spread
 from lagc.simulation.system import Trajectory
 
-SAFETY = 2.0  # on every estimate
-FEW = 24.0  # steps: half of the slope found is believed
-CAUTION = 0.9  # of the slope found is believed for the decade that no finer run covers
-MOST_ALIKE = 3.0  # steps may be as many for another reason: the stability of the method
-SMALLEST = 1e-14  # rounding in a few steps; no difference tells of a smaller error
-SLOPES = (0.5, 1.6)  # of log(error) over log(tolerance) where they are believed
+SAFETY = 2.0  # factor on every estimate
+FEW = 24.0  # steps: half of the measured slope is used
+CAUTION = 0.9  # share of the slope that is used for the decade below the finest run
+MOST_ALIKE = 3.0  # largest correction for runs with similar numbers of steps, which stability may cause
+SMALLEST = 1e-14  # round-off of a few steps: differences do not show a smaller error
+SLOPES = (0.5, 1.6)  # range of p that is accepted
 
 
 def is_tied(steps: int, changes: int) -> bool:
-    """Whether changes, more than the tolerance, tell where the steps of a run end: one at another tolerance
-    has most of them too."""
+    """Whether events, rather than the tolerance, determine where the steps end."""
     return steps < FEW * changes
 
 
 class Truncation:
-    """Of `runs`, by tolerance, to which more are added, by a method of this order; `sizes` of each by its
-    tolerance."""
+    """The truncation error of `runs` (by tolerance), to which more are added.
+
+    `sizes` returns the sizes of a run by its tolerance; `order` is that of the method.
+    """
 
     def __init__(self, runs: Mapping[float, Trajectory], sizes: Callable[[float], Sizes], order: int):
         self.runs, self.sizes, self.order = runs, sizes, order
         self.found: dict[tuple[float, float], float] = {}
 
     def error(self) -> float:
-        """Of the finest run; infinite where there is no other."""
+        """The error of the finest run; infinite if it is the only one."""
         if len(self.runs) < 2:
             return inf
         return max(self._by_law(), SMALLEST)
 
     def _by_law(self) -> float:
-        """The error of the next coarser run by their difference, carried on by the slope over three runs
-        where that is consistent.
+        """The error of the next coarser run from their difference, extrapolated by the slope over three
+        runs.
 
-        Two runs may happen to err alike: their difference counts for no less than the one before
-        lets expect.
+        Two runs may have equal errors by chance, so their difference counts for at least the value that the
+        previous difference predicts.
         """
         tols = sorted(self.runs)
         difference, alike = self._difference(tols[0], tols[1]), self._alike(tols)
@@ -57,8 +59,8 @@ class Truncation:
         return SAFETY * max(difference, before * step) * max(self._gain(), alike)
 
     def _gain(self) -> float:
-        """The error of the finest run over that of the next.  Errors of few steps between changes follow no
-        law: the slope is believed in part."""
+        """The ratio of the errors of the two finest runs, from the slope; with few steps between events it
+        is used in part."""
         tols = sorted(self.runs)[:2]
         fine = self.runs[tols[0]]
         steps = fine.steps / (fine.changes + 1)
@@ -67,14 +69,17 @@ class Truncation:
         return gain
 
     def _alike(self, tols: Sequence[float]) -> float:
-        """The error of the finer run over the difference, as the numbers of steps let expect: an error
-        goes with the power -order of it, so that runs of like numbers differ by less than they err."""
+        """The ratio of the error of the finer run to the difference, from the numbers of steps.
+
+        An error is proportional to the power -order of the number of steps.  Runs with similar numbers
+        differ by less than their errors.
+        """
         fine, coarse = (self.runs[tol].steps for tol in tols[:2])
         ratio = (fine / max(coarse, 1)) ** self.order
         return min(1.0 / (ratio - 1.0), MOST_ALIKE) if ratio > 1.0 else MOST_ALIKE
 
     def _slope(self) -> float | None:
-        """p of C tol^p, from the finest runs; None where two decades disagree."""
+        """The exponent p of C tol^p from the finest runs; None if two decades disagree."""
         tols = sorted(self.runs)[:4]
         if len(tols) < 3:
             return None
@@ -87,8 +92,11 @@ class Truncation:
         return min(1.0, *slopes) if consistent else None
 
     def following(self, accuracy: float, unbalanced: bool) -> list[float]:
-        """The tolerances of the next runs, to this accuracy; the finest agree, and yet are wrong, where they
-        are `unbalanced`.  Where there is no finer one, one between tells how errors fall to there."""
+        """The tolerances of the next runs for `accuracy`.
+
+        `unbalanced`: the finest runs agree, but violate the energy balance.  At the finest tolerance, one
+        run between tells how the error falls.
+        """
         if min(self.runs) <= FINEST:
             between = plain(10.0**0.75 * FINEST)
             return [] if between in self.runs or unbalanced else [between]
@@ -97,7 +105,7 @@ class Truncation:
         return [plain(coarse), plain(coarse / 10.0)]
 
     def _predicted(self, accuracy: float) -> float:
-        """The tolerance that should meet it, in steps of a quarter decade."""
+        """The tolerance that should reach the accuracy, in steps of a quarter decade."""
         tols = sorted(self.runs)
         slope = self._slope() or 1.0
         error = SAFETY * max(self._difference(tols[0], tols[1]), SMALLEST) * self._gain()
@@ -110,13 +118,13 @@ class Truncation:
         return max(FINEST, fine)
 
     def _is_flat(self, tols: Sequence[float]) -> bool:
-        """Whether changes, not yet the tolerance, tell where steps end."""
+        """Whether the difference does not fall yet, because events determine the steps."""
         fine = self.runs[tols[0]]
         falls = self._difference(tols[0], tols[1]) < 0.5 * self._difference(tols[0], tols[2])
         return is_tied(fine.steps, fine.changes) and not falls
 
     def forget(self, tol: float) -> None:
-        """The run of this tolerance is another."""
+        """Discard the differences with the run of this tolerance, which was replaced."""
         self.found = {pair: apart for pair, apart in self.found.items() if tol not in pair}
 
     def _difference(self, fine: float, coarse: float) -> float:
@@ -127,5 +135,5 @@ class Truncation:
 
 
 def plain(tol: float) -> float:
-    """To three digits: 1e-8/10 is the tolerance 1e-9 that may have been run already."""
+    """Round to three digits, so that 1e-8/10 is the tolerance 1e-9 of an earlier run."""
     return float(f"{tol:.2e}")

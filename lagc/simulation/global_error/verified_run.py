@@ -1,12 +1,14 @@
-"""The global error of a run: chosen in advance, estimated by comparing two tolerances.
+"""A run with a given global error: the tolerance is chosen, and the error is estimated by comparing runs.
 
-The error of a trajectory is the largest |x_i - exact_i| / scale_i over all its times and all coordinates
-and speeds; scale_i is the largest magnitude, over the trajectory, of the states of the same kind
-(coordinates, or speeds, of the same unit).  Pilots at 1e-5 and 1e-6 tell how it goes with the tolerance;
-the run is made at the predicted one and at ten times it, and the finer one is returned with the error that
-their difference tells (`lagc.simulation.global_error.truncation`).  What all runs share is added, the part
-of rounding (`lagc.simulation.global_error.rounding`), and the energy has to be in balance
-(`lagc.simulation.global_error.energy_balance`)."""
+The error of a trajectory is the largest |x_i - exact_i| / s_i over all its times, coordinates and speeds.
+The scale s_i is the largest magnitude, over the trajectory, in the scaling group of x_i (coordinates, or
+speeds, of the same unit).
+
+Pilot runs at the tolerances 1e-5 and 1e-6 tell how the error depends on the tolerance.  A run at the
+predicted tolerance and one at ten times that follow; the finer one is returned.  Its error is the
+truncation error from the difference (`truncation`) plus the effect of round-off (`error_growth`).  The
+energy must be in balance (`energy_balance`).
+"""
 
 from __future__ import annotations
 
@@ -29,14 +31,14 @@ if TYPE_CHECKING:
     from lagc.simulation.global_error.error_growth import Rounding
 
 
-FORMAT = 4  # which every Python reads
+FORMAT = 4  # of marshal, readable by every version of Python
 
 
 def name_of(
     system: System, x0: Sequence[float], times: Sequence[float], accuracy: float, method: str,
     max_step: float | None,
 ) -> str:  # fmt: skip
-    """The same question has the same answer, whether it is remembered or not; so all of it counts."""
+    """The cache key of a verified run, which contains everything that determines its result."""
     interface = system.interface
     values = [repr(v) for v in (accuracy, max_step, list(system.parameters), list(x0), list(times))]
     tool = tool_fingerprint()
@@ -45,51 +47,52 @@ def name_of(
 
 @dataclass
 class Remembered:
-    """`end`: the last state, which the same run reaches again.  `still`: see
-    `lagc.simulation.global_error.noise_groups`."""
+    """A verified run in the cache: tolerance, estimated error, last state, and noise groups with their
+    bounds."""
 
     rtol: float
     estimated: float
     end: list[float]
-    still: list[tuple[int, float]]
+    noise: list[tuple[int, float]]
 
 
 def recall(name: str) -> Remembered | None:
+    """Return the remembered run, or None."""
     return cache.load("accuracy", name, lambda body: Remembered(*marshal.loads(body)))
 
 
 def remember(name: str, found: Remembered) -> None:
+    """Store a verified run."""
     cache.store("accuracy", name, marshal.dumps([getattr(found, name) for name in names(Remembered)], FORMAT))
 
 
 def strays(trajectory: Trajectory, end: Sequence[float], groups: Sizes) -> float:
-    """The scaled distance between the last state and `end`."""
+    """The scaled distance between the last state of `trajectory` and `end`."""
     last = trajectory.states[-1]
     return max((abs(last[i] - end[i]) / size for group, size in groups if size for i in group), default=0.0)
 
 
-HARMLESS = 0.25  # of the accuracy asked: of less rounding than that a bound is enough
+HARMLESS = 0.25  # of the accuracy asked: a bound of the round-off suffices below it
 COARSE, FINE = 1e-5, 1e-6  # the tolerances of the pilots
-RETRY = 1e-9  # the tolerance that is tried where a coarser one fails
-COARSER = 9.0  # times the tolerance: runs that differ by enough
-ATTEMPTS = 5  # at a finer tolerance after the first estimate missed the target
-# Of the time, the longest step at the tolerance COARSE: of any motion; where the rates depend on time itself
-# between changes.
+RETRY = 1e-9  # the tolerance that is tried if a coarser one fails
+COARSER = 9.0  # ratio of tolerances of runs that differ enough
+ATTEMPTS = 5  # at finer tolerances after the first estimate
+# The longest step at the tolerance COARSE, relative to the time: in general, and if the rates depend on time.
 LONGEST, LONGEST_FLOWING = 0.5, 0.02
-MEANINGLESS = 1e-2  # an estimate above it says that the end of the motion is not known at all
+MEANINGLESS = 1e-2  # estimate above which the end of the motion is unknown
 
 Progress = Callable[[float], None]
 
 
 @dataclass
 class Verified:
-    """The trajectory to return and what is known of its error.
+    """The trajectory to return and its error.
 
-    `estimated` is infinite where no two runs could be compared; `rounding` is the part of it that no
-    tolerance makes smaller, `drift` what it would be if differences did not grow.  `horizon` is the time
-    until which the two finest runs agree to the accuracy asked, and rounding is known to stay below it; None
-    where that is to the end.
-    `balance` is None where the estimate missed the target anyway.
+    `estimated` is infinite if no two runs could be compared.  `rounding` is the part of it that no
+    tolerance reduces, `drift` the same without growth.  Until `horizon`, the two finest runs agree to the
+    accuracy asked and round-off is below it; None if that is the end.  `balance` is None if the estimate
+    missed the accuracy.  `beside` is the coarser run for comparison, `failed` a run that failed at a finer
+    tolerance, `noise` the bounds of noise groups.
     """
 
     trajectory: Trajectory
@@ -97,15 +100,16 @@ class Verified:
     estimated: float
     horizon: float | None = None
     tried: list[Trajectory] = field(default_factory=list)
-    failed: Trajectory | None = None  # at a finer tolerance
+    failed: Trajectory | None = None
     rounding: float = 0.0
     drift: float = 0.0
     balance: Balance | None = None
-    beside: Trajectory | None = None  # the finest of those far coarser, else the next
-    still: dict[int, float] = field(default_factory=dict)  # see `lagc.simulation.global_error.noise_groups`
+    beside: Trajectory | None = None
+    noise: dict[int, float] = field(default_factory=dict)
 
 
 def method_for(accuracy: float) -> str:
+    """The integration method for an accuracy."""
     return "dopri5" if accuracy >= 1e-5 else "dop853"
 
 
@@ -117,8 +121,12 @@ def verified_run(
     progress: Progress | None = None,
     max_step: float | None = None,
 ) -> Verified:
-    """The motion from (times[0], x0) to a global relative error of `accuracy`, where it can be had, in steps
-    of at most `max_step`."""
+    """Return the motion from (times[0], x0) with a global relative error of `accuracy`, if it can be
+    reached.
+
+    Steps are at most `max_step` (s).  A remembered run is repeated with its tolerance, and accepted if it
+    ends at the same state.
+    """
     search = _Search(system, x0, times, accuracy, progress, max_step)
     name = name_of(system, x0, times, accuracy, search.method, max_step)
     remembered = recall(name)
@@ -126,10 +134,10 @@ def verified_run(
         options = search.options(remembered.rtol)
         trajectory = search.run(remembered.rtol)
         if arrived(trajectory):
-            still = dict(remembered.still)
-            groups = moving(sizes(trajectory, system.interface), still)
+            noise = dict(remembered.noise)
+            groups = moving(sizes(trajectory, system.interface), noise)
             if strays(trajectory, remembered.end, groups) <= remembered.estimated:
-                return Verified(trajectory, options, remembered.estimated, tried=search.tried, still=still)
+                return Verified(trajectory, options, remembered.estimated, tried=search.tried, noise=noise)
     before = search.tried
     search = _Search(system, x0, times, accuracy, progress, max_step)
     found = search.verify()
@@ -137,41 +145,44 @@ def verified_run(
     trusted = found.balance is not None and found.balance.holds and found.estimated <= accuracy
     if arrived(found.trajectory) and trusted:
         last = found.trajectory.states[-1]
-        remember(name, Remembered(found.options.rtol, found.estimated, last, [*found.still.items()]))
+        remember(name, Remembered(found.options.rtol, found.estimated, last, [*found.noise.items()]))
     return found
 
 
 def longest_step(system: System, method: str, tol: float, time: float, max_step: float | None) -> float:
-    """Of a run over a time, at a tolerance."""
+    """The longest step of a run of the duration `time` at the tolerance `tol`, in s.
+
+    It decreases with the tolerance, as chosen steps do: runs with the same steps would have the same
+    errors.
+    """
     longest = (LONGEST_FLOWING if system.interface.flowing else LONGEST) * abs(time)
     found: float = min(longest, max_step or longest) * (tol / COARSE) ** (1.0 / order(method))
     return found
 
 
 class _Search:
+    """The search for the tolerance."""
+
     def __init__(self, system: System, x0: Sequence[float], times: Sequence[float], accuracy: float,
                  progress: Progress | None, max_step: float | None):  # fmt: skip
         self.system, self.x0, self.times = system, x0, times
         self.accuracy, self.progress, self.max_step = accuracy, progress, max_step
         self.tried: list[Trajectory] = []
         self.runs: dict[float, Trajectory] = {}  # by tolerance
-        self.whole: set[float] = set()  # tolerances of runs whose steps that end at a change are not halved
-        self.rounded: dict[float, float] = {}  # by tolerance
-        self.scales: dict[float, Sizes] = {}  # by tolerance
+        self.whole: set[float] = set()  # tolerances of runs whose steps before an event are not halved
+        self.rounded: dict[float, float] = {}  # the effect of round-off by tolerance
+        self.scales: dict[float, Sizes] = {}  # the sizes by tolerance
         self.truncation = Truncation(self.runs, self._sizes, order(self.method))
         self.balance: Balance | None = None
-        self.along: Rounding | None = None  # the motion
-        self.still: dict[int, float] = {}  # kinds that rounding alone moves, and how far
+        self.along: Rounding | None = None
+        self.noise: dict[int, float] = {}  # bounds of the groups that only round-off moves
 
     @property
     def method(self) -> str:
         return method_for(self.accuracy)
 
     def options(self, tol: float) -> Options:
-        """A run after the first may take many times the steps of the ones before, not any number, and none
-        may creep.  Where time itself moves the system, no step is so long that it would see little of it.
-        The longest step goes with the tolerance, as those do that the tolerance makes short: runs of the
-        same steps have the same errors, and their difference would tell nothing."""
+        """The options of a run; after the first run, the number of steps is limited."""
         before = max((r.steps + r.rejected for r in self.runs.values()), default=0)
         limit = 100 * before + 10_000 if before else 0
         longest = longest_step(self.system, self.method, tol, self.times[-1] - self.times[0], self.max_step)
@@ -196,9 +207,9 @@ class _Search:
         self.runs[tol] = done = self._integrate(tol, self.x0)
         return done
 
-    def _integrate(self, tol: float, start: Sequence[float], way: int = 0) -> Trajectory:
+    def _integrate(self, tol: float, start: Sequence[float], direction: int = 0) -> Trajectory:
         options = self.options(tol)
-        done = self.system.integrate(options, self.times[0], start, self.times, self.progress, way)
+        done = self.system.integrate(options, self.times[0], start, self.times, self.progress, direction)
         self.tried.append(done)
         return done
 
@@ -220,21 +231,22 @@ class _Search:
         return stopped or self._result()
 
     def _pilots(self) -> Verified | None:
-        """The first runs.  The coarse one begins displaced; at the start itself, where that would not do."""
-        from lagc.simulation.global_error.error_growth import Rounding  # where there is no answer yet
-        from lagc.simulation.global_error.noise_groups import still_kinds
-        from lagc.simulation.global_error.rounding import quick_look
+        """The first two runs; the coarse one starts from a displaced state, if that does not hide its
+        error."""
+        from lagc.simulation.global_error.error_growth import Rounding
+        from lagc.simulation.global_error.noise_groups import find_noise_groups
+        from lagc.simulation.global_error.rounding import quick_estimate
 
         stopped = self._stopped(FINE)
         if stopped is not None:
             return stopped
         tol = min(self.runs)
         system, run, groups = self.system, self.runs[tol], self._sizes(tol)
-        look = quick_look(system, run, groups)
-        self.still = still_kinds(system, run, groups, look)
+        estimate = quick_estimate(system, run, groups)
+        self.noise = find_noise_groups(system, run, groups, estimate)
         self.scales.clear()
         self.whole.add(COARSE)
-        self.along = Rounding(system, run, self._sizes(tol), look, COARSE, self._integrate)
+        self.along = Rounding(system, run, self._sizes(tol), estimate, COARSE, self._integrate)
         if self._interrupted:
             return self._kept()
         if not self.along.hides(self.accuracy / SAFETY):
@@ -248,22 +260,22 @@ class _Search:
         return stopped
 
     def _is_alike(self, tol: float) -> bool:
-        """Whether most steps of this run are those of a finer one, as they end where switches change."""
+        """Whether most steps of this run are those of a finer one, because events end them."""
         run = self.runs[tol]
         return tol not in self.whole and is_tied(run.steps, run.changes)
 
     def _stopped(self, tol: float, whole: bool = False) -> Verified | None:
-        """Integrate; a result where that ended before its time, at this and at a finer tolerance.
+        """Integrate; return a result if the run fails, at this tolerance and at a finer one.
 
-        It is the finest of the complete runs, where there is one: too fine a tolerance may fail by
-        rounding alone.
+        The result is the finest complete run, if there is one, because a very fine tolerance may fail by
+        round-off.
         """
         before = {tol: self.runs[tol]} if tol in self.runs else {}
         done = self.run(tol, whole)
         if not arrived(done) and done.status != INTERRUPTED and tol > RETRY:
             del self.runs[tol]
             tol = RETRY
-            done = self.run(tol, whole)  # what fails coarsely may go well finely
+            done = self.run(tol, whole)
         if arrived(done):
             return None
         del self.runs[tol]
@@ -283,7 +295,7 @@ class _Search:
         return self.tried[-1].status == INTERRUPTED
 
     def _kept(self) -> Verified:
-        """A complete run, where a later one was interrupted: more than the beginning of that one."""
+        """A complete run, after a later one was interrupted."""
         kept = self._result()
         kept.trajectory = kept.trajectory.changed(status=INTERRUPTED)
         return kept
@@ -302,7 +314,7 @@ class _Search:
         return self.truncation.error() + (self.rounding() if len(self.runs) > 1 else 0.0)
 
     def rounding(self) -> float:
-        """What rounding may bring to the finest run."""
+        """The effect of round-off on the finest run."""
         tol = min(self.runs)
         if tol not in self.rounded:
             left, harmless = self.accuracy - self.truncation.error(), HARMLESS * self.accuracy
@@ -310,18 +322,20 @@ class _Search:
                 left = harmless = inf
             elif left <= 0.0:
                 left = harmless
-            injected = SAFETY * max(self.runs[tol].steps, 1) * tol  # by the method: it grows alike
+            injected = (
+                SAFETY * max(self.runs[tol].steps, 1) * tol
+            )  # local errors, which grow as round-off does
             least = self.truncation.error() / injected
             assert self.along is not None
             sizes = self._sizes(tol)
             found = self.along.of(self.runs, sizes, least, min(left, harmless), left)
             if self.along.grown and found > (left if tol <= FINEST else self.accuracy):
-                found = self.along.seen(self.runs, sizes, left)  # a rough bound is not what ends the search
+                found = self.along.seen(self.runs, sizes, left)  # a rough bound does not end the search
             self.rounded[tol] = found
         return self.rounded[tol]
 
     def drift(self) -> float:
-        """What rounding brings to the finest run, where it does not grow."""
+        """The effect of round-off on the finest run without growth."""
         tol = min(self.runs)
         assert self.along is not None
         return self.along.drift(self.runs[tol], self._sizes(tol), self.accuracy)
@@ -339,21 +353,21 @@ class _Search:
         return self.scales[tol]
 
     def _rounded_away(self, run: Trajectory) -> dict[int, float]:
-        """How far rounding alone moves some kinds in a run; whatever they do where it began displaced."""
+        """The bounds of noise groups in a run; infinite if it started from a displaced state."""
         displaced = self.along is not None and run is self.along.beside
-        return dict.fromkeys(self.still, inf) if displaced else self.still
+        return dict.fromkeys(self.noise, inf) if displaced else self.noise
 
     def _compare(self, done: Trajectory) -> tuple[float, float | None]:
-        """`done`, which ended early, against the finest other run, over their common times."""
+        """Compare `done`, which ended early, with the finest other run over their common times."""
         others = [r for r in self.tried if r is not done and len(r.states) >= len(done.states)]
         if not others or len(done.states) < 2:
             return inf, None
-        return difference(done, others[-1], self.system.interface, self.accuracy, self.still)
+        return difference(done, others[-1], self.system.interface, self.accuracy, self.noise)
 
     def _result(self) -> Verified:
         tols = sorted(self.runs)
         found = Verified(self.runs[tols[0]], self.options(tols[0]), self.estimate(), None, self.tried)
-        found.still = self.still
+        found.noise = self.noise
         if len(tols) > 1:
             assert self.along is not None
             found.rounding, found.drift = self.rounding(), self.drift()

@@ -119,10 +119,10 @@ def is_halted(point: Point, chosen: Independent, sizes: Array) -> bool:
         return False
     x = np.array(point.x)
     for k in free:
-        way = chosen.motions[:nq, k]
-        way = STEP * way / np.abs(way / sizes[:nq]).max()
+        direction = chosen.motions[:nq, k]
+        direction = STEP * direction / np.abs(direction / sizes[:nq]).max()
         moved = x.copy()
-        moved[:nq] += way
+        moved[:nq] += direction
         found = _put_back(point, moved, sizes)
         if found is None or not (np.abs(found - moved)[:nq] <= AWAY * STEP * sizes[:nq]).all():
             return True

@@ -31,22 +31,22 @@ def branches(point: Point, sizes: Array) -> tuple[list[float] | None, list[Branc
     at = _changing(point)
     if not at:
         return None, []
-    ways = {}
+    directions = {}
     for k in at:
         slope = point.partial("indicator", "state")[k] * sizes
         if slope.any():
-            ways[k] = sizes * slope / np.abs(slope).max()
-    if not ways:
+            directions[k] = sizes * slope / np.abs(slope).max()
+    if not directions:
         return None, []
     own = system.modes(point.t, point.x)
 
     def beyond(signs: dict[int, float]) -> list[float]:
-        place = point.x + BESIDE * sum(signs[k] * way for k, way in ways.items())
+        place = point.x + BESIDE * sum(signs[k] * direction for k, direction in directions.items())
         there = system.modes(point.t, place.tolist())
         return [there[k] if k in at else mode for k, mode in enumerate(own)]
 
-    everywhere = dict.fromkeys(ways, 1.0)
-    others = [Branch(system.interface.switches[k], beyond({**everywhere, k: -1.0})) for k in ways]
+    everywhere = dict.fromkeys(directions, 1.0)
+    others = [Branch(system.interface.switches[k], beyond({**everywhere, k: -1.0})) for k in directions]
     return beyond(everywhere), others
 
 
