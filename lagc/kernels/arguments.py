@@ -1,4 +1,4 @@
-"""What a call demands."""
+"""Checks of options, times and parameters of a call."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from lagc.kernels.language.words import Cell, Params, Real, Status, present, pub
 
 
 def bad_option(o: Options) -> int:
-    """The option that makes no sense, or -1."""
+    """Return the code of an option that is not valid, or -1."""
     if o.method < 0 or o.method >= len(METHODS):
         return BAD_METHOD
     if o.max_steps < 0:
@@ -45,7 +45,7 @@ def bad_option(o: Options) -> int:
         return BAD_STEP
     for m in static(METHODS):
         if len(m.ERROR) == 0:
-            if o.method == m.NUMBER and o.step == 0.0:  # it has no estimate of its error
+            if o.method == m.NUMBER and o.step == 0.0:  # a method without error estimate needs a fixed step
                 return BAD_STEP
     if not (o.first_step >= 0.0 and o.first_step < inf):
         return BAD_FIRST_STEP
@@ -53,8 +53,8 @@ def bad_option(o: Options) -> int:
 
 
 def bad_parameter(p: Params) -> int:
-    """The parameter that is not finite or out of its bounds, or the value made of some that is, or that they
-    were changed since `bind`, or -1."""
+    """Return the code of a parameter, or a value computed from parameters, that is not finite or out of
+    its bounds; BAD_BINDING if parameters changed since `bind`; or -1."""
     for k in range(NP):
         if not fabs(p[k]) < inf:
             return BAD_PARAMETER + k
@@ -77,9 +77,9 @@ def bad_parameter(p: Params) -> int:
 
 @public
 def check(p: Params, o: Options, culprit: Cell[int]) -> Status:
-    """Whether parameters and inputs are finite and within their bounds, and options make sense: OK or
-    INVALID, with *culprit one of LAGC_BAD_..., else -1.  Each of the three may be NULL: it is left out
-    then."""
+    """Check that parameters and inputs are finite and within their bounds, and that options are valid.
+    Returns OK or INVALID, with *culprit one of LAGC_BAD_..., or -1. Each argument may be NULL: it is not
+    checked then."""
     found = -1
     if present(o):
         found = bad_option(o)
@@ -91,7 +91,7 @@ def check(p: Params, o: Options, culprit: Cell[int]) -> Status:
 
 
 def check_call(p: Params, s: State, t1: Real, o: Options) -> Status:
-    """What a call that goes to t1 demands: OK; else INVALID or NOT_FINITE, and who is to blame."""
+    """Check a call that goes to t1. Returns OK, INVALID or NOT_FINITE, with s.culprit."""
     culprit = bad_option(o)
     if culprit < 0 and not (fabs(t1) < inf and fabs(s.t) < inf and fabs(t1 - s.t) < inf):
         culprit = BAD_TIME

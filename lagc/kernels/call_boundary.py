@@ -1,4 +1,4 @@
-"""What a call finds and leaves: where a trajectory is, and what the caller has changed since."""
+"""Begin and end of a call: changes that the caller made, and the evaluation of the first rate."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from lagc.kernels.language.words import Params, Real, Status, Vec, public
 
 @public
 def begin(s: State, t: Real, x: Vec[NX]) -> None:
-    """A new trajectory from (t, x); x meets the constraints.  *s need not be filled before."""
+    """Begin a new trajectory at (t, x). x meets the constraints. *s need not be filled before."""
     s.t = t
     s.t_old = t
     s.t_end = t
@@ -69,7 +69,7 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
 
 
 def enter_call(s: State, w: Work) -> None:
-    """What a call finds: the workspace as this state left its own."""
+    """Begin a call: prepare the workspace for this state."""
     s.is_new_call = True
     s.steps_before_call = s.steps + s.rejected
     if NC > 0:
@@ -79,7 +79,7 @@ def enter_call(s: State, w: Work) -> None:
 
 
 def leave_call(s: State, status: Status, w: Work) -> Status:
-    """What a call leaves: where the last step ended."""
+    """End a call: store where the last step ended."""
     if status != OK and status != INTERRUPTED:
         s.rate_place = ABSENT
     if not s.is_new_call:
@@ -93,6 +93,7 @@ def leave_call(s: State, status: Status, w: Work) -> Status:
 
 
 def report_culprit(s: State, status: Status, w: Work) -> Status:
+    """Copy the culprit of a failed evaluation to the state; return the status."""
     if failed(status) and status < STEP_UNDERFLOW:
         s.culprit = w.culprit
     if NMODE > 0:
@@ -102,7 +103,7 @@ def report_culprit(s: State, status: Status, w: Work) -> Status:
 
 
 def state_changed(s: State) -> bool:
-    """Whether the caller has changed the state since the last step, or there is none."""
+    """Return whether the caller changed the state since the last step, or there is no last step."""
     if not s.parameters_known or s.t != s.t_end:
         return True
     for i in range(NX):
@@ -112,7 +113,7 @@ def state_changed(s: State) -> bool:
 
 
 def parameters_changed(p: Params, s: State) -> bool:
-    """Whether the caller has changed parameters since the last step."""
+    """Return whether the caller changed parameters or inputs since the last step."""
     for k in range(NP):
         if not p[k] == s.p[k]:
             return True
@@ -120,7 +121,7 @@ def parameters_changed(p: Params, s: State) -> bool:
 
 
 def keep_parameters(p: Params, s: State) -> None:
-    """What the caller has given is known from here on."""
+    """Store the parameters of the step, the first of a call."""
     if s.is_new_call:
         s.p[:] = p
         s.parameters_known = True
@@ -128,7 +129,7 @@ def keep_parameters(p: Params, s: State) -> None:
 
 
 def evaluate_start(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """The rate at the start of a step, and the branch of it."""
+    """Compute the rate at the begin of a step, in its modes."""
     again = False
     if NMODE > 0:
         elsewhere = False
@@ -143,7 +144,7 @@ def evaluate_start(p: Params, s: State, direction: Real, w: Work) -> Status:
             if NC > 0:
                 w.rank_deficient = False
                 if STRAIGHT:
-                    factor_safely(p, s.t, s.x, w)  # straight factors need not show dependent rows
+                    factor_safely(p, s.t, s.x, w)  # sparse factors may miss dependent rows
                     w.fallbacks -= 1
         else:
             again = parameters_changed(p, s)

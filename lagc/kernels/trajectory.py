@@ -1,4 +1,4 @@
-"""Trajectories."""
+"""Trajectories: dense output, and integration to one time or to many."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from lagc.kernels.language.sizes import NC, NMODE, NQUAT, NWHEN, NX
 from lagc.kernels.language.statuses import INTERRUPTED, INVALID, NOT_FINITE, OK, failed
 from lagc.kernels.language.words import Cell, Count, Length, Params, Real, Rows, Status, Vec, by_type, public
 
-OUTSIDE_STEP = by_type(1e-5, 1e-9, "1e-9")  # of a step: beyond its ends, but for rounding
+OUTSIDE_STEP = by_type(1e-5, 1e-9, "1e-9")  # of a step: times that are outside by less count as inside
 
 
 def recompute_stages(s: State, t: Real, x: Vec[NX], w: Work) -> Status:
-    """The stages of the last step once more: those of an attempt that failed have taken their place."""
+    """Compute the stages of the last step again: a later failed attempt has overwritten them."""
     if NMODE > 0:
         w.modes[:] = s.modes_old
     status = rhs_at(s.p, s.t_old, s.x_old, s.k[0], w.lam, w)
@@ -34,8 +34,8 @@ def recompute_stages(s: State, t: Real, x: Vec[NX], w: Work) -> Status:
 
 
 def compute_dense_output(s: State, w: Work) -> Status:
-    """The coefficients of dense output of the last step, with its parameters and its end, whatever the
-    caller has changed since."""
+    """Compute the coefficients of the dense output of the last step, with its parameters and its end, even
+    if the caller changed them."""
     t = s.t_end if s.is_new_call else s.t
     if NWHEN > 0:
         x = s.x_before_event
@@ -51,6 +51,7 @@ def compute_dense_output(s: State, w: Work) -> Status:
 
 
 def interpolate_at(s: State, t: Real, o: Options, x: Vec[NX], w: Work) -> Status:
+    """Evaluate the last step at t, and project the result onto the constraints."""
     if t == s.t or s.h_old == 0.0:
         x[:] = s.x
         return OK
@@ -69,7 +70,7 @@ def interpolate_at(s: State, t: Real, o: Options, x: Vec[NX], w: Work) -> Status
 
 
 def is_in_last_step(s: State, t: Real) -> bool:
-    """Whether t is a time of the last step, but for rounding."""
+    """Return whether t is a time of the last step, within round-off."""
     if t == s.t:
         return True
     if s.h_old == 0.0:
@@ -80,8 +81,8 @@ def is_in_last_step(s: State, t: Real) -> bool:
 
 @public
 def dense(p: Params, s: State, t: Real, o: Options, x: Vec[NX], w: Work) -> Status:
-    """x[NX] at a time t within the last step, which was made with the parameters of then; at any other
-    INVALID.  Of the options it takes `project` alone.  Where it fails x has no meaning."""
+    """Evaluate the dense output: x[NX] at a time t within the last step, with the parameters of that step.
+    INVALID for any other time. Uses only the option `project`. After a failure x has no meaning."""
     if not is_in_last_step(s, t):
         s.culprit = BAD_TIME
         return INVALID
@@ -97,20 +98,19 @@ def dense(p: Params, s: State, t: Real, o: Options, x: Vec[NX], w: Work) -> Stat
     return status
 
 
-# step, advance and record look at the options, the times and the parameters of a call once, before anything
-# is done: INVALID says that one makes no sense, NOT_FINITE that the state is not finite (s->culprit says
-# which), and *s is as it was.  With any other status, and with NOT_FINITE of a motion that comes to where it
-# has no value, *s is where the last step that was done has ended, and a call may go on from there.
+# step, advance and record check options, times, parameters and the state once, at the begin of a call.  If
+# that fails, they return INVALID or NOT_FINITE (s->culprit tells which value) and do not change *s.  After
+# any other failure, *s is at the end of the last accepted step, and another call continues from there.
 #
-# Between two of these calls the caller may change anything in *p, such as inputs, any option, and s->t and
-# s->x: the next step begins with what is there then, at the cost of one evaluation where p, t or x is
-# another, and with the size of step that was found before.  What is not changed costs nothing: the motion
-# is that of one call, where t1 is the same.
+# Between two of these calls the caller may change *p (parameters, then lagc_bind, or inputs), options, s->t
+# and s->x.  The next step begins with these values, with the step size found before; it costs one more
+# evaluation if p, t or x changed.  If nothing changed, several calls to the same t1 give the same motion as
+# one.
 
 
 @public
 def step(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
-    """One step towards t1, before or after s->t, at most to it, and then exactly."""
+    """Make one step towards t1, which may be before or after s->t. The step does not pass t1."""
     status = check_call(p, s, t1, o)
     if status != OK:
         return status
@@ -120,8 +120,8 @@ def step(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
 
 @public
 def advance(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
-    """To t1 exactly, with error control and projection onto the constraints.  A step that is short only
-    to end at t1 does not make the next one short."""
+    """Integrate to t1 exactly, with error control and projection onto the constraints. A step that is
+    shortened to end at t1 does not shorten the next one."""
     status = check_call(p, s, t1, o)
     if status != OK:
         return status
@@ -135,7 +135,7 @@ def advance(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
 
 
 def are_in_order(s: State, times: Vec[Any], n: Length, direction: Real) -> bool:
-    """Whether times are in order from s.t on: asked once, of a grid of which nothing is done."""
+    """Return whether all times are in order from s.t on. Called once for each grid of times."""
     before = s.t
     for k in range(n):
         if not (times[k] - before) * direction >= 0.0:
@@ -145,7 +145,7 @@ def are_in_order(s: State, times: Vec[Any], n: Length, direction: Real) -> bool:
 
 
 def resumes_in_order(times: Vec[Any], n: Length, done: Length, direction: Real) -> bool:
-    """Whether the next of times is where one may be, of a grid that was looked at before."""
+    """Return whether the next of the times is in order, for a grid that was checked before."""
     if done == n:
         return True
     there = times[done]
@@ -155,10 +155,10 @@ def resumes_in_order(times: Vec[Any], n: Length, done: Length, direction: Real) 
 @public
 def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: Rows[NX], done: Cell[Length],
            budget: Count, w: Work) -> Status:  # fmt: skip
-    """To times[n-1], with the states at times[0..n-1] written to states[n*NX]: *done of them so far,
-    to be 0 in the first call.  The times are in order from s->t on, forwards or backwards.  After `budget`
-    steps (0: no limit) it returns INTERRUPTED; call it again to go on.  Where n is 0, times and states may
-    be NULL."""
+    """Integrate to times[n-1] and write the states at times[0..n-1] to states[n*NX]; *done counts those
+    that are written, and is 0 in the first call. The times are in order from s->t on, forwards or
+    backwards. After `budget` steps (0: no limit) it returns INTERRUPTED: call again to continue. If n is
+    0, times and states may be NULL."""
     t1 = times[n - 1] if n > 0 else s.t
     direction = 1.0 if t1 > s.t or (t1 == s.t and s.t >= s.t_old) else -1.0
     status = check_call(p, s, t1, o)
@@ -185,7 +185,7 @@ def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: 
                 status = ended
         if status != OK or done[0] == n:
             break
-        if s.t == t1:  # and what is left of times is beyond
+        if s.t == t1:  # the next time is not in order
             s.culprit = BAD_TIME
             status = INVALID
             break
@@ -196,7 +196,7 @@ def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: 
             if NMODE > 0:
                 if status == OK and o.report != 0 and s.after_event:
                     status = INTERRUPTED
-                if status != OK and status != INTERRUPTED:  # what came before is recorded
+                if status != OK and status != INTERRUPTED:  # record the times before it first
                     ended = status
                     status = OK
         count += 1

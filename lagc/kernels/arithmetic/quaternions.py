@@ -9,17 +9,18 @@ from lagc.kernels.language.sizes import NQUAT
 from lagc.kernels.language.tables import quaternion
 from lagc.kernels.language.words import Real, Vec, by_type
 
-# Squares of lengths that neither vanish nor overflow.
+# Bounds of squared lengths that neither underflow nor overflow.
 LEAST_SQUARE = by_type(1e-25, 1e-200, "1e-3000")
 MOST_SQUARE = by_type(1e25, 1e200, "1e3000")
 
 
 def square_at(x: Vec[Any], k: int) -> Real:
+    """Return the squared length of the quaternion at x[k]."""
     return x[k] * x[k] + x[k + 1] * x[k + 1] + x[k + 2] * x[k + 2] + x[k + 3] * x[k + 3]
 
 
 def normalise(x: Vec[Any]) -> None:
-    """Unit length for each quaternion in x; one that is zero or not finite is left."""
+    """Normalize each quaternion in x. One that is zero or not finite is not changed."""
     for n in range(NQUAT):
         k = quaternion[n]
         square = square_at(x, k)

@@ -1,12 +1,12 @@
-"""Sine and cosine.
+"""Sine and cosine with the same bits on every machine.
 
-Sums, products and tests only, so that they have the same bits on every machine, and less than one unit
-of the last place from the true value.  An angle becomes a multiple of pi/2 and a rest hi + lo of at most
-pi/4, for which two polynomials stand.  The constants are those of `tools/trigonometry.py`.
+They consist of sums, products and comparisons, and have an error below one unit in the last place. An
+angle is reduced to a multiple of pi/2 and a remainder hi + lo of at most pi/4, for which there are two
+polynomials. `tools/trigonometry.py` computes the constants.
 
-W. J. Cody, W. Waite, Software Manual for the Elementary Functions, Prentice-Hall 1980: pi/2 in parts.
-M. Hanek, R. Payne, Radian reduction for trigonometric functions, SIGNUM Newsletter 18, 1983: large angles.
-T. J. Dekker, A floating-point technique for extending the available precision, Numer. Math. 18, 1971.
+W. J. Cody, W. Waite, Software Manual for the Elementary Functions, Prentice-Hall 1980: pi/2 in parts. M.
+Hanek, R. Payne, Radian reduction for trigonometric functions, SIGNUM Newsletter 18, 1983: large angles. T.
+J. Dekker, A floating-point technique for extending the available precision, Numer. Math. 18, 1971.
 """
 
 from __future__ import annotations
@@ -16,22 +16,22 @@ from math import fabs, inf
 from lagc.kernels.language.sizes import FOUR, SEVEN, TWO
 from lagc.kernels.language.words import Count, Pair, Real, Vec, vector, whole
 
-EIGHTH_TURN = 0.785  # of a turn, less a little: no angle up to it is reduced
-# Squares: of the largest rest for which the polynomials are made; of the angle beyond which the parts of
-# pi/2 are too few; of the share of an angle below which a rest has lost digits; of a rest where arithmetic
-# keeps more digits than a double has, so that a sum with ROUNDER is rounded to 2^-11 only.
+EIGHTH_TURN = 0.785  # pi/4, rounded down: smaller angles are not reduced
+# Squares of: the largest remainder of the polynomials; the angle above which the parts of pi/2 have too few
+# digits; the share of an angle below which a remainder has lost digits; a remainder of arithmetic with more
+# digits than a double, where a sum with ROUNDER is rounded to 2^-11 only.
 WIDEST_SQUARE = 0.79 * 0.79
 FAR_SQUARE = 1e5 * 1e5
 NEAR_SQUARE = 3e-8 * 3e-8
 UNROUNDED_SQUARE = 1e-3 * 1e-3
-ROUNDER = 6755399441055744.0  # 1.5 2^52: a sum with it is rounded to a whole number
+ROUNDER = 6755399441055744.0  # 1.5 2^52: a sum with it is rounded to an integer
 QUARTERS_PER_RADIAN = 0.6366197723675814  # 2/pi
-# pi/2: the products of parts of 33 bits with whole numbers are exact
+# pi/2 in parts of 33 bits, whose products with small integers are exact
 FIRST_PART = 1.5707963267341256
 FIRST_REST = 6.077100506506192e-11
 SECOND_PART = 6.077100506303966e-11
 SECOND_REST = 2.0222662487959506e-21
-# pi/2 once more, and its first 26 bits
+# pi/2 again, and its first 26 bits
 HALF_PI = 1.5707963267948966
 HALF_PI_REST = 6.123233995736766e-17
 HALF_PI_ABOVE = 1.5707963407039642
@@ -52,7 +52,7 @@ COSINE_2 = 2.480158728827483e-05
 COSINE_3 = -2.7557314007400403e-07
 COSINE_4 = 2.0875676847661014e-09
 COSINE_5 = -1.1357264885953852e-11
-# 2/pi to the base 2^24 behind the point, four zeros before it
+# digits of 2/pi to the base 2^24, after four zeros
 TWO_OVER_PI = (
     0.0, 0.0, 0.0, 0.0, 10680707.0, 7228996.0, 1387004.0, 2578385.0, 16069853.0,
     12639074.0, 9804092.0, 4427841.0, 16666979.0, 11263675.0, 12935607.0, 2387514.0, 4345298.0, 14681673.0,
@@ -64,14 +64,15 @@ TWO_OVER_PI = (
 
 
 def rounding_error_of_sum(a: Real, b: Real, total: Real) -> Real:
-    """What rounding took from the sum of a and b (D. E. Knuth)."""
+    """Return the rounding error of the sum of a and b (D. E. Knuth, The Art of Computer Programming 2,
+    section 4.2.2)."""
     share = total - a
     return (a - (total - share)) + (b - share)
 
 
 def reduce_near(x: Real, rest: Vec[TWO]) -> Real:
-    """x less the whole number of pi/2 that is given back, near a multiple of it, |x| < 1e5; or where the
-    machine rounds another way than to the nearest double."""
+    """Reduce x, |x| < 1e5, by the multiple n of pi/2, which is returned. For angles near such a multiple,
+    and for machines that do not round to the nearest double."""
     n = float(whole(fabs(x) * QUARTERS_PER_RADIAN + 0.5))
     if x < 0.0:
         n = -n
@@ -87,7 +88,7 @@ def reduce_near(x: Real, rest: Vec[TWO]) -> Real:
 
 
 def times_half_pi(a: Real, more: Real, rest: Vec[TWO]) -> None:
-    """(a + more) pi/2, the product of the first two exactly (T. J. Dekker)."""
+    """Compute (a + more) pi/2, with an exact product of the first two (T. J. Dekker)."""
     shifted = SPLITTER * a
     above = shifted - (shifted - a)
     below = a - above
@@ -101,10 +102,11 @@ def times_half_pi(a: Real, more: Real, rest: Vec[TWO]) -> None:
 
 
 def reduce_far(x: Real, rest: Vec[TWO]) -> Real:
-    """The same for any x, the whole number less a multiple of 4; NaN for what is not finite.
+    """Reduce any x; return n modulo 4, and NaN as the remainder of a number that is not finite.
 
-    |x| = 2^24k (y0 + y1 2^-24 + ...); its product with 2/pi digit by digit.  What is a multiple of 2^24 is
-    left out, and what is below 2^-144: no double is nearer to a multiple of pi/2 than 2^-62."""
+    The digits of |x| = 2^24k (y0 + y1 2^-24 + ...) are multiplied by those of 2/pi. Multiples of 2^24 and
+    digits below 2^-144 are left out: no double is nearer to a multiple of pi/2 than 2^-62.
+    """
     if not fabs(x) < inf:
         rest[0] = x - x
         rest[1] = 0.0
@@ -144,7 +146,7 @@ def reduce_far(x: Real, rest: Vec[TWO]) -> Real:
 
 
 def sine_cosine(x: Real) -> Pair:
-    """sin x and cos x."""
+    """Return sin x and cos x."""
     quarters: Count = 0
     hi = x
     lo = 0.0
@@ -184,8 +186,9 @@ def sine_cosine(x: Real) -> Pair:
 
 
 def sine_cosine_two(x: Real, y: Real, pairs: Vec[FOUR]) -> None:
-    """sin x, cos x, sin y, cos y, to the bits of `sine_cosine`: C compilers run such loops over two numbers
-    at once.  Two angles that are not reduced are quicker alone; one is its own rest, less zero times pi/2."""
+    """Compute sin x, cos x, sin y, cos y with the bits of `sine_cosine`, in loops over both that C
+    compilers vectorize. Two angles that need no reduction are faster one by one; one such angle is its own
+    remainder."""
     if fabs(x) <= EIGHTH_TURN and fabs(y) <= EIGHTH_TURN:
         pairs[0:2] = sine_cosine(x)
         pairs[2:4] = sine_cosine(y)

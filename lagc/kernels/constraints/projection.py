@@ -1,4 +1,8 @@
-"""States put back onto their constraints."""
+"""Projection of states onto their constraints, in the metric of the mass matrix.
+
+E. Eich, Convergence results for a coordinate projection method applied to mechanical systems with
+algebraic constraints, SIAM J. Numer. Anal. 30 (1993) 1467-1482.
+"""
 
 from __future__ import annotations
 
@@ -31,12 +35,12 @@ from lagc.kernels.language.words import Params, Real, Size, Status, Vec, by_type
 from lagc.kernels.linear_algebra.rank_revealing import solve_rank_revealing
 from lagc.kernels.linear_algebra.sparse_rank_revealing import factor_all_rows
 
-MOST_ITERATIONS = 8  # of simplified Newton iterations
-FAILED_PROJECTION = by_type(1e-3, 1e-6, "1e-6")  # scaled residual with which a projection has failed
+MOST_ITERATIONS = 8  # of the simplified Newton method
+FAILED_PROJECTION = by_type(1e-3, 1e-6, "1e-6")  # scaled residual above which a projection has failed
 
 
 def assemble_at(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
-    """Factors of [M G^T; G 0] at (t, x)."""
+    """Factor [M G^T; G 0] at (t, x)."""
     if STRAIGHT:
         if not w.rank_deficient:
             assemble_entries(p, t, x, w)
@@ -53,7 +57,7 @@ def assemble_at(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
 
 
 def solve_at(r: Vec[NR], s: Vec[NR], w: Work) -> None:
-    """M s1 - G^T s2 = r1, G s1 = r2"""
+    """Solve M s1 - G^T s2 = r1, G s1 = r2."""
     if NM > 0:
         if STRAIGHT:
             if not w.is_dense:
@@ -69,7 +73,8 @@ def solve_at(r: Vec[NR], s: Vec[NR], w: Work) -> None:
 
 
 def set_row_scales(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> None:
-    """w.row_scales: what residuals are judged by, and w.rate_scales; `sizes` are those of the trajectory."""
+    """Set w.row_scales and w.rate_scales, the scales of residuals and of their rates; `sizes` are those of
+    the trajectory."""
     w.group_sizes[:] = sizes
     if w.group_sizes[0] > 1.0:
         w.group_sizes[0] = 1.0
@@ -84,7 +89,7 @@ def set_row_scales(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) 
 
 
 def scaled_residual(values: Vec[Any], n: Size, scales: Vec[NC]) -> Real:
-    """The largest of |value| / scale; infinity where one is not a number."""
+    """Return the largest |value| / scale; infinity if one is NaN."""
     worst = 0.0
     for i in range(n):
         size = fabs(values[i]) / scales[i]
@@ -94,7 +99,7 @@ def scaled_residual(values: Vec[Any], n: Size, scales: Vec[NC]) -> Real:
 
 
 def worst_row(values: Vec[Any], n: Size, scales: Vec[NC]) -> int:
-    """The row with the largest scaled residual."""
+    """Return the row with the largest scaled residual."""
     row = 0
     worst = 0.0
     for i in range(n):
@@ -106,7 +111,7 @@ def worst_row(values: Vec[Any], n: Size, scales: Vec[NC]) -> int:
 
 
 def constraint_rates_of(e: Vec[NX], w: Work) -> None:
-    """w.row_values = G e for the speeds of e."""
+    """Compute w.row_values = G e, for the speeds of e."""
     if NM > 0:
         for i in range(NC):
             total = 0.0
@@ -125,8 +130,8 @@ def constraint_rates_of(e: Vec[NX], w: Work) -> None:
 
 
 def project_error(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
-    """Take from the parts of the error of a state near x what lies along the constraints in their speeds,
-    in the metric of the mass matrix: projection takes it from the state.  False where it cannot be told."""
+    """Remove from the error estimates, near a state x, the part of the speeds that the projection removes:
+    what is not along the constraints, in the metric of the mass matrix. Return False if that fails."""
     lost = w.rank_deficient
     culprit = w.culprit
     for i in range(NC):
@@ -153,7 +158,7 @@ def project_error(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
 
 
 def displace_state(p: Params, t: Real, x: Vec[NX], y: Vec[NX], w: Work) -> None:
-    """y = x with its coordinates moved by the displacement w.kkt_solution."""
+    """Compute y = x, with its coordinates moved by the displacement w.kkt_solution."""
     y[:] = x
     if HAS_DISPLACE:
         fn_displace(p, t, x, w.kkt_solution, w.dq)
@@ -165,8 +170,8 @@ def displace_state(p: Params, t: Real, x: Vec[NX], y: Vec[NX], w: Work) -> None:
 
 
 def perturb_off_constraints(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> bool:
-    """w.x_perturbed: a state beside x, off its constraints by what projection leaves, in the direction that costs
-    most in the metric of the mass matrix, with speeds that fit.  False where that cannot be told."""
+    """Compute w.x_perturbed: a state near x, off its constraints by the residual of a projection, with
+    consistent speeds. Return False if that fails."""
     if failed(assemble_at(p, t, x, w)):
         return False
     set_row_scales(p, t, x, sizes, w)
@@ -186,7 +191,7 @@ def perturb_off_constraints(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], 
 
 
 def project_positions(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
-    """Simplified Newton iterations, M d = G^T mu, G d = -phi, dq = N d."""
+    """Project the coordinates by simplified Newton iterations: M d = G^T mu, G d = -phi, dq = N d."""
     fn_position(p, t, x, w.row_values)
     w.position_residual = scaled_residual(w.row_values, NH, w.row_scales)
     for n in range(MOST_ITERATIONS):
@@ -219,7 +224,7 @@ def project_positions(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
 
 
 def project_speeds(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
-    """M dv = G^T mu, G dv = -psi."""
+    """Project the speeds: M dv = G^T mu, G dv = -psi."""
     fn_velocity(p, t, x, w.row_values)
     w.velocity_residual = scaled_residual(w.row_values, NC, w.rate_scales)
     for n in range(MOST_ITERATIONS):
@@ -250,8 +255,9 @@ def project_speeds(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
 
 
 def project(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> Status:
-    """Move x onto the constraints by the shortest way in the metric of the mass matrix: positions, then
-    speeds; the scaled residuals that remain in w.position_residual and w.velocity_residual."""
+    """Project x onto the constraints, first coordinates, then speeds, by the shortest displacement in the
+    metric of the mass matrix. The scaled residuals that remain are in w.position_residual and
+    w.velocity_residual."""
     w.position_residual = 0.0
     w.velocity_residual = 0.0
     if NQUAT > 0:

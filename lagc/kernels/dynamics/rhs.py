@@ -1,4 +1,8 @@
-"""The right-hand side, watched."""
+"""The right-hand side: rates and multipliers, with checks of the linear solve.
+
+The sparse factors of [M G^T; G 0] are straight-line code without pivoting. If their pivots or residuals
+are bad, the rank-revealing factorization is used.
+"""
 
 from __future__ import annotations
 
@@ -47,20 +51,21 @@ from lagc.kernels.linear_algebra.sparse_rank_revealing import factor_all_rows, f
 
 
 def update_modes(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    """That of the state alone, where no step holds another."""
+    """Set the modes of a state, unless the modes of a step are fixed."""
     if not w.modes_fixed:
         fn_modes(p, t, x, w.modes)
 
 
 @public
 def hold(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    """From here on the equations are evaluated with *w on the branch of (t, x), until it is used to
-    integrate or filled with zeros."""
+    """Evaluate the equations with *w in the modes of (t, x) from now on, until *w is used to integrate or
+    is filled with zeros."""
     fn_modes(p, t, x, w.modes)
     w.modes_fixed = True
 
 
 def system_at(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
+    """Compute the dense equations of motion: qdot, M, r, G, gamma."""
     if NMODE > 0:
         update_modes(p, t, x, w)
         fn_system_on(p, t, x, w.modes, w.qdot, w.M, w.force, w.G, w.gamma)
@@ -69,7 +74,7 @@ def system_at(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
 
 
 def assemble_entries(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    """Of [M G^T; G 0]."""
+    """Compute the entries of [M G^T; G 0] in w.kkt_entries."""
     if NMODE > 0:
         update_modes(p, t, x, w)
         fn_assemble_on(p, t, x, w.modes, w.kkt_entries)
@@ -78,7 +83,7 @@ def assemble_entries(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
 
 
 def assemble_rhs(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    """The right-hand side of the equations, (r, gamma), in w.kkt_rhs; qdot."""
+    """Compute the right-hand side (r, gamma) in w.kkt_rhs, and qdot."""
     if NM > 0:
         system_at(p, t, x, w)
         w.kkt_rhs[:NV] = w.force
@@ -91,8 +96,9 @@ def assemble_rhs(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
 
 
 def measure_regularity(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    """How far x is from the constraints, scaled; and, for each row, the change of its residual over the
-    size of the coordinates (angles: and 1) relative to the size of its terms, at most 1."""
+    """Compute w.constraint_violation, the scaled distance of x from the constraints, and w.regularity: for
+    each row its change over the size of the coordinates (for angles plus 1), over the size of its terms,
+    at most 1."""
     for i in range(NGROUP):
         w.group_sizes[i] = 0.0
     enlarge_sizes(x, w.group_sizes)
@@ -111,8 +117,8 @@ def measure_regularity(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
 
 
 def mark_faint_gradients(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    """A gradient that is much shorter than others may be rounding of its terms: its direction says
-    little then."""
+    """Reduce w.regularity of rows whose gradient is much shorter than others: it may be round-off of its
+    terms."""
     if NM > 0:
         for i in range(NC):
             total = 0.0
@@ -137,7 +143,7 @@ def mark_faint_gradients(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
 
 
 def system_fault(x: Vec[NX], w: Work) -> int:
-    """The index of x that a value of the system that is not finite refers to; -1."""
+    """Return the index of x that a value of the equations that is not finite refers to, or -1."""
     i = not_finite(w.qdot, NQ)
     if NM > 0:
         if i < 0:
@@ -161,11 +167,10 @@ def system_fault(x: Vec[NX], w: Work) -> int:
 
 
 def least_share(w: Work) -> Real:
-    """Of its own, below which a row counts as dependent: where two branches of a mechanism cross, rounding
-    rounds the corner between them within about 1e-8, and the motion goes straight through only if the row
-    is left out before.  Once rows are known to be dependent (`lost`) the limit is higher, and so it is beside
-    the constraints (`miss`), where rows that depend on others on them have a share of that size of their
-    own."""
+    """Return the independent share below which a row counts as dependent. At a posture where two branches
+    of a mechanism cross, round-off rounds the corner between them within about 1e-8; the motion continues
+    straight only if the row is left out before. The limit is higher once rows are known to be dependent,
+    and off the constraints, where dependent rows have an independent share of the size of the violation."""
     least = STILL_DEPENDENT if w.rank_deficient else DEPENDENT
     if 30.0 * w.constraint_violation > least:
         least = 30.0 * w.constraint_violation if 30.0 * w.constraint_violation < 0.1 else 0.1
@@ -173,7 +178,7 @@ def least_share(w: Work) -> Real:
 
 
 def factor_safely(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
-    """Factors of the equations at (t, x) that hold for any rank."""
+    """Factor the equations at (t, x) for any rank of G."""
     if STRAIGHT:
         w.fallbacks += 1
     if NM > 0:
@@ -202,7 +207,7 @@ def factor_safely(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
 
 
 def store_rates(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
-    """xdot from accelerations: (qdot, a, power)."""
+    """Store the rates of x from w.qdot, w.a and lam."""
     xdot[:NQ] = w.qdot
     xdot[NQ : NQ + NV] = w.a
     if NZ > 0:
@@ -214,7 +219,7 @@ def store_rates(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
 
 
 def rhs_any_rank(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
-    """By factors that hold for any rank."""
+    """Compute rates and multipliers for any rank of G."""
     if not NM > 0:
         assemble_rhs(p, t, x, w)
         unfit = system_fault(x, w)
@@ -248,7 +253,7 @@ def rhs_any_rank(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w:
 
 
 def rhs_refined(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
-    """The same once more with one step of iterative refinement."""
+    """Compute them with one step of iterative refinement."""
     assemble_rhs(p, t, x, w)
     assemble_entries(p, t, x, w)
     if NM > 0:
@@ -264,7 +269,7 @@ def rhs_refined(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
 
 
 def check_rates(x: Vec[NX], xdot: Vec[NX], w: Work) -> Status:
-    """What straight code alone tells; it does not tell which speed has no inertia."""
+    """Return the status of a solve without dense equations. It does not tell which speed has no inertia."""
     w.culprit = not_finite(x, NX)
     if w.culprit < 0 and not w.health[0] >= SINGULAR:
         w.culprit = size(NV)
@@ -275,7 +280,8 @@ def check_rates(x: Vec[NX], xdot: Vec[NX], w: Work) -> Status:
 
 
 def rhs_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
-    """xdot and lam at (t, x); straight where that can be trusted."""
+    """Compute xdot and lam at (t, x): by the sparse factors if their pivots and residuals are good, else
+    for any rank."""
     if STRAIGHT:
         if NC > 0:
             if w.rank_deficient:
@@ -298,7 +304,6 @@ def rhs_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work)
             if not_finite(xdot, NX) < 0:
                 return OK
     if NM > 0 or NC > 0:
-        # it tells why
         return rhs_any_rank(p, t, x, xdot, lam, w)
     else:
         return check_rates(x, xdot, w)

@@ -1,4 +1,4 @@
-"""The methods, by their numbers: what is written once for all of them."""
+"""Dispatch: the functions and coefficients of a method by its number."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from lagc.kernels.language.words import Params, Real, Status, Vec, number, stati
 
 
 def method_stages(method: int, p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
+    """Compute the stages of a step from (t, x), and its end in s.x_new."""
     for m in static(METHODS):
         if method == m.NUMBER:
             return m.stages(p, t, x, h, s, w)
@@ -17,6 +18,7 @@ def method_stages(method: int, p: Params, t: Real, x: Vec[NX], h: Real, s: State
 
 
 def method_error(method: int, h: Real, s: State, w: Work) -> Real:
+    """Return the scaled error of a step."""
     for m in static(METHODS):
         if method == m.NUMBER:
             return m.error(h, s, w)
@@ -24,7 +26,7 @@ def method_error(method: int, h: Real, s: State, w: Work) -> Real:
 
 
 def has_two_estimates(method: int) -> bool:
-    """Whether the error is made of two estimates."""
+    """Return whether the error combines two estimates."""
     for m in static(METHODS):
         if len(m.ERROR) == 2:
             if method == m.NUMBER:
@@ -33,7 +35,7 @@ def has_two_estimates(method: int) -> bool:
 
 
 def method_error_parts(method: int, s: State, w: Work) -> None:
-    """The parts of the error in w.error_parts."""
+    """Compute these estimates in w.error_parts."""
     for m in static(METHODS):
         if len(m.ERROR) == 2:
             if method == m.NUMBER:
@@ -41,6 +43,7 @@ def method_error_parts(method: int, s: State, w: Work) -> None:
 
 
 def method_stage_deviations(method: int, h: Real, s: State, far: Vec[NX]) -> None:
+    """Compute the largest deviation of the stages from the cubic through both ends."""
     for m in static(METHODS):
         if method == m.NUMBER:
             m.stage_deviations(h, s, far)
@@ -48,6 +51,7 @@ def method_stage_deviations(method: int, h: Real, s: State, far: Vec[NX]) -> Non
 
 def method_dense_output(method: int, p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State,
                         w: Work) -> Status:  # fmt: skip
+    """Compute the coefficients of the dense output of the step from x to z."""
     for m in static(METHODS):
         if method == m.NUMBER:
             if len(m.EXTRA_C) > 0:
@@ -57,13 +61,14 @@ def method_dense_output(method: int, p: Params, t: Real, x: Vec[NX], z: Vec[NX],
 
 
 def method_dense_at(method: int, part: Real, s: State, x: Vec[NX]) -> None:
+    """Evaluate the dense output at a part of the step."""
     for m in static(METHODS):
         if method == m.NUMBER:
             m.dense_at(part, s, x)
 
 
 def last_stage(method: int) -> int:
-    """The place of the rate at the new state: the number of stages."""
+    """Return the index of the rate at the end of a step: the number of stages."""
     for m in static(METHODS):
         if method == m.NUMBER:
             return len(m.C)
@@ -71,7 +76,7 @@ def last_stage(method: int) -> int:
 
 
 def needs_end_rate(method: int) -> bool:
-    """Whether the error needs the rate at the new state."""
+    """Return whether the error estimate contains the rate at the end of the step."""
     for m in static(METHODS):
         if m.USES_END_RATE > 0:
             if method == m.NUMBER:
@@ -80,7 +85,7 @@ def needs_end_rate(method: int) -> bool:
 
 
 def error_exponent(method: int) -> Real:
-    """Of the error of a step, in the size of the next one."""
+    """Return the exponent of the error in the next step size."""
     for m in static(METHODS):
         if method == m.NUMBER:
             return number(m.EXPONENT)
@@ -88,7 +93,7 @@ def error_exponent(method: int) -> Real:
 
 
 def beta(method: int) -> Real:
-    """Of the error of the step before."""
+    """Return the exponent of the error of the step before (PI controller)."""
     for m in static(METHODS):
         if method == m.NUMBER:
             return number(m.BETA)
@@ -96,6 +101,7 @@ def beta(method: int) -> Real:
 
 
 def largest_reduction(method: int) -> Real:
+    """Return the largest factor by which one step shortens the next."""
     for m in static(METHODS):
         if method == m.NUMBER:
             return 1.0 / number(m.SHRINK)
@@ -103,6 +109,7 @@ def largest_reduction(method: int) -> Real:
 
 
 def largest_growth(method: int) -> Real:
+    """Return the inverse of the largest factor by which one step lengthens the next."""
     for m in static(METHODS):
         if method == m.NUMBER:
             return 1.0 / number(m.GROW)

@@ -1,4 +1,4 @@
-"""What counts as an error of one step, and how long the first may be."""
+"""Error weights, and the size of the first step."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from lagc.kernels.language.tables import scaling_group
 from lagc.kernels.language.tolerances import EVENT_TIME_ULPS, SPACING, TINY
 from lagc.kernels.language.words import Params, Real, Vec, vector
 
-TOO_FAR = 1e-3  # of a look ahead are the times in which kinds change: it tells nothing of the start
-LOOK_AHEAD_REDUCTION = 1e-5  # of it is the next
+TOO_FAR = 1e-3  # time scale over look-ahead: below it the look-ahead says nothing about the begin
+LOOK_AHEAD_REDUCTION = 1e-5  # factor from one look-ahead to the next
 
 
 def extend_groups_at_rest(s: State, h: Real, w: Work, sizes: Vec[NGROUP]) -> None:
-    """Enlarge sizes of kinds that are exactly at rest to those that they take over the longest step so far,
-    as they set out in this one: where a motion begins with a kink, no step is short enough to be exact by
-    what it reaches itself."""
+    """Raise the sizes of scaling groups that are exactly at rest to those that they would reach over the
+    longest step so far. If a motion begins with a kink, its sizes after a short step are as small as its
+    errors, and no step would be accepted."""
     longer = w.longest_step / fabs(h)
     for i in range(NQ + NV):
         if s.sizes[scaling_group[i]] == 0.0:
@@ -32,9 +32,9 @@ def extend_groups_at_rest(s: State, h: Real, w: Work, sizes: Vec[NGROUP]) -> Non
 
 
 def set_error_weights(s: State, o: Options, h: Real, w: Work) -> None:
-    """w.trial_sizes, those of the trajectory with its new state s.x_new, and what errors of a step over h are
-    measured in; s.rate_roundoff is the rounding of rates, where it is known.  An angle that winds does not make
-    others less telling."""
+    """Set w.error_weights for a step over h, and w.trial_sizes. An error is scaled by atol + rtol * size
+    of its group + round-off, s.rate_roundoff and w.coordinate_roundoff over ten steps. An angle that winds
+    is scaled by its own magnitude, so that it does not weaken others."""
     sizes = vector(NGROUP)
     for k in range(NGROUP):
         sizes[k] = 0.0
@@ -57,15 +57,17 @@ def set_error_weights(s: State, o: Options, h: Real, w: Work) -> None:
 
 
 def event_time_roundoff(s: State) -> Real:
-    """By what a switch that has just changed may be late: a motion that began with it has had that time."""
+    """Return the round-off of the time of the last event. A motion that began with the event has gone on
+    for that time."""
     return EVENT_TIME_ULPS * SPACING * (fabs(s.t) + s.longest_step)
 
 
 def shortest_time_scale(
     p: Params, s: State, h: Real, direction: Real, sizes: Vec[NGROUP], rates: Vec[NGROUP], most: Real, w: Work
 ) -> Real:
-    """The shortest of the times, none above `most` or lost in the time, in which the kinds change by their
-    own size, as their rates and the changes of these over h tell; 0 where there are no rates then."""
+    """Return the shortest time in which a scaling group changes by its own size, by its rates and their
+    change over h; at most `most`, and 0 if the rates after h do not exist. Times within round-off of an
+    event time do not count."""
     bends = vector(NGROUP)
     for k in range(NGROUP):
         bends[k] = 0.0
@@ -93,9 +95,9 @@ def shortest_time_scale(
 
 
 def first_step_size(p: Params, s: State, t1: Real, direction: Real, o: Options, w: Work) -> Real:
-    """A part, by the order of the method, of the shortest of the times in which the kinds change by their own
-    size.  Kinds that begin at rest get the size to which it takes them: a force that jumps there is no error
-    of any size."""
+    """Return the size of the first step: the shortest time scale of all scaling groups times a power of
+    the tolerance, by the order of the method (compare HNW II.4). A group at rest gets the size that it
+    reaches in that time, so that a force that sets in does not count as an error."""
     largest = fabs(t1 - s.t)
     rates = vector(NGROUP)
     for k in range(NGROUP):

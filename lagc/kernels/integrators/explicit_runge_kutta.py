@@ -1,7 +1,7 @@
-"""An explicit Runge-Kutta method.
+"""Explicit Runge-Kutta methods with error estimate and dense output, printed once for each tableau.
 
-Printed once for each method: E. Hairer, S. P. Norsett, G. Wanner: Solving Ordinary Differential
-Equations I, Springer 1993, sections II.4 (error), II.6 (dense output), II.10 (DOP853).
+E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, Springer 1993 (HNW),
+sections II.4 (error), II.6 (dense output), II.10 (DOP853).
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ from lagc.kernels.language.words import Params, Real, Status, Vec, combination, 
 
 
 def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
-    """k_2 ... k_s from k_1, k_i = f(t + c_i h, x + h sum a_ij k_j); the new state in s.x_new."""
-    own = vector(NX)  # of x: apart from s, so that loops run over several entries at once
+    """Compute k_2 ... k_s from k_1, k_i = f(t + c_i h, x + h sum a_ij k_j), and the end of the step in
+    s.x_new (HNW II.1.8)."""
+    own = vector(NX)  # a copy of x that does not alias s, so that compilers vectorize the loops
     own[:] = x
     for j in static(range(1, len(C))):
         for i in range(NX):
@@ -32,9 +33,9 @@ def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status
 
 
 def error(h: Real, s: State, w: Work) -> Real:
-    """Root mean square of the error over coordinates and speeds, each over its weight (HNW II.4.11); of
-    two estimates e5 and e3 their combination e5^2 / sqrt(e5^2 + 0.01 e3^2).  Infinite where it is beyond all
-    numbers."""
+    """Return the scaled error: the root mean square over coordinates and speeds of the estimate over
+    w.error_weights (HNW II.4.11). Two estimates e5 and e3 are combined to |e5|^2 / sqrt(|e5|^2 + 0.01
+    |e3|^2) (HNW II.10.17). Infinite if it overflows."""
     if len(ERROR) == 0:
         return 0.0
     n = size(NQ) + NV
@@ -56,7 +57,7 @@ def error(h: Real, s: State, w: Work) -> Real:
 
 
 def error_parts(s: State, w: Work) -> None:
-    """The two estimates as vectors, in w.error_parts."""
+    """Compute the error estimates as vectors in w.error_parts, without the factor h."""
     if NH > 0:
         for j in static(range(len(ERROR))):
             for i in range(NX):
@@ -64,8 +65,8 @@ def error_parts(s: State, w: Work) -> None:
 
 
 def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
-    """How far rates at the stages are, at most, from the slopes there of the cubic between the ends of the
-    step from s.x to s.x_new."""
+    """Compute the largest deviation of the rates at the stages from the slope of the cubic between the
+    ends of the step from s.x to s.x_new."""
     for i in range(NQ + NV):
         mean = (s.x_new[i] - s.x[i]) / h
         far[i] = 0.0
@@ -78,7 +79,7 @@ def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
 
 
 def dense_output(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, w: Work) -> Status:
-    """Of dense output of the step from x to z, in s.r."""
+    """Compute the coefficients s.r of the dense output of the step from x to z (HNW II.6, II.10.4)."""
     for j in static(range(len(EXTRA_C))):
         for i in range(NX):
             s.x_new[i] = x[i] + h * combination(EXTRA_A[j], s.k, i)
@@ -96,7 +97,7 @@ def dense_output(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, 
 
 
 def dense_at(part: Real, s: State, x: Vec[NX]) -> None:
-    """x at this part of the last step."""
+    """Evaluate the dense output at a part of the last step."""
     rest = 1.0 - part
     for i in range(NX):
         value = s.r[3 + len(DENSE)][i]

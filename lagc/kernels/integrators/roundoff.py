@@ -1,4 +1,9 @@
-"""What of the error of a step that was rejected is rounding."""
+"""Round-off in the error of a rejected step.
+
+Close to a tolerance of machine precision the error estimate of a step contains round-off of the rates,
+which a shorter step does not reduce. It is estimated by a second evaluation with perturbed data (N. J.
+Higham, Accuracy and Stability of Numerical Algorithms, SIAM 2002, chapter 1).
+"""
 
 from __future__ import annotations
 
@@ -23,18 +28,18 @@ from lagc.kernels.language.tables import scaling_group
 from lagc.kernels.language.tolerances import BRANCH_DISTANCE, CROSSING_BRANCHES, FOUR_ULPS
 from lagc.kernels.language.words import Count, Mat, Params, Real, Vec, params, size, vector
 
-ROUNDOFF_FADING = 0.9  # of rounding that made a step good, what is left after a step as long as any so far
-ROUNDOFF_FORGOTTEN = 0.03  # what is so little of it that it is forgotten
+ROUNDOFF_FADING = 0.9  # round-off that remains after a step as long as any so far
+ROUNDOFF_FORGOTTEN = 0.03  # below it round-off is forgotten
 
 
 def perturbation_factor(turn: Count) -> Real:
-    """Four units of the last place more or less."""
+    """Return 1 plus or minus four units in the last place, by a bit of `turn`."""
     return 1.0 - FOUR_ULPS if turn >> 1 & 1 == 1 else 1.0 + FOUR_ULPS
 
 
 def perturb_inputs(p: Params, s: State, x: Vec[NX], other: Params) -> Real:
-    """Time, state x and parameters changed by four units of their last place, another way for each turn;
-    the time."""
+    """Perturb x and the parameters by four units in the last place, with other signs in each attempt;
+    return the perturbed time."""
     turn = 2 * s.rejected + 3
     n = size(NQ) + NV
     x[:] = s.x
@@ -49,7 +54,8 @@ def perturb_inputs(p: Params, s: State, x: Vec[NX], other: Params) -> Real:
 
 
 def estimate_rate_roundoff(p: Params, s: State, w: Work) -> None:
-    """Raise s.rate_roundoff to what rounding may change in the rates s.k[0]: to what changes when all is shaken."""
+    """Raise s.rate_roundoff to the change of the rates s.k[0] when time, state and parameters are
+    perturbed. Costs one evaluation."""
     x = vector(NX)
     other = params()
     t = perturb_inputs(p, s, x, other)
@@ -59,7 +65,8 @@ def estimate_rate_roundoff(p: Params, s: State, w: Work) -> None:
 
 
 def norm_of_error(h: Real, parts: Mat[TWO, NX], w: Work) -> Real:
-    """The norm of an error with such parts; see the methods' `error`."""
+    """Return the scaled norm of an error with these two parts, |e5|^2 / sqrt(|e5|^2 + 0.01 |e3|^2) (HNW
+    II.10.17)."""
     first = 0.0
     for i in range(NQ + NV):
         e = h * parts[0][i] / w.error_weights[i]
@@ -75,9 +82,9 @@ def norm_of_error(h: Real, parts: Mat[TWO, NX], w: Work) -> Real:
 
 
 def is_nearly_dependent(p: Params, s: State, h: Real, w: Work) -> bool:
-    """Whether rows are all but dependent within the way of the step over h that was tried, or a thousandth of
-    the way that the coordinates have to where they are zero.  Coordinates of a kind that have moved by no
-    more than what projection leaves are rounding: w.coordinate_roundoff."""
+    """Return whether constraint rows are nearly dependent within the motion of the attempted step over h,
+    or within a thousandth of the distance to such a posture. Coordinates of a group that moves by less
+    than the residual of the projection are round-off: sets w.coordinate_roundoff."""
     if not perturb_off_constraints(p, s.t, s.x, s.sizes, w):
         return False
     moved = vector(NGROUP)
@@ -109,10 +116,10 @@ def is_nearly_dependent(p: Params, s: State, h: Real, w: Work) -> bool:
 
 
 def error_along_constraints(p: Params, s: State, t: Real, h: Real, error: Real, method: int, w: Work) -> Real:
-    """There, a step to t, rejected because of `error`, once more from a state moved by what projection
-    leaves.  Where the error changes by it, it tells of rounding: near postures where rows are all but
-    dependent their multipliers are little else, and no step would be small enough.  Then only what
-    projection does not take from the error counts."""
+    """Return the error of a rejected step to t near a posture with dependent rows. The step is repeated
+    from a state perturbed by the residual of the projection. If its error changes by more than a tenth, it
+    is mostly round-off of multipliers, which no shorter step reduces; then only the part of the error
+    along the constraints counts, as the projection removes the rest."""
     method_error_parts(method, s, w)
     for k in range(2):
         w.error_parts_before[k][:] = w.error_parts[k]
@@ -127,7 +134,7 @@ def error_along_constraints(p: Params, s: State, t: Real, h: Real, error: Real, 
     if not change > 0.1 * norm_of_error(h, w.error_parts, w):
         return error
     s.rhs += last_stage(method) - 1
-    method_stages(method, p, s.t, s.x, h, s, w)  # the step as it was
+    method_stages(method, p, s.t, s.x, h, s, w)  # restore the step
     method_error_parts(method, s, w)
     if not project_error(p, t, s.x_new, w):
         return error
@@ -135,7 +142,7 @@ def error_along_constraints(p: Params, s: State, t: Real, h: Real, error: Real, 
 
 
 def fade_roundoff(s: State, w: Work) -> None:
-    """Before a step: what is left of the rounding that was heard, after the step before."""
+    """Before a step: reduce the remembered round-off by the size of the step before."""
     left = 1.0 - (1.0 - ROUNDOFF_FADING) * fabs(s.h_old) / s.longest_step if s.longest_step > 0.0 else 0.0
     s.roundoff_memory *= left
     if s.roundoff_memory < ROUNDOFF_FORGOTTEN:
@@ -147,17 +154,14 @@ def fade_roundoff(s: State, w: Work) -> None:
 
 
 def weighted_error(s: State, o: Options, h: Real, w: Work) -> Real:
-    """That of the step over h, with the rounding that was heard."""
+    """Return the error of the step over h with the current round-off in its weights."""
     set_error_weights(s, o, h, w)
     return method_error(o.method, h, s, w)
 
 
 def error_without_roundoff(p: Params, s: State, t: Real, h: Real, o: Options, before: Real, w: Work) -> Real:
-    """The error of a rejected step over h to t again, less what round-off contributes.
-
-    Round-off is what last places of the accepted state (s.t, s.x) bring to its rates.  Nothing that the
-    rejected step itself has reached counts: a step that explodes would excuse its own error.
-    """
+    """Return the error of a rejected step over h to t, less its round-off. Only the round-off of rates at
+    the accepted state (s.t, s.x) counts: the end of a step that diverges would excuse any error."""
     if NH > 0:
         if is_nearly_dependent(p, s, h, w):
             looked = o.project and has_two_estimates(o.method)

@@ -1,7 +1,7 @@
-"""Step control.
+"""Step size control.
 
-E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, Springer 1993, sections
-II.4 and II.10.
+E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, Springer 1993 (HNW),
+sections II.4 and IV.2 (PI controller).
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from lagc.kernels.language.words import Real
 
 
 def rational_power(a: Real, exponent: Real) -> Real:
-    """a^exponent for an exponent below 1 that is a sum of few powers of 1/2.  Roots and products have the
-    same bits on every machine."""
+    """Return a^exponent, for an exponent below 1 that is a sum of few powers of 1/2. Square roots and
+    products have the same bits on every machine."""
     value = 1.0
     rest = exponent
     base = a
@@ -31,14 +31,15 @@ def rational_power(a: Real, exponent: Real) -> Real:
 
 
 def plan_step(s: State, t1: Real, o: Options, a: Trial) -> None:
-    """The attempt of a.size, lengthened or shortened to land on t1 or on the grid of fixed steps."""
+    """Set the end of an attempt of a.size. It is lengthened by up to 1 %, or shortened, to end at t1 or on
+    the grid of fixed steps."""
     rest = fabs(t1 - s.t)
     a.ends_on_target = a.size * 1.01 >= rest
     a.t_new = t1
     if o.step > 0.0:
         a.t_new = s.grid_begin + float(s.grid_index + 1) * o.step * a.direction
         if NMODE > 0:
-            if (a.t_new - s.t) * a.direction <= 1e-9 * o.step:  # a switch has changed just there
+            if (a.t_new - s.t) * a.direction <= 1e-9 * o.step:  # an event was just there
                 s.grid_index += 1
                 a.t_new = s.grid_begin + float(s.grid_index + 1) * o.step * a.direction
         a.ends_on_target = (a.t_new - t1) * a.direction >= -1e-9 * o.step
@@ -54,19 +55,21 @@ def plan_step(s: State, t1: Real, o: Options, a: Trial) -> None:
 
 
 def step_underflows(s: State, t1: Real, a: Trial) -> bool:
+    """Return whether the step is within round-off of the time, or too short for the remaining time."""
     least = SPACING * fabs(s.t) + LEAST_STEP * fabs(t1 - s.t)
     return (a.rejected > 0 or not a.ends_on_target) and 0.1 * a.size <= least
 
 
 def shrink_step(a: Trial, o: Options) -> None:
-    """After an error above 1."""
+    """Reduce the size of the attempt after an error above 1 (HNW II.4.13)."""
     most = largest_reduction(o.method)
     factor = rational_power(a.error, error_exponent(o.method)) / 0.9
     a.size /= factor if factor < most else most
 
 
 def set_next_step(s: State, a: Trial, o: Options) -> None:
-    """The size of the next step."""
+    """Set the size of the next step, by the errors of this and the last step. A step that was shortened to
+    end at a time or an event does not shorten the next one."""
     most = largest_reduction(o.method)
     least = largest_growth(o.method)
     factor = rational_power(a.error, error_exponent(o.method))
@@ -87,5 +90,5 @@ def set_next_step(s: State, a: Trial, o: Options) -> None:
             if following < tried:
                 following = tried
     if a.ends_on_target and a.rejected == 0 and following < s.h:
-        following = s.h  # the step was short only to land
+        following = s.h  # the step was short to end at the time
     s.h = following

@@ -1,23 +1,23 @@
-"""The words of the subset: what type checkers and readers see.  Printers know them by name.
+"""The language of kernels: a typed subset of Python, with the types and functions declared here.
 
-A kernel is a function with annotated arguments and one scalar result or a pair; all else goes through
-records.  It is made of assignments, arithmetic, `if`, `while True`, `while`, `for i in range`, `break`,
-`continue`, `return`, calls of kernels that stand before, of functions of the model, and of `fabs`, `floor`,
-`sqrt`. Python raises where C gives what is not finite: `quotient(a, b)` is a / b where b may be zero,
-`root(a)` is sqrt(a) where a may be negative; what `sqrt` is given has a root. `if NC > 0:` and
-`if STRAIGHT:` are decided when it is printed.  There are no tuples, defaults, closures, recursion,
-exceptions, and no memory of its own but local vectors.
+A kernel is a function with annotated arguments and a scalar or pair as its result; it passes everything else
+through records.  It consists of assignments, arithmetic, `if`, `while`, `for i in range`, `break`,
+`continue`, `return`, and calls of earlier kernels, of functions of the model, and of `fabs`, `floor`, `sqrt`.
+Where C returns a number that is not finite and Python would raise, `quotient(a, b)` divides by a b that may
+be zero, and `root(a)` is the square root of an a that may be negative.  `if NC > 0:` and `if STRAIGHT:` are
+decided when a kernel is printed.  There are no tuples, defaults, closures, recursion or exceptions, and no
+memory except local vectors.
 
     v[:] = w            copies a vector; v[a:b] = part(w, c, d) a part of one
-    r = w.cholesky           a name for a vector, or a row of a matrix, of a record: nothing is copied
+    r = w.dq            a name for a vector, or a row of a matrix, of a record: nothing is copied
     v = vector(NX)      a local vector, to be filled before it is read; p = params() likewise
-    a = Trial()         a local record, of zeros
-    present(v)          whether a vector or record that a caller may leave out (NULL) is there
-    p[i]                a parameter or input by its place
-    size(NX)            a size as a number, where a local takes it
-    whole(a)            a Real without what is behind its point, as a Count; it is less than 2^31
-    return a, b         of a kernel that gives a Pair, which functions of the model call
-    v[0:2] = kernel(x)  a Pair put into a vector
+    a = Trial()         a local record of zeros
+    present(v)          whether an optional vector or record (NULL) is given
+    p[i]                a parameter or input by its index
+    size(NX)            a size as a number that a local may hold
+    whole(a)            a Real below 2^31 truncated to a Count
+    return a, b         the result of a kernel that returns a Pair; functions of the model call it
+    v[0:2] = kernel(x)  puts a Pair into a vector
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from typing import Any, Generic, TypeVar, overload
 
 from lagc.kernels import Status as Status
 
-Real = float  # of the type that is asked for: double, float, __float128
+Real = float  # double, float or __float128
 Count = int  # a long: steps, evaluations
-Length = int  # a size_t: of what a caller brings; unsigned, so that v & mask is exact in C too
+Length = int  # a size_t: lengths that a caller gives
 Pair = tuple[float, float]
 N = TypeVar("N")
 R = TypeVar("R")
@@ -37,7 +37,7 @@ T = TypeVar("T")
 
 
 class SizeType(type):
-    """The class of sizes: a size is a type, so that Vec[NV] is none of Vec[NX], and a number too."""
+    """The class of sizes.  A size is a number, and a type so that Vec[NV] and Vec[NX] differ."""
 
     def __index__(self) -> int: ...  # type: ignore[empty-body]
     def __float__(self) -> float: ...  # type: ignore[empty-body]
@@ -59,7 +59,7 @@ Size = int | SizeType
 
 
 class Vec(Generic[N]):
-    """N reals.  Vec[Any]: of any length, which is passed beside it."""
+    """N reals.  Vec[Any] has any length, which is passed separately."""
 
     def __getitem__(self, i: Size) -> float: ...  # type: ignore[empty-body]
     @overload
@@ -81,19 +81,19 @@ class IVec(Generic[N]):
 
 
 class Mat(Generic[R, N]):
-    """R rows of N reals; a row is a vector, shared, not copied."""
+    """R rows of N reals; a row is a vector that is shared, not copied."""
 
     def __getitem__(self, i: Size) -> Vec[N]: ...  # type: ignore[empty-body]
 
 
 class Rows(Generic[N]):
-    """Rows of N reals, as many as the caller has; one block in C."""
+    """Rows of N reals, as many as the caller gives; one block in C."""
 
     def __getitem__(self, i: Size) -> Vec[N]: ...  # type: ignore[empty-body]
 
 
 class Cell(Generic[T]):
-    """One number of a caller: cell[0]."""
+    """One number of the caller: cell[0]."""
 
     def __getitem__(self, i: int) -> T: ...  # type: ignore[empty-body]
     def __setitem__(self, i: int, value: T) -> None: ...
@@ -103,7 +103,7 @@ class Slice: ...
 
 
 class Params:
-    """Parameters and inputs of the model: a struct of reals in C."""
+    """Parameters and inputs of the model; a struct of reals in C."""
 
     def __getitem__(self, i: Size) -> float: ...  # type: ignore[empty-body]
     @overload
@@ -114,16 +114,16 @@ class Params:
 
 
 Out = Vec  # an argument that a function of the model writes
-Row = dict[int, str]  # of a tableau: stage -> coefficient as decimal number or quotient, zeros left out
+Row = dict[int, str]  # of a tableau: stage -> coefficient that is not zero, as text
 
 
 def record(cls: type[R]) -> type[R]:
-    """A class of fields only: a struct in C."""
+    """A class with fields only; a struct in C."""
     return cls
 
 
 def public(function: R) -> R:
-    """Declared in the header, with its docstring."""
+    """Declare a kernel in the header, with its docstring."""
     return function
 
 

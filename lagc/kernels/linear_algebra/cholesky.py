@@ -1,4 +1,4 @@
-"""The mass matrix, dense; what of a row stands before its first entry costs nothing."""
+"""Cholesky factorization of the dense mass matrix, with the leading zeros of each row skipped."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from lagc.kernels.language.words import Real, Vec
 
 
 def mass_entry(w: Work, i: int, j: int) -> Real:
-    """An entry of M; of M + weight G^T G where weight > 0."""
+    """Return an entry of M, or of M + penalty G^T G."""
     value = w.M[i * (i + 1) // 2 + j]
     if NC > 0:
         if w.penalty > 0.0:
@@ -21,7 +21,7 @@ def mass_entry(w: Work, i: int, j: int) -> Real:
 
 
 def cholesky(w: Work) -> bool:
-    """M = L L^T, packed by rows, column after column; false where M is singular."""
+    """Factor M = L L^T, packed by rows. Return False, with the column as the culprit, if M is singular."""
     for i in range(NV):
         row = i * (i + 1) // 2
         head = i
@@ -52,13 +52,14 @@ def cholesky(w: Work) -> bool:
 
 
 def row_begin_of(w: Work, i: int) -> int:
-    """The column where row i begins; that it is none before the first, compilers see here."""
+    """Return the first column of row i that is not zero. The comparison tells compilers that it is not
+    negative."""
     head = w.row_begin[i]
     return head if head > 0 else 0
 
 
 def solve_lower(w: Work, z: Vec[NV]) -> None:
-    """z = L^-1 z"""
+    """Solve z = L^-1 z."""
     for i in range(NV):
         start = i * (i + 1) // 2
         value = z[i]
@@ -69,7 +70,7 @@ def solve_lower(w: Work, z: Vec[NV]) -> None:
 
 
 def solve_upper(w: Work, z: Vec[NV]) -> None:
-    """z = L^-T z"""
+    """Solve z = L^-T z."""
     for i in range(NV - 1, -1, -1):
         start = i * (i + 1) // 2
         value = z[i] / w.cholesky[start + i]

@@ -1,7 +1,8 @@
-"""[M G^T; G 0] whatever the rank of G.
+"""Solves with [M G^T; G 0] for any rank of G, by dense factors.
 
-L^-1 G^T = Q F diag(lengths) by modified Gram-Schmidt with pivoting, each vector cleaned twice; rows
-order[rank..] depend on the others.  w.q_rows holds Q by rows.
+L^-1 G^T = Q F diag(row_lengths), with M = L L^T, by modified Gram-Schmidt with pivoting; each vector is
+orthogonalized twice (A. Bjorck, Numerical Methods for Least Squares Problems, SIAM 1996, section 2.4). The
+rows row_order[rank..] depend on the others.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from lagc.kernels.linear_algebra.cholesky import cholesky, solve_lower, solve_up
 
 
 def orthogonalise_row(w: Work, i: int, along: int) -> Real:
-    """Take the part of row i of b along another row away; its size."""
+    """Remove from row i of Q^T its part along another row; return this part."""
     v = w.q_rows[i]
     q = w.q_rows[along]
     begin = w.q_begin[along]
@@ -37,7 +38,7 @@ def orthogonalise_row(w: Work, i: int, along: int) -> Real:
 
 
 def squared_length(w: Work, i: int) -> Real:
-    """Of the length of row i of b."""
+    """Return the squared length of row i of Q^T."""
     v = w.q_rows[i]
     begin = w.q_begin[i]
     stop = w.q_end[i]
@@ -48,7 +49,7 @@ def squared_length(w: Work, i: int) -> Real:
 
 
 def divide_row(w: Work, i: int, length: Real) -> None:
-    """Row i of b over a length."""
+    """Divide row i of Q^T by a length."""
     v = w.q_rows[i]
     begin = w.q_begin[i]
     stop = w.q_end[i]
@@ -57,7 +58,7 @@ def divide_row(w: Work, i: int, length: Real) -> None:
 
 
 def normalise_row(w: Work, i: int) -> None:
-    """Row i of G as a unit vector in the metric of M, and its length."""
+    """Set row i of Q^T to row i of G as a unit vector in the metric of M, and store its length."""
     row = w.q_rows[i]
     for j in range(NV):
         row[j] = w.G[i * NV + j]
@@ -78,17 +79,17 @@ def normalise_row(w: Work, i: int) -> None:
 
 
 def gamma_ratio(w: Work, i: int) -> Real:
-    """Of how much larger terms the right-hand side of a row is made than its length tells."""
+    """Return the size of the terms of gamma over the length of a row."""
     if w.row_lengths[i] > 0.0:
         return w.gamma_sizes[i] / w.row_lengths[i]
     return inf
 
 
 def next_row(w: Work, k: int, longest: Real) -> int:
-    """The place in w.row_order, from k on, of the next vector: the first row that is long enough, not the
-    longest, so that it is always the same rows that are said to depend on those before.  Rows are passed by
-    whose gamma is made of much larger terms for their length than that of others: near where a gradient
-    vanishes, those that tell the same are better."""
+    """Return the place in w.row_order, from k on, of the next vector. It is the first row that is long
+    enough and not the longest one, so that the same rows are found to be dependent at all times. Rows are
+    skipped whose gamma has much larger terms over their length than that of others: near a vanishing
+    gradient, other rows say the same with less round-off."""
     steadiest = inf
     for j in range(k, NC):
         i = w.row_order[j]
@@ -105,7 +106,8 @@ def next_row(w: Work, k: int, longest: Real) -> int:
 
 
 def orthogonalise(w: Work, dependent: Real) -> None:
-    """Q, F, lengths, order and rank; `dependent` is the share below which a row depends on those before."""
+    """Compute Q, F, row_lengths, row_order and rank. A row whose independent share is below `dependent`
+    depends on those before."""
     for i in range(NC):
         normalise_row(w, i)
         w.row_order[i] = i
@@ -134,10 +136,9 @@ def orthogonalise(w: Work, dependent: Real) -> None:
 
 
 def factor_rank_revealing(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) -> Status:
-    """From M and G in w.  Rows count as dependent below the share `least` that is their own.  A row whose
-    gradient all but vanishes has a direction that says little: it counts for less than one (`slight`).
-    Where M alone is singular or very uneven, M + weight G^T G takes its place: the same solution, as G a
-    is given."""
+    """Factor M and G. A row is dependent if its independent share is below `least`; a degenerate row
+    counts by its regularity. If M is singular or very uneven, M + penalty G^T G takes its place, which has
+    the same solution as G a is given."""
     w.penalty = 0.0
     for i in range(NC):
         w.gamma_sizes[i] = 0.0
@@ -165,7 +166,7 @@ def factor_rank_revealing(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) 
 
 
 def solve_triangle(w: Work, c: Vec[NC]) -> None:
-    """c = diag(1/lengths) F^-1 c over the independent rows"""
+    """Solve c = diag(1/row_lengths) F^-1 c over the independent rows."""
     rank = w.rank
     for k in range(rank - 1, -1, -1):
         value = c[k]
@@ -177,7 +178,8 @@ def solve_triangle(w: Work, c: Vec[NC]) -> None:
 
 
 def shortest_multipliers(w: Work, c: Vec[NC], lam: Vec[NC]) -> None:
-    """The shortest lam whose forces are those of c; free ones y minimise |c - T y|^2 + |y|^2."""
+    """Compute the shortest lam with the forces of c. The multipliers y of the dependent rows minimize |c -
+    T y|^2 + |y|^2, T being w.dependence."""
     rank = w.rank
     count = NC - w.rank
     y = w.row_room
@@ -217,9 +219,9 @@ def shortest_multipliers(w: Work, c: Vec[NC], lam: Vec[NC]) -> None:
 
 
 def solve_rank_revealing(w: Work, r2: Vec[NC], z: Vec[NV], lam: Vec[NC]) -> Status:
-    """M z - G^T lam = r1, G z = r2; z holds r1 at first.  A row that depends on others contradicts them
-    where it misses r2 by more than a share of what r2 is made of: of the accelerations, and of the
-    terms of gamma, which are all that is left where its gradient vanishes."""
+    """Solve M z - G^T lam = r1, G z = r2; z holds r1 at first. A dependent row contradicts the others if
+    its residual is more than a share of the terms of r2: of accelerations and of the terms of gamma, which
+    alone remain where its gradient vanishes."""
     rank = w.rank
     status = OK if w.rank == NC else REDUNDANT
     c = w.row_room2

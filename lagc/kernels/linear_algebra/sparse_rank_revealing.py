@@ -1,17 +1,19 @@
-"""[M G^T; G 0] whatever the rank of G, without a dense matrix.
+"""Solves with [M G^T; G 0] for any rank of G, by sparse factors.
 
-Straight factors in their own order, in which a row with next to nothing of its own beside those before it
-is left out, give accelerations and some multipliers.  The shortest are found among those with the same
-forces.  With all rows damped by a share of their sizes D the factors are never singular, and what of
-multipliers makes a force with a part s^2 of its own is less by a factor of share/(share + s^2) each time in
+The sparse factors keep a fixed order and leave out a row that is nearly dependent on those before it. They
+give the accelerations and some multipliers. The shortest multipliers with the same forces follow from
+damped factors: all rows damped by a share of their sizes D, which are never singular, in the proximal
+point iteration
 
     lam := (G M^-1 G^T + share D)^-1 share D lam
 
-(the proximal point method, R. T. Rockafellar, SIAM J. Control Optim. 14 (1976)); what is left makes none.
+(R. T. Rockafellar, SIAM J. Control Optim. 14 (1976) 877-898). Each iteration reduces the part of lam with
+forces by a factor of share / (share + s^2), s^2 being its independent part; the part without forces
+remains.
 
-Behind the factors stand, for each row, its size without the rows before it, the share of that which is its
-own (0: it is left out), and what that has to be above; then the share by which rows are damped, and that of
-those that give a pivot to a speed without inertia.
+The factors are followed by three numbers for each row: its size without the rows before it, the share of
+this size that is independent (0: the row is left out), and the least such share; then by the damping share
+of all rows, and of rows that give a pivot to a speed without inertia.
 """
 
 from __future__ import annotations
@@ -25,28 +27,28 @@ from lagc.kernels.language.statuses import INCONSISTENT, OK, REDUNDANT, SINGULAR
 from lagc.kernels.language.tolerances import CONTRADICTION, DEPENDENT, LEAST_PIVOT, SINGULAR, SPACING, TINY
 from lagc.kernels.language.words import Params, Real, Status, Vec, by_type, part, size
 
-NEVER_KEPT = 2.0  # a share that no row has of its own
-WELL_SEPARATED = 0.3  # the share of its own of a row that is well apart from others
-# Shares by which rows are damped: always those that give a pivot to a speed without inertia; all.
+NEVER_KEPT = 2.0  # a share that no row has
+WELL_SEPARATED = 0.3  # independent share of a row that is well separated from others
+# Damping shares of rows that give a pivot to a speed without inertia, always; of all rows.
 BARELY_DAMPED = by_type(1e-6, 1.5e-14, "1e-32")
 DAMPED = by_type(1e-4, 1e-9, "1e-18")
-MOST_PROJECTIONS = 12  # times
-MOST_CG_STEPS = 30  # times
-CG_CONVERGED = by_type(1e-12, 1e-30, "1e-60")  # square of what is left to shorten
+MOST_PROJECTIONS = 12  # iterations of one projection
+MOST_CG_STEPS = 30  # conjugate gradient steps
+CG_CONVERGED = by_type(1e-12, 1e-30, "1e-60")  # squared size of the rest, relative to the first
 
 
 def row_size(w: Work, i: int) -> Real:
-    """Without the rows before it."""
+    """Return the size of a row without the rows before it."""
     return w.kkt_entries[NWORK - 2 - 3 * NC + i]
 
 
 def independent_part(w: Work, i: int) -> Real:
-    """Of a row that is kept, beside its size; 0 of one that is left out."""
+    """Return the squared independent share of a row; 0 if the row is left out."""
     return w.kkt_entries[NWORK - 2 - 2 * NC + i]
 
 
 def factor_with_damping(share: Real, w: Work) -> int:
-    """The factors of the entries in w; how many rows are kept."""
+    """Factor w.kkt_entries; return the number of rows that are kept."""
     w.kkt_entries[NWORK - 2] = share
     w.kkt_entries[NWORK - 1] = share if share > BARELY_DAMPED else BARELY_DAMPED
     fn_factor(w.kkt_entries, w.health)
@@ -58,8 +60,8 @@ def factor_with_damping(share: Real, w: Work) -> int:
 
 
 def factor_independent_rows(least: Real, w: Work) -> int:
-    """The same, where rows are kept of which more than `least` is their own.  A row whose gradient all but
-    vanishes has a direction that says little (`slight`)."""
+    """Factor without damping, with the rows whose independent share is above `least`. A degenerate row
+    counts by its regularity."""
     for i in range(NC):
         limit = least / w.regularity[i]
         w.kkt_entries[NWORK - 2 - NC + i] = limit * limit
@@ -67,7 +69,7 @@ def factor_independent_rows(least: Real, w: Work) -> int:
 
 
 def least_independent_part(w: Work) -> Real:
-    """The least part of its own of a row that is kept."""
+    """Return the least independent part of the rows that are kept."""
     least = 1.0
     for i in range(NC):
         own = independent_part(w, i)
@@ -77,7 +79,7 @@ def least_independent_part(w: Work) -> Real:
 
 
 def factor_all_rows(w: Work) -> bool:
-    """The factors of the entries in w with all rows; whether they can be trusted."""
+    """Factor with all rows; return whether the factors are accurate."""
     for i in range(NC):
         w.regularity[i] = 1.0
     kept = factor_independent_rows(DEPENDENT, w)
@@ -85,7 +87,7 @@ def factor_all_rows(w: Work) -> bool:
 
 
 def are_well_separated(w: Work) -> bool:
-    """Whether the rows that are kept are."""
+    """Return whether the rows that are kept are well separated."""
     for i in range(NC):
         own = independent_part(w, i) * w.regularity[i] * w.regularity[i]
         if own > 0.0 and own < WELL_SEPARATED * WELL_SEPARATED:
@@ -94,7 +96,7 @@ def are_well_separated(w: Work) -> bool:
 
 
 def factor_sparse(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) -> Status:
-    """From the entries in w.  Of rows that depend on each other those are kept that are as far apart as their
+    """Factor w.kkt_entries for any rank. Of dependent rows, keep those that are separated as much as their
     number allows."""
     rank = factor_independent_rows(least, w)
     if rank < NC and not are_well_separated(w):
@@ -117,7 +119,7 @@ def factor_sparse(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) -> Statu
 
 
 def refine_solution(r: Vec[NR], s: Vec[NR], w: Work) -> None:
-    """One step of iterative refinement."""
+    """Do one step of iterative refinement."""
     fn_rest(w.kkt_entries, r, s, w.kkt_residual)
     fn_solve(w.kkt_entries, w.kkt_residual, w.kkt_correction)
     for i in range(NR):
@@ -125,9 +127,9 @@ def refine_solution(r: Vec[NR], s: Vec[NR], w: Work) -> None:
 
 
 def find_contradiction(r: Vec[NR], s: Vec[NR], w: Work) -> Status:
-    """A row that is left out contradicts others where it misses r2 by more than a share of what r2 is made
-    of: of the accelerations and forces, and of the terms of gamma, which are all that is left where its
-    gradient vanishes."""
+    """Return INCONSISTENT, with the culprit, if a row that is left out contradicts others: if its residual
+    is more than a share of the terms of r2: of accelerations and forces, and of the terms of gamma, which
+    alone remain where its gradient vanishes."""
     power = 0.0  # a M a
     forces = 0.0
     for j in range(NV):
@@ -151,14 +153,14 @@ def find_contradiction(r: Vec[NR], s: Vec[NR], w: Work) -> Status:
 
 
 def factor_all_damped(w: Work) -> None:
-    """The factors with all rows, damped, but for those whose gradient is rounding."""
+    """Factor with all rows, damped, except those whose gradient is round-off."""
     for i in range(NC):
         w.kkt_entries[NWORK - 2 - NC + i] = -1.0 if w.regularity[i] > DEPENDENT else NEVER_KEPT
     factor_with_damping(DAMPED, w)
 
 
 def size_of_forces(lam: Vec[NC], w: Work) -> Real:
-    """Squared, of multipliers in the measure of the sizes of their rows."""
+    """Return the squared size of multipliers, in the measure of the sizes of their rows."""
     total = 0.0
     for i in range(NC):
         total += row_size(w, i) * lam[i] * lam[i]
@@ -166,8 +168,8 @@ def size_of_forces(lam: Vec[NC], w: Work) -> Real:
 
 
 def project_to_null_space(missed: Real, lam: Vec[NC], w: Work) -> Real:
-    """lam by what of it makes no force; the square of its size, 0 where that is rounding.  Of what makes a
-    force a share of `missed` is left each time."""
+    """Replace lam by its part without forces; return its squared size, or 0 if it is round-off. Each
+    iteration reduces the part with forces by `missed`."""
     whole = size_of_forces(lam, w)
     left = whole
     spare = whole
@@ -188,8 +190,8 @@ def project_to_null_space(missed: Real, lam: Vec[NC], w: Work) -> Real:
 
 
 def shorten_multipliers(s: Vec[NR], w: Work) -> None:
-    """s2 by the shortest with the same forces: conjugate gradients, in the measure of the sizes, among those
-    that make none."""
+    """Replace s2 by the shortest multipliers with the same forces: conjugate gradients in the null space,
+    in the measure of the sizes."""
     missed = DAMPED / (DAMPED + least_independent_part(w))
     factor_all_damped(w)
     before = 1.0
@@ -210,7 +212,7 @@ def shorten_multipliers(s: Vec[NR], w: Work) -> None:
 
 
 def solve_sparse(r: Vec[NR], s: Vec[NR], w: Work) -> Status:
-    """M s1 - G^T s2 = r1, G s1 = r2."""
+    """Solve M s1 - G^T s2 = r1, G s1 = r2."""
     fn_solve(w.kkt_entries, r, s)
     refine_solution(r, s, w)
     refine_solution(r, s, w)
