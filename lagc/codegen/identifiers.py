@@ -7,6 +7,7 @@ import unicodedata
 from collections.abc import Collection, Iterable
 
 from lagc.host.atomic_write import fitting
+from lagc.lowering.program import Program
 
 # Of C, C++ and Python.
 _KEYWORDS = """
@@ -112,6 +113,38 @@ def prefix(model: str) -> str:
     to be called time.h."""
     name = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", identifier(model).rstrip("_")).lower()
     return f"{name}_model" if name in FAMILIES | HEADERS | RESERVED else fitting(name)
+
+
+# Arrays of any Program, so that a name does not depend on which functions a model happens to have.
+ARRAYS = ("p", "t", "x", "a", "lam", "d", "w", "r", "xdot", "health", "qdot", "M", "G", "gamma", "s", "dq",
+          "phi", "psi", "prepared", "e", "y", "c", "J", "sizes", "largest", "kept")  # fmt: skip
+
+
+def local_names(program: Program, taken: Iterable[str]) -> dict[tuple[str, int], str]:
+    """(array, index) -> name, over all functions alike; `taken` are names of the target."""
+    interface = program.interface
+    arrays = {name for f in program.functions.values() for name, _ in f.outputs}
+    own = prefix(interface.model)
+    prefixes = ("lagc_", "LAGC_", "fn_", f"{own}_", f"{own.upper()}_")
+    names = Names({*ARRAYS, *arrays, *taken}, prefixes, variables=True)
+    found: dict[tuple[str, int], str] = {}
+    for index, name in enumerate(interface.state_names):
+        found["x", index] = names.give(name)
+    if interface.nz:
+        found["x", interface.nq + interface.nv] = names.give("work")
+    given = len(interface.parameters) + len(interface.inputs)
+    for index, field in enumerate((*interface.parameters, *interface.inputs)):
+        found["p", index] = names.give(field.name)
+    for function in program.functions.values():
+        for operation in function.operations:
+            key = operation.payload
+            if operation.op == "load" and isinstance(key, tuple) and key[0] != "t" and key not in found:
+                array, index = key
+                if array == "p":
+                    found[key] = names.give(f"prepared{index - given}")
+                else:  # c0 is a condition
+                    found[key] = names.give(f"size{index}") if array == "c" else f"{array}{index}"
+    return found
 
 
 def comment(text: str) -> str:

@@ -17,8 +17,8 @@ from lagc.base.records import replace
 from lagc.codegen.c import runtime
 from lagc.codegen.c.functions import function_text as c_text
 from lagc.codegen.c.functions import helpers
+from lagc.codegen.identifiers import local_names
 from lagc.codegen.kernel_compiler.real_types import DOUBLE
-from lagc.codegen.locals import local_names
 from lagc.codegen.python.functions import ARITHMETIC, function_text, sine_cosine
 from lagc.codegen.tables import c_tables, numbered, python_tables
 from lagc.codegen.trigonometry import turning

@@ -17,9 +17,9 @@ from lagc.codegen.identifiers import (
     comment,
     identifier,
     is_reserved,
+    local_names,
     prefix,
 )
-from lagc.codegen.locals import local_names
 from lagc.compiler.pipeline import Choice, program, render
 from lagc.diagnostics.faults import Source
 from tests.codegen.programs import pendulum

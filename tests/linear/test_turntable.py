@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import pytest
 import random
 
 import numpy as np
+import pytest
 
 import lagc
 from lagc.simulation.linearization.derivatives import Point

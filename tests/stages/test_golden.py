@@ -14,7 +14,7 @@ from lagc.cli.main import main
 from lagc.codegen.c.emit import render as render_c
 from lagc.codegen.c.functions import function_text
 from lagc.codegen.c.header import places
-from lagc.codegen.locals import local_names
+from lagc.codegen.identifiers import local_names
 from lagc.codegen.python.emit import render as render_numpy
 from lagc.diagnostics.faults import Source
 from lagc.syntax.formatter import format_source

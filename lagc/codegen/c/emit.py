@@ -9,16 +9,37 @@ from __future__ import annotations
 import re
 
 from lagc.codegen.c import header
-from lagc.codegen.c.compiler_guards import demands
 from lagc.codegen.c.functions import function_text, helpers
 from lagc.codegen.c.public_functions import verbs
 from lagc.codegen.c.runtime import Runtime, sine_cosine
-from lagc.codegen.identifiers import prefix
+from lagc.codegen.identifiers import local_names, prefix
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
-from lagc.codegen.locals import local_names
 from lagc.codegen.tables import c_tables, numbered
 from lagc.codegen.trigonometry import turning
 from lagc.lowering.program import Interface, Program
+
+_REORDERED = """\
+/* Results are the same to the bit with every compiler that does the operations as they are written.  Define
+ * LAGC_ANY_ARITHMETIC to compile with wider arithmetic, which is as accurate.  -ffast-math is not supported. */
+#ifndef LAGC_ANY_ARITHMETIC
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) \\
+    || defined(_M_FP_FAST) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ + 0 > 0)
+#error "-ffast-math and -Ofast change the order of operations: compile without them"
+#endif
+"""
+_WIDER = """\
+#if defined(FLT_EVAL_METHOD) && ({})
+#error "x87 arithmetic is wider than its type: compile with -msse2 -mfpmath=sse"
+#endif
+"""
+_FUSED = """\
+/* Do not fuse a * b + c into one operation (-ffp-contract=fast of clang overrides this). */
+#ifdef __clang__
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__) && (defined(__FP_FAST_FMA) || defined(__FP_FAST_FMAF))
+#pragma GCC optimize("fp-contract=off")
+#endif
+"""
 
 
 def render(program: Program, complete: bool = True, real: Arithmetic = DOUBLE) -> dict[str, str]:
@@ -64,7 +85,7 @@ def _source(runtime: Runtime, file: str, own_header: str) -> str:
     functions = [function_text(f, names, fields, real, numbers) for f in program.functions.values()]
     parts = [
         header.banner(interface, file) + f'#include "{own_header}"\n\n' + real.includes,
-        demands(real),
+        compiler_guards(real),
         helpers(program),
         *c_tables(numbers, real),
         *sine_cosine(turning(functions)),
@@ -73,6 +94,12 @@ def _source(runtime: Runtime, file: str, own_header: str) -> str:
         *(verb.definition for verb in verbs(program, real)),
     ]
     return "\n".join(part for part in parts if part)
+
+
+def compiler_guards(real: Arithmetic) -> str:
+    """Return directives that refuse such options and disable fused operations."""
+    wider = _WIDER.format(real.wider) if real.wider else ""
+    return f"{_REORDERED}{wider}#endif\n\n{_FUSED}"
 
 
 def _prefixed(text: str, interface: Interface, real: Arithmetic) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 from lagc.codegen.c import header
 from lagc.codegen.heading import status_texts
 from lagc.codegen.kernel_compiler.c import CPrinter
-from lagc.codegen.kernel_compiler.layout import block_comment
+from lagc.codegen.kernel_compiler.layout import block_comment, snake
 from lagc.codegen.kernel_compiler.linker import (
     SPELLED,
     Chosen,
@@ -22,7 +22,6 @@ from lagc.codegen.kernel_compiler.linker import (
     switches_of,
     tables_of,
 )
-from lagc.codegen.kernel_compiler.names import snake
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.kernel_compiler.shipped import Parts, parts
 from lagc.codegen.python.support.base import Options

@@ -6,11 +6,9 @@ import ast
 import re
 from collections.abc import Mapping, Sequence
 
-from lagc.codegen.kernel_compiler.declarations import places
-from lagc.codegen.kernel_compiler.layout import block_comment, folded, wrapped
-from lagc.codegen.kernel_compiler.names import snake
+from lagc.codegen.kernel_compiler.layout import block_comment, folded, snake, wrapped
 from lagc.codegen.kernel_compiler.real_types import Arithmetic
-from lagc.codegen.kernel_compiler.trees import identifier, root
+from lagc.codegen.kernel_compiler.syntax import identifier, root
 from lagc.codegen.kernel_compiler.type_check import MADE, PAIR, REAL, SCALARS, VOID, WHOLE, Type, Types
 
 OR, AND, BITS, EQUAL, COMPARE, SHIFT, SUM, PRODUCT, SIGN, ATOM = range(1, 11)
@@ -371,3 +369,47 @@ class CPrinter:
             address = kind[0] in ("Record", "Params") and (isinstance(a, ast.Attribute) or self.is_own(a))
             parts.append(("&" if address else "") + self.given(a, kind))
         return f"lagc_{name}({', '.join(parts)})", ATOM
+
+
+def places(body: Sequence[ast.stmt]) -> dict[str, ast.stmt | None]:
+    """Of each name its first assignment, where that stands in the innermost block that holds all its uses,
+    and can declare it; None where it is declared at the top, as its value may outlive a turn of a loop."""
+    uses: dict[str, list[tuple[Sequence[ast.stmt], ...]]] = {}  # name -> blocks around each use, outer first
+    first: dict[str, ast.stmt | None] = {}
+
+    def note(name: str, path: tuple[Sequence[ast.stmt], ...], node: ast.stmt | None) -> None:
+        first.setdefault(name, node)
+        uses.setdefault(name, []).append(path)
+
+    def names(node: ast.AST) -> list[str]:
+        return [n.id for n in ast.walk(node) if isinstance(n, ast.Name)]
+
+    def walk(block: Sequence[ast.stmt], path: tuple[Sequence[ast.stmt], ...]) -> None:
+        path = (*path, block)
+        for node in block:
+            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+                for name in names(node.value):
+                    note(name, path, None)
+                note(node.targets[0].id, path, node)
+                continue
+            for child in ast.iter_child_nodes(node):
+                if not isinstance(child, ast.stmt):
+                    for name in names(child):
+                        note(name, path, None)
+            walk_inner(node, path)
+
+    def walk_inner(node: ast.stmt, path: tuple[Sequence[ast.stmt], ...]) -> None:
+        for inner in (getattr(node, "body", None), getattr(node, "orelse", None)):
+            if inner:
+                walk(inner, path)
+
+    walk(body, ())
+    found: dict[str, ast.stmt | None] = {}
+    for name, paths in uses.items():
+        shared = paths[0]
+        for path in paths[1:]:
+            common = [a for a, b in zip(shared, path) if a is b]
+            shared = tuple(common)
+        block, start = shared[-1], first[name]
+        found[name] = start if any(start is node for node in block) else None
+    return found

@@ -1,4 +1,4 @@
-"""Lines of C: comments, and what is too long for one line."""
+"""Layout of printed C: comments, long lines, names of structs."""
 
 from __future__ import annotations
 
@@ -44,3 +44,8 @@ def wrapped(start: str, parts: Sequence[str]) -> str:
             rows.append(" " * len(start))
         rows[-1] += text + (" " if k < len(parts) - 1 else "")
     return "\n".join(rows)
+
+
+def snake(name: str) -> str:
+    """Return the name of a record in C: start_work for StartWork."""
+    return "".join(f"_{c.lower()}" if c.isupper() else c for c in name).lstrip("_")

@@ -6,8 +6,11 @@ A function is a tree: [switch, tree where it holds, tree where not], with texts 
 from __future__ import annotations
 
 import ast
+import importlib
+import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 from lagc.codegen.kernel_compiler import python
@@ -15,11 +18,73 @@ from lagc.codegen.kernel_compiler.c import CPrinter
 from lagc.codegen.kernel_compiler.linker import SPELLED
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.kernel_compiler.specialization import Statics, Undecided
-from lagc.codegen.kernel_compiler.syntax import Constant, Function, Missing, Module, Outside, Record, read
+from lagc.codegen.kernel_compiler.syntax import (
+    Constant,
+    Function,
+    Missing,
+    Module,
+    Outside,
+    Record,
+    folder,
+    read,
+)
 from lagc.codegen.kernel_compiler.type_check import INT, REAL, STATUS, Known, Signature, Type, Types, parsed
 from lagc.kernels import FILES, METHODS
 
 Tree = Any  # [switch, Tree, Tree] or what is printed, a dictionary
+
+
+def _tree(name: str) -> ast.Module:
+    with open(os.path.join(folder(), f"{name}.py"), encoding="utf-8") as file:
+        return ast.parse(file.read())
+
+
+@cache
+def declared_sizes() -> frozenset[str]:
+    return frozenset(n.name for n in _tree("language/sizes").body if isinstance(n, ast.ClassDef))
+
+
+@cache
+def declared_tables() -> dict[str, Type]:
+    found = {}
+    for node in _tree("language/tables").body:
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            found[node.target.id] = parsed(ast.unparse(node.annotation), lambda name: False)
+    return found
+
+
+@cache
+def model_functions() -> dict[str, Function]:
+    found = {}
+    for node in _tree("language/model").body:
+        if isinstance(node, ast.FunctionDef):
+            parameters = tuple((a.arg, ast.unparse(a.annotation)) for a in node.args.args if a.annotation)
+            found[node.name] = Function(
+                "language/model.py", node.lineno, node.name, parameters, "None", "", [], False, ()
+            )
+    return found
+
+
+class Method:
+    """A method as kernels see it: `tableau` are the names of its file; NAME, and NUMBER, the constant
+    that stands for its place."""
+
+    def __init__(self, name: str, number: int, tableau: dict[str, Any], title: str):
+        self.NAME, self.number, self.tableau, self.title = name, number, tableau, title
+        self.NUMBER = ast.Name(name.upper(), ast.Load())
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self.tableau[name]
+        except KeyError:
+            raise AttributeError(name) from None
+
+
+def read_method(name: str, number: int) -> Method:
+    """The method of `kernels/integrators/tableaus/<name>.py`."""
+    module = importlib.import_module(f"lagc.kernels.integrators.tableaus.{name}")
+    tableau = {k: v for k, v in vars(module).items() if k.isupper()}
+    return Method(name, number, tableau, module.TITLE)
 
 
 @dataclass
@@ -74,12 +139,10 @@ class Library:
     parts: list[dict[str, Any]] = field(default_factory=list)
 
     def load(self) -> Library:
-        from lagc.codegen.kernel_compiler import interface
-
-        self.sizes = interface.sizes()
-        self.tables = interface.tables()
-        self.signatures = {name: self._extern(f) for name, f in interface.functions().items()}
-        methods = tuple(interface.method(name, k) for k, name in enumerate(METHODS))
+        self.sizes = declared_sizes()
+        self.tables = declared_tables()
+        self.signatures = {name: self._extern(f) for name, f in model_functions().items()}
+        methods = tuple(read_method(name, k) for k, name in enumerate(METHODS))
         for method in methods:
             self.constant(Constant("", 0, method.NAME.upper(), "Method", method.number, (), method.title))
         for name in FILES:

@@ -6,7 +6,7 @@ import ast
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from lagc.codegen.kernel_compiler.trees import clone
+from lagc.codegen.kernel_compiler.syntax import clone
 from lagc.codegen.kernel_compiler.type_check import Type, Types
 
 # Kernels of which Python's own functions do the whole work, with the same result.

@@ -7,8 +7,15 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from lagc.codegen.kernel_compiler.syntax import Function, Missing, Outside
-from lagc.codegen.kernel_compiler.trees import identifier, returns, roots, targets
+from lagc.codegen.kernel_compiler.syntax import (
+    Function,
+    Missing,
+    Outside,
+    identifier,
+    returns,
+    roots,
+    targets,
+)
 
 Type = tuple[str, ...]  # ("Real",) ("int",) ("Vec", "NX") ("Mat", "NK", "NX") ("Record", "Work") ...
 REAL, INT, COUNT, LENGTH, BOOL, STATUS, VOID, PAIR = (

@@ -6,8 +6,7 @@ The module holds names, the functions of the model, the kernels (`runtime`) and 
 from __future__ import annotations
 
 from lagc.codegen.heading import ABI_VERSION, LICENCE, SPDX, equation, origin
-from lagc.codegen.identifiers import Names, prefix
-from lagc.codegen.locals import local_names
+from lagc.codegen.identifiers import Names, local_names, prefix
 from lagc.codegen.python import runtime
 from lagc.codegen.python.functions import ARITHMETIC, CALLS, function_text, sine_cosine
 from lagc.codegen.python.public_functions import verbs
