@@ -143,7 +143,7 @@ def test_a_run_that_is_ended_keeps_what_it_computed(
 
 def test_the_time_of_a_block_is_that_of_all_in_it() -> None:
     with (
-        pytest.raises(Refused, match=r"LAG0801: the inner took longer than the 0[.]1 s"),
+        pytest.raises(Refused, match=r"LAG0801: the inner took longer than the limit of 0[.]1 s"),
         lagc.Limits(time=0.1),
     ):
         with budgets.stage("the outer"):

@@ -1,0 +1,222 @@
+"""The code and the documentation use the terms of the literature, not home-made ones.
+
+To add a word, add a row to WORDS: what to use instead, then up to two regular expressions.
+
+* `names` matches a whole word of an identifier or of a file name, in lower case: `listen` finds the function
+  `listen_along`, the class `Listen` and the file `listen.py`, but not `listener`.
+* `prose` is searched in docstrings, comments, texts and messages of `lagc`, in `docs`, in `README.md` and in
+  generated C.  Upper and lower case differ, since some rows are about the beginning of a sentence.
+
+Ban a word only where it is a home-made term: a word that also has an ordinary meaning in prose gets `names`
+alone.  UNFINISHED lists the words that a room may still use; delete an entry when its room is done.
+"""
+
+from __future__ import annotations
+
+import ast
+import io
+import re
+import tokenize
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+GENERATED = ROOT / "tests" / "stages" / "golden" / "course" / "simple_pendulum" / "simple_pendulum.c.txt"
+
+
+class Word(NamedTuple):
+    instead: str
+    names: str = ""
+    prose: str = ""
+
+
+WORDS: dict[str, Word] = {
+    "listening": Word("round-off estimate, perturb", "listen(s|ing)?|heard|shak(e|es|en|ing)",
+                      r"\b(listen(s|ing)?|heard|shak(e|es|en|ing))\b"),
+    "foretold": Word("predicted", "foret(ell|ells|old)", r"\bforet(ell|ells|old)\b"),
+    "halted": Word("higher-order rigidity", "halted", r"\bhalted\b"),
+    "leftovers": Word("orphan processes", "leftovers?", r"\bleftovers?\b"),
+    "blame": Word("source provenance", "blam(e|ed|es)", r"\bblam(e|ed|es)\b"),
+    "resting": Word("sliding mode, sticking", "resting", r"\bresting\b"),
+    "grounds": Word("sampling domain", "grounds", r"\bgrounds\b"),
+    "touching": Word("degenerate constraint", "touching"),
+    "judge": Word("zero test", "judg(e|es|ed|ing)", r"\bjudg(e|es|ed|ing)\b"),
+    "opposing": Word("passivity check", "opposing|feeding"),
+    "noisy": Word("round-off dominated", "noisy", r"\bnoisy\b"),
+    "still": Word("constant, round-off dominated", "still"),
+    "home": Word("guess (of an unknown)", "home|loose"),
+    "switch": Word("relation, zero crossing", "switch(es|ing)?"),
+    "locating": Word("event location", "locating"),
+    "lift": Word("articulated-body form", "lift(s|ed|ing)?"),
+    "rolled": Word("loop rerolling", "rolled"),
+    "last places": Word("round-off, machine precision", "", r"\blast places?\b"),
+    "what is left of": Word("residual, rest", "", r"\b[Ww]hat is left of\b"),
+    "comes to": Word("reaches, evaluates to", "", r"\bcomes? to\b"),
+    "start's": Word("initial", "", r"\bstart's\b"),
+    "of which": Word("a second sentence", "", r"\bof which\b"),
+    "What, Who": Word("a sentence with a subject", "", r"\b(What|Who) (?![^.?]*\?)"),
+}  # fmt: skip
+
+UNFINISHED: dict[str, tuple[str, ...]] = {
+    "README.md": ("What, Who",),
+    "docs": ("What, Who", "comes to", "last places", "of which"),
+    "lagc/api_derivatives.py": ("What, Who", "comes to", "of which", "still", "switch"),
+    "lagc/base": ("What, Who",),
+    "lagc/cli": ("What, Who",),
+    "lagc/codegen": ("What, Who", "last places", "of which", "switch"),
+    "lagc/compiler": ("What, Who", "of which"),
+    "lagc/diagnostics": ("What, Who",),
+    "lagc/host": ("What, Who", "comes to", "home"),
+    "lagc/kernels": (
+        "What, Who",
+        "home",
+        "judge",
+        "last places",
+        "listening",
+        "of which",
+        "still",
+        "what is left of",
+    ),
+    "lagc/lowering": (
+        "What, Who",
+        "comes to",
+        "home",
+        "judge",
+        "lift",
+        "of which",
+        "rolled",
+        "switch",
+        "touching",
+    ),
+    "lagc/mechanics": (
+        "What, Who",
+        "comes to",
+        "home",
+        "judge",
+        "of which",
+        "opposing",
+        "resting",
+        "start's",
+        "still",
+        "switch",
+        "touching",
+        "what is left of",
+    ),
+    "lagc/reports": ("What, Who", "lift", "of which", "start's", "still", "switch", "what is left of"),
+    "lagc/semantics": ("What, Who", "blame", "home", "of which", "still"),
+    "lagc/simulation": (
+        "What, Who",
+        "comes to",
+        "halted",
+        "home",
+        "judge",
+        "last places",
+        "listening",
+        "of which",
+        "resting",
+        "still",
+        "switch",
+    ),
+    "lagc/symbolic": ("What, Who", "comes to", "last places", "lift", "of which", "still", "what is left of"),
+    "lagc/syntax": ("What, Who",),
+    "tests": ("What, Who", "blame", "judge", "last places", "listening", "of which", "what is left of"),
+}
+
+
+class Use(NamedTuple):
+    word: str
+    room: str
+    place: str
+
+
+def room_of(path: Path) -> str:
+    """Return `lagc/kernels` for a file of a room, and the file itself for others."""
+    parts = path.relative_to(ROOT).parts
+    return "/".join(parts[:2]) if parts[0] == "lagc" else parts[0]
+
+
+def words_of(name: str) -> list[str]:
+    """Return the words of an identifier: `listen`, `along` for `listen_along` and `ListenAlong`."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower().split("_")
+
+
+def identifiers(tree: ast.AST) -> Iterator[tuple[str, int]]:
+    """Yield the names that a module defines, with their lines."""
+    for node in ast.walk(tree):
+        line = getattr(node, "lineno", 0)
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            yield node.name, line
+        elif isinstance(node, ast.arg):
+            yield node.arg, line
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            yield node.id, line
+        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            yield node.attr, line
+
+
+def prose(text: str) -> Iterator[tuple[str, int]]:
+    """Yield the comments and the texts of a module, with their lines."""
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.COMMENT:
+            yield token.string.lstrip("# "), token.start[0]
+        elif token.type in (tokenize.STRING, getattr(tokenize, "FSTRING_MIDDLE", tokenize.STRING)):
+            yield token.string, token.start[0]
+
+
+def found_in_names(path: Path, names: Iterator[tuple[str, int]]) -> Iterator[Use]:
+    for name, line in names:
+        for part in words_of(name):
+            for word, row in WORDS.items():
+                if row.names and re.fullmatch(row.names, part):
+                    yield Use(word, room_of(path), f"{path.relative_to(ROOT)}:{line}: {name}")
+
+
+def found_in_prose(path: Path, texts: Iterator[tuple[str, int]]) -> Iterator[Use]:
+    for text, line in texts:
+        for word, row in WORDS.items():
+            for match in re.finditer(row.prose, text, re.MULTILINE) if row.prose else ():
+                at = line + text.count("\n", 0, match.start())
+                yield Use(word, room_of(path), f"{path.relative_to(ROOT)}:{at}: {match[0].strip()}")
+
+
+@cache
+def uses() -> list[Use]:
+    """Return all uses of the words, those that are allowed too."""
+    found: list[Use] = []
+    names, texts = ("|".join(filter(None, column)) for column in list(zip(*WORDS.values()))[1:])
+    for path in sorted((ROOT / "lagc").rglob("*.py")):
+        text = path.read_text(encoding="utf-8")
+        found += found_in_names(path, iter([(path.stem, 0)]))
+        if re.search(names, text, re.IGNORECASE):  # to parse all files takes long
+            found += found_in_names(path, identifiers(ast.parse(text)))
+        if re.search(texts, text):
+            found += found_in_prose(path, prose(text))
+    for path in sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md"), GENERATED]):
+        found += found_in_prose(path, iter([(path.read_text(encoding="utf-8"), 1)]))
+    return found
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_a_word_is_not_used(word: str) -> None:
+    wrong = [use.place for use in uses() if use.word == word and word not in UNFINISHED.get(use.room, ())]
+    assert not wrong, f"use {WORDS[word].instead}"
+
+
+def test_unfinished_rooms_and_words_exist() -> None:
+    for room, words in UNFINISHED.items():
+        assert (ROOT / room).exists() and set(words) <= set(WORDS)
+
+
+def test_words_are_found() -> None:
+    path = ROOT / "lagc" / "rooms.py"
+    code = (
+        'def listen_along(w):\n    """Who listens, knows."""\n    w.NoisyPart = 1  # of which none is seen\n'
+    )
+    names = [use.word for use in found_in_names(path, identifiers(ast.parse(code)))]
+    texts = [use.word for use in found_in_prose(path, prose(code))]
+    assert names == ["listening", "noisy"]
+    assert sorted(texts) == ["What, Who", "listening", "of which"]
