@@ -50,12 +50,12 @@ class Context:
         importer: Importer,
         uses: Uses,
         declare: Callable[[Context, Entry], Value],
-        how: Mapping[type, Callable[..., Value]],
+        evaluators: Mapping[type, Callable[..., Value]],
     ):
         self.graph = Graph()
         self.clock = Clock(self.graph)
         self.time: Node = self.graph.symbol("time", "time")
-        self.clock.runs(self.time, self.graph.one)
+        self.clock.set_rate(self.time, self.graph.one)
         self.world = _world(self.graph)
         self.components: dict[tuple[Matrix, Vector], Vector] = {}  # of vectors, in the axes of frames
         self.turns: dict[Matrix, tuple[Matrix, Matrix]] = {}  # of axes, those that were turned, and how
@@ -86,7 +86,7 @@ class Context:
         self.constants: dict[tuple[int, str], Value] = {}  # of files and packages
         self.running: set[tuple[int, str]] = set()
         self._declare = declare
-        self.how = how
+        self.evaluators = evaluators
 
     def report(self, wrong: Wrong) -> None:
         fault = wrong.fault
@@ -185,5 +185,5 @@ class Context:
 
 def _world(graph: Graph) -> Frame:
     one, zero = graph.one, graph.zero
-    axes, still = ((one, zero, zero), (zero, one, zero), (zero, zero, one)), (zero, zero, zero)
-    return Frame("world", "", axes, still, still, None)
+    axes, zeros = ((one, zero, zero), (zero, one, zero), (zero, zero, one)), (zero, zero, zero)
+    return Frame("world", "", axes, zeros, zeros, None)

@@ -38,7 +38,7 @@ _LATER = {"joint": "joints are", "friction": "friction is"}
 
 
 @dataclass(frozen=True, slots=True)
-class Home:
+class Destination:
     """Where a declaration is read, the effect it stands in, and the list that receives its entries."""
 
     environment: Environment
@@ -56,13 +56,13 @@ class Builder:
         self.used: set[str] = set()  # modifiers that met their declaration
         self.bases: list[tree.ModelDeclaration] = []  # that extend each other, the instance's own first
         self.extended: Extended = {}
-        self.pending: list[tuple[tree.Declaration, Home]] = []
+        self.deferred: list[tuple[tree.Declaration, Destination]] = []
 
     def build(self, declaration: tree.ModelDeclaration, space: Namespace) -> None:
         self._body_of(declaration, space)
         for name, modifier in outermost_first(declaration, self.extended):
             self.modifiers.setdefault(name, []).append(modifier)
-        for job in self.pending:
+        for job in self.deferred:
             self.context.attempt(self._unfold, *job)
         for name, given in self.modifiers.items():
             if name not in self.used:
@@ -82,35 +82,37 @@ class Builder:
         self.extended[id(declaration)] = []
         self.bases.append(declaration)
         inner = self.context.importer.inside(declaration, space)
-        self._register(declaration.body, Home(Environment(self.instance, inner), None, self.instance.items))
+        self._register(
+            declaration.body, Destination(Environment(self.instance, inner), None, self.instance.items)
+        )
         self.bases.pop()
 
-    def _register(self, body: Iterable[tree.Declaration], home: Home) -> None:
+    def _register(self, body: Iterable[tree.Declaration], destination: Destination) -> None:
         for declaration in body:
-            self.context.attempt(self._one, declaration, home)
+            self.context.attempt(self._one, declaration, destination)
 
-    def _one(self, d: tree.Declaration, home: Home) -> None:
+    def _one(self, d: tree.Declaration, destination: Destination) -> None:
         excluded = self._excluded(d)
         if excluded is not None:
             for name in names_of(d):
                 self.instance.unused.setdefault(name, f"is left out because the effect `{excluded}` is used")
         elif isinstance(d, tree.Quantities):
             for declarator in d.declarators:
-                self._enter(d.kind, declarator.name, d, declarator, home)
+                self._enter(d.kind, declarator.name, d, declarator, destination)
         elif isinstance(d, tree.FunctionDeclaration):
-            self._enter("function", d.name, d, d, home)
+            self._enter("function", d.name, d, d, destination)
         elif isinstance(d, tree.Construct | tree.Load | tree.Constraint):
-            self._construct(d, home)
+            self._construct(d, destination)
         elif isinstance(d, tree.Initial):
-            self.instance.conditions += [(condition, home.environment) for condition in d.conditions]
+            self.instance.conditions += [(condition, destination.environment) for condition in d.conditions]
         elif isinstance(d, tree.Effect):
-            self._effect(d, home)
+            self._effect(d, destination)
         elif isinstance(d, tree.Extends):
-            self._extends(d, home.environment)
+            self._extends(d, destination.environment)
         elif isinstance(d, tree.ForLoop | tree.Instance):
-            self._postpone(d, home)
+            self._defer(d, destination)
         elif isinstance(d, tree.When):
-            self.context.whens.append((d, home.environment, home.effect))
+            self.context.whens.append((d, destination.environment, destination.effect))
         elif isinstance(d, tree.Start | tree.Simulate):
             raise Wrong(
                 "LAG0221",
@@ -129,38 +131,40 @@ class Builder:
     def _uses(self, name: str) -> bool:
         return self.context.uses.has_beside(self.instance.path, name)
 
-    def _enter(self, kind: str, name: str, d: tree.Declaration, source: Source, home: Home) -> Entry:
+    def _enter(
+        self, kind: str, name: str, d: tree.Declaration, source: Source, destination: Destination
+    ) -> Entry:
         self.context.grow(source.span)
-        entry = Entry(kind, name, d, source, home.environment, home.effect)
+        entry = Entry(kind, name, d, source, destination.environment, destination.effect)
         first = self.instance.entries.get(name)
         if first is not None:
             raise self._twice(name, entry.span, first.span)
         entry.modifiers = self.modifiers.setdefault(name, [])  # which what is extended later may fill
         self.used.add(name)
         self.instance.entries[name] = entry
-        home.items.append(entry)
+        destination.items.append(entry)
         return entry
 
     def _twice(self, name: str, span: Span, first: Span) -> Wrong:
         return Wrong("LAG0202", f"`{name}` is declared twice", span, related=((first, "first here"),))
 
-    def _construct(self, d: tree.Construct | tree.Load | tree.Constraint, home: Home) -> None:
+    def _construct(self, d: tree.Construct | tree.Load | tree.Constraint, destination: Destination) -> None:
         kind = "constraint" if isinstance(d, tree.Constraint) else d.kind
         if kind in _LATER:
             raise Wrong("LAG0220", f"{_LATER[kind]} not yet supported", d.span)
         if not d.index:
-            self._enter(kind, d.name, d, d, home)
+            self._enter(kind, d.name, d, d, destination)
             return
         container = self.instance.entries.get(d.name)
         if container is None:
-            container = self._enter(kind, d.name, d, d, replace(home, items=[]))
+            container = self._enter(kind, d.name, d, d, replace(destination, items=[]))
             container.elements = {}
             container.state, container.value = "done", Indexed(container)
         if container.elements is None or container.kind != kind:
             raise self._twice(d.name, d.name_span, container.span)
-        self._postpone(d, home)
+        self._defer(d, destination)
 
-    def _effect(self, d: tree.Effect, home: Home) -> None:
+    def _effect(self, d: tree.Effect, destination: Destination) -> None:
         path = self.instance.path + d.name
         if path in self.context.effects:
             raise self._twice(d.name, d.name_span, self.context.effects[path].name_span)
@@ -172,7 +176,7 @@ class Builder:
             ):
                 raise Wrong("LAG0221", "this is not allowed in an effect", declaration.span)
         if self._uses(d.name):
-            self._register(d.body, replace(home, effect=d.name))
+            self._register(d.body, replace(destination, effect=d.name))
             return
         for declaration in d.body:
             for name in names_of(declaration):
@@ -189,32 +193,32 @@ class Builder:
         self.extended[id(self.bases[-1])].append((found, given))
         self._body_of(found, space)
 
-    def _postpone(self, d: tree.Declaration, home: Home) -> None:
+    def _defer(self, d: tree.Declaration, destination: Destination) -> None:
         """What needs values to be unfolded keeps its place in the order of declaration."""
         place: list[Item] = []
-        home.items.append(place)
+        destination.items.append(place)
         if isinstance(d, tree.Instance):
             for declarator in d.declarators:
                 known = self.instance.entries.get(declarator.name)
                 if known is not None:
                     raise self._twice(declarator.name, declarator.name_span, known.span)
-                self._enter("instance", declarator.name, d, declarator, replace(home, items=[]))
-        self.pending.append((d, replace(home, items=place)))
+                self._enter("instance", declarator.name, d, declarator, replace(destination, items=[]))
+        self.deferred.append((d, replace(destination, items=place)))
 
     # -- what is unfolded when sizes can be asked for -------------------------------------------
 
-    def _unfold(self, d: tree.Declaration, home: Home) -> None:
+    def _unfold(self, d: tree.Declaration, destination: Destination) -> None:
         if isinstance(d, tree.ForLoop):
-            self._loop(d, home)
+            self._loop(d, destination)
         elif isinstance(d, tree.Instance):
             for declarator in d.declarators:
                 entry = self.instance.entries[declarator.name]
                 if entry.source is declarator:
-                    self.context.attempt(self._instance, d, entry, home)
+                    self.context.attempt(self._instance, d, entry, destination)
         elif isinstance(d, tree.Construct | tree.Load | tree.Constraint):
-            self._element(d, home)
+            self._element(d, destination)
 
-    def _loop(self, d: tree.ForLoop, home: Home) -> None:
+    def _loop(self, d: tree.ForLoop, destination: Destination) -> None:
         for declaration in d.body:
             if isinstance(
                 declaration,
@@ -227,32 +231,32 @@ class Builder:
                 else None
             )
             raise Wrong("LAG0221", "this is not allowed in a loop", declaration.span, remedy)
-        for number in integers(self.context, d.range, home.environment):
+        for number in integers(self.context, d.range, destination.environment):
             self.context.grow(d.span)
             value = Scalar(self.context.graph.const(number), None if number == 0 else NONE)
-            inner = replace(home, environment=home.environment.bind({d.variable: value}))
-            first = len(self.pending)
+            inner = replace(destination, environment=destination.environment.bind({d.variable: value}))
+            first = len(self.deferred)
             for declaration in d.body:
                 self._one(declaration, inner)
-            jobs, self.pending[first:] = self.pending[first:], []
+            jobs, self.deferred[first:] = self.deferred[first:], []
             for job in jobs:
                 self._unfold(*job)
 
-    def _element(self, d: tree.Construct | tree.Load | tree.Constraint, home: Home) -> None:
+    def _element(self, d: tree.Construct | tree.Load | tree.Constraint, destination: Destination) -> None:
         container = self.instance.entries[d.name]
         assert container.elements is not None
-        numbers = tuple([integer(self.context, i, home.environment, "a subscript") for i in d.index])
+        numbers = tuple([integer(self.context, i, destination.environment, "a subscript") for i in d.index])
         self.context.grow(d.span)
-        entry = Entry(container.kind, d.name, d, d, home.environment, home.effect)
+        entry = Entry(container.kind, d.name, d, d, destination.environment, destination.effect)
         entry.path += f"[{','.join(str(n) for n in numbers)}]"
         entry.subscript = numbers
         first = container.elements.get(numbers)
         if first is not None:
             raise self._twice(entry.path, d.name_span, first.span)
         container.elements[numbers] = entry
-        home.items.append(entry)
+        destination.items.append(entry)
 
-    def _instance(self, d: tree.Instance, entry: Entry, home: Home) -> None:
+    def _instance(self, d: tree.Instance, entry: Entry, destination: Destination) -> None:
         source = entry.source
         assert isinstance(source, tree.Declarator)
         space = entry.environment.space
@@ -265,7 +269,7 @@ class Builder:
                     "write `body b[i] = ...;` in a loop",
                 )
             entry.kind = "gravity" if d.type.path[0] == "Gravity" else "body"
-            home.items.append(entry)
+            destination.items.append(entry)
             return
         found, where = self._model_of(d, space)
         if source.value is not None:
@@ -282,13 +286,13 @@ class Builder:
                 own[name] = [*given, *own.get(name, [])]
         sizes = [integer(self.context, s, entry.environment, "a size") for s in source.dimensions]
         if not sizes:
-            part = self._nested(found, where, entry.path + ".", own, home.items)
+            part = self._nested(found, where, entry.path + ".", own, destination.items)
             entry.state, entry.value = "done", part
             return
         entry.elements = {}
         entry.state, entry.value = "done", Indexed(entry)
         for numbers in subscripts(sizes, source.span):
-            element = Entry("instance", entry.name, d, source, entry.environment, home.effect)
+            element = Entry("instance", entry.name, d, source, entry.environment, destination.effect)
             element.path = f"{entry.path}[{','.join(str(n) for n in numbers)}]"
             entry.elements[numbers] = element
             chosen = {
@@ -296,7 +300,7 @@ class Builder:
             }
             element.state, element.value = (
                 "done",
-                self._nested(found, where, element.path + ".", chosen, home.items),
+                self._nested(found, where, element.path + ".", chosen, destination.items),
             )
 
     def _model_of(self, d: tree.Instance, space: Namespace) -> tuple[tree.ModelDeclaration, Namespace]:

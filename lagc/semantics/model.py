@@ -322,7 +322,7 @@ class Output:
     description: str = ""
 
 
-Noun: TypeAlias = (
+ModelObject: TypeAlias = (
     Parameter
     | Input
     | Coordinate
@@ -381,7 +381,7 @@ class Model:
         """The invariants of a resolved model.  Raises AssertionError."""
         for group in (self.parameters, self.inputs, self.coordinates, self.speeds, self.frames, self.points,
                       self.bodies, self.actions, self.constraints, self.outputs):  # fmt: skip
-            names = [noun.name for noun in group]
+            names = [item.name for item in group]
             assert len(names) == len(set(names)), f"a name stands twice: {names}"
         labels = [label for c in self.constraints for label in c.labels]
         assert len(labels) == len(set(labels))

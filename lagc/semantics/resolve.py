@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 from lagc.diagnostics.suggest import did_you_mean
-from lagc.semantics import model as nouns
+from lagc.semantics import model as objects
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.actions import (
     condition,
@@ -24,7 +24,7 @@ from lagc.semantics.declarations.events import ending, when_clause
 from lagc.semantics.declarations.quantities import declare_quantity
 from lagc.semantics.instantiate import Builder
 from lagc.semantics.names.namespace import Importer, Namespace
-from lagc.semantics.names.scope import Entry, Environment, Instance, Thing, Uses, Value
+from lagc.semantics.names.scope import Entry, Environment, Instance, Reference, Uses, Value
 from lagc.semantics.refusals import Wrong
 from lagc.semantics.scenes.choice import (
     Inputs,
@@ -41,7 +41,7 @@ from lagc.semantics.scenes.choice import (
 )
 from lagc.semantics.time_derivatives import MOVING
 from lagc.semantics.values.calls import look_at_uncalled
-from lagc.semantics.values.expressions import HOW
+from lagc.semantics.values.expressions import EVALUATORS
 from lagc.syntax import tree
 
 RECURSION = 40_000  # frames of Python; what is nested is bounded well below that
@@ -59,7 +59,7 @@ def resolve(
     inputs: Inputs | None = None,
     until: str | None = None,
     roots: Sequence[str] | None = None,
-) -> nouns.Model:
+) -> objects.Model:
     """One scene of a model of the file, every name resolved.
 
     `parameters` and `starts` are values by full name, in SI or with a unit, `inputs` texts of expressions or
@@ -70,7 +70,7 @@ def resolve(
     importer = Importer(file.source, tuple(roots or ()))
     space = Namespace(file.declarations, None, importer)
     importer.look_at(file.declarations, space)
-    context = Context(importer, Uses(), declare, HOW)
+    context = Context(importer, Uses(), declare, EVALUATORS)
     try:
         declaration, where = choose_model(file, space, model)
         setting = choose_scene(scenes_of(context, declaration, where), scene, with_effects, without_effects)
@@ -95,7 +95,7 @@ def resolve(
     whens = _whens(context)
     look_at_uncalled(context, instance.in_order())
     _check_given(context, instance)
-    if not context.faults and not _of(found, nouns.Coordinate) and not _of(found, nouns.Orientation):
+    if not context.faults and not _of(found, objects.Coordinate) and not _of(found, objects.Orientation):
         empty = _empty(declaration)
         reason = f": {empty}" if empty else ""
         context.report(
@@ -125,25 +125,25 @@ def _empty(declaration: tree.ModelDeclaration) -> str:
     )
 
 
-def _evaluate(context: Context, instance: Instance) -> list[nouns.Noun]:
-    """The nouns of every declaration, in order."""
-    found: list[nouns.Noun] = []
+def _evaluate(context: Context, instance: Instance) -> list[objects.ModelObject]:
+    """The objects of every declaration, in order."""
+    found: list[objects.ModelObject] = []
     for entry in instance.in_order():
         if context.attempt(context.value, entry, entry.span):
-            found.extend(entry.nouns)
+            found.extend(entry.objects)
     return found
 
 
-def _conditions(context: Context) -> list[nouns.InitialCondition]:
-    found: list[nouns.InitialCondition] = []
+def _conditions(context: Context) -> list[objects.InitialCondition]:
+    found: list[objects.InitialCondition] = []
     for written, environment in context.conditions:
         context.attempt(lambda w, e: found.extend(condition(context, w, e)), written, environment)
     return found
 
 
-def _whens(context: Context) -> list[nouns.When]:
+def _whens(context: Context) -> list[objects.When]:
     """In the order written, those of instances within at their place; what never changes is left out."""
-    found: list[nouns.When] = []
+    found: list[objects.When] = []
 
     def one(written: tree.When, environment: Environment, effect: str | None) -> None:
         clause = when_clause(context, written, environment, effect)
@@ -172,9 +172,9 @@ def _check_given(context: Context, instance: Instance) -> None:
                 context.report(Wrong(code, f"`{name}` {reason}", given.span))
                 continue
             entries = [e for e in instance.in_order() if e.kind in kinds]
-            if context.faults and any(not e.nouns and e.path == _base(given.owner) for e in entries):
+            if context.faults and any(not e.objects and e.path == _base(given.owner) for e in entries):
                 continue
-            known = [n for e in entries for n in (_names(e.nouns) or [e.path])]
+            known = [n for e in entries for n in (_names(e.objects) or [e.path])]
             remedy = did_you_mean(name, known) or _other_kind(instance, _base(given.owner))
             context.report(Wrong(code, f"there is no {what} `{name}`", given.span, remedy))
 
@@ -194,33 +194,30 @@ def _other_kind(instance: Instance, path: str) -> str | None:
     return None if kind is None else f"`{path}` is a {kind}"
 
 
-def _names(found: Sequence[nouns.Noun]) -> list[str]:
-    names = [noun.name for noun in found]
-    return [*names, *(n.rate_symbol.record.name for n in found if isinstance(n, nouns.Coordinate))]
+def _names(found: Sequence[objects.ModelObject]) -> list[str]:
+    names = [item.name for item in found]
+    return [*names, *(n.rate_symbol.record.name for n in found if isinstance(n, objects.Coordinate))]
 
 
-def _of(found: Sequence[nouns.Noun], kind: type[T]) -> tuple[T, ...]:
-    return tuple([noun for noun in found if isinstance(noun, kind)])
+def _of(found: Sequence[objects.ModelObject], kind: type[T]) -> tuple[T, ...]:
+    return tuple([item for item in found if isinstance(item, kind)])
 
 
 def _model(
     context: Context,
     declaration: tree.ModelDeclaration,
     setting: Setting,
-    found: list[nouns.Noun],
-    conditions: list[nouns.InitialCondition],
-    whens: list[nouns.When],
+    found: list[objects.ModelObject],
+    conditions: list[objects.InitialCondition],
+    whens: list[objects.When],
     simulate: dict[str, float],
-) -> nouns.Model:
-    coordinates = [n for n in found if isinstance(n, nouns.Coordinate | nouns.Orientation)]
-    actions = [
-        n
-        for n in found
-        if isinstance(n, nouns.Potential | nouns.Force | nouns.Torque | nouns.Dissipation | nouns.Lagrangian)
-    ]
+) -> objects.Model:
+    coordinates = [n for n in found if isinstance(n, objects.Coordinate | objects.Orientation)]
+    kinds = objects.Potential | objects.Force | objects.Torque | objects.Dissipation | objects.Lagrangian
+    actions = [n for n in found if isinstance(n, kinds)]
     effects = tuple(
         [
-            nouns.Effect(path, e.description or "", setting.uses.has(path))
+            objects.Effect(path, e.description or "", setting.uses.has(path))
             for path, e in context.effects.items()
         ]
     )
@@ -228,29 +225,29 @@ def _model(
     notes = setting.notes
     if setting.scene is None and left_out:
         notes = (*notes, f"the model has no scenes; these effects are not used: {', '.join(left_out)}")
-    return nouns.Model(
+    return objects.Model(
         name=declaration.name,
         scene=setting.name,
         description=declaration.description or "",
         graph=context.graph,
         time=context.time,
-        parameters=_of(found, nouns.Parameter),
-        inputs=_of(found, nouns.Input),
+        parameters=_of(found, objects.Parameter),
+        inputs=_of(found, objects.Input),
         coordinates=tuple(coordinates),
-        speeds=_of(found, nouns.Speed),
-        frames=_of(found, nouns.Frame),
-        points=_of(found, nouns.Point),
-        bodies=_of(found, nouns.Body),
+        speeds=_of(found, objects.Speed),
+        frames=_of(found, objects.Frame),
+        points=_of(found, objects.Point),
+        bodies=_of(found, objects.Body),
         actions=tuple(actions),
-        constraints=_of(found, nouns.Constraint),
+        constraints=_of(found, objects.Constraint),
         initial_conditions=tuple(conditions),
         whens=tuple(whens),
         tables=tuple(context.curves.values()),
-        outputs=_of(found, nouns.Output),
+        outputs=_of(found, objects.Output),
         effects=effects,
         scenes=setting.names,
         simulate=simulate,
-        limits=_of(found, nouns.Limit),
+        limits=_of(found, objects.Limit),
         built_in=tuple(context.built_in),
         imports=tuple(context.importer.asked.items()),
         notes=notes,
@@ -259,7 +256,7 @@ def _model(
 
 
 def _function(context: Context, entry: Entry) -> Value:
-    return Thing(entry)
+    return Reference(entry)
 
 
 def _instance(context: Context, entry: Entry) -> Value:
@@ -280,5 +277,5 @@ DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
 
 
 def declare(context: Context, entry: Entry) -> Value:
-    """The value of a declaration; its nouns are appended to `entry.nouns`.  Raises Wrong."""
+    """The value of a declaration; its objects are appended to `entry.objects`.  Raises Wrong."""
     return DECLARE[entry.kind](context, entry)

@@ -35,7 +35,7 @@ VELOCITY = BIT["rate"] | BIT["speed"]
 
 
 class Clock:
-    """d/dt of nodes.  Each moving symbol is told with `runs`."""
+    """d/dt of nodes.  Each moving symbol is told with `set_rate`."""
 
     def __init__(self, graph: Graph):
         self.graph = graph
@@ -43,11 +43,11 @@ class Clock:
         self._mask: dict[Node, int] = {}
         self.axes: dict[Node, Matrix] = {}  # by their components, of the first frame that has them
 
-    def runs(self, symbol: Node, rate: Node) -> None:
+    def set_rate(self, symbol: Node, rate: Node) -> None:
         """d(symbol)/dt = rate."""
         self._rate[symbol] = rate
 
-    def turns(self, frame: Frame) -> None:
+    def add_frame(self, frame: Frame) -> None:
         """The axes of a frame turn with it."""
         for component in (x for row in frame.axes for x in row):
             node = component.args[0] if component.op == "scale" else component

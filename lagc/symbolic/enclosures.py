@@ -184,15 +184,15 @@ class _Enclosure:
 
     def _product(self, bases: Sequence[Ends], exponents: Sequence[int]) -> Ends:
         graph = self.graph
-        still = [(b[0], e) for b, e in zip(bases, exponents) if b[0] is b[1]]
+        constant = [(b[0], e) for b, e in zip(bases, exponents) if b[0] is b[1]]
         found: Ends | None = None
         for base, exponent in zip(bases, exponents):
             if base[0] is not base[1]:
                 power = self._raised(base, exponent)
                 found = power if found is None else self._times(found, power)
         assert found is not None
-        if still:
-            factor = graph.product(still)
+        if constant:
+            factor = graph.product(constant)
             found = self._hull([graph.mul(factor, end) for end in found])
         return found
 

@@ -62,34 +62,34 @@ class Node:
     index: int
 
     def __add__(self, other: Node | Number) -> Node:
-        return self.graph.add(self, self.graph.lift(other))
+        return self.graph.add(self, self.graph.as_node(other))
 
     def __radd__(self, other: Number) -> Node:
-        return self.graph.add(self.graph.lift(other), self)
+        return self.graph.add(self.graph.as_node(other), self)
 
     def __sub__(self, other: Node | Number) -> Node:
-        return self.graph.sub(self, self.graph.lift(other))
+        return self.graph.sub(self, self.graph.as_node(other))
 
     def __rsub__(self, other: Number) -> Node:
-        return self.graph.sub(self.graph.lift(other), self)
+        return self.graph.sub(self.graph.as_node(other), self)
 
     def __mul__(self, other: Node | Number) -> Node:
-        return self.graph.mul(self, self.graph.lift(other))
+        return self.graph.mul(self, self.graph.as_node(other))
 
     def __rmul__(self, other: Number) -> Node:
-        return self.graph.mul(self.graph.lift(other), self)
+        return self.graph.mul(self.graph.as_node(other), self)
 
     def __truediv__(self, other: Node | Number) -> Node:
-        return self.graph.div(self, self.graph.lift(other))
+        return self.graph.div(self, self.graph.as_node(other))
 
     def __rtruediv__(self, other: Number) -> Node:
-        return self.graph.div(self.graph.lift(other), self)
+        return self.graph.div(self.graph.as_node(other), self)
 
     def __neg__(self) -> Node:
         return self.graph.scale(-1.0, self)
 
     def __pow__(self, other: Node | Number) -> Node:
-        return self.graph.pow(self, self.graph.lift(other))
+        return self.graph.pow(self, self.graph.as_node(other))
 
     def __repr__(self) -> str:
         arguments = ", ".join(f"#{a.index}" for a in self.args)
@@ -146,7 +146,7 @@ class Graph:
     def leaf(self, symbol: Symbol) -> Node:
         return self._intern("symbol", (), symbol)
 
-    def lift(self, value: Node | Number) -> Node:
+    def as_node(self, value: Node | Number) -> Node:
         return value if isinstance(value, Node) else self.const(value)
 
     # -- arithmetic -----------------------------------------------------------

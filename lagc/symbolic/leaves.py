@@ -24,7 +24,7 @@ class Symbol:
     order: int = 0
 
     @property
-    def turns(self) -> bool:
+    def is_body_rate(self) -> bool:
         """Whether it is a body rate of an orientation, or the acceleration of one."""
         return self.component != "" and self.kind in ("rate", "acceleration")
 
@@ -37,7 +37,7 @@ class Symbol:
     def base(self) -> str:
         """Its name without time derivatives."""
         owner = f"{self.kind}({self.owner})" if self.kind in QUANTITIES else self.owner
-        part = f"rate.{self.component}" if self.turns else self.component
+        part = f"rate.{self.component}" if self.is_body_rate else self.component
         return f"{owner}.{part}" if part else owner
 
     @property

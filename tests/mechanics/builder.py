@@ -109,7 +109,7 @@ class Builder:
     # -- kinematics -----------------------------------------------------------
 
     def vector(self, v: Sequence[Node | float]) -> Vector:
-        x, y, z = (self.graph.lift(c) for c in v)
+        x, y, z = (self.graph.as_node(c) for c in v)
         return (x, y, z)
 
     @property
@@ -194,7 +194,7 @@ class Builder:
         self.actions.append(Lagrangian(name, function, is_kinetic, SPAN))
 
     def constraint(self, name: str, *residuals: Node | float) -> None:
-        nodes = [self.graph.lift(r) for r in residuals]
+        nodes = [self.graph.as_node(r) for r in residuals]
         labels = [name] if len(nodes) == 1 else [f"{name}[{k + 1}]" for k in range(len(nodes))]
         kept = [(label, r) for label, r in zip(labels, nodes) if not r.is_zero]
         labels, nodes = [x for x, _ in kept], [r for _, r in kept]

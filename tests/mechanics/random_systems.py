@@ -237,7 +237,7 @@ def model(s: System) -> Model:
             b.particle(f"b{i}", b.graph.const(link.mass), place)
         else:
             b.solid(f"b{i}", b.graph.const(link.mass), link.inertia, frame, place)
-    b.potential("V", b.graph.lift(potential(s, q, b.time, f)))
+    b.potential("V", b.graph.as_node(potential(s, q, b.time, f)))
     for i, k in s.drag:
         body = b.bodies[i]
         b.force(f"drag{i}", [-k * x * (1.0 + square(body.velocity)) for x in body.velocity], body.position)

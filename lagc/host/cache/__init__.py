@@ -46,16 +46,16 @@ def folder() -> str | None:
     xdg = os.environ.get("XDG_CACHE_HOME")
     if xdg and os.path.isabs(xdg):
         return os.path.join(xdg, "lagc")
-    home = os.path.expanduser("~")
-    if os.environ.get("HOME") == "" or not os.path.isabs(home):  # a relative one is where one stands
+    user = os.path.expanduser("~")
+    if os.environ.get("HOME") == "" or not os.path.isabs(user):  # a relative one is where one stands
         return None
     if sys.platform == "win32":
         local = os.environ.get("LOCALAPPDATA", "")
-        local = local if os.path.isabs(local) else os.path.join(home, "AppData", "Local")
+        local = local if os.path.isabs(local) else os.path.join(user, "AppData", "Local")
         return os.path.join(local, "lagc", "cache")
     if sys.platform == "darwin":
-        return os.path.join(home, "Library", "Caches", "lagc")
-    return os.path.join(home, ".cache", "lagc")
+        return os.path.join(user, "Library", "Caches", "lagc")
+    return os.path.join(user, ".cache", "lagc")
 
 
 def key(*parts: str) -> str:

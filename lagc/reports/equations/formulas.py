@@ -160,7 +160,7 @@ def rate_of(equations: EquationsOfMotion, q: Node) -> Node:
 
 
 def _is_rate(speed: Node) -> bool:
-    return speed.record.kind == "rate" and not speed.record.turns
+    return speed.record.kind == "rate" and not speed.record.is_body_rate
 
 
 def motion_polynomials(equations: EquationsOfMotion, algebra: Algebra) -> list[Polynomial]:

@@ -112,7 +112,7 @@ class LatexWriter(TextWriter):
     def symbol(self, symbol: Symbol, exponent: Exponent) -> str:
         name, record = self.named(symbol.node), symbol.node.record
         base, order = (record.base, record.order) if name is None else (name.base, name.order)
-        turning = _turning(record, self.indexed(record.owner, symbol)) if record.turns else ""
+        turning = _turning(record, self.indexed(record.owner, symbol)) if record.is_body_rate else ""
         return self.raised(self.letters(base, self.indexed(base, symbol), order, turning), exponent)
 
     def slope(self, base: str, primes: str) -> str:
@@ -146,7 +146,7 @@ def alike(names: Names) -> set[str]:
     found: dict[str, set[str]] = {}
     for of, name in names.items():
         record = of.record if isinstance(of, Node) else Leaf("table")
-        word = _turning(record, record.owner) if record.turns else name.base
+        word = _turning(record, record.owner) if record.is_body_rate else name.base
         found.setdefault(letter(word), set()).add(INDEX.sub("", name.base))
     return {name for same in found.values() for name in sorted(same, key=_unnatural)[1:]}
 

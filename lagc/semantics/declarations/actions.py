@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Span
-from lagc.semantics import model as nouns
+from lagc.semantics import model as objects
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.attributes import no_rates
 from lagc.semantics.model import Body, Frame
@@ -12,8 +12,8 @@ from lagc.semantics.names.scope import (
     Array,
     Entry,
     Environment,
+    Reference,
     Scalar,
-    Thing,
     Value,
     expect,
     kind,
@@ -72,7 +72,7 @@ def declare_frame(context: Context, entry: Entry) -> Value:
             no_rates(context, node, source.value.span, "a frame")
             _timely(context, node, source.value.span, "a frame")
     frame = replace(value, name=entry.path, span=entry.span, effect=entry.effect)
-    entry.nouns.append(frame)
+    entry.objects.append(frame)
     return frame
 
 
@@ -84,7 +84,7 @@ def declare_point(context: Context, entry: Entry) -> Value:
     for node in vector:
         no_rates(context, node, source.value.span, "a point")
         _timely(context, node, source.value.span, "a point")
-    entry.nouns.append(nouns.Point(entry.path, vector, entry.span, entry.effect))
+    entry.objects.append(objects.Point(entry.path, vector, entry.span, entry.effect))
     return vector_value(vector, M)
 
 
@@ -108,21 +108,22 @@ def declare_potential(context: Context, entry: Entry) -> Value:
             span,
             "write a term of the Lagrangian with rates as `lagrangian L = ...;`",
         )
-    entry.nouns.append(nouns.Potential(entry.path, node, entry.span, entry.effect))
-    return Thing(entry)
+    entry.objects.append(objects.Potential(entry.path, node, entry.span, entry.effect))
+    return Reference(entry)
 
 
 def declare_free_term(context: Context, entry: Entry) -> Value:
     """`lagrangian` and `kinetic`."""
     node, _ = _energy_like(context, entry, ENERGY)
-    entry.nouns.append(nouns.Lagrangian(entry.path, node, entry.kind == "kinetic", entry.span, entry.effect))
-    return Thing(entry)
+    term = objects.Lagrangian(entry.path, node, entry.kind == "kinetic", entry.span, entry.effect)
+    entry.objects.append(term)
+    return Reference(entry)
 
 
 def declare_dissipation(context: Context, entry: Entry) -> Value:
     node, _ = _energy_like(context, entry, POWER)
-    entry.nouns.append(nouns.Dissipation(entry.path, node, entry.span, entry.effect))
-    return Thing(entry)
+    entry.objects.append(objects.Dissipation(entry.path, node, entry.span, entry.effect))
+    return Reference(entry)
 
 
 def declare_load(context: Context, entry: Entry) -> Value:
@@ -155,19 +156,19 @@ def declare_load(context: Context, entry: Entry) -> Value:
         vector, (velocity, at) = both(
             context, load, lambda: _where_applied(context, source, place, body, reaction)
         )
-        entry.nouns.append(
-            nouns.Force(
+        entry.objects.append(
+            objects.Force(
                 entry.path, vector, velocity, entry.span, entry.effect, source.target.span, mentioned, at
             )
         )
     else:
         vector, (frame, opposite) = both(context, load, lambda: _frames(source, target, reaction))
-        entry.nouns.append(
-            nouns.Torque(
+        entry.objects.append(
+            objects.Torque(
                 entry.path, vector, frame, opposite, entry.span, entry.effect, source.target.span, mentioned
             )
         )
-    return Thing(entry)
+    return Reference(entry)
 
 
 def _where_applied(
@@ -238,8 +239,8 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
             labels.append(entry.path if entry.size is None else f"{entry.path}[{k + 1}]")
             rows.append(node)
             units.append(si_text(found or NONE))
-    entry.nouns.append(
-        nouns.Constraint(
+    entry.objects.append(
+        objects.Constraint(
             entry.path,
             tuple(labels),
             tuple(rows),
@@ -250,7 +251,7 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
             entry.effect,
         )
     )
-    return Thing(entry)
+    return Reference(entry)
 
 
 def _residuals(
@@ -303,12 +304,12 @@ def _zeros(left: Value, right: Value) -> str | None:
 
 def condition(
     context: Context, written: tree.Condition, environment: Environment
-) -> list[nouns.InitialCondition]:
+) -> list[objects.InitialCondition]:
     """The scalar conditions of one line of an `initial` section.  Raises Wrong."""
     left, right = all_values(context, [written.left, written.right], environment)
-    found: list[nouns.InitialCondition] = []
+    found: list[objects.InitialCondition] = []
     for node, _ in _residuals(left, right, written):
         _timely(context, node, written.left.span.to(written.right.span), "an initial condition")
         if not node.is_zero:
-            found.append(nouns.InitialCondition(node, written.span))
+            found.append(objects.InitialCondition(node, written.span))
     return found

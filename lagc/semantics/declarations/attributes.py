@@ -149,7 +149,7 @@ def shaped(scalars: list[Scalar], sizes: list[int]) -> Value:
     return Array(tuple([shaped(scalars[k * step : (k + 1) * step], sizes[1:]) for k in range(sizes[0])]))
 
 
-def still(context: Context, node: Node, span: Span, what: str) -> None:
+def check_constant(context: Context, node: Node, span: Span, what: str) -> None:
     """Raises Wrong where `node` moves: it must be made of parameters alone."""
     if context.clock.mask(node) & (MOVING | LATE):
         raise Wrong("LAG0311", f"{what} must depend on parameters only; this depends on the motion", span)
@@ -202,7 +202,7 @@ def from_outside(entry: Entry, given: Given) -> Statement:
     return Statement(SCENE, given.span)
 
 
-def held(
+def with_fixed(
     context: Context,
     attributes: dict[str, Modifier],
     sizes: list[int],
@@ -213,16 +213,16 @@ def held(
     say: `fixed` holds the start, and the rate where one is stated; the others go before it."""
     names = ("fixed", "startFixed", "rateFixed")
     both, starts, _ = (fixed(context, attributes, name, sizes, len(start)) for name in names)
-    held_at = [one if own is None else own for one, own in zip(both, starts)]
+    fixed_starts = [one if own is None else own for one, own in zip(both, starts)]
     both, _, rates = (fixed(context, attributes, name, sizes, len(rate)) for name in names)
     turning = [
         one and stated.level != UNSTATED if own is None else own
         for one, own, stated in zip(both, rates, rate)
     ]
-    return [*map(firm, start, held_at)], [*map(firm, rate, turning)]
+    return [*map(fixed_if, start, fixed_starts)], [*map(fixed_if, rate, turning)]
 
 
-def firm(stated: Statement, holds: bool | None) -> Statement:
+def fixed_if(stated: Statement, holds: bool | None) -> Statement:
     return Statement(FIXED, stated.span) if holds else stated
 
 

@@ -7,14 +7,14 @@ from typing import Any
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.diagnostics.suggest import did_you_mean
-from lagc.semantics import model as nouns
+from lagc.semantics import model as objects
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.attributes import given_scalar
 from lagc.semantics.names.scope import (
     Array,
     Entry,
+    Reference,
     Scalar,
-    Thing,
     Value,
     expect,
     flat,
@@ -72,8 +72,8 @@ def declare_body(context: Context, entry: Entry) -> Value:
     mass, position = found["mass"], found.get("com") or found["at"]
     frame, inertia = found.get("frame"), found.get("inertia")
     velocity = velocity_of(context, place, None)
-    body = nouns.Body(entry.path, mass, position, velocity, frame, inertia, entry.span, entry.effect)
-    entry.nouns.append(body)
+    body = objects.Body(entry.path, mass, position, velocity, frame, inertia, entry.span, entry.effect)
+    entry.objects.append(body)
     return body
 
 
@@ -122,8 +122,8 @@ def _place(context: Context, given: Argument) -> Vector:
     return vector
 
 
-def _frame(_: Context, given: Argument) -> nouns.Frame:
-    if not isinstance(given.value, nouns.Frame):
+def _frame(_: Context, given: Argument) -> objects.Frame:
+    if not isinstance(given.value, objects.Frame):
         raise Wrong("LAG0221", f"`frame` must be a frame; this is {kind(given.value)}", given.span)
     return given.value
 
@@ -189,11 +189,11 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
     for other in entry.environment.instance.in_order():
         if other.kind == "body" and other.elements is None:
             body = context.value(other, other.span)
-            assert isinstance(body, nouns.Body)
+            assert isinstance(body, objects.Body)
             total = total - body.mass * g * dot(direction, body.position)
             _note_field(context, entry, other, direction)
-    entry.nouns.append(nouns.Potential(entry.path, total, entry.span, entry.effect))
-    return Thing(entry)
+    entry.objects.append(objects.Potential(entry.path, total, entry.span, entry.effect))
+    return Reference(entry)
 
 
 def _note_field(context: Context, entry: Entry, body: Entry, direction: Vector) -> None:
@@ -231,8 +231,8 @@ def _strength(context: Context, entry: Entry, written: tree.Expression | None) -
     symbol = context.graph.symbol("parameter", name)
     number = value.node.value
     assert isinstance(number, float)
-    entry.nouns.append(
-        nouns.Parameter(
+    entry.objects.append(
+        objects.Parameter(
             name,
             symbol,
             "m/s2",

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from lagc.base.records import dataclass, field
 from lagc.diagnostics.faults import Source
 from lagc.diagnostics.suggest import did_you_mean
-from lagc.semantics import model as nouns
+from lagc.semantics import model as objects
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Environment, Scalar, Truth, flat, kind, shape
 from lagc.semantics.refusals import Wrong
@@ -35,7 +35,7 @@ class _Found:
 
 def when_clause(
     context: Context, written: tree.When, environment: Environment, effect: str | None
-) -> nouns.When:
+) -> objects.When:
     """Raises Wrong, or Poisoned where faults have been reported."""
 
     def part(one: tree.When | tree.Statement) -> Node | None:
@@ -50,7 +50,7 @@ def when_clause(
     words = _words(written.condition) + _where(environment)
     changes = tuple(found.changes.items())
     reason = found.reasons[0] if found.reasons else None
-    return nouns.When(words, condition, changes, reason, tuple(found.marks), written.span, effect)
+    return objects.When(words, condition, changes, reason, tuple(found.marks), written.span, effect)
 
 
 def ending(context: Context, until: str) -> tree.When:
@@ -153,7 +153,7 @@ def _mark(context: Context, statement: tree.Statement, _: Environment, found: _F
 def _reinit(context: Context, statement: tree.Statement, environment: Environment, found: _Found) -> None:
     target, written = _arguments(statement, 2, "reinit(x, value)")
     value = evaluate(context, target, environment)
-    if isinstance(value, nouns.Orientation):
+    if isinstance(value, objects.Orientation):
         remedy = f"set its angular velocity: `reinit({target.span.text}.rate, {{0, 0, 0}})`"
         raise Wrong("LAG0228", "`reinit` cannot set a whole orientation", target.span, remedy)
     states = flat(value, target.span, "the first argument of `reinit`")

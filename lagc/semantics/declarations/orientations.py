@@ -7,13 +7,13 @@ import math
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.attributes import (
     attributes_of,
+    check_constant,
     declared,
     from_outside,
     given_scalar,
-    held,
     no_value,
     own_part,
-    still,
+    with_fixed,
 )
 from lagc.semantics.model import Orientation, Statement
 from lagc.semantics.names.scope import Entry, Modifier, Value, expect, flat
@@ -40,9 +40,9 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
     a, b, c = rates
     runs = (-x * a - y * b - z * c, w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a)
     for symbol, rate in zip((w, x, y, z), runs):
-        context.clock.runs(symbol, 0.5 * rate)
+        context.clock.set_rate(symbol, 0.5 * rate)
     for rate in rates:
-        context.clock.runs(rate, graph.leaf(rate.record.derivative))
+        context.clock.set_rate(rate, graph.leaf(rate.record.derivative))
     one, zero = graph.one, graph.zero
     start, start_stated = _numbers(
         context,
@@ -63,7 +63,7 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
         [rate.record.name for rate in rates],
     )
     whole = [max(start_stated, key=lambda s: s.level)]  # one statement of the four
-    whole, rate_stated = held(context, attributes, [], whole, rate_stated)
+    whole, rate_stated = with_fixed(context, attributes, [], whole, rate_stated)
     orientation = Orientation(
         name,
         (w, x, y, z),
@@ -76,7 +76,7 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
         source.description or "",
         entry.effect,
     )
-    entry.nouns.append(orientation)
+    entry.objects.append(orientation)
     return orientation
 
 
@@ -106,7 +106,7 @@ def _numbers(
             raise Wrong("LAG0306", f"{what} has {len(default)} elements, {written}", expression.span)
         for scalar in scalars:
             expect(scalar.dimension, dimension, expression.span, what)
-            still(context, scalar.node, expression.span, what)
+            check_constant(context, scalar.node, expression.span, what)
         found = [scalar.node for scalar in scalars]
     for k, name in enumerate(names):
         one = context.give(context.starts, name)

@@ -5,27 +5,27 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from lagc.semantics import model as nouns
+from lagc.semantics import model as objects
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.attributes import (
     Quantity,
     attributes_of,
     bounds_of,
     check_bounds,
+    check_constant,
     declared,
     elements,
-    firm,
     fixed,
+    fixed_if,
     from_outside,
     given_elements,
     given_scalar,
-    held,
     look_at_all,
     no_value,
     shaped,
-    still,
     value_span,
     values_of,
+    with_fixed,
     written_value,
 )
 from lagc.semantics.names.scope import (
@@ -63,7 +63,7 @@ _SAID = {"structural": "structural parameter"}
 
 
 def declare_quantity(context: Context, entry: Entry) -> Value:
-    """The value of a quantity, and its nouns; of one at fault what it stands for, so that others are looked
+    """The value of a quantity, and its objects; of one at fault what it stands for, so that others are looked
     at all the same.  Raises Wrong."""
     source, declaration = entry.source, entry.declaration
     assert isinstance(source, tree.Declarator) and isinstance(declaration, tree.Quantities)
@@ -106,13 +106,13 @@ def _stand_in(context: Context, entry: Entry, sizes: list[int], dimension: Dimen
     if entry.kind not in _SYMBOLS:
         raise Poisoned
     graph, found = context.graph, []
-    entry.nouns.clear()
+    entry.objects.clear()
     for subscript in subscripts(sizes, entry.source.span):
         symbol = graph.symbol(entry.kind, entry.member(subscript))
         found.append(Scalar(symbol, dimension))
         top = symbol
         for _ in range({"coordinate": 2, "speed": 1}.get(entry.kind, 0)):
-            context.clock.runs(top, graph.leaf(top.record.derivative))
+            context.clock.set_rate(top, graph.leaf(top.record.derivative))
             top = graph.leaf(top.record.derivative)
     return shaped(found, sizes)
 
@@ -153,7 +153,7 @@ def _fixed(context: Context, quantity: Quantity) -> Value:
                 entry.span,
                 "write `= value`" + (" or set it with `-p`" if entry.kind == "structural" else ""),
             )
-        still(context, scalar.node, span, f"`{name}`")
+        check_constant(context, scalar.node, span, f"`{name}`")
         if entry.kind == "structural":
             number = scalar.node.value
             if not scalar.node.is_const or not isinstance(number, float):
@@ -174,12 +174,12 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
         span = value_span(context, quantity, subscript)
         value: float | None = None
         if scalar is not None:
-            still(context, scalar.node, span, f"the parameter `{name}`")
+            check_constant(context, scalar.node, span, f"the parameter `{name}`")
             if not scalar.node.is_const:
                 context.built_in.append(name)
                 if bounds != (-math.inf, math.inf):
-                    entry.nouns.append(
-                        nouns.Limit(name, scalar.node, quantity.type.unit, *bounds, entry.span)
+                    entry.objects.append(
+                        objects.Limit(name, scalar.node, quantity.type.unit, *bounds, entry.span)
                     )
                 found.append(Scalar(scalar.node, quantity.type.dimension))
                 continue
@@ -187,8 +187,8 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
             assert value is not None
             check_bounds(quantity, name, value, bounds, span, quantity.type.unit)
         symbol = context.graph.symbol("parameter", name)
-        entry.nouns.append(
-            nouns.Parameter(
+        entry.objects.append(
+            objects.Parameter(
                 name,
                 symbol,
                 quantity.type.unit,
@@ -210,27 +210,27 @@ def _input(context: Context, quantity: Quantity) -> Value:
     for subscript, scalar in zip(quantity.subscripts, values_of(context, quantity)):
         name, unit = quantity.name(subscript), quantity.type.unit
         if scalar is not None and not scalar.node.is_const:
-            entry.nouns.append(_followed(context, quantity, name, scalar.node))
+            entry.objects.append(_followed(context, quantity, name, scalar.node))
             found.append(Scalar(scalar.node, quantity.type.dimension))
             continue
         default = 0.0 if scalar is None else scalar.node.value
         check_bounds(quantity, name, default, bounds, value_span(context, quantity, subscript), unit)
         symbol = context.graph.symbol("input", name)
-        entry.nouns.append(
-            nouns.Input(name, symbol, unit, default, *bounds, entry.span, quantity.description)
+        entry.objects.append(
+            objects.Input(name, symbol, unit, default, *bounds, entry.span, quantity.description)
         )
         found.append(Scalar(symbol, quantity.type.dimension))
     return shaped(found, quantity.sizes)
 
 
-def _followed(context: Context, quantity: Quantity, name: str, node: Node) -> nouns.Output:
+def _followed(context: Context, quantity: Quantity, name: str, node: Node) -> objects.Output:
     """An input that is no number, but what stands in its place: it is seen as an output."""
     if context.clock.mask(node) & LATE:
         message = "an input must not depend on an acceleration or a reaction"
         raise Wrong("LAG0219", message, value_span(context, quantity))
     context.built_in.append(name)
     kind = quantity.type
-    return nouns.Output(name, node, kind.unit, quantity.display, quantity.entry.span, quantity.description)
+    return objects.Output(name, node, kind.unit, quantity.display, quantity.entry.span, quantity.description)
 
 
 def starts(
@@ -239,7 +239,7 @@ def starts(
     attribute: str,
     dimension: Dimension,
     name: Callable[[tuple[int, ...]], str],
-) -> tuple[list[Node], list[nouns.Statement]]:
+) -> tuple[list[Node], list[objects.Statement]]:
     """The start (or rate) of each element, and how it was stated."""
     modifier = quantity.attributes.get(attribute)
     zero = Scalar(context.graph.zero, None)
@@ -260,7 +260,7 @@ def starts(
             stated[k] = from_outside(quantity.entry, given)
     for scalar in found:
         span = modifier.argument.span if modifier else quantity.entry.span
-        still(context, scalar.node, span, what)
+        check_constant(context, scalar.node, span, what)
     return [scalar.node for scalar in found], stated
 
 
@@ -272,16 +272,18 @@ def _coordinate(context: Context, quantity: Quantity) -> Value:
     rates, rate_stated = starts(
         context, quantity, "rate", over(dimension, S), lambda s: derived(quantity.name(s))
     )
-    start_stated, rate_stated = held(context, quantity.attributes, quantity.sizes, start_stated, rate_stated)
+    start_stated, rate_stated = with_fixed(
+        context, quantity.attributes, quantity.sizes, start_stated, rate_stated
+    )
     found: list[Scalar] = []
     for k, (subscript, start, rate) in enumerate(zip(quantity.subscripts, at_start, rates)):
         name = quantity.name(subscript)
         symbol = graph.symbol("coordinate", name)
         speed = graph.leaf(symbol.record.derivative)
-        context.clock.runs(symbol, speed)
-        context.clock.runs(speed, graph.leaf(speed.record.derivative))
-        entry.nouns.append(
-            nouns.Coordinate(
+        context.clock.set_rate(symbol, speed)
+        context.clock.set_rate(speed, graph.leaf(speed.record.derivative))
+        entry.objects.append(
+            objects.Coordinate(
                 name,
                 symbol,
                 speed,
@@ -323,18 +325,18 @@ def _speed(context: Context, quantity: Quantity) -> Value:
             )
         name = quantity.name(subscript)
         symbol = graph.symbol("speed", name)
-        context.clock.runs(symbol, graph.leaf(symbol.record.derivative))
-        speed = nouns.Speed(
+        context.clock.set_rate(symbol, graph.leaf(symbol.record.derivative))
+        speed = objects.Speed(
             name,
             symbol,
             scalar.node,
             quantity.type.unit,
             entry.span,
             quantity.description,
-            None if stated[k].level == nouns.UNSTATED else at_start[k],
-            firm(stated[k], holds[k]),
+            None if stated[k].level == objects.UNSTATED else at_start[k],
+            fixed_if(stated[k], holds[k]),
         )
-        entry.nouns.append(speed)
+        entry.objects.append(speed)
         found.append(Scalar(symbol, quantity.type.dimension))
     return shaped(found, quantity.sizes)
 
@@ -356,8 +358,8 @@ def _output(context: Context, quantity: Quantity) -> Value:
         message = f"the value of `{entry.path}` has a different shape than its declaration"
         raise Wrong("LAG0306", message, expression.span)
     for subscript, scalar in zip(subscripts(sizes, entry.span), scalars):
-        entry.nouns.append(
-            nouns.Output(
+        entry.objects.append(
+            objects.Output(
                 quantity.name(subscript),
                 scalar.node,
                 quantity.type.unit,

@@ -72,7 +72,7 @@ class Namespace:
         return self._imported
 
     def lookup(self, name: str) -> Found | None:
-        """Raises Wrong where an import at fault may be to blame that there is no such name."""
+        """Raises Wrong where the name is unknown and an import that failed might have declared it."""
         space: Namespace | None = self
         while space is not None:
             declared = space.names.get(name)
@@ -127,7 +127,7 @@ class Imports:
         self._missing: dict[str | None, Wrong] = {}  # by name; None: one that might have brought any
 
     def get(self, name: str) -> Found | None:
-        """Raises Wrong where there is no such name and an import at fault may be to blame."""
+        """Raises Wrong where the name is unknown and an import that failed might have declared it."""
         if self._names is None:
             self._names = self._merged()
         found = self._names.get(name)

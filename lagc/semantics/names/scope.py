@@ -22,7 +22,7 @@ from lagc.symbolic.vectors import Vector
 from lagc.syntax import tree
 
 if TYPE_CHECKING:
-    from lagc.semantics import model as nouns
+    from lagc.semantics import model as objects
 
 LARGEST = 200_000  # declarations, loops and arrays unrolled
 DEEPEST = 64  # instances within instances
@@ -69,7 +69,7 @@ class Entry:
     """One name of an instance."""
 
     __slots__ = (
-        "declaration", "effect", "elements", "environment", "kind", "modifiers", "name", "nouns", "parts",
+        "declaration", "effect", "elements", "environment", "kind", "modifiers", "name", "objects", "parts",
         "path", "size", "source", "state", "subscript", "value",
     )  # fmt: skip
 
@@ -90,7 +90,7 @@ class Entry:
         self.size: int | None = None  # rows of a constraint that is a vector
         self.state = "new"  # running, done, poisoned
         self.value: Value | None = None
-        self.nouns: list[nouns.Noun] = []
+        self.objects: list[objects.ModelObject] = []
         self.parts: dict[str, Value] = {}  # of a thing that has some: the strength `g` of gravity
 
     @property
@@ -228,7 +228,7 @@ class Indexed:
 
 
 @dataclass(frozen=True, slots=True)
-class Thing:
+class Reference:
     """A declaration that is no quantity: a constraint, a force, an effect, ..."""
 
     entry: Entry
@@ -241,7 +241,7 @@ class Part:
     instance: Instance
 
 
-Value: TypeAlias = Scalar | Array | Truth | Text | Indexed | Thing | Part | Body | Frame | Orientation
+Value: TypeAlias = Scalar | Array | Truth | Text | Indexed | Reference | Part | Body | Frame | Orientation
 
 _KINDS: dict[type, str] = {
     Scalar: "a number", Array: "an array", Truth: "a condition", Text: "a text",
@@ -256,7 +256,7 @@ _AS_NUMBER = "write `if condition then 1 else 0`"
 
 def kind(value: Value) -> str:
     """In words, for messages."""
-    if isinstance(value, Thing):
+    if isinstance(value, Reference):
         return f"a {value.entry.kind}"
     if isinstance(value, Array) and len(value.elements) == 3 and isinstance(value.elements[0], Scalar):
         return "a vector"

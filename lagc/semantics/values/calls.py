@@ -189,11 +189,11 @@ def _inline(
     e: tree.Call,
     environment: Environment,
     function: tree.FunctionDeclaration,
-    home: Environment,
+    scope: Environment,
     arguments: list[tree.Expression | None],
 ) -> Value:
     names = _parameters(function)
-    types = [type_of(t, home.space) for t, _, _ in function.parameters]
+    types = [type_of(t, scope.space) for t, _, _ in function.parameters]
     written = [a for a in arguments if a is not None]  # all of them: none is optional
 
     def one(pair: tuple[tree.Expression, QuantityType]) -> Value:
@@ -209,14 +209,14 @@ def _inline(
                 raise Wrong(
                     fault.code, fault.message, fault.span, related=((span, "declared here"),)
                 ) from None
-    key = (home.instance.path, id(function), tuple(values))
+    key = (scope.instance.path, id(function), tuple(values))
     known = context.results.get(key)  # the same arguments give the same nodes
     if known is not None:
         return known
     context.called.add(id(function))
     _enter(context, e, function)
     try:
-        inner = Environment(home.instance, home.space, dict(zip(names, values)))
+        inner = Environment(scope.instance, scope.space, dict(zip(names, values)))
         context.results[key] = evaluate(context, function.body, inner)
         return context.results[key]
     except Wrong as wrong:

@@ -24,7 +24,7 @@ BEYOND = 2**53  # a double that is this may have been written as another integer
 
 def evaluate(context: Context, expression: tree.Expression, environment: Environment) -> Value:
     """The value of an expression.  Raises Wrong, or Poisoned where a fault has been reported."""
-    return context.how[type(expression)](context, expression, environment)
+    return context.evaluators[type(expression)](context, expression, environment)
 
 
 def evaluate_as(

@@ -296,7 +296,7 @@ def _one_dimension(elements: Sequence[Value], written: Sequence[tree.Expression]
 
 _AN_ELEMENT = "to take an element of a vector, put it in parentheses: `({3, 1, 2})[i]`"
 
-HOW: dict[type, Callable[..., Value]] = {
+EVALUATORS: dict[type, Callable[..., Value]] = {
     tree.Number: _number, tree.Boolean: _boolean, tree.String: _string, tree.Quantity: _quantity,
     tree.Name: _name, tree.Member: _member, tree.Index: _index, tree.Call: call, tree.Unary: _unary,
     tree.Binary: _binary, tree.Conditional: _conditional, tree.Vector: _vector, tree.Range: _range,

@@ -26,14 +26,14 @@ Terms: TypeAlias = dict[Node, Node]  # what moves, with the factor that does not
 Row: TypeAlias = tuple[list[float], Node]  # coefficients, and the right side
 
 
-def still(context: Context, nodes: Sequence[Node]) -> bool:
+def is_constant(context: Context, nodes: Sequence[Node]) -> bool:
     """Whether they keep their values in all motions."""
     return not any([context.clock.mask(node) & (MOVING | LATE) for node in nodes])
 
 
 def length_of(context: Context, vector: Vector) -> Node:
     """Its length."""
-    if not still(context, vector):
+    if not is_constant(context, vector):
         for axes in _near(context, vector):
             own = _factors(context, axes, vector)
             if own is not None:
@@ -62,7 +62,7 @@ def known_in_frame(context: Context, frame: Frame, vector: Vector) -> Vector | N
     from."""
     turns: list[Matrix] = []
     axes = frame.axes
-    above = 0 if still(context, vector) else _ABOVE
+    above = 0 if is_constant(context, vector) else _ABOVE
     own = _standing(context, axes, vector)
     while own is None:
         if len(turns) == above or axes not in context.turns:
@@ -80,7 +80,7 @@ def direction(context: Context, frame: Frame, vector: Vector, span: Span) -> tup
     """`vector` over its length, in the axes of the world and in those of `frame`.  Raises Wrong where it is
     zero."""
     unit = unit_vector(context, vector, span)
-    own = None if still(context, vector) else known_in_frame(context, frame, vector)
+    own = None if is_constant(context, vector) else known_in_frame(context, frame, vector)
     if own is None:
         return unit, in_frame(context, frame, unit)
     if all([x.is_const for x in own]):
@@ -88,7 +88,7 @@ def direction(context: Context, frame: Frame, vector: Vector, span: Span) -> tup
         x, y, z = (_as_written(x.value / largest) if largest else 0.0 for x in own)
         graph = own[0].graph
         own = (graph.const(x), graph.const(y), graph.const(z))
-    length = length_of(context, own if still(context, own) else vector)
+    length = length_of(context, own if is_constant(context, own) else vector)
     own = (own[0] / length, own[1] / length, own[2] / length)
     context.components[frame.axes, unit] = own
     return unit, own
@@ -128,9 +128,11 @@ def _factors(context: Context, axes: Matrix, vector: Vector) -> Vector | None:
     for column, unit in zip(columns, units):
         if vector == column:
             return unit
-    if still(context, columns[0] + columns[1] + columns[2]):
+    if is_constant(context, columns[0] + columns[1] + columns[2]):
         return None
-    whole = {x.args[0] if x.op == "scale" else x for row in axes for x in row if not still(context, [x])}
+    whole = {
+        x.args[0] if x.op == "scale" else x for row in axes for x in row if not is_constant(context, [x])
+    }
     return _sought(context, axes, vector, whole) or _sought(context, axes, vector, ())
 
 
@@ -160,7 +162,7 @@ def _moving_terms(context: Context, node: Node, whole: Container[Node], most: in
     while stack and most >= 0:
         most -= 1
         part, factor = stack.pop()
-        if still(context, [part]):
+        if is_constant(context, [part]):
             part, factor = graph.one, factor * part
         elif part in whole:
             pass
@@ -172,7 +174,7 @@ def _moving_terms(context: Context, node: Node, whole: Container[Node], most: in
             continue
         elif part.op == "mul":
             pairs = list(zip(part.args, part.value))
-            moving = [(base, e) for base, e in pairs if not still(context, [base])]
+            moving = [(base, e) for base, e in pairs if not is_constant(context, [base])]
             if len(moving) < len(pairs):
                 factor = factor * graph.product([pair for pair in pairs if pair not in moving])
                 stack.append((graph.product(moving), factor))

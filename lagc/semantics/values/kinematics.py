@@ -7,8 +7,8 @@ from lagc.semantics.context import Context
 from lagc.semantics.model import Body, Constraint, Frame, Orientation, Potential
 from lagc.semantics.names.scope import (
     Array,
+    Reference,
     Scalar,
-    Thing,
     Value,
     expect,
     kind,
@@ -20,7 +20,7 @@ from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import BIT, LATE, VELOCITY
 from lagc.semantics.units import ENERGY, KG, NONE, POWER, Dimension, M, S, dimension, over, times
 from lagc.semantics.units import unit as unit_of
-from lagc.semantics.values.frame_vectors import direction, in_frame, known_in_frame, still
+from lagc.semantics.values.frame_vectors import direction, in_frame, is_constant, known_in_frame
 from lagc.semantics.values.functions import Argument, Table, number
 from lagc.symbolic import vectors
 from lagc.symbolic.graph import Node
@@ -158,8 +158,8 @@ def _kinetic(context: Context, span: Span, of: Argument | None) -> Value:
 def _potential(context: Context, span: Span, of: Argument | None) -> Value:
     if of is None:
         return _quantity(context, "potential", ENERGY)
-    nouns = of.value.entry.nouns if isinstance(of.value, Thing) else []
-    energies = [noun.energy for noun in nouns if isinstance(noun, Potential)]
+    objects = of.value.entry.objects if isinstance(of.value, Reference) else []
+    energies = [item.energy for item in objects if isinstance(item, Potential)]
     if not energies:
         raise Wrong("LAG0221", f"`potential` takes a potential; this is {kind(of.value)}", of.span)
     return Scalar(context.graph.sum(energies), ENERGY)
@@ -194,7 +194,7 @@ def _angular_momentum(context: Context, span: Span, of: Argument | None) -> Valu
 
 @TABLE.enter("power", "of")
 def _power(context: Context, span: Span, of: Argument) -> Value:
-    if not isinstance(of.value, Thing) or of.value.entry.kind not in _ACTIONS:
+    if not isinstance(of.value, Reference) or of.value.entry.kind not in _ACTIONS:
         message = f"`power` takes a force, torque, potential or dissipation; this is {kind(of.value)}"
         raise Wrong("LAG0221", message, of.span)
     return _quantity(context, "power", POWER, of.value.entry.path)
@@ -206,19 +206,17 @@ _ACTIONS = ("force", "torque", "dissipation", "potential", "gravity", "lagrangia
 @TABLE.enter("reaction", "of")
 def _reaction(context: Context, span: Span, of: Argument) -> Value:
     """The multipliers of a constraint; 0 for a row that says nothing."""
-    nouns = (
-        of.value.entry.nouns if isinstance(of.value, Thing) and of.value.entry.kind == "constraint" else []
-    )
-    if not nouns or not isinstance(nouns[0], Constraint):
+    entry = of.value.entry if isinstance(of.value, Reference) else None
+    if entry is None or entry.kind != "constraint" or not entry.objects:
         raise Wrong("LAG0221", f"`reaction` takes a constraint; this is {kind(of.value)}", of.span)
-    row = nouns[0]
-    assert isinstance(of.value, Thing)
+    row = entry.objects[0]
+    assert isinstance(row, Constraint)
     found: dict[str, Scalar] = {}
     for label, unit, residual in zip(row.labels, row.units, row.residuals):
         work = POWER if context.clock.mask(residual) & VELOCITY else ENERGY
         meant = over(work, unit_of(unit or "1").dimension)
         found[label] = Scalar(context.graph.symbol("multiplier", label), meant)
-    size = of.value.entry.size
+    size = entry.size
     if size is None:
         return found.get(row.name, Scalar(context.graph.zero, None))
     none = Scalar(context.graph.zero, None)
@@ -295,7 +293,7 @@ def _turned(context: Context, parent: Frame, turn: Matrix, own: Vector) -> Frame
 
 def _made(context: Context, parent: Frame, axes: Matrix, angular_velocity: Vector, spin: Vector) -> Frame:
     found = Frame("", parent.name, axes, angular_velocity, spin, None)
-    context.clock.turns(found)
+    context.clock.add_frame(found)
     return found
 
 
@@ -306,11 +304,11 @@ def _about(context: Context, parent: Frame, axis: Vector, own: Vector, angle: Ar
             return _about_own(context, parent, k, own[k].value, angle)
     node = number(angle, "an angle of rotation")
     rate = derivative(context, node, angle.span)
-    if still(context, axis):  # W R, with a turn W of the world that holds the axis
+    if is_constant(context, axis):  # W R, with a turn W of the world that holds the axis
         turn, about = _turn(axis, node), add(parent.angular_velocity, scale(rate, own))
         spin = add(matvec(turn, parent.spin), scale(rate, axis))
         found = _made(context, parent, matmul(turn, parent.axes), about, spin)
-    elif still(context, own):
+    elif is_constant(context, own):
         found = _turned(context, parent, _turn(own, node), scale(rate, own))
     else:
         found = _turned(

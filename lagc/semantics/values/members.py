@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context
 from lagc.semantics.model import Body, Frame, Orientation
-from lagc.semantics.names.scope import Array, Indexed, Part, Scalar, Thing, Value, kind, vector_value
+from lagc.semantics.names.scope import Array, Indexed, Part, Reference, Scalar, Value, kind, vector_value
 from lagc.semantics.refusals import Wrong
 from lagc.semantics.units import KG, NONE, M, S, over
 from lagc.syntax import tree
@@ -29,7 +29,7 @@ def member(context: Context, value: Value, e: tree.Member) -> Value:
     """`value.name`.  Raises Wrong."""
     if isinstance(value, Part):
         return _of_instance(context, value, e)
-    if isinstance(value, Thing) and e.name in value.entry.parts:
+    if isinstance(value, Reference) and e.name in value.entry.parts:
         return value.entry.parts[e.name]
     known = _members(value)
     if e.name not in known:
@@ -70,7 +70,7 @@ def _members(value: Value) -> tuple[str, ...]:
         return ("mass", "position") if value.frame is None else ("mass", "position", "frame")
     if isinstance(value, Array) and len(value.elements) == 3:
         return _AXES
-    return tuple(value.entry.parts) if isinstance(value, Thing) else ()
+    return tuple(value.entry.parts) if isinstance(value, Reference) else ()
 
 
 def _of_body(body: Body, name: str) -> Value:
@@ -84,7 +84,7 @@ def _of_body(body: Body, name: str) -> Value:
 
 def _of_reaction(value: Value, numbers: Sequence[int]) -> str | None:
     """Rows are called `roll[1]` in reports."""
-    if isinstance(value, Thing) and value.entry.kind == "constraint":
+    if isinstance(value, Reference) and value.entry.kind == "constraint":
         written = ", ".join(map(str, numbers))
         return f"write `reaction({value.entry.name})[{written}]` for the force of one component"
     return None

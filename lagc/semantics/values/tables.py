@@ -10,7 +10,7 @@ from itertools import pairwise
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
-from lagc.semantics import model as nouns
+from lagc.semantics import model as objects
 from lagc.semantics.context import Context, Points
 from lagc.semantics.names.data_files import Columns, Unfit
 from lagc.semantics.names.scope import Array, Scalar, Text, Value, common_dimension, kind, scalar_of
@@ -68,7 +68,7 @@ def through(
     check_order(knots, span)
     key, count, column = key_of(knots, values, way, straight), 1, name
     own = name = re.sub(r"\W+", "_", name).strip("_") or "table"
-    while context.curves.setdefault(own, nouns.Table(own, key, file, column if file else "")).key != key:
+    while context.curves.setdefault(own, objects.Table(own, key, file, column if file else "")).key != key:
         count += 1
         own = f"{name}_{count}"
     try:
