@@ -1,5 +1,5 @@
-"""Operations to text.
+"""Code generation: print a Program as C99 or as a Python module.
 
-In: `Program`.  Out: files of C99, or a Python module; with them the hand-written support: integrators,
-projection, linear algebra.
+A generated file holds the functions of the model, printed from the Program, and the kernels that it calls
+(`lagc.kernels`), printed by `kernel_compiler`.
 """

@@ -1,4 +1,4 @@
-"""Identifiers of generated code: a user's names, made harmless and unique, in a fixed order."""
+"""Identifiers of generated code: names of the user, made valid and unique in a fixed order."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable
 from lagc.host.atomic_write import fitting
 from lagc.lowering.program import Program
 
-# Of C, C++ and Python.
+# Keywords of C, C++ and Python.
 _KEYWORDS = """
     auto break case char const continue default do double else enum extern float for goto if inline int
     long register restrict return short signed sizeof static struct switch typedef union unsigned void
@@ -21,7 +21,7 @@ _KEYWORDS = """
     False None True as assert async await def del elif except finally from global import in is lambda
     nonlocal pass raise with yield match type
 """
-# Functions and macros of the headers of C and POSIX, names of the generated support, words of compilers.
+# Functions and macros of the headers of C and POSIX, names of generated code and of compilers.
 _LIBRARY = """
     acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs fdim
     floor fma fmax fmin fmod frexp hypot ilogb ldexp lgamma llrint llround log log10 log1p log2 logb
@@ -38,8 +38,8 @@ _LIBRARY = """
     FAR NEAR ERA pascal cdecl hyper
 """
 RESERVED = frozenset(_KEYWORDS.split()) | frozenset(_LIBRARY.split())
-# What a header of some C library may define as a macro, by its shape: INT_MAX, ERANGE, M_SQRT2f, PRId64,
-# si_code.  M_cart, L_1, F_N2, J12 are names of people.
+# Patterns of macros in headers of C libraries: INT_MAX, ERANGE, M_SQRT2f, PRId64, si_code.  They do not match
+# names that users choose: M_cart, L_1, F_N2, J12.
 _MACRO = re.compile(
     r"(?![A-Z]_?[A-Z]?\d*$)[A-Z][A-Z0-9_]{3,}|[A-Z]_([12]_)?[A-Z]{2,}[A-Z0-9_]*(f|l|f\d+x?)?|M_E(f|l|f\d+x?)?"
     r"|E[A-Z]{2}|(PRI|SCN)[a-z][A-Z0-9]*|(ru|sa|si|sigev|sv)_[a-z][a-z0-9_]*"
@@ -51,37 +51,39 @@ _HEADERS = """
     wchar wctype memory malloc unistd new con aux nul prn
 """
 _TEMPORARY = re.compile(r"(t|c|p|x|a|lam|d|w|r|sc|sin|cos)\d+")
-# What constants of some header begin with, as F_OK or FE_INVALID, that those of a model may be called too.
+# Prefixes of constants in some header, as F_OK or FE_INVALID, which constants of a model might have too.
 _FAMILIES = """
     backup cc clr cpuset crypt drive drv enum event f fd fe gm gmem ifcap kern lc lmem map mb mm pc prsec pwr
     r reg regs s sc sem si siid status stock tcp w wait wm wn x
 """
 FAMILIES = frozenset(_FAMILIES.split())
-HEADERS = frozenset(_HEADERS.split())  # names that a model's files must not take
+HEADERS = frozenset(_HEADERS.split())  # names that files of a model must not have
 
 
 def identifier(name: str) -> str:
-    """`name` with letters, digits and single underscores only, not reserved: `der(theta)` is
-    `der_theta`, `link[2].phi` is `link_2_phi`, `int` is `int_`."""
+    """Return `name` with letters, digits and single underscores only, and not reserved: `der(theta)`
+    becomes `der_theta`, `link[2].phi` becomes `link_2_phi`, `int` becomes `int_`."""
     spelled = "".join(_spell(c) for c in unicodedata.normalize("NFC", name))
     plain = re.sub(r"_+", "_", re.sub(r"[^A-Za-z0-9_]", "_", spelled)).strip("_")
     if not plain or plain[0].isdigit():
         plain = f"n{plain}"
-    if plain.lower().startswith("lagc_"):  # as the support's own names, until they get the model's prefix
+    if plain.lower().startswith(
+        "lagc_"
+    ):  # names of the runtime begin so, until they get the prefix of the model
         plain = f"the_{plain}"
     return f"{plain}_" if is_reserved(plain) else plain
 
 
 def is_reserved(name: str) -> bool:
-    """Whether C or Python or a header of C has a use of its own for `name`, or may have: never for one that
-    ends with an underscore."""
+    """Return whether C, Python or a C header uses `name`, or may use it. A name that ends with an
+    underscore is never reserved."""
     return not name.endswith("_") and (name in RESERVED or _MACRO.fullmatch(name) is not None)
 
 
 class Names:
-    """Distinct identifiers, given in the order asked for; `taken` are never given, nor is a name
-    that begins with one of `prefixes`, nor, for `variables`, one that the generated functions may
-    give to a temporary or an entry of an array."""
+    """Distinct identifiers, in the order in which they are requested. `taken` are never returned, nor
+    names that begin with one of `prefixes`. With `variables`, names that generated functions may give to
+    temporaries or array entries are not returned either."""
 
     def __init__(
         self, taken: Iterable[str] = (), prefixes: Collection[str] = (), variables: bool = False
@@ -90,7 +92,7 @@ class Names:
         self.prefixes = tuple(prefixes)
         self.lead = "its_" if "the_".startswith(self.prefixes) else "the_"
         self.variables = variables
-        self.numbers: dict[str, int] = {}  # the last that was put behind a name
+        self.numbers: dict[str, int] = {}  # last suffix of each name
 
     def give(self, name: str) -> str:
         base = identifier(name)
@@ -107,21 +109,21 @@ class Names:
 
 
 def prefix(model: str) -> str:
-    """What every public symbol of the generated C begins with, less the underscore, and the name of the
-    generated files, less their ending: FourBar's is
-    `four_bar`, F's `f_model`, as F_OK is a constant of POSIX, and Time's `time_model`, as its files are not
-    to be called time.h."""
+    """Return the prefix of all public C symbols, without its underscore, which is also the name of the
+    generated files. FourBar gives `four_bar`; F gives `f_model`, as F_OK is a constant of POSIX; Time
+    gives `time_model`, as time.h is a header."""
     name = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", identifier(model).rstrip("_")).lower()
     return f"{name}_model" if name in FAMILIES | HEADERS | RESERVED else fitting(name)
 
 
-# Arrays of any Program, so that a name does not depend on which functions a model happens to have.
+# Arrays of all Programs, so that a name does not depend on the functions that a model has.
 ARRAYS = ("p", "t", "x", "a", "lam", "d", "w", "r", "xdot", "health", "qdot", "M", "G", "gamma", "s", "dq",
           "phi", "psi", "prepared", "e", "y", "c", "J", "sizes", "largest", "kept")  # fmt: skip
 
 
 def local_names(program: Program, taken: Iterable[str]) -> dict[tuple[str, int], str]:
-    """(array, index) -> name, over all functions alike; `taken` are names of the target."""
+    """Return the name of each (array, index), the same in all functions of a program; `taken` are names of
+    the target language."""
     interface = program.interface
     arrays = {name for f in program.functions.values() for name, _ in f.outputs}
     own = prefix(interface.model)
@@ -142,27 +144,27 @@ def local_names(program: Program, taken: Iterable[str]) -> dict[tuple[str, int],
                 array, index = key
                 if array == "p":
                     found[key] = names.give(f"prepared{index - given}")
-                else:  # c0 is a condition
+                else:  # c0 is the name of a truth value
                     found[key] = names.give(f"size{index}") if array == "c" else f"{array}{index}"
     return found
 
 
 def comment(text: str) -> str:
-    """`text` on one line, harmless inside a comment of C or Python: no end of comment, line
-    continuation, trigraph, control or bidirectional character, in ASCII."""
+    """Return `text` on one line, in ASCII, and safe inside a comment of C or Python: without end of
+    comment, line continuation, trigraph, control or bidirectional character."""
     spelled = "".join(_spell(c) if ord(c) > 127 else c if " " <= c <= "~" else " " for c in text)
     spelled = spelled.replace("\\", "/")
     return re.sub(r"\?(?=\?)", "? ", re.sub(r"([*/])(?=[*/])", _apart, spelled)).strip()
 
 
 def _apart(match: re.Match[str]) -> str:
-    """A star and a slash side by side get a space between them; two of a kind do not."""
+    """Put a space between a star and a slash side by side."""
     char, following = match[1], match.string[match.end()]
     return char if char == following else f"{char} "
 
 
 def _spell(char: str) -> str:
-    """A character that is not ASCII by its Unicode name, where it is a letter."""
+    """Replace a letter that is not ASCII by its Unicode name, and some signs by text."""
     if char.isascii():
         return char
     if char in "·×⋅":

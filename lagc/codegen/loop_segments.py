@@ -1,10 +1,10 @@
-"""The runs of a rolled function (see `lagc.lowering.loops.loop_rolling`) as segments: bodies of loops and what stands
-between them.
+"""Segments of a rolled function (`lagc.lowering.loops.loop_rolling`): loops, and straight code between
+them.
 
-A segment computes from arrays into arrays.  What one needs of another, or of a repetition before, is kept in
-an array of the function, where the values that the repetitions make of one operation lie side by side; what
-only the next repetition needs is carried over by a variable.  A store stands in the segment that makes its
-value, unless entries of its array are read as well, or only some repetitions store.
+A segment computes from arrays into arrays. Values that another segment or repetition needs are stored in
+an array of the function, the values of one operation in consecutive places; a value that only the next
+repetition needs is carried by a variable. A store belongs to the segment that computes its value, unless
+entries of its array are also read, or only some repetitions store.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from lagc.lowering.program import LEAVES, Function, Operation, Run, Store
 from lagc.lowering.scalar.value_numbering import reordered
 
 KEPT = "kept"  # the array of values that other segments need
-NUMBERS = ""  # stands for an array whose entries are their indices
+NUMBERS = ""  # an array whose entries equal their indices
 READ, WRITTEN, CARRIED = "r", "w", "d"  # arrays of a body: entries of `reads`, `writes`, `carries`
 _LARGEST = 400  # operations of a segment that is no loop
 _TURNS = {"sin": "cos", "cos": "sin"}
@@ -28,14 +28,14 @@ _Place: TypeAlias = "tuple[int, int]"  # segment, operation in its body
 
 @dataclass(frozen=True, slots=True)
 class Access:
-    """The entries of an array that the repetitions take, one each."""
+    """The entries of an array that the repetitions use, one each."""
 
     array: str
     indices: Sequence[float]
 
     @property
     def stride(self) -> int | None:
-        """From one to the next, where that is always the same."""
+        """Return the constant distance between these entries, or None."""
         if self.array == NUMBERS:
             return None
         strides = {int(b - a) for a, b in pairwise(self.indices)} or {0}
@@ -54,7 +54,8 @@ class Segment:
 
 
 def in_parts(function: Function) -> Function:
-    """A straight function as one run, which segments divide; sine and cosine of an angle stay together."""
+    """Return a straight function as one run that can be split into segments; sine and cosine of one angle
+    stay together."""
     operations = function.operations
     order = [k for k, o in enumerate(operations) if o.op in LEAVES]
     first, partners = len(order), dict[tuple[str, int], int]()
@@ -73,7 +74,7 @@ def in_parts(function: Function) -> Function:
 
 
 def segments(function: Function) -> tuple[list[Segment], int]:
-    """And how many values are kept."""
+    """Return the segments, and the number of values that are kept."""
     return _Segments(function).found()
 
 
@@ -112,7 +113,8 @@ class _Segments:
         return (value - run.first) // run.period
 
     def _at_once(self) -> None:
-        """Stores that need not wait, as their array is not read: where all values of a row are stored so."""
+        """Find stores that can be done in the segment of their values: their array is not read, and all
+        repetitions store."""
         count, stores = len(self.operations), self.function.stores
         read = {o.payload[0] for o in self.operations if isinstance(o.payload, tuple)}
         columns: dict[_Place, range] = {}
@@ -138,7 +140,7 @@ class _Segments:
 
 
 def _divided(function: Function) -> Iterator[Run]:
-    """The runs that segments are made of; all is computed before the first of the stores is done."""
+    """Return the runs of the segments. All values are computed before the first store is done."""
     operations, stores = function.operations, len(function.operations)
     for run in function.runs:
         if run.count > 1:
@@ -154,7 +156,7 @@ def _divided(function: Function) -> Iterator[Run]:
 
 
 class _Columns:
-    """What the repetitions of one run take from outside: for each operand of its body the values."""
+    """The inputs of the repetitions of one run: for each operand of its body its values."""
 
     def __init__(self, all_: _Segments, number: int) -> None:
         self.all, self.number, self.run = all_, number, all_.runs[number]
@@ -176,7 +178,7 @@ class _Columns:
                     self.outer[k, slot] = [operand]
 
     def _carrying(self, column: Sequence[int]) -> int | None:
-        """The operation of the body whose value of the repetition before these are."""
+        """Return the operation of the body whose value of the repetition before is this operand, or None."""
         run = self.run
         if run.count == 1 or not run.first <= column[1] < run.first + run.period:
             return None
@@ -184,7 +186,7 @@ class _Columns:
         return column[1] - run.first if column[1:] == [*before] else None
 
     def values(self) -> Iterator[list[int]]:
-        """Those that have to be kept."""
+        """Return the columns of values that must be kept."""
         return (column for column in self.outer.values() if column[0] >= self.all.first)
 
     def segment(self) -> Segment:
@@ -192,8 +194,8 @@ class _Columns:
 
 
 class _Places:
-    """Where values are kept: for each operation of a body whose values are needed elsewhere a row of as
-    many places as there are repetitions.  Rows that are read on end lie on end."""
+    """The places of kept values: a row of consecutive places for each operation of a body whose values are
+    needed elsewhere. Rows that are read one after the other are adjacent."""
 
     def __init__(self, all_: _Segments) -> None:
         self.all = all_
@@ -217,7 +219,7 @@ class _Places:
         self._allocate(following, before)
 
     def along(self, column: Sequence[int]) -> int | None:
-        """The stride from place to place of values that are all in one row."""
+        """Return the stride of values that are all in one row, or None."""
         number = self.all.owner[column[0]]
         run, count = self.all.runs[number], len(column)
         step = column[1] - column[0] if count > 1 else 0
@@ -227,7 +229,7 @@ class _Places:
         return None
 
     def _link(self, a: int, b: int, following: dict[_Place, _Place], before: dict[_Place, _Place]) -> None:
-        """Rows that a column goes from end to beginning of, forwards or backwards."""
+        """Make rows adjacent if a column continues from the end of one to the beginning of the other."""
         for one, other in ((a, b), (b, a)):
             left, right = self.all.row(one), self.all.row(other)
             at_end = self.all.at(one) == self.all.runs[left[0]].count - 1 and self.all.at(other) == 0
@@ -241,7 +243,7 @@ class _Places:
                 return
 
     def _allocate(self, following: Mapping[_Place, _Place], before: Mapping[_Place, _Place]) -> None:
-        """One after the other, in what is free again behind the last segment that reads it."""
+        """Allocate places one after the other; places are reused after the last segment that reads them."""
         free: list[tuple[int, int]] = []  # first, count
         ends: dict[int, list[tuple[int, int]]] = {}
         heads = sorted(row for row in self.last if row not in before)
@@ -270,7 +272,7 @@ class _Places:
         return self.size - count
 
     def of(self, column: Sequence[int]) -> Sequence[int]:
-        """Where the values of a column are."""
+        """Return the places of the values of a column."""
         stride, first = self.along(column), self._place(column[0])
         if stride:
             return range(first, first + stride * len(column), stride)
@@ -297,7 +299,7 @@ def _joined(free: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
 
 
 class _Body:
-    """One segment as it is made."""
+    """Builder of the body of one segment."""
 
     def __init__(self, columns: _Columns) -> None:
         self.columns, self.all, self.run = columns, columns.all, columns.run
@@ -344,7 +346,7 @@ class _Body:
         self.writes.append(access)
 
     def _operand(self, k: int, slot: int, operand: int) -> int:
-        """Its position in the body."""
+        """Return the position of an operand in the body."""
         if operand >= self.run.first:
             return self.number[operand - self.run.first]
         source = self.columns.carried.get((k, slot))
@@ -369,7 +371,7 @@ class _Body:
         return self.reads[key]
 
     def _access(self, column: Sequence[int]) -> Access:
-        """Where the values of a column are."""
+        """Return the entries where the values of a column are."""
         if column[0] >= self.all.first:
             return Access(KEPT, self.all.places.of(column))
         leaves = [self.all.operations[value] for value in column]

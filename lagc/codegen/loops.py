@@ -1,4 +1,4 @@
-"""Rolled functions as lines of text: loops, and what stands between them."""
+"""Print rolled functions: loops, and the straight code between them."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ Running: TypeAlias = tuple[str, str, int, int | None]
 
 @dataclass(frozen=True)
 class Forms:
-    """What differs between languages: `room` for what is kept; a `variable`, its `change`, and a `fixed` one;
-    the `table` of numbers that a name stands for; the `head` of a loop, of its run and the names that run
-    through arrays, and its `end`; whether heads take such names, `sequences`; `only`, the head of what
+    """The differences between languages: `room` declares the array of kept values; `variable`, `fixed` and
+    `change` declare and assign variables; `table` declares a table of numbers; `head` and `end` enclose a
+    loop over a run, with names that run through arrays if `sequences`; `only` is the head of code that
     belongs to one piece."""
 
     room: str
@@ -36,8 +36,8 @@ class Forms:
 def loops(
     function: Function, dialect: Dialect, forms: Forms, locals_: Mapping[tuple[str, int], str]
 ) -> list[list[str]]:
-    """The body of a function that has `runs`: what is kept, then the lines of each segment, which share no
-    names but those of arrays.  `locals_`: names of entries, for what stands between loops."""
+    """Return the body of a function with `runs`: the declaration of kept values, then the lines of each
+    segment. Segments share only arrays. `locals_`: names of entries, for straight code."""
     found, size = segments(function)
     room = [forms.room.format(size=size)] if size else []
     return [room, *(_Printer(segment, dialect, forms, locals_).run() for segment in found)]
@@ -76,7 +76,7 @@ class _Printer:
         return self._where_asked([*self.before, *loop])
 
     def _where_asked(self, text: list[str]) -> list[str]:
-        """What belongs to one piece."""
+        """Enclose code that belongs to one piece."""
         run = self.segment.run
         alone = run.piece >= 0 and not run.through
         return self._block(self.forms.only.format(piece=run.piece), text) if alone else text
@@ -111,7 +111,7 @@ class _Printer:
         return name
 
     def _is_written(self, access: Access) -> bool:
-        """Whether the loop itself writes what it reads there."""
+        """Return whether the loop writes the entries that it reads."""
         first, last = min(access.indices), max(access.indices)
         return any([
             written.array == KEPT and written.indices[0] <= last and first <= written.indices[-1]

@@ -1,8 +1,8 @@
-"""Functions of a Program as lines of text, in any language with C's expressions.
+"""Print functions of a Program as lines of text, for languages with C's expressions.
 
-Values that are used once are written where they are used, as long as lines stay readable; the
-rest get names.  Neither changes an operation, its operands or the result.  Every operand that
-would bind differently is parenthesised, so that no operation is re-associated by the text.
+A value that is used once is written where it is used, as long as lines stay short; other values get names.
+Neither changes an operation or its operands, and every operand that would bind differently has
+parentheses, so that no operation is re-associated.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from lagc.lowering.program import Function, Operation, uses
 from lagc.symbolic.leaves import Table
 from lagc.symbolic.operators import COMPARISONS, INFIX, LOOKED_UP, TRUTHS
 
-SIMPLE = ("load", "const", "add", "sub", "mul", "neg")  # computed ahead for an angle, and how many
-MOST_AHEAD = 16
+SIMPLE = ("load", "const", "add", "sub", "mul", "neg")  # operations that may be computed ahead for an angle
+MOST_AHEAD = 16  # of them
 
-# How tightly an expression binds, in C and in Python alike.
+# Precedence of expressions, the same in C and in Python.
 OR, AND, COMPARISON, SUM, PRODUCT, SIGN, ATOM = range(1, 8)
 
 _INFIX = {
@@ -30,21 +30,20 @@ _INFIX = {
 
 
 def literal(value: float) -> str:
-    """A finite number, so that reading it gives the same bits."""
+    """Return a finite number as text that gives the same bits when it is read."""
     return repr(float(value))
 
 
 @dataclass(frozen=True)
 class Dialect:
-    """What differs between target languages.
+    """The differences between target languages.
 
-    `calls`: operation -> name of the function.  `infix`: further operators with their binding, of which, and
-    of those of arithmetic, some are `called` all the same.
-    `select`: a template of condition, then, else.  `number`, `truth`: declarations of a
-    temporary, `store`: an assignment to an entry of an output, `load`: an entry of an input array,
-    `entry`: the same at an index that is an expression.  `look_up`: an operation on a table.
-    `turn`: the statement that gives sine and cosine of a value, with `sine` and `cosine` to read them; where
-    there is none they are `calls`.  `turn_two`: of two values at once, where that is worth while.
+    `calls`: operation -> name of a function. `infix`: further operators with their binding; operators in
+    `called` are printed as calls. `select`: template of condition, then, else. `number`, `truth`:
+    declarations of a temporary; `store`: an assignment to an output; `load`: an entry of an input array;
+    `entry`: the same at an index expression; `look_up`: an operation on a table. `turn`: a statement that
+    computes sine and cosine of a value, with `sine` and `cosine` to read them; without it they are
+    `calls`. `turn_two`: the same of two values.
     """
 
     calls: Mapping[str, str]
@@ -67,17 +66,14 @@ class Dialect:
 
 
 def lines(function: Function, dialect: Dialect, locals_: Mapping[tuple[str, int], str]) -> list[str]:
-    """The body of `function`, without indentation.
-
-    A comment stands under the position of its operation, or under the number of operations plus
-    the position of its store.  `locals_`: the names of entries of input arrays, used where an
-    entry is read more than once.
-    """
+    """Return the body of `function`, without indentation. A comment is stored under the index of its
+    operation, or under the number of operations plus the index of its store. `locals_`: names of entries
+    of input arrays, for entries that are read more than once."""
     return _Body(function, dialect, locals_).run()
 
 
 def loads(function: Function, used: list[int] | None = None) -> list[tuple[str, int]]:
-    """The entries of input arrays that `function` reads, (array, index)."""
+    """Return the entries of input arrays, (array, index), that `function` reads."""
     used = used or uses(function)
     found = [o.payload for o, n in zip(function.operations, used) if n and o.op == "load"]
     return [payload for payload in found if isinstance(payload, tuple)]
@@ -95,13 +91,13 @@ class _Body:
         self.binds: list[int] = [ATOM] * len(function.operations)
         self.out: list[str] = []
         self.temporaries = 0
-        self.turns: dict[int, tuple[int, int]] = {}  # angle -> number of its call, place of its sine there
+        self.turns: dict[int, tuple[int, int]] = {}  # angle -> number of its call, index of its sine
         self.angles = self._angles()
         self.pending: list[str] = []
         self.declared: set[str] = set()
         written = {(store.array, store.index) for store in function.stores}
         loaded = set(loads(function, self.uses))
-        self.overwritten = written & loaded  # entries of an in-out array: read first, stored last
+        self.overwritten = written & loaded  # entries of arrays that are both read and written
         self.stores: dict[int, list[int]] = {}
         for position, store in enumerate(function.stores):
             self.stores.setdefault(store.value, []).append(position)
@@ -113,7 +109,7 @@ class _Body:
                 self.pending.append(function.comments[k])
             if self.uses[k] and not self.text[k]:
                 self._value(k)
-        if self.overwritten:  # all is computed before anything is lost
+        if self.overwritten:  # compute everything before the first store
             for store in function.stores:
                 if function.operations[store.value].op != "const":
                     self._name(store.value)
@@ -163,7 +159,7 @@ class _Body:
             self.text[k] = name
 
     def _expression(self, k: int) -> None:
-        """Write value k in terms of its operands; name the longest of them while it is too long."""
+        """Write value k in terms of its operands; while the line is too long, name the longest operand."""
         operation = self.function.operations[k]
         while True:
             text, binds = self._compose(operation)
@@ -176,13 +172,13 @@ class _Body:
         self.text[k], self.binds[k] = text, binds
 
     def _angles(self) -> list[int]:
-        """The angles of sines and cosines, the last first."""
+        """Return the angles of sines and cosines, the last one first."""
         operations = self.function.operations
         turned = [o.operands[0] for o, n in zip(operations, self.uses) if n and o.op in ("sin", "cos")]
         return list(dict.fromkeys(turned))[::-1]
 
     def _turn(self, k: int) -> None:
-        """One call gives both, of which one may be left unread; or those of the next angle too."""
+        """Write one call for sine and cosine of an angle, or of this and the next angle."""
         angle = self.function.operations[k].operands[0]
         if angle not in self.turns:
             number = len({number for number, _ in self.turns.values()})
@@ -199,7 +195,8 @@ class _Body:
         self.text[k] = form.format(number=number, sine=place, cosine=place + 1)
 
     def _next_angle(self) -> int | None:
-        """The next that has no call, computed now; None where more than sums and products make it."""
+        """Compute the next angle that has no call, if it consists of few sums and products; else return
+        None."""
         while self.angles and self.angles[-1] in self.turns:
             self.angles.pop()
         if not self.angles:

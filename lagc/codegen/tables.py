@@ -1,4 +1,4 @@
-"""The tables in which a Program looks numbers up: their names, and their text in C and Python."""
+"""Tables of a Program: names and text in C and Python."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Numbers = Mapping[Table, int]
 NONE: Numbers = {}
 _WIDTH = 96
 
-# The last place whose number is not above x, or 0: the search of Python's `bisect`, step by step.
+# The last index whose number is at most x, or 0, by the same bisection as Python's `bisect`.
 _SEARCH = """\
 static lagc_real lagc_piece(const lagc_real *table, long size, lagc_real x)
 {
@@ -33,7 +33,7 @@ from bisect import bisect_right as _bisect_right
 
 
 def piece(table, a):
-    """The last place whose number is not above a, or 0."""
+    """Return the last index whose number is at most a, or 0."""
     return float(max(_bisect_right(table, a) - 1, 0))
 
 
@@ -61,7 +61,7 @@ def python_look_up(numbers: Numbers, op: str, table: Table, at: str) -> str:
 
 
 def c_tables(numbers: Numbers, real: Arithmetic) -> list[str]:
-    """The numbers, and the search for one."""
+    """Return the tables and the search in them."""
     if not numbers:
         return []
     found = []
@@ -72,7 +72,7 @@ def c_tables(numbers: Numbers, real: Arithmetic) -> list[str]:
 
 
 def python_tables(numbers: Numbers) -> list[str]:
-    """TABLES, and the search.  Text that is split is read ten times as fast as numbers of a program are."""
+    """Return TABLES and the search. A text that is split is read ten times as fast as a tuple of numbers."""
     if not numbers:
         return []
     found = ["TABLES = ("]
@@ -82,6 +82,6 @@ def python_tables(numbers: Numbers) -> list[str]:
 
 
 def _rows(words: Sequence[str]) -> list[str]:
-    """Lines of so many words as have room for the longest."""
+    """Return lines of as many words as fit."""
     each = max(1, _WIDTH // (1 + max(map(len, words))))
     return [f"    {' '.join(words[k : k + each])}" for k in range(0, len(words), each)]

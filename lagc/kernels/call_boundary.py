@@ -1,4 +1,4 @@
-"""Begin and end of a call: changes that the caller made, and the evaluation of the first rate."""
+"""Beginning and end of a call: changes that the caller made, and the evaluation of the first rate."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ def keep_parameters(p: Params, s: State) -> None:
 
 
 def evaluate_start(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """Compute the rate at the begin of a step, in its modes."""
+    """Compute the rate at the beginning of a step, in its modes."""
     again = False
     if NMODE > 0:
         elsewhere = False

@@ -92,7 +92,7 @@ def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
 
 def end_step_at_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     """If an indicator crosses zero within the step, repeat the step so that it ends at the crossing.  If the
-    crossing is at its begin, handle the event and set a.h to 0."""
+    crossing is at its beginning, handle the event and set a.h to 0."""
     release_slack(p, s, w)
     factor = LEAST_SLACK
     part = first_crossing(p, s, o.method, a, w)
@@ -181,7 +181,7 @@ def choose_step_size(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Wor
 
 
 def restarts_short(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> bool:
-    """Choose the step size as at the begin of a trajectory, if the first step after an event has a large
+    """Choose the step size as at the beginning of a trajectory, if the first step after an event has a large
     error.  Return whether it was reduced."""
     if s.after_event and a.rejected == 0 and a.error > LARGE_ERROR and o.first_step == 0.0:
         size = first_step_size(p, s, t1, a.direction, o, w)

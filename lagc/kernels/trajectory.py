@@ -98,7 +98,7 @@ def dense(p: Params, s: State, t: Real, o: Options, x: Vec[NX], w: Work) -> Stat
     return status
 
 
-# step, advance and record check options, times, parameters and the state once, at the begin of a call.  If
+# step, advance and record check options, times, parameters and the state once, before anything else.  If
 # that fails, they return INVALID or NOT_FINITE (s->culprit tells which value) and do not change *s.  After
 # any other failure, *s is at the end of the last accepted step, and another call continues from there.
 #

@@ -18,7 +18,7 @@ from typing import Any
 
 from lagc.codegen.c import runtime
 from lagc.codegen.python import functions
-from lagc.codegen.trigonometry import turning
+from lagc.codegen.trigonometry import sine_cosine_kernels
 from lagc.simulation.backends.compile import FLAGS, compiler
 
 RANGES = (0.7, 3.1, 100.0)
@@ -95,7 +95,7 @@ def in_python(function: Callable[[float], tuple[float, float]], angles: Sequence
 
 
 def main() -> None:
-    kernels = turning(["sine_cosine(x)"])
+    kernels = sine_cosine_kernels(["sine_cosine(x)"])
     space: dict[str, Any] = {}
     exec("\n\n".join([functions.ARITHMETIC, *functions.sine_cosine(kernels)]), space)
     print("| angles up to | C: ours | library | chained: ours | library | Python: ours | library |")

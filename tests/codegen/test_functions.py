@@ -21,7 +21,7 @@ from lagc.codegen.identifiers import local_names
 from lagc.codegen.kernel_compiler.real_types import DOUBLE
 from lagc.codegen.python.functions import ARITHMETIC, function_text, sine_cosine
 from lagc.codegen.tables import c_tables, numbered, python_tables
-from lagc.codegen.trigonometry import turning
+from lagc.codegen.trigonometry import sine_cosine_kernels
 from lagc.lowering.program import Function, Program, operands
 from lagc.symbolic.operators import LOOKED_UP
 from tests.codegen.programs import TABLES, TRUTHS, Builder, program, random_function
@@ -65,7 +65,9 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
     python: dict[str, Any] = {}
     numbers = numbered(made)
     own = [function_text(f, names, numbers) for f in functions]
-    exec("\n".join([ARITHMETIC, *python_tables(numbers), *sine_cosine(turning(own)), *own]), python)
+    exec(
+        "\n".join([ARITHMETIC, *python_tables(numbers), *sine_cosine(sine_cosine_kernels(own)), *own]), python
+    )
     body = "".join(
         c_text(f, names, members, DOUBLE, numbers).replace(
             f"static void lagc_fn_{f.name}(", f"void lagc_fn_{f.name}("
@@ -78,7 +80,9 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
     )
     types = "typedef double lagc_real;\ntypedef struct { double m, l, g; } lagc_params;\n"
     shared = (
-        helpers(made) + "".join(c_tables(numbers, DOUBLE)) + "".join(runtime.sine_cosine(turning([body])))
+        helpers(made)
+        + "".join(c_tables(numbers, DOUBLE))
+        + "".join(runtime.sine_cosine(sine_cosine_kernels([body])))
     )
     source = folder / "made.c"
     source.write_text("#include <math.h>\n" + types + shared + head + body)

@@ -24,7 +24,7 @@ import pytest
 from lagc.codegen.c import runtime
 from lagc.codegen.python import functions
 from lagc.codegen.python.functions import ARITHMETIC
-from lagc.codegen.trigonometry import NAMES, turning
+from lagc.codegen.trigonometry import NAMES, sine_cosine_kernels
 from lagc.lowering.program import Function, Operation, Store
 from tests.codegen.everywhere import LEVELS, clang, compilers, machines, wide
 from tests.codegen.tools import STRICT, bits, present
@@ -44,7 +44,7 @@ HARD = (
 
 
 def printed_c(calls: Iterable[str]) -> str:
-    text = "\n".join(runtime.sine_cosine(turning(calls))).replace("lagc_real", "double")
+    text = "\n".join(runtime.sine_cosine(sine_cosine_kernels(calls))).replace("lagc_real", "double")
     return f"#include <math.h>\n#ifdef __clang__\n#pragma STDC FP_CONTRACT OFF\n#endif\n{text}\n"
 
 
@@ -62,7 +62,7 @@ def printed_python() -> Any:
 @cache
 def printed_names() -> dict[str, Any]:
     space: dict[str, Any] = {}
-    exec("\n\n".join([ARITHMETIC, *functions.sine_cosine(turning(CALLS))]), space)
+    exec("\n\n".join([ARITHMETIC, *functions.sine_cosine(sine_cosine_kernels(CALLS))]), space)
     return space
 
 
@@ -241,7 +241,13 @@ def test_functions_of_a_model_call_it_once_an_angle(calls: int, tmp_path: Path) 
     assert done.returncode == 0, done.stderr[:2000]
     space: dict[str, Any] = {}
     exec(
-        "\n\n".join([ARITHMETIC, *functions.sine_cosine(turning(CALLS)), functions.function_text(f, names)]),
+        "\n\n".join(
+            [
+                ARITHMETIC,
+                *functions.sine_cosine(sine_cosine_kernels(CALLS)),
+                functions.function_text(f, names),
+            ]
+        ),
         space,
     )
     x = [random.Random(2).uniform(-4.0, 4.0) for _ in range(6)]

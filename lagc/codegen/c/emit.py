@@ -15,12 +15,13 @@ from lagc.codegen.c.runtime import Runtime, sine_cosine
 from lagc.codegen.identifiers import local_names, prefix
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.tables import c_tables, numbered
-from lagc.codegen.trigonometry import turning
+from lagc.codegen.trigonometry import sine_cosine_kernels
 from lagc.lowering.program import Interface, Program
 
 _REORDERED = """\
 /* Results are the same to the bit with every compiler that does the operations as they are written.  Define
- * LAGC_ANY_ARITHMETIC to compile with wider arithmetic, which is as accurate.  -ffast-math is not supported. */
+ * LAGC_ANY_ARITHMETIC to compile with wider arithmetic, which is as accurate.
+ * -ffast-math is not supported. */
 #ifndef LAGC_ANY_ARITHMETIC
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) \\
     || defined(_M_FP_FAST) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ + 0 > 0)
@@ -88,7 +89,7 @@ def _source(runtime: Runtime, file: str, own_header: str) -> str:
         compiler_guards(real),
         helpers(program),
         *c_tables(numbers, real),
-        *sine_cosine(turning(functions)),
+        *sine_cosine(sine_cosine_kernels(functions)),
         *functions,
         *runtime.definitions(),
         *(verb.definition for verb in verbs(program, real)),

@@ -18,15 +18,14 @@ from lagc.lowering.program import Function, Program, Run, uses
 from lagc.symbolic.operators import spelling
 
 CALLS = spelling("c")
-LONGEST = 600  # lines of a function: the time that C compilers take grows faster than that
-OPERATIONS = 2  # and stores in a line, about
+LONGEST = 600  # lines of a function: the compile time of C grows faster than its length
+OPERATIONS = 2  # operations and stores per line, about
 
-# Sines and cosines in double precision: see `lagc.kernels.arithmetic.trigonometry`.
+# Sine and cosine in double precision (`lagc.kernels.arithmetic.trigonometry`).
 TURN = "lagc_real sc{number}[2]; lagc_sine_cosine({value}, sc{number});"
 TURN_TWO = "lagc_real sc{number}[4]; lagc_sine_cosine_two({value}, {other}, sc{number});"
 
-# Written where a function of the model uses them.  min and max keep the first of equal operands,
-# so that they do in C what they do in Python.
+# Printed if a function of the model calls them.  min and max return the first of equal operands, as Python.
 HELPERS = {
     "sign": "static lagc_real lagc_sign(lagc_real a) { return (lagc_real)((a > 0) - (a < 0)); }\n",
     "min": "static lagc_real lagc_min(lagc_real a, lagc_real b) { return b < a ? b : a; }\n",
@@ -35,7 +34,7 @@ HELPERS = {
 
 
 def helpers(program: Program) -> str:
-    """The definitions of HELPERS that the functions of `program` call."""
+    """Return the definitions of HELPERS that the functions of `program` call."""
     used = {o.op for f in program.functions.values() for o, n in zip(f.operations, uses(f)) if n}
     return "".join(text for op, text in HELPERS.items() if op in used)
 
@@ -47,8 +46,8 @@ def function_text(
     real: Arithmetic = DOUBLE,
     numbers: Numbers = NONE,
 ) -> str:
-    """`static void lagc_fn_<name>(inputs..., outputs...)`; an array both read and written stands
-    once.  `fields`: the member of the parameters' struct for each index of p; `numbers` of its tables."""
+    """Return `static void lagc_fn_<name>(inputs..., outputs...)`. An array that is both read and written
+    is one argument. `fields`: struct member of each index of p; `numbers`: its tables."""
 
     def load(array: str, index: int) -> str:
         if array == "t":
@@ -89,7 +88,7 @@ def function_text(
 
 
 def _head(run: Run, _: Sequence[Running]) -> str:
-    """Through those repetitions that belong to the pieces `first` to `last`."""
+    """Return the head of a loop over the repetitions that belong to the pieces `first` to `last`."""
     begin, end = "0", str(run.count)
     if run.through:
         behind = run.piece + run.count
@@ -99,7 +98,8 @@ def _head(run: Run, _: Sequence[Running]) -> str:
 
 
 def _forms(real: Arithmetic, pieces: Sequence[int]) -> Forms:
-    """Where there are pieces compilers do not see that what is kept is read only where it was written."""
+    """Return the forms of C. With pieces the kept values are initialized, since compilers cannot see that
+    only written ones are read."""
     room = "lagc_real kept[{size}]" + (" = {{0}};" if pieces else ";")
 
     def table(name: str, values: Sequence[float]) -> list[str]:
@@ -116,7 +116,7 @@ def _forms(real: Arithmetic, pieces: Sequence[int]) -> Forms:
 
 
 def _divided(function: Function, parts: Sequence[list[str]], cleared: list[str]) -> str:
-    """In functions of about LONGEST lines that share what is kept."""
+    """Return functions of about LONGEST lines that share the kept values."""
     room, *parts = parts
     blocks = [["{", *(f"    {line}" for line in part), "}"] for part in parts]
     groups: list[list[str]] = [[]]
@@ -143,12 +143,12 @@ def _about(function: Function) -> str:
 
 
 def _of_type(text: str, real: Arithmetic) -> str:
-    """The function of C's library for this type of real."""
+    """Return the function of the C library for this type of real."""
     return text if not text.isalnum() or text.startswith("lagc_") else real.call.format(text)
 
 
 def _definition(name: str, function: Function, body: list[str], more: Mapping[str, str] | None = None) -> str:
-    """`more`: further formal parameters, by their names."""
+    """Return the definition of a function; `more`: further formal parameters by name."""
     code = re.sub(r"/\*.*?\*/", "", "\n".join(body), flags=re.DOTALL)
     words = set(re.findall(r"(?<!->)(?<!\w)[A-Za-z_]\w*", code))
     unused = [f"(void)({word});" for word in [*_order(function), *(more or ())] if word not in words]
@@ -158,7 +158,7 @@ def _definition(name: str, function: Function, body: list[str], more: Mapping[st
 
 
 def parameters(function: Function) -> str:
-    """The formal parameters of `function`."""
+    """Return the formal parameters of `function`."""
     outputs = {name for name, _ in function.outputs}
     return ", ".join(_formal(name, name in outputs) for name in _order(function))
 

@@ -117,8 +117,8 @@ def _conditions(interface: Interface) -> Verb:
     some = f"_some(p, t, x, c, J, sizes, 0, {max(interface.pieces) + 1})" if interface.pieces else ""
     together = "    lagc_put_together(J);\n" if interface.part_ends else ""
     return Verb(
-        f"c[{count}]: residuals of the initial equations at x[NU]: phi, psi, the initial section, stated rates\n"
-        f" * minus their values; unit quaternions are not included.  J[{entries}]: derivatives that are not\n"
+        f"c[{count}]: residuals of the initial equations at x[NU]: phi, psi, the initial section, stated\n"
+        f" * rates minus their values, but not unit quaternions.  J[{entries}]: derivatives that are not\n"
         f" * identically zero.  sizes[{count}]: sums of the magnitudes of the terms.",
         f"void lagc_conditions({_POINT}, lagc_real *c, lagc_real *J, lagc_real *sizes)",
         f"    lagc_fn_conditions{some or '(p, t, x, c, J, sizes)'};\n{together}")  # fmt: skip
@@ -146,7 +146,8 @@ def _default_params(interface: Interface, real: Arithmetic) -> Verb:
         text += "    p.none = 0;\n"
     missing = any(f.value is None for f in fields)
     return Verb(
-        "Return the parameter values of the model." + ("  Set those that are NAN: they have none." if missing else "")
+        "Return the parameter values of the model."
+        + ("  Set those that are NAN: they have none." if missing else "")
         + ("  Call lagc_bind before they are used." if interface.prepared else ""),
         "lagc_params lagc_default_params(void)", text + "    return p;\n")  # fmt: skip
 
@@ -248,9 +249,10 @@ def _derivatives(group: str, pattern: Sequence[tuple[int, int]], switches: int) 
 
 def _stack(switches: int) -> Verb:
     return Verb(
-        "s[LAGC_D_END]: the differentiated functions at any a[NV] and lambda[NC].  From row LAGC_D_... on:\n"
-        " * QDOT: rates of q; INERTIA: M a; FORCE: tau - h + G^T lambda; ROW: G a - gamma; CONDITION: initial\n"
-        " * equations; START: start values; OUTPUT: outputs; INDICATOR: event indicators; REINIT: new values.",
+        "s[LAGC_D_END]: the differentiated functions at any a[NV] and lambda[NC].  From row LAGC_D_...:\n"
+        " * QDOT: rates of q; INERTIA: M a; FORCE: tau - h + G^T lambda; ROW: G a - gamma; CONDITION:\n"
+        " * initial equations; START: start values; OUTPUT: outputs; INDICATOR: event indicators; REINIT:\n"
+        " * new values of states.",
         f"void lagc_stack({_POINT}, const lagc_real *a, const lagc_real *lambda, lagc_real *s)",
         _in_own_modes("stack", "s", switches))  # fmt: skip
 
@@ -258,8 +260,8 @@ def _stack(switches: int) -> Verb:
 def _along(interface: Interface) -> Verb:
     size = max(part.stop for part in interface.groups.values())
     return Verb(
-        f"s[LAGC_D_END]: derivative of lagc_stack in the direction d[{size}] of time, q and v, a and lambda,\n"
-        " * the parameters, then the inputs, in the order of the struct.",
+        f"s[LAGC_D_END]: derivative of lagc_stack in the direction d[{size}] of time, q and v, a and\n"
+        " * lambda, the parameters, then the inputs, in the order of the struct.",
         f"void lagc_along({_POINT}, const lagc_real *a, const lagc_real *lambda, const lagc_real *d,\n"
         "    lagc_real *s)",
         _in_own_modes("along", "d, s", len(interface.switches)))  # fmt: skip

@@ -188,7 +188,9 @@ def _constant(part: Part, inexact: str) -> str:
     text = f"#define LAGC_{part['name']} {value}"
     if not note:
         return text + "\n"
-    return f"{text} /* {note} */\n" if len(text) + len(note) < 92 else f"{block_comment(note)}{text}\n"
+    return (
+        f"{text} /* {note} */\n" if len(text) + len(note) < 92 else f"{block_comment(fill(note, 98))}{text}\n"
+    )
 
 
 def _section(title: str, text: str) -> str:

@@ -1,1 +1,1 @@
-"""Kernels -> C and Python: the printers of the runtime that `lagc.kernels` holds."""
+"""The kernel compiler: read kernels (`lagc.kernels`), check their types, and print them as C and Python."""

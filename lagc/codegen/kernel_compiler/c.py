@@ -1,4 +1,4 @@
-"""Kernels as C99, which is C++ too."""
+"""Print kernels as C99 that is also C++."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ _OPERATORS = {
 
 
 class CPrinter:
-    """Text with `lagc_` and `LAGC_` before each name of the interface; `derived`: sizes that are
-    expressions of others; `constants`: how they are spelled."""
+    """Prints with `lagc_` and `LAGC_` before each name of the interface. `derived`: sizes that are
+    expressions of others; `constants`: their text."""
 
     def __init__(self, real: Arithmetic, derived: Mapping[str, str], constants: Mapping[str, str]):
         self.real, self.derived = real, derived
@@ -41,7 +41,7 @@ class CPrinter:
         return (f"lagc_{snake(kind[1])}" if name is None else name) + " "
 
     def size(self, name: str) -> str:
-        """Of an array."""
+        """Return the size of an array."""
         return self.named(name)[0]
 
     def named(self, name: str) -> tuple[str, int]:
@@ -51,14 +51,14 @@ class CPrinter:
         return f"LAGC_{name}", ATOM
 
     def room(self, kind: Type, name: str) -> str:
-        """The declaration of a variable or member with room of its own."""
+        """Return the declaration of a variable or member."""
         lengths = kind[1:] if kind[0] in ("Vec", "IVec", "Mat") else ()
         return self.ctype(kind) + name + "".join(f"[{self.size(n)}]" for n in lengths)
 
     def argument(self, kind: Type, name: str, written: bool) -> str:
         if kind in SCALARS:
             return self.ctype(kind) + name
-        if kind[0] == "Mat":  # const rows do not fit rows in C99
+        if kind[0] == "Mat":  # C99 does not convert rows to const rows
             return f"{self.ctype(kind)}(*{name})[{self.size(kind[2])}]"
         return ("" if written else "const ") + self.ctype(kind) + "*" + name
 
@@ -83,12 +83,12 @@ class CPrinter:
         return f"{lead}{doc}{self.head(types, written)}\n{{\n{body}\n}}\n"
 
     def spelled(self, text: str) -> str:
-        """Members of records in comments as C has them: w->rank."""
+        """Write members of records in comments as in C: w->rank."""
         records = [n for n, kind in self.now.parameters.items() if kind[0] == "Record"]
         return re.sub(rf"\b({'|'.join(records)})\.(?=[a-z])", r"\1->", text) if records else text
 
     def local(self, name: str) -> str:
-        """Its declaration; const where it is assigned once."""
+        """Return the declaration of a local; const if it is assigned once."""
         kind = self.now.locals[name]
         if name in self.now.roots:
             const = "" if self.now.is_written(name) else "const "
@@ -157,7 +157,7 @@ class CPrinter:
         self.braced(node.body, indent, out)
 
     def braced(self, body: Sequence[ast.stmt], indent: str, out: list[str]) -> None:
-        """The block of the head that was the last line; one line needs no braces."""
+        """Print the block after the head that is the last line, without braces if it is one line."""
         here = len(out)
         self.block(body, indent + "    ", out)
         simple = len(body) == 1 and not isinstance(body[0], ast.If | ast.For | ast.While)
@@ -206,17 +206,17 @@ class CPrinter:
         out.append(f"{indent}    {self.text(target.value)}[i_] = {self.text(value)}[{shift}];")
 
     def pointed(self, node: ast.expr) -> str:
-        """The struct of parameters itself."""
+        """Return the struct of parameters itself, not a pointer."""
         return (
             self.text(node) if isinstance(node, ast.Attribute) or self.is_own(node) else f"*{self.text(node)}"
         )
 
     def is_own(self, node: ast.expr) -> bool:
-        """Whether it is a local record, or struct of parameters, not a pointer to one."""
+        """Return whether a name is a local record or struct of parameters, not a pointer to one."""
         return isinstance(node, ast.Name) and node.id in self.now.locals and node.id not in self.now.roots
 
     def branch(self, node: ast.If, indent: str, out: list[str]) -> None:
-        """A chain of tests; each block in braces where one needs them."""
+        """Print a chain of tests, with braces for all blocks if one needs them."""
         start, blocks = len(out), []
         word, now = indent, node
         while True:
@@ -244,7 +244,7 @@ class CPrinter:
     def part(
         self, node: ast.If | None, body: Sequence[ast.stmt], indent: str, out: list[str]
     ) -> tuple[int, int, bool]:
-        """Where the lines of a block begin and end, and whether it is one plain statement."""
+        """Print a block; return its first and last line, and whether it is one simple statement."""
         trail: str = getattr(node, "trail", "")
         if trail and out[-1].startswith(f"{indent}else "):
             out[-1] += f" /* {trail} */"
@@ -256,14 +256,14 @@ class CPrinter:
     # -- expressions --
 
     def given(self, node: ast.expr, wanted: Type) -> str:
-        """The expression where `wanted` stands: conversions are visible."""
+        """Return an expression where the type `wanted` is expected, with explicit conversion."""
         kind: Type = node.type  # type: ignore[attr-defined]
         if kind == wanted or kind[0] in ("Vec", "IVec", "Mat", "Rows", "Record", "Params", "Cell"):
             return self.text(node)
         return self.operand(node, wanted, 0)
 
     def operand(self, node: ast.expr, wanted: Type | None, least: int, strict: bool = False) -> str:
-        """Within an expression that binds so; converted to a Real, long or size_t where one is wanted."""
+        """Return an operand with parentheses if it binds less than `least`, converted to `wanted`."""
         kind: Type = node.type  # type: ignore[attr-defined]
         text, binds = self.expression(node)
         if wanted in (REAL, *WHOLE) and kind != wanted and kind in WHOLE:
@@ -294,7 +294,7 @@ class CPrinter:
             case ast.BinOp(left=left, op=op, right=right):
                 sign, binds = _OPERATORS[type(op)]
                 kind: Type = node.type  # type: ignore[attr-defined]
-                if isinstance(op, ast.BitAnd | ast.RShift):  # compilers ask for parentheses
+                if isinstance(op, ast.BitAnd | ast.RShift):  # compilers warn without parentheses
                     return f"{self.operand(left, kind, ATOM)} {sign} {self.operand(right, kind, ATOM)}", binds
                 return (
                     f"{self.operand(left, kind, binds)} {sign} {self.operand(right, kind, binds, True)}",
@@ -334,7 +334,7 @@ class CPrinter:
         kind: Type = value.type  # type: ignore[attr-defined]
         if kind[0] == "Rows":
             return f"({self.text(value)} + {self.operand(index, None, PRODUCT)} * {self.size(kind[1])})", ATOM
-        if kind[0] == "Params":  # they are all of one type
+        if kind[0] == "Params":  # all members are reals
             pointer = (
                 f"&{self.text(value)}"
                 if isinstance(value, ast.Attribute) or self.is_own(value)
@@ -372,8 +372,8 @@ class CPrinter:
 
 
 def places(body: Sequence[ast.stmt]) -> dict[str, ast.stmt | None]:
-    """Of each name its first assignment, where that stands in the innermost block that holds all its uses,
-    and can declare it; None where it is declared at the top, as its value may outlive a turn of a loop."""
+    """Return for each local the first assignment, if it can declare the local: it is in the innermost
+    block that holds all uses. None: it is declared at the top, as its value may outlive an iteration."""
     uses: dict[str, list[tuple[Sequence[ast.stmt], ...]]] = {}  # name -> blocks around each use, outer first
     first: dict[str, ast.stmt | None] = {}
 

@@ -15,7 +15,7 @@ def block_comment(text: str) -> str:
 
 
 def folded(line: str) -> str:
-    """A long line on several, broken before an operator or after a comma."""
+    """Break a long line before an operator or after a comma."""
     code, mark, note = line.partition(" /* ") if not line.lstrip().startswith("/*") else (line, "", "")
     if len(code) > WIDTH and mark:
         lead = code[: len(code) - len(code.lstrip())]
@@ -35,7 +35,7 @@ def folded(line: str) -> str:
 
 
 def wrapped(start: str, parts: Sequence[str]) -> str:
-    """A head with its parameters on lines that stay short."""
+    """Return a function head with its parameters on short lines."""
     rows = [start]
     for k, part in enumerate(parts):
         text = part + ("," if k < len(parts) - 1 else ")")

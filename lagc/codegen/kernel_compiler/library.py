@@ -1,6 +1,6 @@
-"""All kernels, printed for every choice of switches that makes a difference: what is shipped.
+"""The library of printed kernels: every kernel for every choice of switches that changes it.
 
-A function is a tree: [switch, tree where it holds, tree where not], with texts at its ends.
+A function is a tree [switch, tree if true, tree if false] with texts as leaves.
 """
 
 from __future__ import annotations
@@ -66,8 +66,8 @@ def model_functions() -> dict[str, Function]:
 
 
 class Method:
-    """A method as kernels see it: `tableau` are the names of its file; NAME, and NUMBER, the constant
-    that stands for its place."""
+    """A method, as kernels use it. `tableau`: the names of its file; NAME; NUMBER, the constant of its
+    position."""
 
     def __init__(self, name: str, number: int, tableau: dict[str, Any], title: str):
         self.NAME, self.number, self.tableau, self.title = name, number, tableau, title
@@ -81,7 +81,7 @@ class Method:
 
 
 def read_method(name: str, number: int) -> Method:
-    """The method of `kernels/integrators/tableaus/<name>.py`."""
+    """Return the method of `kernels/integrators/tableaus/<name>.py`."""
     module = importlib.import_module(f"lagc.kernels.integrators.tableaus.{name}")
     tableau = {k: v for k, v in vars(module).items() if k.isupper()}
     return Method(name, number, tableau, module.TITLE)
@@ -89,7 +89,7 @@ def read_method(name: str, number: int) -> Method:
 
 @dataclass
 class Member:
-    """Of a record; it exists where all `when` hold."""
+    """A member of a record; it exists if all `when` hold."""
 
     kind: Type
     when: tuple[tuple[str, bool], ...]
@@ -98,7 +98,7 @@ class Member:
 
 
 class Members(Mapping[str, Type]):
-    """Of a record, for one choice of switches: to ask for one may raise Undecided."""
+    """The members of a record for one choice of switches. Access may raise Undecided."""
 
     def __init__(self, members: Mapping[str, Member], switches: Mapping[str, bool]):
         self.members, self.switches = members, switches
@@ -126,7 +126,7 @@ class Members(Mapping[str, Type]):
 
 @dataclass
 class Library:
-    """Read and printed in the order of the files; `parts` is what is shipped."""
+    """Reads and prints kernels in the order of the files; `parts` is the result."""
 
     real: Arithmetic = DOUBLE
     records: dict[str, dict[str, Member]] = field(default_factory=dict)
@@ -155,7 +155,7 @@ class Library:
         return self
 
     def module(self, module: Module, known: Mapping[str, Any], prefix: str = "", title: str = "") -> None:
-        name, title = module.file.removesuffix(".py"), title or module.title[:1].lower() + module.title[1:]
+        name, title = module.file.removesuffix(".py"), title or module.title
         self.parts.append({"kind": "file", "name": name, "title": title, "text": module.text})
         own = (
             frozenset(p.name for p in module.parts if isinstance(p, Function)) if prefix else frozenset[str]()

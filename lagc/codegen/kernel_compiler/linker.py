@@ -1,4 +1,4 @@
-"""The kernels that a model needs, of those that are shipped."""
+"""The linker: the kernels that a model needs, with its sizes and tables."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from lagc.kernels import MOST_ACTS
 from lagc.lowering.program import Interface
 
 CONSTANT_SIZES = {"TWO": 2, "THREE": 3, "FOUR": 4, "SEVEN": 7, "NK": 16, "ND": 8, "NSETS": 3}
-# Sizes that have no name in generated C: expressions of others, of their numbers or of their spelling in C.
+# Sizes without a name in generated C: expressions of other sizes, for numbers or for their text in C.
 DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NM": lambda n: n["NV"] * (n["NV"] + 1) // 2, "NG": lambda n: n["NC"] * n["NV"],
     "NR": lambda n: n["NV"] + n["NC"], "NREACH": lambda n: n["NC"] + n["NH"] + n["NGROUP"],
@@ -27,7 +27,7 @@ Part = Mapping[str, Any]  # see `library`
 
 
 class _InC:
-    """An expression as C spells it."""
+    """An expression in C."""
 
     def __init__(self, text: object, is_sum: bool = False):
         self.text, self.is_sum = str(text), is_sum
@@ -62,8 +62,8 @@ SPELLED = {  # in C
 
 @dataclass(frozen=True)
 class Chosen:
-    """What is needed, in the order of the files: `functions` with their text for this model's switches,
-    `records` with the members that they have, `numbers`; `names` of all that is used: these, tables,
+    """The needed parts, in the order of the files: `functions` with their text for the switches of the
+    model, `records` with their members, `numbers`; `names`: all names that these use, with tables and
     functions of the model."""
 
     functions: tuple[tuple[Part, Part], ...]
@@ -73,7 +73,7 @@ class Chosen:
 
 
 def chosen(parts: Sequence[Part], switches: Mapping[str, bool], roots: Iterable[str]) -> Chosen:
-    """The functions `roots` and all that they call.  KeyError for a name that is none."""
+    """Return the functions `roots` and all that they call. Raises KeyError for an unknown name."""
     known = {part["name"]: part for part in parts if part["kind"] == "function"}
     leaves: dict[str, Part] = {}
     wanted = list(roots)
@@ -102,12 +102,12 @@ def _leaf(function: Part, switches: Mapping[str, bool]) -> Part:
 
 
 def members(record: Part, switches: Mapping[str, bool]) -> tuple[Sequence[Any], ...]:
-    """Those that a record has: name, type, switches, and comments before and beside."""
+    """Return the members that a record has: name, type, switches, comments before and beside."""
     return tuple([m for m in record["members"] if all(switches[name] == value for name, value in m[2])])
 
 
 def codes(parts: Iterable[Part], file: str) -> list[Part]:
-    """The enumeration of a kernel file; a KeyError where there is none."""
+    """Return the enumeration of a kernel file. Raises KeyError if it has none."""
     found, now = [], ""
     for part in parts:
         now = part["name"] if part["kind"] == "file" else now
@@ -119,7 +119,7 @@ def codes(parts: Iterable[Part], file: str) -> list[Part]:
 
 
 def sizes_of(interface: Interface) -> dict[str, int]:
-    """The sizes of a model: see `lagc.kernels.language.sizes`."""
+    """Return the sizes of a model (`lagc.kernels.language.sizes`)."""
     nq, nv, fields = interface.nq, interface.nv, (*interface.parameters, *interface.inputs)
     start = sizes_of_start(nq, nv, len(interface.rate_names), interface.condition_ends,
                            interface.condition_columns, interface.quaternions,
@@ -135,14 +135,15 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NWHEN": len(interface.whens), "NJUMP": sum(len(c.states) for c in interface.whens),
         "NACTS": MOST_ACTS * len(interface.whens),
         "NFEAT": interface.features, "NBOUNDS": 2 * interface.features,
-        "NPOLE": interface.poles, "NNEAR": 2 * interface.poles, "NGUARD": interface.features + interface.poles,
+        "NPOLE": interface.poles, "NNEAR": 2 * interface.poles,
+        "NGUARD": interface.features + interface.poles,
         "NSEARCH": free + interface.features + interface.poles,
         "NEDGES": 2 * switches if "edges" in interface.functions else 0,
         "NBOX": 2 * (1 + nq + nv),
         "NLIMITS": len(interface.limits), "NPREPARED": interface.prepared, "NREAD": len(interface.read),
         "NSUM": sums, "NPARTS": len(interface.part_columns),
     }  # fmt: skip
-    found = _derived({**own, **start, **own})  # work integrals are no part of a start
+    found = _derived({**own, **start, **own})  # initialization has no work integrals
     if "system" not in interface.functions:
         found["NM"] = 0
     return found
@@ -150,7 +151,8 @@ def sizes_of(interface: Interface) -> dict[str, int]:
 
 def sizes_of_start(nq: int, nv: int, rates: int, ends: Sequence[int], columns: Sequence[int],
                    quaternions: Sequence[int], pieces: Sequence[int] = ()) -> dict[str, int]:  # fmt: skip
-    """Of the search for a start; `ends` and `columns` of the model's own conditions."""
+    """Return the sizes of the initialization; `ends` and `columns` describe the initial equations of the
+    model."""
     rows = [columns[begin:end] for begin, end in zip((0, *ends), ends)]
     begins, _ = stretches(*with_quaternions(ends, columns, quaternions))
     return _derived({
@@ -163,7 +165,7 @@ def sizes_of_start(nq: int, nv: int, rates: int, ends: Sequence[int], columns: S
 
 
 def _derived(sizes: dict[str, int]) -> dict[str, int]:
-    """With those that are expressions of others."""
+    """Add the sizes that are expressions of others."""
     found = dict(sizes)
     for name, formula in DERIVED.items():
         with suppress(KeyError):
@@ -172,7 +174,7 @@ def _derived(sizes: dict[str, int]) -> dict[str, int]:
 
 
 def switches_of(interface: Interface, complete: bool) -> dict[str, bool]:
-    """What is decided when code is printed: `N > 0` of each size, and the names of `static.SWITCHES`."""
+    """Return the switches of a model: `N > 0` for each size, and the names in `specialization.SWITCHES`."""
     return {
         **{name: value > 0 for name, value in sizes_of(interface).items()},
         "STRAIGHT": interface.solve == "straight", "HAS_DISPLACE": "displace" in interface.functions,
@@ -181,7 +183,7 @@ def switches_of(interface: Interface, complete: bool) -> dict[str, bool]:
 
 
 def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
-    """What kernels know of a model besides sizes: see `lagc.kernels.language.tables`."""
+    """Return the tables of a model (`lagc.kernels.language.tables`)."""
     fields = (*interface.parameters, *interface.inputs)
     bounded = [i for i, f in enumerate(fields) if isfinite(f.minimum) or isfinite(f.maximum)]
     ends, columns = with_quaternions(
@@ -207,13 +209,13 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
 
 
 def of_conditions(pieces: Sequence[int], count: int) -> tuple[int, ...]:
-    """The piece that makes each, of the model's own; none makes those of unit quaternions behind these."""
+    """Return the independent group of each initial equation; -1 for unit quaternions, which follow."""
     return (*pieces, *[-1] * (count - len(pieces)))
 
 
 def stretches(ends: Sequence[int], columns: Sequence[int]) -> tuple[list[int], list[int]]:
-    """Where unknowns of one condition that follow each other begin, and where they end.  Conditions that have
-    none at all have one stretch of none: C has no empty tables."""
+    """Return the first and last of consecutive unknowns of each initial equation. If no equation has
+    unknowns there is one empty stretch, as C has no empty tables."""
     breaks = {k for k, (j, other) in enumerate(pairwise(columns), 1) if other != j + 1}
     if ends and not columns:
         return [0], [0]
@@ -224,8 +226,8 @@ def stretches(ends: Sequence[int], columns: Sequence[int]) -> tuple[list[int], l
 def with_quaternions(
     ends: Iterable[int], columns: Iterable[int], quaternions: Iterable[int]
 ) -> tuple[list[int], list[int]]:
-    """Where the derivatives of each condition of a start end, and the unknown of each: the model's own, and
-    a row for each unit quaternion."""
+    """Return the end of the derivatives of each initial equation, and the unknown of each derivative:
+    those of the model, then an equation for each unit quaternion."""
     found, unknowns = list(ends), list(columns)
     for first in quaternions:
         found.append(len(unknowns) + 4)

@@ -1,4 +1,4 @@
-"""Kernels as Python for any size: loops over the entries of vectors as comprehensions and `zip`."""
+"""Print kernels as Python for any size, with loops over vectors as comprehensions and `zip`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from lagc.codegen.kernel_compiler.syntax import clone
 from lagc.codegen.kernel_compiler.type_check import Type, Types
 
-# Kernels of which Python's own functions do the whole work, with the same result.
+# Kernels for which functions of Python give the same result.
 FASTER = {
     "not_finite": '''\
 def not_finite(values, n):
@@ -23,11 +23,12 @@ def not_finite(values, n):
     return -1
 ''',
 }
-Short = tuple[Sequence[str], ast.expr]  # the arguments of a kernel and its result
+Short = tuple[Sequence[str], ast.expr]  # arguments and result of a kernel
 
 
 def short(types: Types) -> Short | None:
-    """Of a kernel that is one expression of its arguments, as may stand in the place of a call."""
+    """Return arguments and expression of a kernel that is one expression without calls; it replaces its
+    calls."""
     match types.body:
         case [ast.Return(value=ast.expr() as value)]:
             if not any(isinstance(n, ast.Call) for n in ast.walk(value)):
@@ -36,7 +37,7 @@ def short(types: Types) -> Short | None:
 
 
 def function(types: Types, short: Mapping[str, Short]) -> str:
-    """`short`: the kernels before that are one expression, which takes the place of their calls."""
+    """Return the text of a kernel; `short`: kernels that replace their calls."""
     if types.name in FASTER:
         return FASTER[types.name]
     body = _merged(Zipped(types, short).block([clone(s) for s in types.body]))
@@ -239,7 +240,7 @@ def _merged(body: list[ast.stmt]) -> list[ast.stmt]:
 
 
 def _arrays(node: ast.expr) -> list[ast.expr]:
-    """What an expression indexes, or passes on."""
+    """Return the arrays that an expression indexes or passes on."""
     return [n for n in ast.walk(node) if isinstance(n, ast.Name | ast.Attribute | ast.Subscript)]
 
 
@@ -254,7 +255,7 @@ def _mentions(node: ast.AST, name: str) -> bool:
 
 
 def _simple(node: ast.expr) -> bool:
-    """Whether it costs nothing and stays the same along a loop."""
+    """Return whether an expression costs nothing and is constant in a loop."""
     plain = isinstance(node, ast.Constant | ast.Name)
     return plain or (isinstance(node, ast.UnaryOp) and _simple(node.operand))
 

@@ -1,4 +1,4 @@
-"""The type of a real in printed C: double, and what may take its place."""
+"""The types of reals in printed C: double, float and __float128."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 STANDS_FOR_ZERO = 1e-300  # in Programs
 PI = "3.14159265358979323846264338327950288419716939937510"
-# Numerator times denominator of a number that was meant: one double in 1e8 is next to one by chance.
+# Largest numerator times denominator of `meant`: one double in 1e8 is next to such a quotient by chance.
 MOST = 10**7
 
 
 @dataclass(frozen=True)
 class Arithmetic:
-    """The type of a Real."""
+    """A type of reals."""
 
     name: str
     suffix: str  # of literals
@@ -35,13 +35,14 @@ class Arithmetic:
 
     @property
     def includes(self) -> str:
-        """Of what the source needs."""
+        """Return the include lines of the source."""
         return "".join(f"#include <{name}>\n" for name in self.headers)
 
     def literal(self, value: float | Fraction | str) -> str:
-        """The value, so that reading it gives the same bits as rounding it once.  What stands for zero where
-        it divides zero, and for what is farther than all, is so to the type; in a wider one what is meant by
-        a double (`meant`) is all there.  Raises Refused (LAG0590) where a narrower one does not hold it."""
+        """Return a literal that gives the same bits as rounding the value once. The numbers that replace
+        zero in a divisor, and that are larger than all others, are adapted to the type. In a wider type a
+        double stands for the number that it approximates (`meant`). Raises Refused (LAG0590) for a number
+        that a narrower type cannot hold."""
         if value == STANDS_FOR_ZERO:
             return f"{('1e-30', '1e-300', '1e-4000')[self.column]}{self.suffix}"
         if self.column == 2:  # wider than a double
@@ -56,16 +57,16 @@ class Arithmetic:
         return repr(value) + self.suffix
 
     def bound(self, value: float) -> str:
-        """The literal of a bound: what is beyond the type bounds nothing, or is zero."""
+        """Return the literal of a bound; a bound outside of the type becomes infinity or zero."""
         if abs(value) > self.largest or abs(value) == inf:
             return f"{'-' if value < 0 else ''}{self.infinity}"
         return self.literal(value if abs(value) >= self.least else 0.0)
 
 
 def meant(value: float) -> str | Fraction:
-    """What a double stands for: digits, as they are written, where 12 are enough; else the quotient of whole
-    numbers that it is the nearest to, or such a multiple of pi, 1/pi or pi^2 next to it, where these are
-    small; else digits, of which the last are rounding."""
+    """Return the number that a double approximates: its decimal digits if 12 are enough; else the nearest
+    quotient of small integers, or such a multiple of pi, 1/pi or pi^2; else its decimal digits, of which
+    the last are round-off."""
     from fractions import Fraction  # where reals are wider than doubles
 
     digits, pi = repr(float(value)), Fraction(PI)
@@ -82,12 +83,12 @@ def meant(value: float) -> str | Fraction:
 
 
 def _near(value: Fraction) -> Fraction:
-    """The nearest quotient p/q with p q up to about MOST."""
+    """Return the nearest quotient p/q with p q up to about MOST."""
     return value.limit_denominator(max(1, isqrt(int(MOST / abs(value)))))
 
 
 def _decimal(value: Fraction) -> str:
-    """40 digits of it."""
+    """Return a number with 40 digits."""
     from decimal import Context, Decimal
 
     digits = str(Context(40).divide(Decimal(value.numerator), Decimal(value.denominator)))
@@ -104,4 +105,4 @@ SINGLE = Arithmetic(
 )
 QUAD = Arithmetic("__float128", "Q", "{}q", 2, "HUGE_VALQ", 'nanq("")', 0.0, inf, ("quadmath.h",), "")
 
-TYPES = {"double": DOUBLE, "float": SINGLE, "quad": QUAD}  # names of people
+TYPES = {"double": DOUBLE, "float": SINGLE, "quad": QUAD}  # names for users

@@ -1,7 +1,7 @@
-"""The printed kernels, made when lagc is installed (`hatch_build.py`).
+"""The printed kernels, which `hatch_build.py` makes when lagc is installed.
 
-Where they are missing or belong to other sources, as in a checkout that is being worked on, they are
-printed when they are first needed, and kept in the cache.
+If they are missing or belong to other sources, as in a working checkout, they are printed when they are
+first needed and kept in the cache.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ def shipped_path() -> str:
 
 
 def packed() -> str:
-    """All kernels for doubles as text, with the key of their sources: what `hatch_build.py` ships."""
+    """Return all kernels for doubles as text, with the key of their sources, as `hatch_build.py` ships it."""
     return json.dumps([_key(), *printed(DOUBLE)], separators=(",", ":"))
 
 
 @cache
 def parts(real: Arithmetic = DOUBLE) -> Parts:
-    """Files, records, constants and functions in their order: see `library`."""
+    """Return files, records, constants and functions in their order (`library`)."""
     if real != DOUBLE:
         return printed(real)
     name = _key()
@@ -55,7 +55,7 @@ def printed(real: Arithmetic) -> Parts:
 
 
 def _key() -> str:
-    """Of the kernels and of what prints them; kept, as these are fifty files."""
+    """Return the key of the kernels and of their printers; it is kept, as it depends on fifty files."""
     tool = store.key(tool_fingerprint())
     found = store.load("printers", tool, bytes.decode)
     if found is None:
@@ -69,7 +69,7 @@ def _key() -> str:
 
 
 def sources() -> list[str]:
-    """The files on which the printed kernels depend."""
+    """Return the files on which the printed kernels depend."""
     from glob import glob
 
     here = os.path.dirname(os.path.abspath(__file__))

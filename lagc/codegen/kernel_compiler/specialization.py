@@ -1,8 +1,8 @@
-"""What is decided before printing: switches of a model, and loops over what is known.
+"""Specialization: decide compile-time switches, and unroll loops over known values.
 
-A switch is `N > 0` of a size N, or a name of SWITCHES.  `decided` gives the statements of one choice of
-switches, and raises Undecided where it needs one that is not in it: so each function is printed once for
-each choice that makes a difference, and no more.
+A switch is `N > 0` for a size N, or a name in SWITCHES. A kernel is specialized for a choice of switches;
+Undecided is raised if it needs a switch that the choice lacks. So each kernel is printed once for each
+choice that changes it.
 """
 
 from __future__ import annotations
@@ -28,10 +28,11 @@ class NotStatic(Exception):
 
 
 class Statics:
-    """Of one kernel: its switches, and the names whose values are known.
+    """The specialization of one kernel.
 
-    `known`: numbers, texts, tuples, dictionaries (rows of tableaus), and objects with such attributes
-    (methods); `sizes`: names of sizes; `prefix`: of the kernels `own`, where a file is printed several times.
+    `known`: names of known numbers, texts, tuples, dictionaries (rows of tableaus), and objects with such
+    attributes (methods). `sizes`: names of sizes. `prefix`: prefix of the kernels `own`, for a file that
+    is printed several times.
     """
 
     def __init__(self, file: str, switches: Switches, sizes: frozenset[str], known: Mapping[str, Any],
@@ -40,12 +41,12 @@ class Statics:
         self.prefix, self.own = prefix, own
 
     def block(self, body: list[ast.stmt]) -> list[ast.stmt]:
-        """The statements that are left, as copies."""
+        """Return the remaining statements, as copies."""
         out: list[ast.stmt] = []
         for node in body:
             out += self.statement(node)
             if out and isinstance(out[-1], ast.Return | ast.Break | ast.Continue):
-                break  # what follows is dead
+                break  # the rest is not reached
         return out
 
     def statement(self, node: ast.stmt) -> list[ast.stmt]:
@@ -89,7 +90,7 @@ class Statics:
         return [copy]
 
     def test(self, node: ast.expr) -> ast.expr | bool:
-        """A condition, or its value where it is known; known parts of `and` and `or` are dropped."""
+        """Return a condition, or its value if it is known; known operands of `and` and `or` are dropped."""
         found = self.switch(node)
         if found is not None:
             return found
@@ -170,7 +171,7 @@ class Statics:
         return copy
 
     def combination(self, node: ast.Call) -> ast.expr:
-        """c_1 * k[0][i] + c_2 * k[1][i] ..., from left to right, zeros left out."""
+        """Return c_1 * k[0][i] + c_2 * k[1][i] ..., from left to right, without zeros."""
         row, (k, i) = self.value(node.args[0], node), (self.expression(a) for a in node.args[1:])
         total: ast.expr | None = None
         for stage, text in row.items():
@@ -195,7 +196,7 @@ class Statics:
             raise Outside(self.file, where, f"not known when printed: {ast.unparse(node)}") from None
 
     def static(self, node: ast.expr) -> Any:
-        """The value of an expression of known names and literals; NotStatic where it is none."""
+        """Return the value of an expression of known names and literals. Raises NotStatic if it has none."""
         match node:
             case ast.Constant(value=int() | str() as value) if not isinstance(value, bool):
                 return value
@@ -229,14 +230,14 @@ _COMPARISONS: dict[type, Any] = {
 
 
 def _bare(node: Any) -> Any:
-    """A copy whose children are still those of the original."""
+    """Return a copy that shares the children of the original."""
     found = node.__class__.__new__(node.__class__)
     found.__dict__.update(node.__dict__)
     return found
 
 
 def _led(node: ast.stmt, body: list[ast.stmt]) -> list[ast.stmt]:
-    """The comments before a statement that is gone stand before what it leaves."""
+    """Move the comments before a removed statement to the first of the remaining ones."""
     if body and node.lead:  # type: ignore[attr-defined]
         body[0] = _bare(body[0])
         body[0].lead = [*node.lead, *body[0].lead]  # type: ignore[attr-defined]

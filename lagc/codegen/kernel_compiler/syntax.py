@@ -1,4 +1,4 @@
-"""Kernel files as syntax trees, their comments attached; what no kernel may be is refused here."""
+"""Kernel files as syntax trees with comments. Constructs outside of the subset are refused."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ import lagc.kernels
 
 
 class Outside(Exception):
-    """What is written is not part of the subset: file, line and why."""
+    """A construct that is not part of the subset: file, line and reason."""
 
     def __init__(self, file: str, node: ast.AST | int, what: str):
         super().__init__(f"{file}:{node if isinstance(node, int) else getattr(node, 'lineno', 0)}: {what}")
 
 
 class Missing(Outside):
-    """A member of a record that models of these switches do not have."""
+    """A member of a record that models with these switches do not have."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,8 @@ class Record:
 
 @dataclass(frozen=True)
 class Constant:
-    """`kind`: int, Real, Reals (an array), Status (of the interface), Code (of an enumeration of it)."""
+    """`kind`: int, Real, Reals (an array), Status (of the interface), Code (of an enumeration of the
+    interface)."""
 
     file: str
     line: int
@@ -60,7 +61,7 @@ class Constant:
 
 @dataclass(frozen=True)
 class Module:
-    """A kernel file: title, and what it defines in order."""
+    """A kernel file: its title, and its definitions in order."""
 
     file: str
     title: str
@@ -73,7 +74,7 @@ def folder() -> str:
 
 
 def read(name: str) -> Module:
-    """The kernel file `name`."""
+    """Read the kernel file `name`."""
     path = os.path.join(folder(), *name.split("/")) + ".py"
     with open(path, encoding="utf-8") as file:
         return module(f"{name}.py", file.read())
@@ -124,7 +125,7 @@ def _function(file: str, node: ast.FunctionDef) -> Function:
 
 
 class _Annotated(ast.NodeTransformer):
-    """count: Count = 0, of a local, is an assignment that says its type."""
+    """Turns count: Count = 0, of a local, into an assignment that stores its type."""
 
     def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.stmt:
         if node.value is None or not isinstance(node.target, ast.Name):
@@ -156,7 +157,7 @@ def _constant(file: str, node: ast.Assign, name: str) -> Constant:
 
 
 def literal(node: ast.expr) -> Any:
-    """The number, or text, that an expression of literals is; None where it is none."""
+    """Return the number or text of an expression of literals, or None."""
     match node:
         case ast.Constant(value=int() | float() | str() as value) if not isinstance(value, bool):
             return value
@@ -171,13 +172,13 @@ def literal(node: ast.expr) -> Any:
 
 
 def exact(text: str) -> Fraction:
-    """A coefficient: a decimal number or a quotient of such."""
+    """Return a coefficient: a decimal number or a quotient of such numbers."""
     above, _, below = text.replace(" ", "").partition("/")
     return Fraction(above) / Fraction(below or "1")
 
 
 def _comments(text: str) -> dict[int, tuple[str, bool]]:
-    """Line -> comment, and whether it stands alone."""
+    """Return for each line its comment, and whether it stands alone."""
     found = {}
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         if token.type == tokenize.COMMENT and not token.string.startswith(("# type:", "# fmt:", "# noqa")):
@@ -187,7 +188,7 @@ def _comments(text: str) -> dict[int, tuple[str, bool]]:
 
 
 def attach(body: list[ast.stmt], notes: dict[int, tuple[str, bool]], after: int) -> int:
-    """Comments onto statements: `lead` before, `trail` beside; the last line that was looked at."""
+    """Attach comments to statements: `lead` before, `trail` beside; return the last line that was read."""
     for node in body:
         first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", []))])
         node.lead = [notes[n][0] for n in range(after + 1, first) if n in notes]  # type: ignore[attr-defined]
@@ -206,33 +207,33 @@ def attach(body: list[ast.stmt], notes: dict[int, tuple[str, bool]], after: int)
 
 
 def identifier(node: ast.expr) -> str:
-    """Of what is a name alone; else empty."""
+    """Return the identifier of an expression that is a name; else an empty text."""
     return node.id if isinstance(node, ast.Name) else ""
 
 
 def root(node: ast.expr) -> str:
-    """The name that an entry or a member belongs to."""
+    """Return the name that an entry or a member belongs to."""
     while isinstance(node, ast.Subscript | ast.Attribute):
         node = node.value
     return identifier(node)
 
 
 def roots(node: ast.expr) -> set[str]:
-    """The names that an expression of arrays is part of."""
+    """Return the names that an array expression is part of."""
     if isinstance(node, ast.IfExp):
         return roots(node.body) | roots(node.orelse)
     return {root(node)} - {""}
 
 
 def targets(body: list[ast.stmt]) -> set[str]:
-    """The names that statements bind."""
+    """Return the names that statements assign."""
     return {
         n.id for s in body for n in ast.walk(s) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
     }
 
 
 def returns(body: list[ast.stmt]) -> bool:
-    """Whether the end of a block is never reached."""
+    """Return whether the end of a block is never reached."""
     if not body:
         return False
     last = body[-1]
@@ -244,7 +245,7 @@ def returns(body: list[ast.stmt]) -> bool:
 
 
 def _own(node: ast.stmt) -> list[ast.AST]:
-    """The nodes of a statement, without those of loops in it."""
+    """Return the nodes of a statement without those of inner loops."""
     if isinstance(node, ast.For | ast.While):
         return []
     found: list[ast.AST] = [node]
@@ -254,7 +255,7 @@ def _own(node: ast.stmt) -> list[ast.AST]:
 
 
 def clone(node: Any) -> Any:
-    """A copy of a tree with its comments: what copy.deepcopy does, five times as fast."""
+    """Copy a tree with its comments; five times as fast as copy.deepcopy."""
     if isinstance(node, list):
         return [clone(n) for n in node]
     if not isinstance(node, ast.AST):

@@ -1,4 +1,4 @@
-"""Types of expressions and locals; what is outside the subset is refused here, with file and line."""
+"""Type check of kernels. Constructs outside of the subset are refused, with file and line."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _SPELLED = {"Size": "int", "Out": "Vec"}
 
 
 def parsed(annotation: str, records: Callable[[str], bool]) -> Type:
-    """The type that an annotation names; ValueError."""
+    """Return the type of an annotation. Raises ValueError."""
     found = re.fullmatch(r"(\w+)(?:\[([\w, ]+)\])?", annotation)
     if found is None:
         raise ValueError(annotation)
@@ -46,7 +46,7 @@ def parsed(annotation: str, records: Callable[[str], bool]) -> Type:
 
 @dataclass
 class Signature:
-    """`writes`: which arguments a call changes the contents of."""
+    """`writes`: whether a call changes the contents of each argument."""
 
     parameters: tuple[Type, ...]
     returns: Type
@@ -55,7 +55,7 @@ class Signature:
 
 @dataclass
 class Known:
-    """What a kernel may name besides its own: for one choice of switches."""
+    """The names that a kernel may use besides its own, for one choice of switches."""
 
     signatures: Mapping[str, Signature]  # of kernels before it, and of functions of the model
     members: Callable[[str], Mapping[str, Type]]  # of a record; KeyError
@@ -67,8 +67,8 @@ class Known:
 
 @dataclass
 class Types:
-    """Of one function: `locals` in the order of their first assignment; expressions have theirs as
-    attribute `type`."""
+    """The types of one function: `locals` in the order of their first assignment; the type of an
+    expression is its attribute `type`."""
 
     function: Function
     name: str
@@ -77,7 +77,7 @@ class Types:
     parameters: dict[str, Type] = field(default_factory=dict)
     locals: dict[str, Type] = field(default_factory=dict)
     counters: set[str] = field(default_factory=set)
-    roots: dict[str, set[str]] = field(default_factory=dict)  # alias -> what it may be part of
+    roots: dict[str, set[str]] = field(default_factory=dict)  # alias -> names that it may be part of
     assigned: dict[str, int] = field(default_factory=dict)
     touched: set[str] = field(default_factory=set)
     read: set[str] = field(default_factory=set)
@@ -190,7 +190,7 @@ class Types:
         before, self.locals[name] = self.locals.get(name), kind
         self.counters.add(name)
         self.block(node.body)
-        del self.locals[name]  # what it counted to is not asked for
+        del self.locals[name]  # its last value is not used
         if before is not None:
             raise self.fail(node, f"the counter {name} counts in a loop of {name}")
 
@@ -260,7 +260,7 @@ class Types:
         self.touched |= roots(node)
 
     def is_written(self, name: str) -> bool:
-        """Whether the contents of an argument, or alias, change."""
+        """Return whether the contents of an argument or alias change."""
         seen, more = set[str](), set(self.touched)
         while more - seen:
             seen |= more

@@ -37,14 +37,14 @@ class Equations:
         return tuple([i for i, lost in enumerate(self.work.redundant) if lost]) if NC else ()
 
     def rhs(self, t, x, xdot, lam):
-        """Compute xdot[NX] and lam[NC] at (t, x), and return a status.  Earlier evaluations do not matter."""
+        """Compute xdot[NX] and lam[NC] at (t, x); return a status.  Earlier evaluations do not matter."""
         work = self.work
         if NC:
             work.rank_deficient = False
         return rhs_at(self.p, t, x, xdot, lam, work)
 
     def first(self, t, x, xdot, lam):
-        """Do the same as at the begin of a trajectory, where dependent rows are looked for first."""
+        """Do the same as at the beginning of a trajectory, where dependent rows are looked for first."""
         work = self.work
         if NC:
             work.rank_deficient = False
@@ -54,20 +54,22 @@ class Equations:
         return rhs_at(self.p, t, x, xdot, lam, work)
 
     def system(self, t, x):
-        """Return qdot[NQ], M packed by lower rows, r[NV], G[NC*NV] by rows, gamma[NC]; calls reuse the lists."""
+        """Return qdot[NQ], M packed by lower rows, r[NV], G[NC*NV] by rows, gamma[NC].
+
+        Each call reuses the lists."""
         work = self.work
         system_at(self.p, t, x, work)
         return work.qdot, work.M, work.force, work.G, work.gamma
 
     def check(self):
-        """Raise ValueError, with its name, if a parameter, or a value computed from parameters, is not finite or
-        outside of its bounds.  Without bounds in this module (in a run of lagc) do nothing."""
+        """Raise ValueError, with its name, if a parameter, or a value computed from parameters, is not finite
+        or outside of its bounds.  Without bounds in this module (in a run of lagc) do nothing."""
         bounds, limits = globals().get("BOUNDS"), globals().get("LIMITS", {})
         if bounds is None:
             return
         for (name, (low, high)), value in zip(bounds.items(), self.p):
             if not (abs(value) < inf and low <= value <= high):
-                raise ValueError(f"the parameter {name!r} must be finite, from {low!r} to {high!r}: not {value!r}")
+                raise ValueError(f"the parameter {name!r} must be from {low!r} to {high!r}: not {value!r}")
         derived = [0.0] * len(limits)
         if derived:
             fn_limits(self.p, derived)
@@ -94,7 +96,7 @@ class Asked:
 
 
 class Integrator(State):
-    """The state of a trajectory.  `t`, `x`: now; `t_old`, `x_old`, `h_old`: begin and size of the last step.
+    """The state of a trajectory: `t` and `x`; `t_old`, `x_old` and `h_old` of the last step.
 
     Between calls of `step`, `advance` and `at` the caller may change `t`, `x` (also in place), the options,
     and inputs and parameters (`problem.p`; call `problem.bind()` after parameters).  The next step begins

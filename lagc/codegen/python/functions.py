@@ -38,13 +38,13 @@ DIALECT = Dialect(
     cosine="cos{number}",
 )
 
-# At guesses divisors are zero so often that what is asked there does not wait until one raises.
+# At initial guesses divisors are often zero: these functions use `quotient` instead of catching exceptions.
 GUESSED = ("conditions",)
 AT_GUESSES = replace(DIALECT, calls={**CALLS, "div": "quotient"}, called=("div",))
 
 
 def _head(run: Run, running: Sequence[Running]) -> str:
-    """Through those repetitions that belong to the pieces `first` to `last`."""
+    """Return the head of a loop over the repetitions that belong to the pieces `first` to `last`."""
     names = ["i", *(name for name, *_ in running)]
     if run.through:
         first, last = [f"{name} - {run.piece}" if run.piece else name for name in ("first", "last")]
@@ -67,17 +67,17 @@ def _all_of(array: str, first: int, stride: int | None, count: int) -> str:
 
 
 def _some_of(array: str, first: int, stride: int | None) -> str:
-    """Those of the repetitions `begin` to `end`."""
+    """Return the entries of the repetitions `begin` to `end`."""
     if stride is None:
         return f"{array}[begin:end]"
-    if stride < 0:  # there and back
+    if stride < 0:  # reversed
         return f"{array}[{first - stride} - {-stride}*end:{first + 1} - {-stride}*begin:{-stride}][::-1]"
     times, before = f"{stride}*" if stride != 1 else "", f"{first} + " if first else ""
     step = f":{stride}" if stride != 1 else ""
     return f"{array}[{before}{times}begin:{before}{times}end{step}]"
 
 
-_STRAIGHT = 10_000  # operations that take less time without loops
+_STRAIGHT = 10_000  # operations up to which straight code is faster than loops
 
 FORMS = Forms(
     room="kept = [0.0] * {size}",
@@ -89,16 +89,16 @@ FORMS = Forms(
     end="",
     only="if first <= {piece} < last:",
     sequences=True,
-    number="(1.0 * {})",  # for `_again`, which changes numbers but none within tuples
+    number="(1.0 * {})",  # for `_again`, which converts constants but not tuples
 )
 
-# Those of math itself; its floor is a whole number, and has no sign of zero.
+# Functions of math; its floor returns an integer without the sign of zero.
 _MATH = sorted([CALLS[op] for op, row in OPERATORS.items() if row.value is getattr(math, CALLS[op], None)])
 _MATH.remove("floor")
 _FIRST, _REST = ", ".join(_MATH[:11]), ", ".join(_MATH[11:])
 
-# Python raises where C gives an infinity or NaN.  A function that raised is computed again, with
-# floats and functions that do as C does; nothing is lost where nothing raises.
+# Python raises where C returns infinity or NaN.  A function that raised is computed again with floats and
+# functions that return what C returns; functions that do not raise stay fast.
 ARITHMETIC = (
     f"""\
 from math import {", ".join(sorted([*_MATH, "inf", "nan"]))}
@@ -141,19 +141,19 @@ def inverse(a):
 
 
 def quotient(a, b):
-    """a / b as the arithmetic of the machine has it."""
+    """Return a / b by IEEE arithmetic."""
     if b != 0.0:
         return a / b
     return nan if a == 0.0 or a != a else _copysign(inf, a) * _copysign(1.0, b)
 
 
 def root(a):
-    """sqrt(a) in the same way."""
+    """Return sqrt(a) by IEEE arithmetic."""
     return nan if a < 0.0 else sqrt(a)
 
 
 class _Ieee(float):
-    """A float whose division by zero is an infinity or NaN."""
+    """A float whose division by zero gives infinity or NaN."""
 
     __slots__ = ()
 
@@ -180,7 +180,7 @@ class _Ieee(float):
 
 
 def _ieee(function):
-    """`function` of math, with the value that C gives where Python raises."""
+    """Return `function` of math, which returns what C returns where Python raises."""
     name = function.__name__
 
     def careful(*arguments):
@@ -218,7 +218,7 @@ _CAREFUL = {
 
 
 def _again(function, inputs, outputs, *pieces):
-    """Compute `function` as C does, some of its pieces where it has such; lists in `outputs` are written."""
+    """Compute `function`, or some of its pieces, as C does; write the lists in `outputs`."""
     code = function.__code__
     constants = tuple(_Ieee(c) if type(c) is float else c for c in code.co_consts)
     careful = type(function)(code.replace(co_consts=constants), _CAREFUL, None, function.__defaults__)
@@ -232,7 +232,7 @@ def _again(function, inputs, outputs, *pieces):
 
 
 def sine_cosine(use: Chosen) -> list[str]:
-    """What `turning` found that functions of the model call for their sines and cosines."""
+    """Return the sine and cosine kernels that functions of the model call."""
     if not use.functions:
         return []
     numbers = [f"{name} = {size}\n" for name, size in CONSTANT_SIZES.items() if name in use.names]
@@ -252,7 +252,7 @@ _CAREFUL["sine_cosine"] = _careful_sine_cosine
 
 _EACH = '''\
 def _each_again(function, inputs, outputs):
-    """The same where entries of the last input may be arrays, of many directions: one after the other."""
+    """Do the same for each direction, if entries of the last input are arrays of many directions."""
     *others, d = inputs
     (changes,) = outputs
     many = [b for b in d if hasattr(b, "__len__")]
@@ -268,8 +268,8 @@ def _each_again(function, inputs, outputs):
 
 
 def function_text(function: Function, locals_: Mapping[tuple[str, int], str], numbers: Numbers = NONE) -> str:
-    """`def fn_<name>(inputs..., outputs...)`; an array both read and written is named once.  `numbers` of its
-    tables."""
+    """Return `def fn_<name>(inputs..., outputs...)`. An array that is both read and written is one
+    argument. `numbers`: its tables."""
     dialect = AT_GUESSES if function.name in GUESSED else DIALECT
     if numbers:
         dialect = replace(dialect, look_up=partial(python_look_up, numbers))

@@ -1,6 +1,6 @@
-"""The kernels of the search for a consistent start as Python for any conditions, which need no model.
+"""The kernels of the initialization as Python code for any initial equations, without a model.
 
-They are the same for all that have the same kinds of conditions; as code they are kept in the cache.
+The code is the same for all that have the same switches, and is kept in the cache.
 """
 
 from __future__ import annotations
@@ -17,17 +17,18 @@ SWITCHES = ("NCOND", "NRATE", "NQUAT", "NPOSITION", "NP", "NPIECE")
 
 @cache
 def code(kinds: tuple[bool, ...]) -> CodeType:
-    """What makes the kernels in a namespace that has their sizes, tables and `fn_` functions.  `kinds`: of
-    each of SWITCHES, whether there is any."""
+    """Return code that defines the kernels in a namespace with sizes, tables and `fn_` functions. `kinds`:
+    for each of SWITCHES whether there are any."""
     return store.code(lambda: text(dict(zip(SWITCHES, kinds))), __file__, tool_fingerprint(), repr(kinds))
 
 
 def text(switches: dict[str, bool]) -> str:
+    """Return the text of the kernels."""
     from lagc.codegen.kernel_compiler.linker import chosen
     from lagc.codegen.kernel_compiler.shipped import parts
     from lagc.codegen.python.functions import ARITHMETIC
     from lagc.codegen.python.runtime import kernels, numbers
 
-    # conditions are asked with parameters alone
+    # initial equations are evaluated with parameters alone
     use = chosen(parts(), {**switches, "NPREPARED": False, "NSUM": False}, ROOTS)
     return "\n\n".join([ARITHMETIC, numbers(use.names), *kernels(use)])

@@ -272,7 +272,7 @@ modes = [0.0] * NMODE
 
 
 def verbs(program: Program, complete: bool) -> list[str]:
-    """Return the functions that apply to the model; `complete` adds those that a run of lagc does not call."""
+    """Return the functions that apply to the model; `complete` adds those that no run of lagc calls."""
     found = [_ALWAYS.replace("@STATUSES@", _statuses())]
     for name, text in (
         ("start", _START),

@@ -4,9 +4,9 @@ They consist of sums, products and comparisons, and have an error below one unit
 angle is reduced to a multiple of pi/2 and a remainder hi + lo of at most pi/4, for which there are two
 polynomials. `tools/trigonometry.py` computes the constants.
 
-W. J. Cody, W. Waite, Software Manual for the Elementary Functions, Prentice-Hall 1980: pi/2 in parts. M.
-Hanek, R. Payne, Radian reduction for trigonometric functions, SIGNUM Newsletter 18, 1983: large angles. T.
-J. Dekker, A floating-point technique for extending the available precision, Numer. Math. 18, 1971.
+W. J. Cody, W. Waite, Software Manual for the Elementary Functions, Prentice-Hall 1980: pi/2 in parts.
+M. Hanek, R. Payne, Radian reduction for trigonometric functions, SIGNUM Newsletter 18, 1983: large angles.
+T. J. Dekker, A floating-point technique for extending the available precision, Numer. Math. 18, 1971.
 """
 
 from __future__ import annotations

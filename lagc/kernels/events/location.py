@@ -270,7 +270,7 @@ def all_move_away(direction: Real, w: Work) -> bool:
 def crosses_by_roundoff(
     p: Params, s: State, method: int, part: Real, factor: Real, a: Trial, w: Work
 ) -> bool:
-    """Return whether the indicators in w.crossed move away from their crossings both at the begin of the
+    """Return whether the indicators in w.crossed move away from their crossings both at the beginning of the
     step and after this part. They are beyond by round-off then, and `factor` times this is added to their
     slack."""
     fn_indicator_rates_on(p, s.t, s.x, w.modes, s.k[0], w.indicator_rates)

@@ -62,7 +62,7 @@ def features_at(p: Params, t: Real, x: Vec[NX], values: Vec[NFEAT], w: Work) -> 
 
 
 def find_steep_quarter(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
-    """Return the begin of the quarter of the step in which a feature makes nearly all of its change from
+    """Return the beginning of the quarter of the step in which a feature makes nearly all of its change from
     w.feature_low to w.feature_high, or NO_EVENT."""
     for k in range(NFEAT):
         w.feature_bounds[k] = w.feature_low[k]

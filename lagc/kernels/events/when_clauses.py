@@ -297,8 +297,8 @@ def update_modes_for_parameters(p: Params, s: State, direction: Real, w: Work) -
 
 
 def start_modes(p: Params, s: State, direction: Real, elsewhere: bool, w: Work) -> Status:
-    """Find the modes at the begin of a call, and let clauses act there. `elsewhere`: the caller changed
-    the state. Conditions that are true at the begin of a trajectory do not trigger."""
+    """Find the modes at the beginning of a call, and let clauses act there. `elsewhere`: the caller changed
+    the state. Conditions that are true at the beginning of a trajectory do not trigger."""
     if NWHEN > 0:
         if not s.conditions_known:
             fn_modes(p, s.t, s.x, w.modes)

@@ -15,7 +15,7 @@ from lagc.kernels.language.tables import scaling_group
 from lagc.kernels.language.tolerances import EVENT_TIME_ULPS, SPACING, TINY
 from lagc.kernels.language.words import Params, Real, Vec, vector
 
-TOO_FAR = 1e-3  # time scale over look-ahead: below it the look-ahead says nothing about the begin
+TOO_FAR = 1e-3  # time scale over look-ahead: below it the look-ahead says nothing about the beginning
 LOOK_AHEAD_REDUCTION = 1e-5  # factor from one look-ahead to the next
 
 

@@ -1,7 +1,4 @@
-"""The records of a run: options, workspace, state of a trajectory, and one attempted step.
-
-A comment before a field opens a section of the record; the header of generated C shows it.
-"""
+"""The records of a run: options, workspace, state of a trajectory, and one attempted step."""
 
 from __future__ import annotations
 
@@ -54,10 +51,9 @@ BAD_LEVEL = Code(9)
 BAD_BINDING = Code(10)  # lagc_bind was not called since a parameter changed
 BAD_PARAMETER = Code(16)
 
-# Where the rate of change, or the dense output, of a state is stored.
-ABSENT = 0  # nowhere: it has to be computed
-STAGES = 1  # rate: the first stage; dense output: to be computed from the stages
-READY = 2  # rate: the last stage; dense output: its coefficients
+ABSENT = 0  # a rate or dense output that is not stored
+STAGES = 1  # a rate in the first stage; a dense output that the stages determine
+READY = 2  # a rate in the last stage; a dense output whose coefficients are known
 
 
 @record
@@ -229,7 +225,7 @@ class State:
 
     t: Real
     x: Vec[NX]
-    t_old: Real  # begin of the last step
+    t_old: Real  # beginning of the last step
     position_drift: Real  # largest scaled constraint residuals after a step, so far
     velocity_drift: Real
     steps: Count  # accepted

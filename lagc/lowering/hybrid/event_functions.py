@@ -109,7 +109,7 @@ def in_boxes(along: Places, found: Sequence[Node], name: str, about: str) -> lis
     places, boxes = boxed(along)
     ends = [end for pair in enclosures(along.graph, found, boxes) for end in pair]
     inputs = ("p", *along.state[3:], "box")
-    bounds = "bounds of indicators in a box"
+    bounds = "bounds of these in a box"
     return [
         made(along, f"{name}s", along.state, (("e", found),), about, seldom=True),
         made(places, f"{name}_bounds", inputs, (("e", ends),), bounds, seldom=True),

@@ -33,8 +33,8 @@ def recorded(
     """Call `record(steps, max_steps)` until the trajectory ends, and return `told(status)`.
 
     `record` makes at most so many steps and returns a status; `state` has t, steps, rejected and culprit.
-    KeyboardInterrupt ends the run with status INTERRUPTED.  With a `clock` in seconds, slices grow up to SLICE.
-    Raises ValueError if an option or the times are not valid."""
+    KeyboardInterrupt ends the run with status INTERRUPTED.  With a `clock` in seconds, slices grow up to
+    SLICE.  Raises ValueError if an option or the times are not valid."""
     budget, look = FIRST_BUDGET, FIRST_LOOK
     status: int = INTERRUPTED
     try:

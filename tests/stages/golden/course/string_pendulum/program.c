@@ -337,7 +337,7 @@ static void lagc_fn_poles(const lagc_params *p, lagc_real t, const lagc_real *x,
     (void)(t);
 }
 
-/* what these keep to in a box */
+/* bounds of these in a box */
 static void lagc_fn_pole_bounds(const lagc_params *p, const lagc_real *box, lagc_real *e)
 {
     const lagc_real box1 = box[1];
