@@ -184,7 +184,7 @@ def _clauses(equations: EquationsOfMotion) -> tuple[Clause, ...]:
     place = {state: k for k, state in enumerate((*equations.q, *equations.v))}
     return tuple([
         Clause(when.clause.words, when.clause.marks, when.clause.reason,
-               tuple([place[state] for state, _ in when.changes]))
+               tuple([place[state] for state, _ in when.changes]), when.clause.fails)
         for when in equations.whens
     ])  # fmt: skip
 

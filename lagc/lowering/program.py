@@ -156,12 +156,13 @@ class Field:
 @dataclass(frozen=True, slots=True)
 class Clause:
     """A `when`: its condition as it is written, the names of its event, why the run ends there (None: it goes
-    on), and the states that take new values."""
+    on), the states that take new values, and whether a run that ends there has failed."""
 
     words: str
     marks: tuple[str, ...]
     reason: str | None
     states: tuple[int, ...]
+    fails: bool = False
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from lagc.mechanics.balance.energy import energies
 from lagc.mechanics.balance.generalized_forces import Acting, act
 from lagc.mechanics.balance.outputs import output_equations
 from lagc.mechanics.formulation.constraints import Classified, classify
-from lagc.mechanics.formulation.equations import Contribution, EquationsOfMotion, Row
+from lagc.mechanics.formulation.equations import Contribution, EquationsOfMotion, Row, WhenEquations
 from lagc.mechanics.formulation.euler_lagrange import free_terms, with_rates
 from lagc.mechanics.formulation.inertia import inertial_loads, moving_parts
 from lagc.mechanics.formulation.jacobian import added
@@ -19,11 +19,13 @@ from lagc.mechanics.whens import when_equations
 from lagc.semantics.model import Model, Potential
 from lagc.symbolic.derivative import seeds
 from lagc.symbolic.graph import Node
-from lagc.symbolic.operators import is_analytic
+from lagc.symbolic.operators import CORNER, STEP, smooth_as
 from lagc.symbolic.walk import depends
 
 if TYPE_CHECKING:
     from lagc.mechanics.redundancy.redundancy import Dropped
+
+_RELATIONS = smooth_as(STEP, CORNER)
 
 
 def derive(model: Model) -> EquationsOfMotion:
@@ -33,11 +35,11 @@ def derive(model: Model) -> EquationsOfMotion:
     """
     graph = model.graph
     states = build_states(model)
-    cuts = _cuts(states)
+    cuts, stops = _cuts(states)
     parts = moving_parts(states)
     free = free_terms(states, with_rates(states))
     acting = act(states)
-    classified, dropped = _constrained(states)
+    classified, dropped, doubts = _constrained(states)
     totals = energies(states, parts, acting, free, classified)
     inertial = inertial_loads(states, parts)
     bias = added(graph, [states.to_speeds(inertial), free.bias])
@@ -77,36 +79,42 @@ def derive(model: Model) -> EquationsOfMotion:
                 [c.span for c in model.initial_conditions],
             )
         ),
-        whens=when_equations(states),
+        whens=(*when_equations(states), *stops),
         outputs=output_equations(states, parts, acting, free, totals, [x.label for x in dropped]),
         rates=states.rates,
         dropped=tuple([x.reason for x in dropped]),
-        warnings=(*model.warnings, *cuts, *_warnings(states, kept, contributions), *_shared(states, dropped)),
+        warnings=(
+            *model.warnings,
+            *cuts,
+            *doubts,
+            *_warnings(states, kept, contributions),
+            *_shared(states, dropped),
+        ),
     )
 
 
-def _cuts(states: States) -> tuple[Fault, ...]:
-    """Warnings of energies that jump; what may not break anything is not looked at."""
-    breaking = {node for node in states.graph.nodes if not is_analytic(node.op, node.value)}
-    if not breaking:
-        return ()
-    from lagc.mechanics.lint.smoothness import refuse_breaks  # loaded where something may
+def _cuts(states: States) -> tuple[tuple[Fault, ...], tuple[WhenEquations, ...]]:
+    """Warnings of what jumps or has a kink, and the clauses that stop a run there."""
+    relations = {node for node in states.graph.nodes if node.op in _RELATIONS}
+    if not relations:
+        return (), ()
+    from lagc.mechanics.lint.smoothness import find_cuts  # loaded where something may
 
-    return refuse_breaks(states, breaking)
+    return find_cuts(states, relations)
 
 
-def _constrained(states: States) -> tuple[list[Classified], list[Dropped]]:
-    """The rows of the constraints that stay, and those left out."""
+def _constrained(states: States) -> tuple[list[Classified], list[Dropped], tuple[Fault, ...]]:
+    """The rows of the constraints that stay, those left out, and warnings."""
     found = classify(states)
     if not found:
-        return [], []
-    from lagc.mechanics.lint.degenerate_constraints import refuse_touching
+        return [], [], ()
+    from lagc.mechanics.lint.degenerate_constraints import refuse_degenerate
     from lagc.mechanics.redundancy.redundancy import drop_idle, drop_redundant  # loaded where there are rows
 
     rows, idle = drop_idle(states, found)
-    refuse_touching(states, rows)
+    warnings = refuse_degenerate(states, rows)
     kept, dropped = drop_redundant(states, rows)
-    return kept, idle + dropped
+    return kept, idle + dropped, warnings
 
 
 def _shared(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:

@@ -301,7 +301,8 @@ class Table:
 @dataclass(frozen=True, slots=True)
 class When:
     """At the moment that `condition` becomes true, the symbols of `changes`, coordinates, rates and speeds,
-    take values, all of the state before; the run ends where there is a `reason`; `marks` name the event."""
+    take values, all of the state before; the run ends where there is a `reason`, as failed where it `fails`;
+    `marks` name the event."""
 
     words: str  # the condition as it is written
     condition: Node
@@ -310,6 +311,7 @@ class When:
     marks: tuple[str, ...]
     span: Span
     effect: str | None = None
+    fails: bool = False
 
 
 @dataclass(frozen=True, slots=True)

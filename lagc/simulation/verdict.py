@@ -87,7 +87,8 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
         limit = reached()
         return "failed", f"interrupted at {t}" + (f": it took longer than {limit}" if limit else "")
     if status == TERMINATED:
-        return "terminated", f"at {t}: {system.interface.whens[trajectory.culprit].reason}"
+        clause = system.interface.whens[trajectory.culprit]
+        return "failed" if clause.fails else "terminated", f"at {t}: {clause.reason}"
     if status in (MISPLACED, CHATTERING) or _accumulates(trajectory):
         return "failed", f"at {t} {_at_event(system, trajectory)}"
     if status == SINGULAR_MASS:

@@ -226,14 +226,6 @@ def smooth_as(*kinds: str) -> frozenset[str]:
     return frozenset([row.name for row in _ROWS if row.smoothness in kinds])
 
 
-def is_analytic(op: str, value: Any) -> bool:
-    """Whether a node of `op` and `value` is, as a function of its arguments, everywhere."""
-    return op in _ANALYTIC or (op == "mul" and min(value) > 0)
-
-
-_ANALYTIC = smooth_as(ENTIRE, FLAT) | {"const", "symbol", "add", "scale"}
-
-
 Base = TypeVar("Base")
 
 

@@ -15,12 +15,14 @@ from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.semantics.resolve import resolve
 from lagc.syntax.parse import parse
 
+CODES = [code for code in ENTRIES if code.startswith("LAG04")]
+
 
 def derived(text: str) -> EquationsOfMotion:
     return derive(resolve(parse(Source("example.lag", text))))
 
 
-@pytest.mark.parametrize("code", ENTRIES)
+@pytest.mark.parametrize("code", CODES)
 def test_wrong_example_is_refused_or_warned_of_at_a_place(code: str) -> None:
     try:
         (fault,) = derived(ENTRIES[code].wrong).warnings
@@ -31,7 +33,7 @@ def test_wrong_example_is_refused_or_warned_of_at_a_place(code: str) -> None:
     assert fault.remedy
 
 
-@pytest.mark.parametrize("code", ENTRIES)
+@pytest.mark.parametrize("code", CODES)
 def test_right_example_passes(code: str) -> None:
     equations = derived(ENTRIES[code].right)
     equations.verify()
@@ -42,4 +44,4 @@ def test_right_example_passes(code: str) -> None:
 def test_every_code_of_the_room_is_listed() -> None:
     sources = Path(lagc.mechanics.__file__).parent.rglob("*.py")
     used = {code for p in sources for code in re.findall(r'"(LAG\d{4})"', p.read_text("utf-8"))}
-    assert used == set(ENTRIES)
+    assert used == set(CODES)

@@ -7,7 +7,6 @@ from random import Random
 
 import pytest
 
-from lagc.mechanics.numeric.scalar_roots import zeros
 from lagc.symbolic.enclosures import EVERYWHERE, intervals
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
@@ -84,16 +83,3 @@ def test_intervals_tell_something() -> None:
         (x, EVERYWHERE),
     ):
         assert intervals([node], {})[node] == pytest.approx(truth)
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_zeros_are_found_where_they_are(seed: int) -> None:
-    chance = Random(seed)
-    a, size = chance.uniform(-5.0, 5.0), chance.uniform(0.5, 2.0)
-    start = a + size * chance.choice((-1, 1)) * 10.0 ** chance.uniform(-2.0, 3.0)
-    for n in (1, 2, 3, 4):
-        (zero,) = zeros(lambda x, n=n: (x - a) ** n * (1.0 + x * x), start, size)
-        assert zero.crosses == (n % 2 == 1)
-        assert abs(zero.at - a) < 1e-3 * zero.reach
-    assert zeros(lambda x: (x - a) ** 2 + 1e-4, start, size) == []
-    assert all(zero.crosses for zero in zeros(lambda x: math.sin(x - a), start, size))

@@ -1,7 +1,4 @@
-"""Bends that no look at single coordinates shows: the run ends there, and says why.
-
-The tip of a cone is met where two coordinates are zero at once; a way on the rows leads there.
-"""
+"""A run that gets to a kink or a jump ends there, and says why."""
 
 from __future__ import annotations
 
@@ -32,6 +29,27 @@ def test_a_run_that_comes_to_a_tip_fails_and_says_so(backend: str) -> None:
         status == "failed" and "`cone` is not differentiable there" in message and "contradict" not in message
     )
     assert 0.45 < t <= 0.5 + 1e-9
+
+
+@pytest.mark.parametrize("rows, where", [
+    ("constraint c: y = abs(x);", "the constraint `c` has a kink where `x` passes 0"),
+    ("constraint c: y = 0.3*l*sign(x);", "the constraint `c` has a jump where `x` passes 0"),
+    ("constraint c: y = if time < 0.5 [s] then l else 2*l;", "a jump where `time` passes 0.5"),
+    ("constraint c: y = l*floor(4*x/l + 4.5);", "passes a whole number"),
+    ("body p = Particle(mass = 1 [kg], at = {0, abs(x), 0});", "the place of `p` has a kink"),
+    ("potential V = if x > 0 then 1 [J] else 0;", "the energy `V` has a jump"),
+    ("speed Velocity u = der(y)*sign(x);", "the speed `u` has a jump"),
+])  # fmt: skip
+def test_a_run_stops_at_a_kink_or_a_jump(rows: str, where: str) -> None:
+    status, t, message = told(rows, "numpy")
+    assert status == "failed" and where in message
+    assert abs(t - (0.0625 if "floor" in rows else 0.5)) < 1e-5
+
+
+def test_a_motion_that_keeps_away_from_a_kink_is_followed() -> None:
+    system = lagc.loads(MODEL.format(rows="constraint c: y = abs(x - 9*l);")).compile(backend="numpy")
+    assert [fault.code for fault in system.equations.warnings] == ["LAG0421"]
+    assert system.simulate(1.0).status == "ok"
 
 
 def test_smooth_rows_are_not_said_to_bend() -> None:

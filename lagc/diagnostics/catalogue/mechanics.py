@@ -16,11 +16,6 @@ def _on_particle(lines: str) -> str:
     return f"{_PARTICLE}{lines}end M;\n"
 
 
-def _cone(height: str) -> str:
-    head = _PARTICLE.replace("x, y;", "x(start = 1 [m]), y, z;").replace("{x, y, 0}", "{x, y, z}")
-    return f"{head}  constraint cone: z = {height};\nend M;\n"
-
-
 _DISC = """\
 model M
   parameter Mass m = 1 [kg];
@@ -136,21 +131,23 @@ ENTRIES: dict[str, Entry] = {
         "A constraint force acts along the gradient of the constraint. `x^2 = 0` or `norm(a - b) = 0` "
         "touches zero without crossing it, so its gradient vanishes or has no direction wherever it "
         "holds, and no force can enforce it. Write `x = 0` or `a = b`. In `x^2*y = 0` this happens on the "
-        "branch x = 0.",
+        "branch x = 0 only, which is a warning.",
         _on_particle("  constraint c: x^2 = 0;\n"),
         _on_particle("  constraint c: x = 0;\n"),
     ),
     "LAG0421": Entry(
         "a constraint with a kink or a jump",
-        "Where a constraint has a kink or a jump in the coordinates or in time, the velocities would "
-        "jump, as in an impact. Use a smooth constraint: branches may meet if values and slopes agree, "
+        "This is a warning. Where a constraint of positions has a kink or a jump in the coordinates or in "
+        "time, the velocities would jump, as in an impact. A run that gets there stops. Use a smooth "
+        "constraint: branches may meet if values and slopes agree, "
         "and conditions on parameters are allowed. Forces may jump, and potentials may have kinks.",
         _on_particle("  constraint c: y = abs(x);\n"),
         _on_particle("  parameter Length e = 0.01 [m];\n  constraint c: y = sqrt(x^2 + e^2);\n"),
     ),
     "LAG0422": Entry(
         "a body whose position has a kink or a jump",
-        "The velocity of the body would jump there, as in an impact. The position is that of the center "
+        "This is a warning. The velocity of the body would jump there, as in an impact. A run that gets "
+        "there stops. The position is that of the center "
         "of mass and the frame of a solid, as functions of the coordinates and of time.",
         "model M\n  coordinate Length x;\n  body p = Particle(mass = 1 [kg], at = {x, 0, abs(x)});\nend M;\n",
         "model M\n  coordinate Length x;\n  parameter Length e = 0.01 [m];\n"
@@ -158,7 +155,8 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0423": Entry(
         "an energy that jumps",
-        "A force is the gradient of an energy, and a jump of the energy has none. An energy may have "
+        "This is a warning. A force is the gradient of an energy, and a jump of the energy has none. A run "
+        "that gets there stops. An energy may have "
         "kinks, and may change with time in any way. An added kinetic energy must not have kinks in the "
         "rates, because the momentum would jump.",
         _on_particle("  potential step = if x > 0 then 1 [J] else 0;\n"),
@@ -166,29 +164,11 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0424": Entry(
         "a declared speed that jumps",
-        "A declared speed is a state of the motion. Where its definition jumps in the coordinates or in "
-        "time, the state would have to jump although no body does.",
-        _on_particle("  speed Velocity u = der(x)*sign(y);\n"),
+        "This is a warning. A declared speed is a state of the motion. Where its definition jumps in the "
+        "coordinates or in time, the state would have to jump although no body does. A run that gets "
+        "there stops.",
+        _on_particle("  speed Velocity u = der(x)*sign(y + 1 [m]);\n"),
         _on_particle("  speed Velocity u = der(x)*(2 + sin(y/(1 [m])));\n"),
-    ),
-    "LAG0425": Entry(
-        "an energy that jumps at the branch cut of an angle",
-        "`atan2(y, x)` jumps by 2*pi where `y` crosses 0 with `x` below 0. An energy that jumps there is "
-        "valid as long as the motion stays away from the branch cut; a run that crosses it fails, because "
-        "its energy balance is violated. Functions that agree on both sides, such as the square of the "
-        "angle, are allowed.",
-        _on_particle("  potential V = 1 [J]*atan2(y, x);\n").replace("Length x,", "Length x(start = 1 [m]),"),
-        _on_particle("  potential V = 1 [J]*atan2(y, x)^2;\n").replace(
-            "Length x,", "Length x(start = 1 [m]),"
-        ),
-    ),
-    "LAG0426": Entry(
-        "a constraint that is not differentiable at a point",
-        "At the tip of a cone, for example, the constraint holds but has no gradient, so the motion "
-        "through the point is not determined. Runs that stay away from it are fine. A rounded tip, "
-        "`sqrt(x^2 + y^2 + r^2)`, is differentiable everywhere.",
-        _cone("sqrt(x^2 + y^2)"),
-        _cone("sqrt(x^2 + y^2 + (1 [mm])^2)"),
     ),
     "LAG0427": Entry(
         "a new value for a rate that is not a state",

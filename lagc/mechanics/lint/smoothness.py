@@ -1,159 +1,102 @@
-"""Where the mechanics of rigid constraints allows no jump and no kink.
+"""Warnings where a constraint, a place, an energy or a declared speed jumps or has a kink.
 
-A row of a constraint, the place of a body and a declared speed that bend or jump ask for a jump of
-the speeds, which is an impact: no equation of motion holds it.  An energy that jumps is a force
-without bound that its gradient, zero nearly everywhere, does not show.  Forces may jump.
-
-An angle, `atan2`, jumps by a turn on its cut.  In an energy that is a warning: many a motion never comes
-there, and one that does is seen by its balance of energy.  A row or a place is not, and sine and cosine
-say the same.  A row at a tip, as of a cone, is a warning too.
+There the speeds would jump, which is an impact: no equation of motion holds it.  A motion may never get
+there, so the model is accepted, and a clause `when` stops a run that does.  Roots, quotients and angles are
+not looked at: a run stops where a row that holds one has no gradient, or where its energy is out of balance.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from typing import NamedTuple
 
-from lagc.diagnostics.faults import Fault, Refused, Span
+from lagc.diagnostics.faults import Fault, Span
+from lagc.mechanics.formulation.equations import WhenEquations
 from lagc.mechanics.formulation.states import States
-from lagc.mechanics.lint.discontinuities import Break, Ranks, Way, find_break, ranked
-from lagc.mechanics.lint.outlines import Outlines
-from lagc.mechanics.lint.tips import find_tip
-from lagc.semantics.model import Body, Constraint, Lagrangian, Potential
+from lagc.mechanics.lint.discontinuities import Break, find_break
+from lagc.semantics.model import Lagrangian, Potential, When
 from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import depends
 
-_ANGLE = "let the angle be a coordinate `a`, with `y*cos(a) = x*sin(a)`"
+_ROUND = "write it with a function whose slope does not jump"
 
 
-def refuse_breaks(states: States, breaking: Collection[Node]) -> tuple[Fault, ...]:
-    """Warnings: LAG0425 of energies that jump on the cut of an angle, LAG0426 of rows without a gradient at a
-    point.
+class Cuts(NamedTuple):
+    """Warnings, and the clauses that stop a run at a jump."""
 
-    Raises Refused: LAG0421 a constraint with a kink or jump, LAG0422 a body whose place or frame has
-    one, LAG0423 an energy that jumps, LAG0424 a declared speed that does."""
-    spelt = () if states.plain else states.spelt.values()
-    above = set(breaking)  # with all that is made of these
+    warnings: tuple[Fault, ...]
+    whens: tuple[WhenEquations, ...]
+
+
+def find_cuts(states: States, relations: Collection[Node]) -> Cuts:
+    """Return warnings LAG0421 of constraints and LAG0422 of places with a jump or a kink, LAG0423 of energies
+    and LAG0424 of declared speeds that jump; `relations` are all that may."""
+    model = states.model
+    above = set(relations)
     for node in states.graph.nodes:
         if not above.isdisjoint(node.args):
             above.add(node)
-    smooth = above.isdisjoint(spelt)
-    positions = ranked(states.q)
-    place = ranked([*states.q, states.model.time])
-    rates = ranked([*states.rates, *(speed.symbol for speed in states.model.speeds)])
-    everything = ranked([*place, *rates])
-    outlines = Outlines(states, list(everything)) if smooth else None
-    quiet: set[Way] = set()  # of bodies along a chain each has the roots of those before it
+    all_smooth = above.isdisjoint([] if states.plain else states.spelt.values())
+    positions = list(states.q)
+    place = [*positions, model.time]
+    rates = [*states.rates, *(speed.symbol for speed in model.speeds)]
+    warnings: list[Fault] = []
+    stopping: list[tuple[Fault, Break]] = []
 
-    def find(nodes: Sequence[Node], leaves: Ranks, slopes: bool = True) -> Break | None:
-        if smooth and above.isdisjoint(nodes):
-            return None
-        outline = outlines.of(nodes) if outlines else None
-        if outline and not find_break(states, outline.nodes, ranked(outline.leaves), slopes):
-            return None
-        return find_break(states, nodes, leaves, slopes, quiet=quiet)
+    def look(
+        nodes: Sequence[Node],
+        leaves: Sequence[Node],
+        slopes: bool,
+        code: str,
+        what: str,
+        remedy: str,
+        span: Span,
+    ) -> None:
+        if all_smooth and above.isdisjoint(nodes):
+            return
+        found = find_break(states, nodes, leaves, slopes, rows=code == "LAG0421")
+        if found is None:
+            return
+        message = f"{what} has a {found.kind} where {found.where}; a run that gets there stops"
+        fault = Fault(code, message, span, remedy=remedy, severity="warning")
+        if fault not in warnings:
+            warnings.append(fault)
+        stopping.append((fault, found))
 
-    def find_in_row(c: Constraint) -> Fault | None:
-        if smooth and above.isdisjoint(c.residuals):
-            return None
-        outline = outlines.of(c.residuals) if outlines else None
-        if outline and not _broken_row(states, c, outline.nodes, ranked(outline.leaves), outline.leaves):
-            return None
-        return _broken_row(states, c, c.residuals, everything, states.q)
-
-    faults: list[Fault | None] = []
-    for constraint in states.model.constraints:
-        faults.append(find_in_row(constraint))
-    for body in states.model.bodies:
+    remedy = f"{_ROUND}, or let a force act in its place"
+    in_rates = depends([x for c in model.constraints for x in c.residuals], rates)
+    for c in model.constraints:
+        for nonholonomic in (False, True):  # of which a kink is a jump of the forces
+            rows = [x for x in c.residuals if (x in in_rates) == nonholonomic]
+            leaves = [*place, *rates] if nonholonomic else place
+            look(rows, leaves, not nonholonomic, "LAG0421", f"the constraint `{c.name}`", remedy, c.span)
+    for body in model.bodies:
         axes = [x for row in body.frame.axes for x in row] if body.frame is not None else []
-        faults.append(_bent_body(body, find([*body.position, *axes], place)))
-    for action in states.model.actions:
+        what = f"the place of `{body.name}`"
+        look([*body.position, *axes], place, True, "LAG0422", what, _ROUND, body.span)
+    remedy = "let it change over a distance, or write the forces that are meant with `force`"
+    for action in model.actions:
+        what = f"the energy `{action.name}`"
         if isinstance(action, Potential):
-            torn = find([action.energy], positions, slopes=False)
-            faults.append(_torn_energy(action.name, action.span, torn))
+            look([action.energy], positions, False, "LAG0423", what, remedy, action.span)
         elif isinstance(action, Lagrangian):
-            for broken in (find([action.function], place, slopes=False), find([action.function], rates)):
-                faults.append(_torn_energy(action.name, action.span, broken))
-    for speed in states.model.speeds:
-        torn = find([speed.expression], place, slopes=False)
-        faults.append(_torn_speed(speed.name, speed.span, torn))
-    found = list(dict.fromkeys(fault for fault in faults if fault is not None))
-    if any(fault.severity == "error" for fault in found):
-        raise Refused(found)
-    return tuple(found)
+            look([action.function], place, False, "LAG0423", what, remedy, action.span)
+            look([action.function], rates, True, "LAG0423", what, remedy, action.span)
+    remedy = "declare a speed that changes with the motion alone"
+    for speed in model.speeds:
+        what = f"the speed `{speed.name}`"
+        look([speed.expression], place, False, "LAG0424", what, remedy, speed.span)
+    return Cuts(tuple(warnings), tuple(w for fault, found in stopping for w in _stops(fault, found)))
 
 
-def _broken_row(
-    states: States, c: Constraint, residuals: Sequence[Node], leaves: Ranks, positions: Sequence[Node]
-) -> Fault | None:
-    broken = find_break(states, residuals, leaves, True, rows=True)
-    return _bent_row(c, broken) if broken else _pointed(c, find_tip(states, residuals, leaves, positions))
+def _stops(fault: Fault, found: Break) -> list[WhenEquations]:
+    """Clauses that end a run as failed where the relation changes."""
+    assert fault.span is not None
+    words, reason = found.where.replace("`", ""), fault.message.partition(";")[0]
+    clauses = [When(words, c, (), reason, (), fault.span, fails=True) for c in found.conditions]
+    return [WhenEquations(clause, clause.condition, ()) for clause in clauses]
 
 
 def jumps_in_time(states: States, energy: Node) -> bool:
-    """Whether `energy` jumps at certain times: what it does then is no change of a stored energy."""
-    return find_break(states, [energy], ranked([states.model.time]), slopes=False) is not None
-
-
-# -- what is said -----------------------------------------------------------------------------
-
-
-def _bent_row(c: Constraint, found: Break) -> Fault:
-    remedy = "write it with a function whose slope does not jump, or let a force act in its place"
-    return Fault(
-        "LAG0421",
-        f"the constraint `{c.name}` has a {found.kind} where {found.where}: the speeds would jump there",
-        c.span,
-        remedy=_ANGLE if found.cut else remedy,
-    )
-
-
-def _pointed(c: Constraint, tip: str | None) -> Fault | None:
-    if tip is None:
-        return None
-    return Fault(
-        "LAG0426",
-        f"the constraint `{c.name}` has no gradient where {tip}: no motion is determined through there",
-        c.span,
-        severity="warning",
-        remedy="see that the motion stays away from there, or write the surface with a rounded tip",
-    )
-
-
-def _bent_body(body: Body, found: Break | None) -> Fault | None:
-    if found is None:
-        return None
-    return Fault(
-        "LAG0422",
-        f"the place of `{body.name}` has a {found.kind} where {found.where}: its velocity would jump there",
-        body.span,
-        remedy=_ANGLE if found.cut else "write it with a function whose slope does not jump",
-    )
-
-
-def _torn_energy(name: str, span: Span, found: Break | None) -> Fault | None:
-    if found is None:
-        return None
-    if found.cut:
-        return Fault(
-            "LAG0425",
-            f"the energy `{name}` jumps where {found.where}: no motion can be followed through there",
-            span,
-            severity="warning",
-            remedy="let the angle be a coordinate, or turn the cut to where the motion does not come",
-        )
-    return Fault(
-        "LAG0423",
-        f"the energy `{name}` has a {found.kind} where {found.where}: no finite force goes with it",
-        span,
-        remedy="let it change over a distance, or write the forces that are meant with `force`",
-    )
-
-
-def _torn_speed(name: str, span: Span, found: Break | None) -> Fault | None:
-    if found is None:
-        return None
-    return Fault(
-        "LAG0424",
-        f"the speed `{name}` has a jump where {found.where}, though nothing moves faster there",
-        span,
-        remedy="declare a speed that changes with the motion alone",
-    )
+    """Return whether `energy` jumps at certain times: the change is no change of a stored energy."""
+    return find_break(states, [energy], [states.model.time], slopes=False) is not None
