@@ -1,4 +1,1 @@
-"""The commands, one file each.
-
-In: words of the command line.  Out: text on standard output, an exit code.
-"""
+"""The command line: one file for each command."""

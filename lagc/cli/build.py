@@ -1,6 +1,6 @@
-"""Generated code for other projects: self-contained C99, or a NumPy module.
+"""Write generated code for other projects: self-contained C99, or a NumPy module.
 
-What is written needs no lagc, and belongs to you (see LICENSE).
+The code needs no lagc, and belongs to you (see LICENSE).
 """
 
 from __future__ import annotations
@@ -17,16 +17,20 @@ from lagc.host.atomic_write import Files, folder, no_folder
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
-    parser.add_argument("--target", choices=("c", "numpy"), default="c", help="what is generated")
+    parser.add_argument("--target", choices=("c", "numpy"), default="c", help="the language of the code")
     parser.add_argument(
         "--real", choices=("double", "float", "quad"), default="double",
         help="the type of numbers in C (quad: __float128 of GCC)",
     )  # fmt: skip
     parser.add_argument(
-        "-o", "--output", metavar="DIR", default=".", help="the folder that receives it; made where absent"
+        "-o",
+        "--output",
+        metavar="DIR",
+        default=".",
+        help="the folder for the files; created if it does not exist",
     )
     parser.add_argument(
-        "--derivatives", action="store_true", help="with exact derivatives, by state, parameters and inputs"
+        "--derivatives", action="store_true", help="add exact derivatives by state, parameters and inputs"
     )
     add_general_options(parser)
 
@@ -36,11 +40,11 @@ def run(options: argparse.Namespace) -> int:
     from lagc.host import model_library
 
     if options.real != "double" and options.target != "c":
-        raise Usage("--real is about C: leave it out, or build for --target c")
+        raise Usage("--real needs --target c")
     if not options.output:
-        raise Usage("-o names a folder, here it is empty")
+        raise Usage("-o needs the name of a folder")
     if file := no_folder(options.output):
-        raise Usage(f"`{file}` is no folder: name the one that receives the code")
+        raise Usage(f"`{file}` is no folder: -o needs the name of a folder")
     compilation = pipeline.Compilation(model_library.read(options.file), choice_of(options))
     program = pipeline.delivered(compilation, options.derivatives)
     files = pipeline.render(program, options.target, real=options.real)
@@ -71,7 +75,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def write(files: dict[str, str], where: str) -> list[str]:
-    """Write each text whole, none where one cannot be written; the paths.  Raises Usage or Unwritten."""
+    """Write all files, or none if one cannot be written, and return their paths.  Raises Usage or
+    Unwritten."""
     paths = {name: os.path.join(where, name) for name in files}
     try:
         with SIGNALS.patience(), folder(where), Files() as written:

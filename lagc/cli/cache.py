@@ -1,6 +1,6 @@
-"""What is kept of models that were compiled before.
+"""Show, verify or clear the cache of compiled models.
 
-Everything in it is made again when it is missing: it may be cleared at any time.
+It may be cleared at any time: lagc compiles again what is missing.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     what.add_argument(
         "--verify",
         action="store_true",
-        help="read every entry, and remove what is damaged (exit code 1)",
+        help="read every entry and remove damaged ones (exit code 1)",
     )
     what.add_argument("--clear", action="store_true", help="remove every entry")
     add_general_options(parser)
@@ -36,7 +36,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def facts_of(options: argparse.Namespace) -> dict[str, Any]:
-    """Do what is asked, and say what there is then."""
+    """Do what the options ask, and return the state of the cache as plain data."""
     place = cache.opened()
     facts: dict[str, Any] = {"status": "ok", "folder": cache.folder()}
     if place is None:
@@ -69,11 +69,11 @@ def _done(place: cache.Folder, options: argparse.Namespace) -> dict[str, Any]:
 
 
 def text(facts: dict[str, Any], quiet: bool) -> list[str]:
-    """Its lines."""
+    """The lines that are printed."""
     if facts["status"] == "refused":
         return [str(facts["reason"])]
     if facts["folder"] is None:
-        return ["there is no cache: LAGC_CACHE is empty, or there is no home"]
+        return ["there is no cache: LAGC_CACHE is empty, or the user has no home folder"]
     kinds = facts.get("kinds", {})
     lines = [
         f"{row['entry']} {'removed' if row['removed'] else 'cannot be removed'}: {row['reason']}"
@@ -89,12 +89,12 @@ def text(facts: dict[str, Any], quiet: bool) -> list[str]:
         if "removed" in facts:
             lines.append(f"{facts['removed']} removed")
         if facts.get("damaged") == []:
-            lines.append("all of them whole")
+            lines.append("all entries are valid")
     return lines
 
 
 def size(count: float) -> str:
-    """In bytes, kB, MB or GB."""
+    """A number of bytes as text in B, kB, MB or GB."""
     for unit in ("B", "kB", "MB"):
         if count < 1000:
             return f"{count:.3g} {unit}"

@@ -1,4 +1,7 @@
-"""The faults of model files: of each stage all that one can see."""
+"""Report the errors of model files, as many as each stage can find.
+
+The stages are the syntax, names and dimensions, the equations, and the initial conditions.
+"""
 
 from __future__ import annotations
 
@@ -17,13 +20,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "files", metavar="FILE", nargs="*", help="model files, models of the library, or - for standard input"
     )
-    parser.add_argument(
-        "--format", choices=("text", "json"), default="text", help="how the faults are printed"
-    )
-    parser.add_argument("--scene", metavar="S", help="check this scene only; without it, every scene")
-    parser.add_argument("--model", metavar="M", help="which model, where a file has several")
+    parser.add_argument("--format", choices=("text", "json"), default="text", help="the format of the report")
+    parser.add_argument("--scene", metavar="S", help="check only this scene; default: every scene")
+    parser.add_argument("--model", metavar="M", help="the model, if a file has several")
     add_parameter_option(parser)
-    parser.add_argument("--explain", metavar="CODE", help="what a fault's code means, with an example")
+    parser.add_argument("--explain", metavar="CODE", help="explain an error code, with an example")
     add_limit_options(parser)
     add_general_options(parser)
 
@@ -32,9 +33,9 @@ def run(options: argparse.Namespace) -> int:
     if options.explain:
         return explain(options.explain)
     if not options.files:
-        raise Usage("which file? `lagc check FILE...`")
+        raise Usage("FILE is missing: `lagc check FILE...`")
     if options.files.count("-") > 1:
-        raise Usage("standard input, `-`, is read once")
+        raise Usage("standard input, `-`, can be given only once")
     from lagc.compiler.checking import STAGES
 
     faults: list[Fault] = []
@@ -51,14 +52,15 @@ def run(options: argparse.Namespace) -> int:
         print_json({"status": "refused" if wrong else "ok", "faults": as_json(faults), "unseen": unseen})
     elif faults:
         last = f"{', '.join(unseen[:-1])} and {unseen[-1]}" if len(unseen) > 1 else "".join(unseen)
-        more = f"{last} are looked at once there are none" if unseen else ""
+        more = f"fix this to check {last}" if unseen else ""
         print_faults(faults, color=False if options.no_color else None, result=True, more=more)
     elif not options.quiet:
-        say("no faults in " + (f"{len(options.files)} files" if len(options.files) > 1 else options.files[0]))
+        say("no errors in " + (f"{len(options.files)} files" if len(options.files) > 1 else options.files[0]))
     return code_of(wrong) if wrong else DONE
 
 
 def look_at(name: str, options: argparse.Namespace) -> Checked:
+    """Check one file; a file that cannot be read counts as an error."""
     from lagc.compiler import checking, pipeline
     from lagc.host import model_library
 
@@ -70,18 +72,18 @@ def look_at(name: str, options: argparse.Namespace) -> Checked:
     choice = pipeline.Choice(model=options.model, scene=options.scene, parameters=given)
     try:
         return checking.look(source, choice)
-    except Refused as refused:  # of what was given
+    except Refused as refused:  # an option is wrong
         return checking.Checked(list(refused.faults), ())
 
 
 def explain(code: str) -> int:
-    """Print the catalogue's entry of a fault code."""
+    """Print the explanation of an error code."""
     from lagc.diagnostics.catalogue import entries
 
     code = code.upper()
     entry = entries().get(code)
     if entry is None:
-        raise Usage(f"there is no fault `{code}`")
+        raise Usage(f"there is no error code `{code}`")
     show(f"{code}: {entry.title}\n\n{entry.explanation}\n")
     for title, text in (("wrong", entry.wrong), ("right", entry.right)):
         if text:

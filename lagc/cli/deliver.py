@@ -1,5 +1,7 @@
-"""What was computed goes where it was asked for: into files first, then it is printed, on standard error
-where standard output has taken the numbers."""
+"""Deliver the result of a run: write the files, draw the plot, then print the summary.
+
+The summary goes to standard error if standard output takes the numbers.
+"""
 
 from __future__ import annotations
 
@@ -22,8 +24,10 @@ if TYPE_CHECKING:
 
 
 def deliver(found: Run, options: argparse.Namespace) -> int:
-    """Write, draw and print `found`, also where the run failed; the exit code.  Of a run that was interrupted
-    at its start there is nothing to be kept, and a file that is there stays."""
+    """Write, draw and print the result, also of a failed run, and return the exit code.
+
+    A run that was interrupted at its initial state writes no file, and leaves existing files alone.
+    """
     rest()
     begun = len(found) > 1 or not found.interrupted
     picture = picture_of(found.system.interface, options.plot) if begun else ""
@@ -71,7 +75,7 @@ def _save(found: Run, options: argparse.Namespace) -> bool:
 
 
 def picture_of(interface: Interface, named: str | None) -> str:
-    """The file that is drawn into: the one named or, where there is no screen, one beside; else none."""
+    """The file for the plot: the one given, one in the current folder if there is no display, or ""."""
     if named != "":
         return named or ""
     from lagc.reports.plots.plot import has_display, path_beside
@@ -84,16 +88,19 @@ def _draw(found: Run, wanted: str, options: argparse.Namespace) -> bool:
 
     path = kept(wanted, lambda name: plot(found, path=name), (OSError, ValueError, ArithmeticError))
     if path is not None:
-        say(f"picture written to {path}", options.quiet or options.json)
+        say(f"plot written to {path}", options.quiet or options.json)
     return path == wanted
 
 
 def kept(
     path: str, write: Callable[[str], object], failures: tuple[type[Exception], ...], usual: str = ".csv"
 ) -> str | None:
-    """Let `write` make the file `path` or, where that fails in the end, one of a new name in the current
-    folder or in that of temporary files, of the `usual` ending where it has none, and say so; the name of
-    what was written.  What waits for others is given up where a signal comes."""
+    """Let `write` make the file `path` and return its name.
+
+    If that fails, write a file with a new name in the current folder or in that for temporary files (with
+    the ending `usual` if `path` has none), and say so; None if this fails too.  A signal ends the wait for
+    the reader of a pipe.
+    """
     from lagc.host.atomic_write import may_wait, shortened
 
     waiting = may_wait(path)
@@ -117,9 +124,9 @@ def kept(
             write(other)
         except failures:
             continue
-        say(f"lagc: it is kept in {other}")
+        say(f"lagc: the result is kept in {other}")
         return other
-    say("lagc: it could not be kept elsewhere")
+    say("lagc: the result could not be kept elsewhere")
     return None
 
 
@@ -130,16 +137,16 @@ def _reason(path: str, error: Exception) -> str:
 
 
 def spare(compilation: Compilation, *paths: str | None) -> None:
-    """Raises Usage where one of these is the file of the model, or one that it reads, links followed."""
+    """Raise Usage if one of `paths` is a file that the model reads (links are followed)."""
     files = [compilation.source.name, *(compilation.read.paths if compilation.read else ())]
     read = set(map(_real, files))
     for path in paths:
         if path and _real(path) in read:
-            raise Usage(f"`{path}` is read by the model, and not written over: name another file")
+            raise Usage(f"`{path}` is read by the model and cannot be overwritten: choose another file")
 
 
 def _real(path: str) -> str:
-    """Itself where the folder that it is relative to is gone."""
+    """The path without links, or itself if the current folder no longer exists."""
     try:
         return os.path.realpath(path)
     except OSError:

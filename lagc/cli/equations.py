@@ -1,9 +1,8 @@
-"""The equations of motion, as a person would write them.
+"""Print the equations of motion as a person would write them.
 
-One equation a generalized speed, then the constraints; a prime is a time derivative, theta''
-the second one.  `--format latex` gives what stands in a document, between \\begin{document} and
-\\end{document}, that uses the package amsmath; `--format sympy` a Python script that builds the
-same equations with SymPy.
+One equation for each generalized speed, then the constraints; a prime is a time derivative.  `--format
+latex` prints text for a document that uses the package amsmath, `--format sympy` a Python script that
+builds the equations with SymPy.
 """
 
 from __future__ import annotations
@@ -17,11 +16,9 @@ from lagc.cli.output import DONE, print_faults, print_json, say, show
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
     parser.add_argument(
-        "--format", choices=("text", "latex", "sympy"), default="text", help="how they are written"
+        "--format", choices=("text", "latex", "sympy"), default="text", help="the format of the equations"
     )
-    parser.add_argument(
-        "--full", action="store_true", help="all equations, where they are many, term by term"
-    )
+    parser.add_argument("--full", action="store_true", help="print every term, also of large models")
     add_general_options(parser)
 
 

@@ -1,8 +1,8 @@
-"""What was inferred from a model.
+"""Explain what lagc derived from a model.
 
-Coordinates and speeds, constraints and their kinds, the count of unknowns and equations, degrees
-of freedom, cyclic coordinates and conserved quantities, the parts of the kinetic energy, effects
-used and left out, what was pruned, and the operation counts of the generated code.
+Coordinates and speeds, constraints and their types, degrees of freedom, cyclic coordinates and conserved
+quantities, the parts of the kinetic energy, effects that are used or left out, and the operation counts of
+the generated code.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Lay model files out in the one way; comments are kept.
+"""Format model files; comments are kept.
 
 Files are rewritten in place; `-` formats standard input to standard output.
 """
@@ -17,7 +17,7 @@ from lagc.host import atomic_write, model_library
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("files", metavar="FILE", nargs="+", help="model files, or - for standard input")
     parser.add_argument(
-        "--check", action="store_true", help="change nothing; exit 1 where a file is laid out otherwise"
+        "--check", action="store_true", help="change nothing; exit code 1 if a file is not formatted"
     )
     add_limit_options(parser)
     add_general_options(parser, json=False)
@@ -30,7 +30,7 @@ def run(options: argparse.Namespace) -> int:
     for name in options.files:
         if name != "-" and not os.path.isfile(name):
             there = os.path.exists(name)
-            raise Usage(f"`{name}` is no regular file" if there else f"there is no file `{name}`")
+            raise Usage(f"`{name}` is not a regular file" if there else f"there is no file `{name}`")
         source = model_library.read(name)
         text = format_source(source)
         if name == "-" and not options.check:
@@ -38,15 +38,15 @@ def run(options: argparse.Namespace) -> int:
         elif text != source.text:
             differs = True
             if options.check:
-                say(f"{name} would be laid out otherwise", options.quiet)
+                say(f"{name} is not formatted", options.quiet)
             else:
                 replace(name, text)
-                say(f"{name} laid out", options.quiet)
+                say(f"{name} formatted", options.quiet)
     return REFUSED if options.check and differs else DONE
 
 
 def replace(path: str, text: str) -> None:
-    """Write `text` over `path`, whole or not at all."""
+    """Replace the file `path` by `text`, completely or not at all."""
     try:
         with SIGNALS.patience():
             atomic_write.write(path, text.encode())

@@ -1,7 +1,7 @@
-"""Equilibria, and linear models about them or about a motion.
+"""Print equilibria, and linear models about them or about a motion.
 
-Constraints and their forces are taken into account: the states are independent coordinates and speeds.
-Without --at or --equilibrium it is about the start.
+The linear model satisfies the constraints: its states are independent coordinates and speeds.  Without --at
+or --equilibrium it is about the initial state.
 """
 
 from __future__ import annotations
@@ -27,24 +27,26 @@ if TYPE_CHECKING:
     from lagc.simulation.request import Quantity
 
 FORMATS = (".json", ".npz")
-MOST, LARGE = 8, 3  # equilibria that are shown without --verbose; of large models
+MOST, LARGE = 8, 3  # equilibria that are shown without --verbose, in general and for large models
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
     parser.add_argument(
         "--start", metavar="NAME=VALUE[UNIT]", dest="starts", action="append", default=[],
-        help="the start value of a coordinate or speed, e.g. --start 'theta=30[deg]'",
+        help="the initial value of a coordinate or speed, e.g. --start 'theta=30[deg]'",
     )  # fmt: skip
     where = parser.add_mutually_exclusive_group()
+    where.add_argument("--at", metavar="T", help="linearize about the motion at this time: 2, '100[ms]'")
     where.add_argument(
-        "--at", metavar="T", help="about the motion from the start, at this time: 2, '100[ms]'"
+        "--equilibrium",
+        action="store_true",
+        help="find equilibria, from the initial state and from random states",
     )
-    where.add_argument(
-        "--equilibrium", action="store_true", help="about the equilibria, from the start and random postures"
+    parser.add_argument("-o", "--output", metavar="FILE", help="write the matrices: .json or .npz")
+    parser.add_argument(
+        "--plot", metavar="FILE", nargs="?", const="", help="draw the modes: .png, .svg or .pdf"
     )
-    parser.add_argument("-o", "--output", metavar="FILE", help="write the matrices: .json .npz")
-    parser.add_argument("--plot", metavar="FILE", nargs="?", const="", help="draw the modes: .png .svg .pdf")
     add_general_options(parser)
 
 
@@ -60,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
     time = quantity(options.at, "s", "--at") or 0.0
     starts = quantities(options.starts, "--start")
     compilation = Compilation(model_library.read(options.file), choice_of(options))
-    one = compilation if time else compilation.differentiated  # a motion may be long: in C, without these
+    one = compilation if time else compilation.differentiated  # a long motion runs in C, without derivatives
     model = CompiledModel(one, "auto" if time else "numpy")
     spare(compilation, options.output, _picture(model.interface, options.plot))
     try:
@@ -70,7 +72,9 @@ def run(options: argparse.Namespace) -> int:
     except ArithmeticError as error:
         return _none(str(error), options)
     if not found:
-        return _none("no equilibrium was found, neither from the start nor from random postures", options)
+        return _none(
+            "no equilibrium was found, neither from the initial state nor from random states", options
+        )
     interface = model.interface
     facts = {"status": "ok", "model": interface.model, "scene": interface.scene,
              "effects": list(interface.effects)}  # fmt: skip
@@ -86,7 +90,7 @@ def run(options: argparse.Namespace) -> int:
 def _about(
     model: CompiledModel, time: float, starts: dict[str, float | Quantity], options: argparse.Namespace
 ) -> Linear:
-    """The motion to that time is followed as by `lagc sim`, which refuses one that takes too long."""
+    """Linearize at a time; a motion that takes too long is refused as by `lagc sim`."""
     if not time:
         return model.linearize(starts=starts)
     from lagc.cli.output import Bar
@@ -130,13 +134,16 @@ def _notes(found: list[Linear]) -> list[str]:
 
 
 def _check_output(path: str | None) -> None:
-    """What is no regular file, as the standard output, takes JSON where its name does not say."""
+    """Raise Usage if the matrices cannot be written to `path`.
+
+    A path that is no regular file, such as standard output, takes JSON if its name has no known ending.
+    """
     from lagc.host.atomic_write import is_straight, obstacle
 
     if path is not None:
         if os.path.splitext(path)[1].lower() not in FORMATS and not is_straight(path):
             raise Usage(
-                f"`{path}` cannot be written: the ending says the format; there are {' '.join(FORMATS)}"
+                f"`{path}` cannot be written: the ending gives the format, one of {' '.join(FORMATS)}"
             )
         reason = obstacle(path)
         if reason:
@@ -144,7 +151,7 @@ def _check_output(path: str | None) -> None:
 
 
 def _deliver(found: list[Linear], facts: dict[str, Any], options: argparse.Namespace) -> bool:
-    """Files and pictures; whether all were written under their names."""
+    """Write the file and the plot; return whether both have the names that were given."""
     from lagc.cli.deliver import kept
 
     written = True
@@ -166,12 +173,12 @@ def _deliver(found: list[Linear], facts: dict[str, Any], options: argparse.Names
         path = kept(wanted, lambda name: plot_modes(found[0], title, name), (OSError, ValueError))
         written = written and path == wanted
         if path is not None:
-            say(f"picture written to {path}", options.quiet or options.json)
+            say(f"plot written to {path}", options.quiet or options.json)
     return written
 
 
 def _picture(interface: Interface, named: str | None) -> str:
-    """The file that modes are drawn into: the one named, or one beside; none where nobody asks."""
+    """The file for the plot of the modes: the one given, or one in the current folder, or ""."""
     from lagc.host.atomic_write import fitting
 
     beside = f"{fitting(f'{interface.model}_{interface.scene}_modes')}.png"
@@ -179,7 +186,8 @@ def _picture(interface: Interface, named: str | None) -> str:
 
 
 def _content(found: list[Linear], facts: dict[str, Any], path: str) -> bytes:
-    """What a file holds: all as JSON, or arrays A B C D eigenvalues modes x, of the second A_2 and so on."""
+    """The content of the file: JSON, or arrays A B C D eigenvalues modes x, with the suffix _2 for the
+    second model."""
     if not path.lower().endswith(".npz"):
         from lagc.base.text import json_text
 

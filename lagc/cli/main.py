@@ -1,4 +1,4 @@
-"""`lagc COMMAND ...`: one file a command, loaded when it is asked for."""
+"""`lagc COMMAND ...`: one file for each command, loaded when it is used."""
 
 from __future__ import annotations
 
@@ -30,20 +30,20 @@ from lagc.diagnostics.faults import Refused
 from lagc.version import __version__
 
 COMMANDS = {
-    "check": "the faults of model files, those of each stage at once",
-    "fmt": "the one way to lay a model out",
-    "explain": "what was inferred from a model",
-    "equations": "the equations of motion, as a person would write them",
-    "sim": "compile and simulate",
-    "linearize": "equilibria and linear models",
-    "build": "generated code for other projects",
-    "new": "a model to start from; --list: those that there are",
-    "cache": "what is kept of compiled models: show, verify, clear",
+    "check": "report the errors of model files",
+    "fmt": "format model files",
+    "explain": "explain what was derived from a model",
+    "equations": "print the equations of motion",
+    "sim": "compile and simulate a model",
+    "linearize": "find equilibria and linear models",
+    "build": "write generated code for other projects",
+    "new": "write a model to start from; --list: models of the library",
+    "cache": "show, verify or clear the cache of compiled models",
 }
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run one command; the exit code (`lagc.cli.output`)."""
+    """Run one command and return the exit code (see `lagc.cli.output`)."""
     words = sys.argv[1:] if arguments is None else list(arguments)
     verbose = "-v" in words or "--verbose" in words
     begin()
@@ -61,10 +61,10 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         say("interrupted")
         return INTERRUPTED
-    except SystemExit as stop:  # argparse has said what it had to say
+    except SystemExit as stop:  # argparse has printed its message
         return code(stop.code if isinstance(stop.code, int) else USAGE)
-    except Exception as error:  # the last resort: nobody gets a traceback
-        if SIGNALS.number:  # what was being loaded makes errors of its own of an interruption
+    except Exception as error:  # no user sees a traceback
+        if SIGNALS.number:  # an interrupted import raises other errors
             say("interrupted")
             return INTERRUPTED
         return _internal_error(error, verbose)
@@ -99,7 +99,7 @@ def _dispatch(words: list[str]) -> int:
 
 
 class Help(argparse.RawDescriptionHelpFormatter):
-    """As wide as the terminal, without `shutil`, which argparse loads to ask: 4 % of a short run."""
+    """Help text as wide as the terminal, without `shutil`, whose import takes 4 % of a short run."""
 
     def __init__(self, prog: str):
         try:
@@ -110,29 +110,32 @@ class Help(argparse.RawDescriptionHelpFormatter):
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line."""
+    """An argument parser that reports an error in one line."""
 
     def print_help(self, file: object = None) -> None:
         show(self.format_help())
 
     def _get_values(self, action: argparse.Action, arg_strings: list[str]) -> object:
-        if action.option_strings and "--" in arg_strings:  # which would be taken for no argument
-            raise argparse.ArgumentError(action, "`--` is no value")
+        if action.option_strings and "--" in arg_strings:  # argparse would take it for no argument
+            raise argparse.ArgumentError(action, "`--` is not a value")
         return super()._get_values(action, arg_strings)
 
     def error(self, message: str) -> NoReturn:
-        raise Usage(f"{message}; `{self.prog} --help` says more")
+        raise Usage(f"{message}; `{self.prog} --help` lists the options")
 
 
 def _overview() -> str:
     lines = ["usage: lagc COMMAND ...", "", "From a mechanical system to its motion.", ""]
     lines += [f"  {name:10} {summary}" for name, summary in COMMANDS.items()]
-    lines += ["", "`lagc COMMAND --help` says more; `lagc --version` prints the version."]
+    lines += [
+        "",
+        "`lagc COMMAND --help` lists the options of a command; `lagc --version` prints the version.",
+    ]
     return "\n".join(lines)
 
 
 def _tell_of_the_cache() -> None:
-    """What was wrong with it; nobody needs to know, all is made again."""
+    """Print problems of the cache; they do not change any result."""
     from lagc.host import cache
 
     for note in cache.notes:

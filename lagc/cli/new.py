@@ -1,5 +1,4 @@
-"""Write a model to start from: NAME.lag, valid and formatted, with a comment where to go on; or list those
-that come with lagc, which commands take by their names."""
+"""Write a model to start from, NAME.lag, valid, formatted and commented; or list the library models."""
 
 from __future__ import annotations
 
@@ -14,17 +13,17 @@ from lagc.host import atomic_write, model_library
 
 TEMPLATE = """\
 model {name} "A mass on a massless string"
-  // What is given, with units.  `-p l=0.7` changes it without compiling again.
+  // Parameters, with units.  `-p l=0.7` changes one without compiling again.
   parameter Mass m(min = 0) = 1 [kg];
   parameter Length l(min = 0) = 0.5 [m] "string length";
 
-  // The coordinates describe every posture of the system.
+  // The coordinates describe every configuration of the system.
   coordinate Angle theta(start = 60 [deg]) "from the downward vertical";
 
-  // Where things are, as functions of the coordinates.
+  // Positions as functions of the coordinates.
   body bob = Particle(mass = m, at = l*{{sin(theta), 0, -cos(theta)}});
 
-  // An effect that the scene does not use does not exist for the compiler.
+  // The compiler leaves out an effect that the scene does not use.
   effect gravity
     Gravity field(g = 9.81 [m/s2], direction = {{0, 0, -1}});
   end gravity;
@@ -50,10 +49,10 @@ end {name};
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "name", metavar="NAME", nargs="?",
-        help="the model's name, as in `Pendulum`; a folder may stand before it",
+        help="the name of the model, such as `Pendulum`, or a path such as `models/Pendulum`",
     )  # fmt: skip
-    parser.add_argument("--list", action="store_true", help="the models of the library, and what they are")
-    parser.add_argument("--force", action="store_true", help="replace a file that is there")
+    parser.add_argument("--list", action="store_true", help="list the models of the library")
+    parser.add_argument("--force", action="store_true", help="replace an existing file")
     add_general_options(parser, json=False)
 
 
@@ -62,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
         show(_listed())
         return DONE
     if options.name is None:
-        raise Usage("NAME is missing, the model's; `lagc new --list` lists the models that there are")
+        raise Usage("NAME is missing; `lagc new --list` lists the models of the library")
     folder, base = os.path.split(options.name)
     base = base.removesuffix(".lag")
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", base):
@@ -73,7 +72,7 @@ def run(options: argparse.Namespace) -> int:
         with SIGNALS.patience():
             atomic_write.write(path, TEMPLATE.format(name=name).encode(), fresh=not options.force)
     except FileExistsError:
-        raise Usage(f"`{path}` is there already; --force replaces it") from None
+        raise Usage(f"`{path}` exists already; --force replaces it") from None
     except OSError as error:
         raise cannot_write(path, error) from None
     say(f"{path} written; `lagc sim {path}` simulates it", options.quiet)
@@ -81,7 +80,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _listed() -> str:
-    """A line a model of the library, with the description of the last that its file declares."""
+    """One line for each model of the library, with the description of the last model in its file."""
     models = model_library.library_models()
     width = max(map(len, models), default=0)
     found = []

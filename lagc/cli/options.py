@@ -1,4 +1,4 @@
-"""Options that mean the same in every command."""
+"""Options with the same meaning in every command."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ def add_general_options(parser: argparse.ArgumentParser, json: bool = True) -> N
     """`--json -q -v --no-color`."""
     if json:
         parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("-q", "--quiet", action="store_true", help="print the result only")
-    parser.add_argument("-v", "--verbose", action="store_true", help="say more")
-    parser.add_argument(
-        "--no-color", action="store_true", help="no colours (also: NO_COLOR in the environment)"
-    )
+    parser.add_argument("-q", "--quiet", action="store_true", help="print only the result")
+    parser.add_argument("-v", "--verbose", action="store_true", help="print more")
+    parser.add_argument("--no-color", action="store_true", help="print without colours (also: set NO_COLOR)")
 
 
 def add_limit_options(parser: argparse.ArgumentParser) -> None:
     """`--max-time --max-memory`."""
-    parser.add_argument("--max-time", metavar="T", help="stop after that time: 90, 10min, 2h; none: never")
-    parser.add_argument("--max-memory", metavar="SIZE", help="the memory it may take: 500M, 8G; none: any")
+    parser.add_argument("--max-time", metavar="T", help="stop after this time: 90, 10min, 2h; none: no limit")
+    parser.add_argument(
+        "--max-memory", metavar="SIZE", help="the memory that may be used: 500M, 8G; none: no limit"
+    )
 
 
 def limits_of(options: argparse.Namespace) -> Limits:
-    """The limits of a command; without these options, those of each stage and of this machine."""
+    """The limits of a command; by default those of each stage and of this machine."""
     from lagc.host.budgets import Limits, of_this_machine
 
     time = _limit(getattr(options, "max_time", None), "--max-time", seconds, "90, 10min or 2h")
@@ -49,19 +49,20 @@ def _limit(word: str | None, option: str, read: Callable[[str], float | None], l
         return None
     found = inf if word == "none" else read(word)
     if not found:
-        raise Usage(f"`{option} {word}` is not of the form {like}, nor `none`")
+        raise Usage(f"`{option} {word}` is not of the form {like}, and not `none`")
     return found
 
 
 def add_model_options(parser: argparse.ArgumentParser) -> None:
-    """FILE, and what of it is meant: `--scene --with --without --model -p`; limits."""
+    """FILE and the options that choose a scene and values: `--scene --with --without --model -p --input`;
+    limits."""
     add_limit_options(parser)
     parser.add_argument(
-        "file", metavar="FILE", help="a model file, a model of the library, or - for standard input"
+        "file", metavar="FILE", help="a model file, the name of a library model, or - for standard input"
     )
-    parser.add_argument("--scene", metavar="S", help="the scene; without it the first of the file")
+    parser.add_argument("--scene", metavar="S", help="the scene; default: the first of the file")
     parser.add_argument(
-        "--with", metavar="E", dest="with_effects", action="append", default=[], help="use effect E too"
+        "--with", metavar="E", dest="with_effects", action="append", default=[], help="add the effect E"
     )
     parser.add_argument(
         "--without",
@@ -69,9 +70,9 @@ def add_model_options(parser: argparse.ArgumentParser) -> None:
         dest="without_effects",
         action="append",
         default=[],
-        help="leave effect E out",
+        help="leave out the effect E",
     )
-    parser.add_argument("--model", metavar="M", help="which model, where a file has several")
+    parser.add_argument("--model", metavar="M", help="the model, if a file has several")
     add_parameter_option(parser)
     parser.add_argument(
         "--input",
@@ -79,7 +80,7 @@ def add_model_options(parser: argparse.ArgumentParser) -> None:
         dest="inputs",
         action="append",
         default=[],
-        help="what an input is: a number, an expression ('u=sin(time)'), a column of a file (u=drive.csv:u)",
+        help="an input: a number, an expression ('u=sin(time)') or a column of a file (u=drive.csv:u)",
     )
 
 
@@ -96,7 +97,7 @@ def add_parameter_option(parser: argparse.ArgumentParser) -> None:
 
 
 def choice_of(options: argparse.Namespace) -> Choice:
-    """What of the file is meant, by the options of `add_model_options`."""
+    """The choice that the options of `add_model_options` make."""
     from lagc.compiler.pipeline import Choice
     from lagc.simulation.request import expression
 
@@ -128,14 +129,14 @@ def add_backend_option(parser: argparse.ArgumentParser) -> None:
         "--backend",
         choices=("auto", "c", "numpy"),
         default="auto",
-        help="auto: C where a compiler is found and it pays, else NumPy",
+        help="auto: C for long runs if a compiler is found, NumPy otherwise",
     )
 
 
 def assignments(words: list[str], option: str) -> dict[str, tuple[float, str | None]]:
-    """`name=value[unit]` as {name: (value, unit)}; `unit` None where none is written.
+    """Parse words `name=value[unit]` into {name: (value, unit)}; the unit is None if it is not given.
 
-    Raises Usage where a word is not of that form, or a name comes twice.
+    Raises Usage if a word has another form, or a name occurs twice.
     """
     found: dict[str, tuple[float, str | None]] = {}
     for word in words:
@@ -151,7 +152,7 @@ def assignments(words: list[str], option: str) -> dict[str, tuple[float, str | N
 
 
 def _valued(word: str) -> tuple[float, str | None] | None:
-    """`value` or `value[unit]`; None where it is neither."""
+    """Parse `value` or `value[unit]`; None if the word has another form."""
     digits, bracket, rest = word.strip(_SPACES).partition("[")
     value = number(digits.rstrip(_SPACES))
     unit = rest[:-1] if bracket else None
@@ -161,14 +162,15 @@ def _valued(word: str) -> tuple[float, str | None] | None:
 
 
 def quantities(words: list[str], option: str) -> dict[str, float | Quantity]:
-    """`assignments` as quantities."""
+    """Parse words `name=value[unit]` into quantities."""
     from lagc.simulation.request import Quantity
 
     return {name: Quantity(value, unit) for name, (value, unit) in assignments(words, option).items()}
 
 
 def quantity(word: str | None, unit: str, option: str) -> float | None:
-    """A number with an optional unit, `20`, `20[s]`, `20 [ms]`, in SI; None stays None."""
+    """Parse a number with an optional unit, such as `20`, `20[s]` or `20 [ms]`, and return it in SI units;
+    None for None."""
     if word is None:
         return None
     found = _valued(word)

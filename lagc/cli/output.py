@@ -1,7 +1,7 @@
-"""What commands print, and where: results on standard output, everything else on standard error.
+"""Exit codes, messages and printing: results go to standard output, everything else to standard error.
 
-All that is printed goes through here.  It never steers a terminal, whatever a model is called, and it
-never fails: what standard output did not take is remembered, and told at the end by `code`.
+All output passes through this file.  It contains no control characters, and printing never fails: an error
+of standard output is remembered and reported at the end by `code`.
 """
 
 from __future__ import annotations
@@ -27,14 +27,17 @@ INTERNAL = 70  # an error of lagc itself (EX_SOFTWARE of sysexits.h)
 UNWRITTEN = 74  # a file or standard output could not be written (EX_IOERR)
 INTERRUPTED = 130  # by Ctrl-C; 128 + its number by another signal
 
-# What the user can see before: there is no such folder, it is a file, it may not be written.
+# Errors of the path itself: the folder does not exist, the path is a folder, it is not writable.
 _WRONG_PATH = {errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.EACCES, errno.EPERM,
                errno.EROFS, errno.ENAMETOOLONG, errno.ELOOP, errno.EINVAL}  # fmt: skip
 
 
 def code_of(faults: Iterable[Fault]) -> int:
-    """LIMITED where a limit was reached; REFUSED where a fault is the model's: it has a place in its text, or
-    is one of its mechanics, its generated code, or its start.  Else what was asked for is wrong: USAGE."""
+    """The exit code for faults: LIMITED for a limit, REFUSED for a fault of the model, USAGE for a wrong
+    request.
+
+    A fault is the model's if it has a place in its text, or concerns its mechanics, code or initial state.
+    """
     faults = tuple(faults)
     if any(f.code.startswith("LAG08") for f in faults):
         return LIMITED
@@ -47,24 +50,24 @@ def _of_model(fault: Fault) -> bool:
 
 
 class Usage(Exception):
-    """The command line is wrong; the message says how."""
+    """The command line is wrong; the message tells how."""
 
 
 class Unwritten(Exception):
-    """A file could not be written, though it was asked for rightly; the message says which."""
+    """A file could not be written although the request is valid; the message tells which."""
 
 
 def cannot_write(path: str, error: OSError) -> Usage | Unwritten:
-    """What is wrong where `path` cannot be written: the path, or the disk."""
+    """The error for a `path` that cannot be written: wrong path (Usage) or full disk (Unwritten)."""
     message = f"`{path}` cannot be written: {error.strerror or error}"
     return Usage(message) if error.errno in _WRONG_PATH else Unwritten(message)
 
 
-_lost: list[str] = []  # why standard output took no more, where that is a fault
+_lost: list[str] = []  # why standard output cannot be written, if it is an error
 
 
 def begin() -> None:
-    """Take care that no file is opened where a standard stream was closed."""
+    """Open the null device for closed standard streams, so that no other file takes their numbers."""
     _lost.clear()
     for number in range(3):
         try:
@@ -75,8 +78,10 @@ def begin() -> None:
 
 
 def code(done: int) -> int:
-    """The exit code of a command that ended with `done`: where all went well but standard output could
-    not be written, that is said.  A reader that went away, as in `lagc ... | head`, has all it wanted."""
+    """The exit code of a command that ended with `done`; reports an error of standard output.
+
+    A reader that closed the pipe, as in `lagc ... | head`, is no error.
+    """
     if not _lost:
         return done
     say(f"lagc: standard output cannot be written: {_lost[0]}")
@@ -84,7 +89,7 @@ def code(done: int) -> int:
 
 
 def show(text: str, exact: bool = False) -> None:
-    """Print a result.  `exact`: every character as it is, unless a terminal shows it."""
+    """Print a result.  `exact`: without replacing characters, unless it goes to a terminal."""
     on_terminal = sys.stdout is not None and sys.stdout.isatty()
     _put(text if exact and not on_terminal else printable(text))
 
@@ -106,13 +111,13 @@ def _put(text: str) -> None:
 
 
 def say(message: str, quiet: bool = False) -> None:
-    """A line about what is done, on standard error."""
+    """Print a line about progress on standard error."""
     if not quiet:
         draw(one_line(message) + "\n")
 
 
 def draw(text: str) -> None:
-    """`text` as it is on standard error, where there is one: whom it does not reach is not there."""
+    """Write `text` to standard error as it is; errors are ignored."""
     stream = sys.stderr
     if stream is not None:
         try:
@@ -122,8 +127,7 @@ def draw(text: str) -> None:
 
 
 def use_color(stream: TextIO | None, wanted: bool | None = None) -> bool:
-    """Whether to colour what goes to `stream`: on a terminal, unless NO_COLOR is set or
-    `wanted` says otherwise."""
+    """Whether to colour the text for `stream`: on a terminal, unless NO_COLOR is set or `wanted` decides."""
     if wanted is not None or stream is None:
         return bool(wanted)
     return not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb" and stream.isatty()
@@ -132,7 +136,7 @@ def use_color(stream: TextIO | None, wanted: bool | None = None) -> bool:
 def print_faults(
     faults: Iterable[Fault], color: bool | None = None, result: bool = False, more: str = ""
 ) -> None:
-    """On standard error or, where they are the `result`, on standard output."""
+    """Print faults on standard error, or on standard output if they are the `result`."""
     from lagc.diagnostics.report import report
 
     text = report(list(faults), use_color(sys.stdout if result else sys.stderr, color), more) + "\n"
@@ -148,13 +152,13 @@ def print_json(value: object) -> None:
 def _write(stream: TextIO, text: str) -> None:
     try:
         stream.write(text)
-    except UnicodeEncodeError:  # the terminal has no such letters
+    except UnicodeEncodeError:  # the encoding lacks these characters
         stream.write(text.encode(stream.encoding, "backslashreplace").decode(stream.encoding))
     stream.flush()
 
 
 def _silence(stream: TextIO) -> None:
-    """What is left in its buffer goes nowhere: it would fail again when the process ends."""
+    """Redirect a broken stream to the null device, so that it does not fail again at exit."""
     with suppress(OSError, ValueError):
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, stream.fileno())
@@ -162,15 +166,15 @@ def _silence(stream: TextIO) -> None:
 
 
 PATIENCE = 1.0  # s before the bar appears
-REDRAW = 0.1  # s between two drawings
+REDRAW = 0.1  # s between two updates
 WIDTH = 30
 
 
 class Bar:
-    """Called with the time reached.  A run may begin again from 0: the bar follows.
+    """A progress bar on a terminal, for runs longer than a second; called with the time reached.
 
-    A signal waits for the next call, so that the run ends with all that it computed; the second one
-    does not wait, nor one that comes where nothing was computed yet.
+    A signal waits for the next call, so that the run ends with all its results.  A second signal, or one
+    before the first step, does not wait.
     """
 
     def __init__(self, stop: float, quiet: bool = False):

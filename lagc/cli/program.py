@@ -1,4 +1,4 @@
-"""The program `lagc`.  Nothing else is loaded before it knows how it may be ended."""
+"""The program `lagc`.  It handles signals before it loads anything else."""
 
 from __future__ import annotations
 
@@ -7,12 +7,15 @@ import os
 
 from lagc.cli.signals import SIGNALS
 
-YOUNG = 50_000  # objects before circles are looked for; with Python's 700 that is 2 % of a short run
-ALONE = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")  # matrices are small: threads only wait for each other
+YOUNG = 50_000  # new objects before garbage collection; with Python's 700 it takes 2 % of a short run
+ALONE = (
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+)  # one thread for linear algebra, because the matrices are small
 
 
 def program() -> int:
-    """Run the command line; the exit code."""
+    """Run the command line and return the exit code."""
     code = 0
     gc.set_threshold(YOUNG)
     for name in ALONE:
@@ -22,7 +25,7 @@ def program() -> int:
             from lagc.cli.main import main
 
             code = main()
-    except KeyboardInterrupt:  # one more, before the end began
+    except KeyboardInterrupt:  # a second signal
         SIGNALS.over = True
-    gc.freeze()  # what ends with the process is not looked through once more: 5 % of a short run
+    gc.freeze()  # no garbage collection at exit: 5 % of a short run
     return SIGNALS.code or code

@@ -1,14 +1,13 @@
-"""What ends the program from outside: Ctrl-C, SIGTERM and SIGHUP, which all mean the same.
+"""Signals that end the program: Ctrl-C, SIGTERM and SIGHUP, with the same effect.
 
-A signal raises KeyboardInterrupt, wherever the program is.  While there is something to be kept, the
-first one is only noted, and the second one does not wait.  One that was ignored when the program began,
-as `nohup` has it, stays ignored.  One that comes while the interpreter calls what may raise nothing, as for
-objects that go, comes again.
+A signal raises KeyboardInterrupt.  While there are results to keep, the first signal is only noted; the
+second does not wait.  A signal that was ignored when the program began, as under `nohup`, stays ignored.  A
+signal that arrives while an exception would be lost, as in a finalizer, is sent again.
 """
 
 from __future__ import annotations
 
-import _signal as signal  # type: ignore[import-not-found]  # `signal` makes enumerations: 2 % of a short run
+import _signal as signal  # type: ignore[import-not-found]  # the module `signal` takes 2 % of a short run
 import sys
 from _thread import get_ident, interrupt_main, start_new_thread
 from collections.abc import Iterator
@@ -17,11 +16,14 @@ from time import sleep
 from types import FrameType, TracebackType
 
 ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
-SOON = 0.01  # s: what could raise nothing is over
+SOON = 0.01  # s until a lost signal is sent again
 
 
 class Signals:
-    """`number` is that of the first signal that came, else 0; `noted` whether one waits for an answer."""
+    """The state of signal handling.
+
+    `number` is the first signal received, or 0; `noted` tells whether a signal waits.
+    """
 
     def __init__(self) -> None:
         self.number = 0
@@ -29,7 +31,7 @@ class Signals:
 
     @property
     def code(self) -> int:
-        """The exit code, by the convention of shells; 0 where nothing came."""
+        """The exit code by the convention of shells; 0 without a signal."""
         return 128 + self.number if self.number else 0
 
     def __enter__(self) -> Signals:
@@ -42,7 +44,7 @@ class Signals:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> bool:
-        """From here on the process ends, and nothing disturbs it."""
+        """End signal handling: later signals are ignored."""
         self.over = True
         for each in ENDING:
             signal.signal(each, signal.SIG_IGN)
@@ -64,15 +66,14 @@ class Signals:
 
     def _again(self, thread: int) -> None:
         sleep(SOON)
-        if hasattr(signal, "pthread_kill"):  # it ends a call of the system too
+        if hasattr(signal, "pthread_kill"):  # it also interrupts a system call
             signal.pthread_kill(thread, self.number)
         else:
             interrupt_main(self.number)  # type: ignore[arg-type]
 
     @contextmanager
     def patience(self, wanted: bool = True) -> Iterator[None]:
-        """What is done inside is finished, though a signal comes; where it is not `wanted`, also inside of
-        such a block, the first one ends it."""
+        """Finish the block even if a signal arrives; if not `wanted`, the first signal ends it."""
         before = self.patient
         self.patient, self.noted = wanted, False
         try:

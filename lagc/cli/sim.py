@@ -1,7 +1,7 @@
 """Compile a model and simulate it.
 
-The accuracy asked is that of the whole motion: method and tolerance are chosen, and the error
-is estimated by comparing runs.  `--method` with `--rtol`, `--atol` or `--step` steers by hand.
+`--accuracy` is the accuracy of the whole motion: lagc chooses method and tolerance, and estimates the error
+by comparing runs.  `--method`, `--rtol`, `--atol` and `--step` choose them by hand.
 """
 
 from __future__ import annotations
@@ -38,42 +38,52 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         dest="starts",
         action="append",
         default=[],
-        help="the start value of a coordinate or speed, e.g. --start 'theta=30[deg]'",
+        help="the initial value of a coordinate or speed, e.g. --start 'theta=30[deg]'",
     )
-    parser.add_argument("--stop", metavar="T", help="how long, in s or with a unit: 20, '5[min]'")
+    parser.add_argument(
+        "--stop",
+        metavar="T",
+        help="the end time in s or with a unit: 20, '5[min]'; default: that of the scene, or 10 s",
+    )
     parser.add_argument(
         "--until",
         metavar="CONDITION",
         action="append",
-        help="end where this becomes true, e.g. 'x > 3 [m]', if it does",
+        help="end when this becomes true, e.g. 'x > 3 [m]'",
     )
-    parser.add_argument("--accuracy", metavar="A", help="the global relative error asked for; default 1e-6")
+    parser.add_argument("--accuracy", metavar="A", help="the global relative error; default: 1e-6")
     parser.add_argument("--method", choices=METHODS, help="by hand: the integration method")
-    parser.add_argument("--rtol", metavar="R", help="by hand: relative tolerance of a step")
+    parser.add_argument("--rtol", metavar="R", help="by hand: the relative tolerance of a step")
     parser.add_argument(
-        "--atol", metavar="A", help="by hand: absolute tolerance of a step, added for every state; default: 0"
+        "--atol", metavar="A", help="by hand: the absolute tolerance of a step, for every state; default: 0"
     )
-    parser.add_argument("--step", metavar="DT", help="by hand: a fixed step instead of tolerances")
-    parser.add_argument("--max-step", metavar="DT", help="the longest step; default: what the accuracy takes")
+    parser.add_argument("--step", metavar="DT", help="by hand: a fixed step size in s, instead of tolerances")
     parser.add_argument(
-        "--every", metavar="DT", help="record a point every DT (dense output, never the step)"
+        "--max-step", metavar="DT", help="the longest step in s; default: chosen for the accuracy"
     )
-    parser.add_argument("--points", metavar="N", help="record N points; default 501")
+    parser.add_argument(
+        "--every", metavar="DT", help="record a point every DT (by dense output; the steps do not change)"
+    )
+    parser.add_argument("--points", metavar="N", help="record N points; default: 501")
     parser.add_argument(
         "--sensitivity",
         metavar="NAMES",
         action="append",
         default=[],
-        help="what the motion changes by with these: parameters and starts, e.g. 'l,m,start(theta)'",
+        help="derivatives of the motion by parameters and initial values, e.g. 'l,m,start(theta)'",
     )
-    parser.add_argument("-o", "--output", metavar="FILE", help="write what was recorded: .csv .npz .parquet")
-    parser.add_argument("--units", action="store_true", help="units in the header of a .csv: theta [rad]")
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", help="write the recorded points: .csv, .npz or .parquet"
+    )
+    parser.add_argument(
+        "--units", action="store_true", help="add units to the header of a .csv file: theta [rad]"
+    )
     parser.add_argument(
         "--plot",
         metavar="FILE",
         nargs="?",
         const="",
-        help="draw the motion, into FILE (.png .svg .pdf), or on the screen",
+        help="draw the motion into FILE (.png, .svg, .pdf), or on the screen",
     )
     add_backend_option(parser)
     add_general_options(parser)
@@ -93,9 +103,9 @@ def run(options: argparse.Namespace) -> int:
     request = request_of(options)
     until = options.until or [None]
     if len(until) > 1:
-        raise Usage(f"`--until` is given twice: one condition, such as '{' or '.join(until)}'")
+        raise Usage(f"`--until` is given twice: combine the conditions, as in '{' or '.join(until)}'")
     if until[0] is not None and not until[0].strip():
-        raise Usage("`--until` is given no condition, such as 'x > 3[m]'")
+        raise Usage("`--until` needs a condition, such as 'x > 3[m]'")
     given = quantities(options.starts, "--start")
     choice = replace(choice_of(options), until=until[0])
     source = model_library.read(options.file)
@@ -106,7 +116,7 @@ def run(options: argparse.Namespace) -> int:
 
     compilation = Compilation(source, choice, look=look)
     model = CompiledModel(compilation, options.backend)
-    complete = request.completed(model.interface.simulate)  # not looked at where it comes from the cache
+    complete = request.completed(model.interface.simulate)
     check_memory(complete, model.interface.nx, most)
     written = targets(options.output) if options.output else ()
     spare(compilation, *written, picture_of(model.interface, options.plot))
@@ -127,7 +137,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def check_files(options: argparse.Namespace) -> None:
-    """Before anything is computed for them."""
+    """Raise Usage if the output files cannot be written; called before the computation."""
     if options.output is not None:
         from lagc.simulation.formats import CannotSave, check_path
 
@@ -139,12 +149,12 @@ def check_files(options: argparse.Namespace) -> None:
 
 
 def check_picture(options: argparse.Namespace) -> None:
-    """Whether what `--plot` asks for can be drawn."""
+    """Raise Usage if the plot of `--plot` cannot be drawn."""
     if options.plot is not None:
         from importlib.util import find_spec
 
         if find_spec("matplotlib") is None:
-            raise Usage("a picture needs matplotlib: pip install matplotlib")
+            raise Usage("a plot needs matplotlib: pip install matplotlib")
     if options.plot:
         from lagc.host.atomic_write import obstacle
         from lagc.reports.plots.plot import check_ending
@@ -159,7 +169,7 @@ def check_picture(options: argparse.Namespace) -> None:
 
 
 def request_of(options: argparse.Namespace) -> Request:
-    """What is asked for, less the start values; raises Usage where a word is no number."""
+    """The request without initial values.  Raises Usage if a word is not a number."""
     from lagc.simulation.request import Request
 
     return Request(
@@ -177,7 +187,7 @@ def request_of(options: argparse.Namespace) -> Request:
 
 
 def _split(names: str) -> list[str]:
-    """At commas that are in no index: `l, a[1,2]`."""
+    """Split at commas outside of an index: `l, a[1,2]`."""
     found, depth = [""], 0
     for letter in names:
         depth += (letter == "[") - (letter == "]")

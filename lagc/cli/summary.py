@@ -1,4 +1,4 @@
-"""A run in a dozen lines: where it ended, how good that is, and what it cost."""
+"""The summary of a run in about a dozen lines: the end, the accuracy and the cost."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ from math import pi
 from lagc.simulation.solution import Solution
 
 MOST = 12  # final values that are shown without --verbose
-MOST_EVENTS = 4  # the same of events
-TOLD = 0.1  # of the time of a run, and in s: a search for the start that is worth a word
+MOST_EVENTS = 4  # events that are shown without --verbose
+TOLD = 0.1  # of the run time, and in s: a longer initialization is reported
 
 
 def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: bool = False) -> str:
+    """The lines for a run; `quiet` gives only the final values, `scene_chosen` tells that the scene is the
+    default."""
     if quiet:
         return "\n".join(_final(run, verbose))
     interface = run.system.interface
@@ -27,7 +29,7 @@ def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: boo
     lines.append(f"  {'ended':9} {run.message}")
     final = _final(run, verbose)
     if run.status == "failed" and run.times and run.times[-1] < run.end:
-        final.insert(0, f"recorded last, at t = {run.times[-1]:.9g} s")
+        final.insert(0, f"last recorded state, at t = {run.times[-1]:.9g} s")
     lines += [f"  {'final' if k == 0 else '':9} {line}" for k, line in enumerate(final)]
     lines += [f"  {'events' if k == 0 else '':9} {line}" for k, line in enumerate(_events(run, verbose))]
     lines.append(f"  {'accuracy':9} {_accuracy(run)}")
@@ -55,7 +57,7 @@ def _final(run: Solution, verbose: bool) -> list[str]:
 
 
 def _shown(run: Solution, names: list[str]) -> list[str]:
-    """The first of `names`, but outputs rather than states: somebody asked for them."""
+    """The first of `names`, outputs before states."""
     asked = {output.name for output in run.system.interface.outputs}
     chosen = set(sorted(names, key=lambda name: name not in asked)[:MOST])
     return [name for name in names if name in chosen]
@@ -70,8 +72,8 @@ def _events(run: Solution, verbose: bool) -> list[str]:
 
 
 def value_text(value: float, unit: str) -> str:
-    """A value with its unit, and in degrees too where it is an angle."""
-    value += 0.0  # no negative zero
+    """A value with its unit, also in degrees for an angle."""
+    value += 0.0  # avoids negative zero
     text = f"{value:.9g}" + (f" {unit}" if unit else "")
     if unit in ("rad", "rad/s"):
         text += f"  ({value * 180.0 / pi:.6g} {unit.replace('rad', 'deg')})"
@@ -80,7 +82,7 @@ def value_text(value: float, unit: str) -> str:
 
 def _accuracy(run: Solution) -> str:
     if run.asked is None:
-        return "not verified: the run was steered by hand"
+        return "not verified: method or tolerances were given"
     if run.estimated is None or run.estimated == float("inf"):
         return f"asked {run.asked:.0e}, not verified"
     return f"asked {run.asked:.1e}, estimated {run.estimated:.1e} (global, relative)"
@@ -105,7 +107,7 @@ def _cost(run: Solution) -> str:
     c = run.cost
     several = f" in {c.integrations} integrations" if c.integrations > 1 else ""
     search = c.start_s >= max(TOLD * c.run_s, TOLD)
-    start = f", {seconds(c.start_s)} of it to find the start" if search else ""
+    start = f", {seconds(c.start_s)} of it for the initialization" if search else ""
     return (f"{c.steps} steps ({c.rejected} rejected), {c.rhs} right-hand sides of {c.operations} operations"
             f"{several}; compile {seconds(c.compile_s)}, run {seconds(c.run_s)}{start}")  # fmt: skip
 

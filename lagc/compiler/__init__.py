@@ -1,1 +1,1 @@
-"""The pipeline of stages, from a model file to a compiled artifact."""
+"""The compiler as a whole: the stages in order, checks of all scenes, and the cache of compiled models."""

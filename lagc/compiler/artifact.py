@@ -1,8 +1,7 @@
-"""What is kept of a compiled model: its interface and its generated text, as plain data.
+"""A compiled model in the cache: its interface and generated text, as plain data.
 
-Kept in the user's cache under the hash of all that it depends on.  Two entries a model: a
-*head*, found by the text and the choice alone, says which files were imported and which
-parameters are built in; with these known, the *artifact* itself is found.
+Each model has two entries.  The *head*, found by the text and the choice alone, tells which files were
+imported and which parameters are built in.  The *artifact* is found by these.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from lagc.host.model_library import LARGEST_DATA, Unreadable, content, fingerpri
 from lagc.lowering.program import Clause, Field, Interface
 from lagc.version import __version__
 
-# Of an interface, what is made of which records.
+# The fields of an interface that hold records, and their types.
 FIELDS: dict[str, type] = {
     "parameters": Field, "inputs": Field, "outputs": Field, "limits": Field, "whens": Clause,
 }  # fmt: skip
@@ -27,14 +26,14 @@ FIELDS: dict[str, type] = {
 
 @dataclass(frozen=True)
 class Head:
-    """What must be known of a model before its artifact can be found."""
+    """Imports and structural parameters of a model: its artifact's key is computed from them."""
 
-    imports: tuple[tuple[str, str | None], ...]  # path, fingerprint of each file; None where there was none
+    imports: tuple[tuple[str, str | None], ...]  # path and fingerprint; None if there was no file
     structural: tuple[str, ...]  # parameters that are built into the generated code
 
     @property
     def paths(self) -> list[str]:
-        """The files that there were."""
+        """The imported files that existed."""
         return [path for path, found in self.imports if found is not None]
 
     @property
@@ -44,8 +43,11 @@ class Head:
 
 @dataclass(frozen=True)
 class Artifact:
-    """A compiled model.  `unused` are the parameters that reach nothing, which may be given, to no
-    effect; and those that are `built_in`.  `code` is the compiled text of a Python target."""
+    """A compiled model.
+
+    `unused` are the parameters that have no effect but may be given, and those that are `built_in`.  `code`
+    is the compiled text of a Python module.
+    """
 
     interface: Interface
     sources: Mapping[str, str]
@@ -54,11 +56,11 @@ class Artifact:
 
     @property
     def built_in(self) -> tuple[str, ...]:
-        """The parameters whose values are a part of the code: no run can change them."""
+        """The parameters whose values are part of the code: a run cannot change them."""
         return tuple([f.name for f in self.unused if f.value is None and not f.place])
 
     def __getstate__(self) -> dict[str, object]:
-        """Without `code`, which belongs to one version of Python: it can be made from the text."""
+        """The state without `code`, which belongs to one version of Python and can be compiled again."""
         return {**vars(self), "code": ()}
 
 
@@ -99,7 +101,7 @@ def _artifact(body: bytes) -> Artifact:
 
 
 def version_key() -> str:
-    """What an artifact depends on besides the model: the tool and the Python that compiled it."""
+    """The versions of lagc and Python that an artifact depends on."""
     return f"lagc {__version__} {cache.PYTHON} {tool_fingerprint()}"
 
 

@@ -1,6 +1,6 @@
-"""`check`: what a run would meet, of every model, scene and effect of a source.
+"""Check every model, scene and effect of a source for the errors that a run would report.
 
-The faults of a stage come all at once; what a later one would make of a text that is at fault is not known.
+A stage reports all its errors at once.  Later stages are not checked for a text with errors.
 """
 
 from __future__ import annotations
@@ -19,27 +19,30 @@ if TYPE_CHECKING:
     from lagc.syntax.tree import Tree
 
 
-STAGES = ("syntax", "names and dimensions", "equations", "starts")
+STAGES = ("syntax", "names and dimensions", "equations", "initial conditions")
 
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """`unseen`: the stages that were not reached everywhere, as one before has found faults."""
+    """The faults, and the stages that were not reached everywhere because an earlier one had errors
+    (`unseen`)."""
 
     faults: list[Fault]
     unseen: tuple[str, ...]
 
 
 def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[Fault]:
-    """The faults of `source`, as far as one can see them."""
+    """Return the faults of `source`."""
     return look(source, choice, roots).faults
 
 
 def look(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Checked:
-    """Every fault of the syntax of `source` or, where that is sound, of each of its models and
-    scenes (of those named in `choice`), of their starts, and of the effects that no scene uses.  The
-    parameters of `choice` are given to those that have them."""
-    reached = [len(STAGES)]  # stages, by each model and scene
+    """Check the syntax of `source` and, if it has no errors, each of its models and scenes, and unused
+    effects.
+
+    `choice` may name one model or scene.  Its parameter values are given to the models that have them.
+    """
+    reached = [len(STAGES)]  # number of stages, for each model and scene
     return Checked(_look(source, choice, roots, reached), STAGES[min(reached) :])
 
 
@@ -67,11 +70,11 @@ def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[
             with_effects=(*choice.with_effects, *v.with_effects),
             without_effects=(*choice.without_effects, *v.without_effects),
         )
-        # The first look at a model tells what is wrong between its scenes.
+        # The first check of a model covers what its scenes share.
         file = scenes.only(v.scene) if v.scene and v.model in models else tree
         models.add(v.model)
         found = _faults(file, each, roots, known, reached)
-        if found and v.alone:  # an effect that no scene uses: what is wrong both with the others and without
+        if found and v.alone:  # an effect that no scene uses: errors with and without the other effects
             alone = replace(each, without_effects=(*each.without_effects, *v.alone))
             without = _faults(file, alone, roots, known, reached)
             found = {key: fault for key, fault in found.items() if key in without}
@@ -83,8 +86,11 @@ def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[
 def _faults(
     tree: Tree, choice: Choice, roots: tuple[str, ...], known: set[str], reached: list[int]
 ) -> dict[tuple[object, ...], Fault]:
-    """The faults of one choice, by code and place, and the warnings where there are none; the names of its
-    parameters and inputs go to `known`, how many stages were reached to `reached`."""
+    """The faults of one choice by code and place, or the warnings if there are no errors.
+
+    Adds the names of its parameters and inputs to `known`, and the number of stages that it reached to
+    `reached`.
+    """
     faults: Sequence[Fault]
     stages = 2
     try:
@@ -106,8 +112,11 @@ def _faults(
 
 
 def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> list[Fault]:
-    """Warnings: the start cannot be tried because a parameter has no value, or not to its end in the time of
-    a stage; an output has no value at the start.  Raises Refused where a run would before its first step."""
+    """Try the initial state, and return warnings.
+
+    A warning tells that a parameter has no value, that the check took too long, or that an output has no
+    finite value.  Raises Refused if a run would fail before its first step.
+    """
     from lagc.simulation.initialization.dry_run import NoStart, try_start
     from lagc.simulation.initialization.source_spans import placed
     from lagc.simulation.request import bound_parameters
@@ -121,28 +130,29 @@ def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> li
     missing = {f.name for f, value in zip(fields, values) if value != value}
     for p in model.parameters:
         if p.name in missing:
-            return [Fault("LAG0603", f"parameter `{p.name}` has no value: the start was not tried", p.span,
+            message = f"parameter `{p.name}` has no value: the initial state was not checked"
+            return [Fault("LAG0603", message, p.span,
                           remedy=f"give it one: -p {p.name}=...", severity="warning")]  # fmt: skip
     try:
-        with stage("trying the start", PER_OPERATION * interface.operations):
+        with stage("checking the initial state", PER_OPERATION * interface.operations):
             strange = try_start(program, values)
     except NoStart as found:
         raise placed(equations, found) from None
     except Exhausted:
         if not go_on():
             raise
-        return [Fault("LAG0805", "the start was not tried to its end, which takes longer than a stage may",
-                      remedy="`lagc sim` tries it as long as it takes, `lagc check --max-time 1h` as long as "
-                      "that", severity="warning")]  # fmt: skip
+        return [Fault("LAG0805", "the initial state was not checked completely, because that takes too long",
+                      remedy="`lagc sim` has no such limit; `lagc check --max-time 1h` sets another",
+                      severity="warning")]  # fmt: skip
     return [
-        Fault("LAG0616", f"output `{o.name}` has no finite value at the start", o.span, severity="warning")
+        Fault("LAG0616", f"output `{o.name}` has no finite initial value", o.span, severity="warning")
         for o in model.outputs
         if o.name in strange
     ]
 
 
 def _unknown(choice: Choice, known: set[str]) -> list[Fault]:
-    """Given parameters that nothing has; silent where nothing could be resolved."""
+    """Faults for given parameters that no model has, if a model could be resolved."""
     from lagc.simulation.request import unknown
 
     names = [name for name in choice.parameters if known and name not in known]

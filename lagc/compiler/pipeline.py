@@ -1,9 +1,9 @@
-"""The stages in one place: from a text to something that runs.
+"""The stages of the compiler in one place: from a text to something that runs.
 
     parse -> resolve -> derive -> optimize -> render -> load
 
-Each stage takes the noun that the one before returns; a stage is imported when it is needed,
-so that a run of a model that is in the cache loads none of the first four.
+Each stage takes the result of the one before.  A stage is imported when it is needed, so that a run of a
+cached model loads none of the first four.
 """
 
 from __future__ import annotations
@@ -42,16 +42,18 @@ if TYPE_CHECKING:
     from lagc.syntax.tree import Tree
 
 
-PER_CHARACTER = 1e-3  # s that a stage may take longer for each character of the model
-PER_PAIR = 0.05  # for each pair of coordinates, or constraints
-PER_OPERATION = 1e-3  # of the right-hand side
+PER_CHARACTER = 1e-3  # s of additional time limit of a stage for each character of the model
+PER_PAIR = 0.05  # s for each pair of coordinates or constraints
+PER_OPERATION = 1e-3  # s for each operation of the right-hand side
 
 
 @dataclass(frozen=True)
 class Choice:
-    """What of a file is meant: the model, its scene and effects, and given values of parameters:
-    the structural ones among them are built in, the others stay symbols; `inputs` that are more than numbers
-    are built in, and so is the condition `until` whose coming true ends a run."""
+    """A model of a file, with its scene, effects and values.
+
+    Values of structural parameters become part of the code, as do `inputs` that are not numbers and the
+    condition `until` that ends a run.  Other parameters stay symbols.
+    """
 
     model: str | None = None
     scene: str | None = None
@@ -63,10 +65,10 @@ class Choice:
 
 
 class _Uncollected(ContextDecorator):
-    """Without looking for garbage: stages make a great many objects that all stay.
+    """A block without garbage collection, because stages create many objects that all stay.
 
-    Collecting is one switch for all threads: the first that comes turns it off, the last that
-    leaves turns it on again, where it was on.
+    Collection is one switch for all threads: the first thread that enters turns it off, and the last one
+    that leaves restores it.
     """
 
     def __init__(self) -> None:
@@ -101,8 +103,11 @@ def parse(source: Source) -> Tree:
 
 @_uncollected
 def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
-    """The model that is meant.  Of `choice.parameters`, it holds the values of those that are
-    built in only: the others are given to each run."""
+    """Return the model that `choice` selects.
+
+    Of `choice.parameters`, it contains only the values of structural ones; the others are given to each
+    run.
+    """
     from lagc.semantics.resolve import resolve as run
 
     def resolved(values: Mapping[str, float]) -> Model:
@@ -126,9 +131,9 @@ def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
         except Refused:
             if not given:
                 raise
-            model = resolved(given)  # a structural one without a value of its own
+            model = resolved(given)  # a structural parameter has no value in the model
             values = given
-        # What is built in where it is not given counts, whatever it is where it is given.
+        # A parameter counts as built in if it is so without the given values.
         built_in = dict.fromkeys(model.built_in)
         while (wanted := {name: given[name] for name in given if name in built_in}) != values:
             values, model = wanted, resolved(wanted)
@@ -137,7 +142,7 @@ def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
 
 
 def _in_si(name: str, given: float | Quantity) -> float:
-    """The number in SI; what its unit measures is checked where the parameter's own is known."""
+    """The number in SI units; its dimension is checked where the parameter's unit is known."""
     if not isinstance(given, Quantity):
         return float(given)
     if given.unit is None:
@@ -170,7 +175,7 @@ def optimize(equations: EquationsOfMotion, work: bool, differentiate: bool = Fal
 
 @_uncollected
 def render(program: Program, target: str, complete: bool = True, real: str = "double") -> dict[str, str]:
-    """File name -> text; `complete` for whoever has no lagc."""
+    """Return the generated files as {name: text}.  `complete`: usable without lagc."""
     with stage("writing the code", PER_OPERATION * program.interface.operations):
         if target == "c":
             from lagc.codegen.c.emit import render as render_c
@@ -183,9 +188,11 @@ def render(program: Program, target: str, complete: bool = True, real: str = "do
 
 
 class Compilation:
-    """One choice of one source, compiled as far as it is asked for; each stage at most once, whatever
-    the number of threads.  It pickles as its source and choice, and what was `read` of other files.
-    `look` sees the model before anything is derived of it, and may refuse it."""
+    """One choice of one source, compiled as far as needed.
+
+    Each stage runs at most once, for any number of threads.  Pickles as source and choice, with what was
+    `read` of other files.  `look` is called with the resolved model and may refuse it.
+    """
 
     differentiates = False  # whether the program has derivatives
 
@@ -201,11 +208,11 @@ class Compilation:
 
     @property
     def is_current(self) -> bool:
-        """Whether the files that it was made of are as they were."""
+        """Whether the files that it was compiled from are unchanged."""
         return self.read is not None and self.read.is_current
 
     def agree(self, read: Head) -> None:
-        """All that is made of it is made of the same files.  Raises Refused where one has changed."""
+        """Record the imported files.  Raises Refused if one has changed since an earlier stage."""
         before, now = dict((self.read or read).imports), dict(read.imports)
         changed = [path for path in {**before, **now} if before.get(path) != now.get(path)]
         if changed:
@@ -226,16 +233,16 @@ class Compilation:
 
     @once
     def program(self) -> Program:
-        """For a run: the work of the given actions is integrated too."""
+        """The program for a run, which also integrates the work of non-conservative forces."""
         return optimize(self.equations, work=not self.differentiates, differentiate=self.differentiates)
 
     @once
     def differentiated(self) -> Compilation:
-        """The same with derivatives, for evaluations."""
+        """The same choice with derivatives, for evaluations."""
         return _Differentiated(self)
 
     def artifact(self, target: str) -> Artifact:
-        """What runs, from the cache or compiled now (and then kept there)."""
+        """The compiled model for `target`, from the cache, or compiled now and stored."""
         with self.lock:
             return self.cached_artifact(target) or self._compiled(target)
 
@@ -264,7 +271,7 @@ class Compilation:
         what = (target, "derivatives") if self.differentiates else (target,)
         return cache.key(self._head_name, *what, *values, *(found or "" for _, found in head.imports))
 
-    @_uncollected  # once for all stages
+    @_uncollected
     def _compiled(self, target: str) -> Artifact:
         program = self.program
         sources = render(program, target, complete=False)
@@ -281,7 +288,7 @@ class Compilation:
 
 
 class _Differentiated(Compilation):
-    """Of the same equations, which are derived once."""
+    """A compilation with derivatives that shares its equations with another one."""
 
     differentiates = True
 
@@ -309,7 +316,7 @@ class _Differentiated(Compilation):
 
 
 def _said(given: Source | Points) -> str:
-    """What stands for an input in the name of an entry."""
+    """The text that stands for an input in a cache key."""
     if isinstance(given, Source):
         return repr((folder_of(given.name), given.text))
     return repr([list(map(float, column)) for column in given[:2]]) + given[2]
@@ -323,7 +330,7 @@ def _code(sources: Mapping[str, str]) -> tuple[CodeType, ...]:
 
 
 def equations(source: Source, choice: Choice) -> EquationsOfMotion:
-    """Those that people look at.  Raises Refused where a given value is none that a run would take."""
+    """The equations of motion for display.  Raises Refused if a given value is invalid for a run."""
     from lagc.lowering.interface import input_field
     from lagc.simulation.request import given_values
 
@@ -338,11 +345,12 @@ def equations(source: Source, choice: Choice) -> EquationsOfMotion:
 def program(
     source: Source, choice: Choice, roots: tuple[str, ...] = (), differentiate: bool = False
 ) -> Program:
-    """The program of the generated code that goes to others; the given values are its defaults."""
+    """The program for generated code; the given values are its defaults."""
     return delivered(Compilation(source, choice, roots), differentiate)
 
 
 def delivered(compilation: Compilation, differentiate: bool) -> Program:
+    """The program of a compilation for generated code; the given values are its defaults."""
     from lagc.simulation.request import bound_parameters
 
     found = optimize(compilation.equations, work=False, differentiate=differentiate)
@@ -357,13 +365,12 @@ def delivered(compilation: Compilation, differentiate: bool) -> Program:
 
 
 def unused(model: Model, interface: Interface) -> tuple[Field, ...]:
-    """The parameters of the model that reach nothing, and those that are built in, which have no value
-    and no place here."""
+    """The parameters of the model that have no effect, and those that are part of the code."""
     return _own(model, {f.name for f in (*interface.parameters, *interface.inputs)})
 
 
 def _own(model: Model, but: Container[str]) -> tuple[Field, ...]:
-    """The parameters of the model, and those that are built in, but for these."""
+    """The parameters of the model, and those that are part of the code, except the names in `but`."""
     from lagc.lowering.interface import parameter_field
 
     fields = [parameter_field(p) for p in model.parameters if p.name not in but]

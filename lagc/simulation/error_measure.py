@@ -37,8 +37,7 @@ def moving(groups: Sizes, noise: Mapping[int, float]) -> list[tuple[Sequence[int
 
 
 def scaling_groups(interface: Interface) -> list[list[int]]:
-    """The indices of the coordinates and speeds that share a scale (E. Hairer, G. Wanner, Solving ODEs II,
-    1996, IV.8)."""
+    """The indices of the coordinates and speeds that share a scale."""
     groups: dict[int, list[int]] = {}
     for i, kind in enumerate(interface.kinds):
         groups.setdefault(kind, []).append(i)

@@ -64,7 +64,7 @@ def simulate(
     trajectory = result.trajectory
     notes = [*start.notes, *done.notes]
     for k in strange_outputs(system, start.x):
-        notes.append(f"output `{system.interface.outputs[k].name}` has no finite value at the start")
+        notes.append(f"output `{system.interface.outputs[k].name}` has no finite initial value")
     if trajectory.redundant_rows and result.status == "ok":
         notes.append(redundancy(system, trajectory))
     return Solution(

@@ -69,9 +69,9 @@ def test_check_has_reached_nothing_of_a_file_that_is_not_there(tmp_path: Path, c
 @pytest.mark.parametrize(
     ("line", "unseen"),
     [
-        ("potential V = 1 [J", ["names and dimensions", "equations", "starts"]),
-        ("potential V = 1 [N];", ["equations", "starts"]),
-        ("constraint c: abs(x) = 0;", ["starts"]),
+        ("potential V = 1 [J", ["names and dimensions", "equations", "initial conditions"]),
+        ("potential V = 1 [N];", ["equations", "initial conditions"]),
+        ("constraint c: abs(x) = 0;", ["initial conditions"]),
         ("constraint c: x^2 = -1 [m2];", []),
     ],
 )
@@ -83,7 +83,7 @@ def test_check_says_which_stages_were_not_reached(
     assert main(["check", str(path), "--json"]) == 1
     assert json.loads(capsys.readouterr().out)["unseen"] == unseen
     assert main(["check", str(path)]) == 1
-    assert ("looked at once there are none" in capsys.readouterr().out) == bool(unseen)
+    assert ("fix this to check" in capsys.readouterr().out) == bool(unseen)
 
 
 def test_standard_input_is_read_once(capsys: Capture) -> None:

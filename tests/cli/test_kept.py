@@ -48,7 +48,7 @@ def full(*_: object) -> None:
 
 
 def kept(here: Path, said: str) -> Path:
-    found = re.search(r"it is kept in (.*)", said)
+    found = re.search(r"the result is kept in (.*)", said)
     assert found is not None and Path(found[1]).exists()
     return Path(found[1])
 

@@ -88,13 +88,13 @@ def test_the_summary_tells_scene_accuracy_energy_and_cost(capsys: pytest.Capture
         assert word in shown
 
 
-def test_the_summary_tells_what_the_start_took_where_that_is_much(
+def test_the_summary_gives_the_time_of_a_long_initialization(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for least, told in ((60.0, False), (0.0, True)):
         monkeypatch.setattr("lagc.cli.summary.TOLD", least)
         assert sim(PENDULUM) == 0
-        assert ("of it to find the start" in capsys.readouterr().out) is told
+        assert ("of it for the initialization" in capsys.readouterr().out) is told
 
 
 def test_quiet_prints_the_final_values_only(capsys: pytest.CaptureFixture[str]) -> None:
@@ -175,7 +175,7 @@ def test_a_failed_run_keeps_and_writes_what_was_computed(
     assert 0.9 < found["t"] <= 1.0
     assert len(out.read_text().splitlines()) > 100
     assert sim(str(model), "--stop", "2", "--every", "0.3") == 3
-    said = re.search(r"recorded last, at t = (\S+) s\s+x += (\S+) m\n", capsys.readouterr().out)
+    said = re.search(r"last recorded state, at t = (\S+) s\s+x += (\S+) m\n", capsys.readouterr().out)
     assert said is not None
     assert float(said[1]) ** 2 + float(said[2]) ** 2 == pytest.approx(1.0, rel=1e-5)
 
@@ -193,7 +193,7 @@ def test_where_sensitivities_alone_fail_the_end_is_the_last_time(
     assert sim(str(model), "--stop", "3", "--sensitivity", "n") == 3
     printed = capsys.readouterr().out
     assert "reached t = 3 s; sensitivities: their accuracy" in printed
-    assert "recorded last" not in printed
+    assert "last recorded" not in printed
 
 
 @pytest.mark.parametrize(
@@ -207,7 +207,7 @@ def test_where_sensitivities_alone_fail_the_end_is_the_last_time(
         (["course/simple_pendulm"], 2, "did you mean the library model `course/simple_pendulum`"),
         ([f"{COURSE}/simple_pendulm.lag"], 2, "course/simple_pendulum.lag`?"),
         ([PENDULUM, "--plot", "x.jpg"], 2, "there are .png .svg .pdf"),
-        ([PENDULUM, "-o", "x.h5"], 2, "there are .csv .npz .parquet"),
+        ([PENDULUM, "-o", "x.h5"], 2, "one of .csv .npz .parquet"),
         (["."], 2, "cannot be read"),
         ([PENDULUM, "-p", "zz=1"], 2, "`zz`"),
         ([PENDULUM, "-p", "L=1"], 2, "did you mean `l`"),
@@ -235,13 +235,13 @@ def test_where_sensitivities_alone_fail_the_end_is_the_last_time(
         ([PENDULUM, "--scene", "rom"], 2, "`rom`"),
         ([PENDULUM, "--with", "wind"], 2, "`wind`"),
         ([PENDULUM, "--without", "wind"], 2, "`wind`"),
-        ([PENDULUM, "-o", "x.xyz"], 2, "the ending says the format"),
+        ([PENDULUM, "-o", "x.xyz"], 2, "the ending gives the format"),
         ([PENDULUM, "-o", "/no/such/folder/x.csv"], 2, "no folder"),
         ([PENDULUM, "--plot", "x.xyz"], 2, "the ending says the format"),
         ([PENDULUM, "--nonsense"], 2, "--nonsense"),
-        ([PENDULUM, "--stop=--"], 2, "`--` is no value"),
-        ([PENDULUM, "--plot=--"], 2, "`--` is no value"),
-        ([PENDULUM, "-o=--"], 2, "`--` is no value"),
+        ([PENDULUM, "--stop=--"], 2, "`--` is not a value"),
+        ([PENDULUM, "--plot=--"], 2, "`--` is not a value"),
+        ([PENDULUM, "-o=--"], 2, "`--` is not a value"),
         ([PENDULUM, "another"], 2, "another"),
     ],
 )

@@ -264,7 +264,7 @@ def test_standard_input_that_does_not_wait_is_waited_for(tmp_path: Path) -> None
             time.sleep(0.1)
             file.write(line)
             file.flush()
-    assert process.communicate(timeout=60)[1] == "no faults in -\n"
+    assert process.communicate(timeout=60)[1] == "no errors in -\n"
 
 
 @only_posix

@@ -172,7 +172,7 @@ def test_what_is_not_finite_at_the_start_is_told_by_check_and_sim(
     assert [fault.code for fault in model.check()] == [code]
     if code == "LAG0616":
         run = model.compile(backend=backend).simulate(stop=1)
-        assert "output `o` has no finite value at the start" in run.notes
+        assert "output `o` has no finite initial value" in run.notes
     else:
         with pytest.raises(lagc.Refused) as found:
             model.compile(backend=backend).simulate(stop=1)
