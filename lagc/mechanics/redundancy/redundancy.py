@@ -17,9 +17,7 @@ from lagc.diagnostics.faults import Fault, Refused
 from lagc.mechanics.formulation.constraints import Classified
 from lagc.mechanics.formulation.equations import Row
 from lagc.mechanics.formulation.states import States
-from lagc.mechanics.identities.constraint_manifold import onto
 from lagc.mechanics.numeric.cancellation import VANISHES, magnitudes
-from lagc.mechanics.numeric.samples import samples
 from lagc.mechanics.redundancy.row_reduction import Reduced, tables
 from lagc.semantics.model import Output
 from lagc.symbolic.graph import Node
@@ -121,14 +119,12 @@ def drop_redundant(
         return list(classified), []
     spare = {r.row for r in found}
     independent = [x.row for k, x in enumerate(classified) if k not in spare]
-    made_of = [[classified[k].row for k in r.others] for r in found]
-    contradicts = _contradicts(states, independent, [classified[r.row].row for r in found], made_of)
     faults: list[Fault] = []
     dropped: dict[int, Dropped] = {}
-    for redundant, contradiction in zip(found, contradicts):
+    for redundant in found:
         x = classified[redundant.row]
         others = [classified[k] for k in redundant.others]
-        if contradiction:
+        if others and _contradict(states, x.row, [y.row for y in others]):
             faults.append(_contradiction(x, others))
         elif x.row.holonomic or (not others and _sided(x.row.jacobian.values())):
             continue
@@ -148,7 +144,7 @@ def drop_redundant(
 
 def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:
     """The rows whose Jacobian depends on those before, on every state tried."""
-    tried = list(tables(states, rows, _STATES))
+    tried = [table for _, table in tables(states, rows, _STATES)]
     found: list[Redundant] = []
     for line in _entangled(tried):
         reduced = [table.reduce(line) for table in tried]
@@ -199,46 +195,34 @@ def entangled(rows: Sequence[Mapping[int, bool]]) -> list[int]:
     return sorted(left)
 
 
-def _contradicts(
-    states: States, independent: Sequence[Row], spare: Sequence[Row], made_of: Sequence[Sequence[Row]]
-) -> list[bool]:
-    """Of each spare row: whether it is violated on all states tried that meet the others, the one
-    next to the start included, with parameters beside their defaults as well, and no state is found
-    that meets all, or those alone that it is made of: others may have solutions of their own elsewhere."""
-    model = states.model
-    start = list(samples(model, 1, vary=False, spread=0.0))
-    near = [*start, *samples(model, _STATES, vary=False)]
-    here = _hold(states, independent, spare, near)
-    beside = _hold(states, independent, spare, list(samples(model, _STATES)))
-    violated = [x == {False} and True not in y for x, y in zip(here, beside)]
-    return [
-        v and (_apart(states, [*own, row], near) or _apart(states, [*independent, row], near))
-        for v, row, own in zip(violated, spare, made_of)
-    ]
-
-
-def _apart(states: States, rows: Sequence[Row], tries: Sequence[dict[Node, float]]) -> bool:
-    return all(state is None for state in map(onto(states, rows), tries))
-
-
-def _hold(
-    states: States,
-    independent: Sequence[Row],
-    spare: Sequence[Row],
-    tries: Sequence[dict[Node, float]],
-) -> list[set[bool]]:
-    """Of each spare row: whether it holds, on the states that could be moved onto the others."""
-    found: list[set[bool]] = [set() for _ in spare]
-    residuals = [row.residual for row in spare]
-    slopes = [node for row in spare for node in row.jacobian.values()]
-    for state in map(onto(states, independent), tries):
-        if state is not None:
-            values = magnitudes([*residuals, *slopes], state)
-            entries = iter(values[len(spare) :])
-            for k, row in enumerate(spare):
-                size = max(values[k][1], *(next(entries)[1] for _ in row.jacobian))
-                found[k].add(abs(values[k][0]) <= _KEPT * size)
-    return found
+def _contradict(states: States, row: Row, others: Sequence[Row]) -> bool:
+    """Return whether `row` is a combination of `others` with constant factors but for a number that is not
+    zero, so that it can never hold with them, with the parameters' values."""
+    rows = [*others, row]
+    alike = all(x.holonomic for x in rows)
+    residuals = [x.residual if alike else x.rate for x in rows]
+    found: list[tuple[float, ...]] = []
+    for sample, table in tables(states, rows, _STATES, vary=False):
+        lines = [k for k, own in enumerate(table.rows) if own is not None]
+        for line in range(lines[-1]):
+            table.add(line, *table.reduce(line))
+        left, factors = table.reduce(lines[-1])
+        weights = table.made_of(factors)
+        if not table.depends(lines[-1], left):
+            return False
+        values = magnitudes(residuals, sample)
+        terms = [values[k][0] * w for k, w in weights.items()]
+        size = max(values[-1][1], *(values[k][1] * abs(w) for k, w in weights.items()))
+        offset = values[-1][0] - sum(terms)
+        if abs(offset) <= _KEPT * size:
+            return False
+        found.append((offset, *(weights.get(k, 0.0) for k in range(len(others)))))
+    first = found[0] if found else ()
+    return bool(found) and all(
+        abs(x - y) <= _KEPT * max(abs(x), abs(y), 1e-3 * max(map(abs, first)))
+        for each in found
+        for x, y in zip(first, each)
+    )
 
 
 def _dropped(row: Row, others: Sequence[Row]) -> Dropped:

@@ -90,8 +90,10 @@ class Reduced:
         return found
 
 
-def tables(states: States, rows: Sequence[Row], count: int, vary: bool = True) -> Iterator[Reduced]:
-    """The lines of `rows` on `count` states chosen at random, as `samples` does."""
+def tables(
+    states: States, rows: Sequence[Row], count: int, vary: bool = True
+) -> Iterator[tuple[dict[Node, float], Reduced]]:
+    """Yield `count` random states, as `samples` does, each with the lines of `rows` there."""
     lines = list(_lines([row.jacobian for row in rows]))
     numbers = [line.row for line in lines]
     nodes = [node for line in lines for node in line.slopes.values()]
@@ -99,9 +101,8 @@ def tables(states: States, rows: Sequence[Row], count: int, vary: bool = True) -
         values = magnitudes(nodes, sample)
         if all(math.isfinite(size) for _, size in values):
             value = iter(values)
-            yield Reduced(
-                numbers, _measured(lines, [{j: next(value) for j in line.slopes} for line in lines])
-            )
+            own = [{j: next(value) for j in line.slopes} for line in lines]
+            yield sample, Reduced(numbers, _measured(lines, own))
 
 
 class _Line(NamedTuple):
