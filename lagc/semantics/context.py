@@ -1,4 +1,4 @@
-"""What the resolution of one model shares: its graph, its clock, its faults and the choices made."""
+"""State shared while one model is resolved: the graph, time derivatives, faults and chosen effects."""
 
 from __future__ import annotations
 
@@ -28,8 +28,11 @@ DEEPEST_CHAIN = 1000  # declarations, each found while another waits for it
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """A value for `owner` or a rate of it: an `expression`, of a scene or the command; or of the command a
-    `number`, in `unit`, SI where None, or `points` of time and value in SI with the way through them."""
+    """A value from a scene or the command for `owner` or for its rate.
+
+    It is one of: an `expression` with its `environment`; a `number` in `unit` (SI if None); or `points` of
+    time and value in SI with the kind of interpolation.
+    """
 
     owner: str
     expression: tree.Expression | None = None
@@ -41,9 +44,11 @@ class Given:
 
 
 class Context:
-    """`parameters` and `starts` are the values given from outside a model, by full name; each that
-    is used is noted in `taken`.  `declare` finds the value of a declaration, `how` that of each kind of
-    expression."""
+    """State of one resolution.
+
+    `parameters` and `starts` hold the values from outside the model, by full name; used names are added to
+    `taken`. `declare` finds the value of a declaration, `evaluators` the value of each kind of expression.
+    """
 
     def __init__(
         self,
@@ -100,7 +105,8 @@ class Context:
         self.faults.append(fault)
 
     def attempt(self, job: Callable[..., object], *arguments: Any) -> bool:
-        """Call `job`; False where it is at fault, which is reported, or where there are enough faults."""
+        """Call `job`.  Return False if it failed, after its fault is reported, or if there are too many
+        faults."""
         if len(self.faults) >= MOST_FAULTS:
             return False
         try:
@@ -113,22 +119,22 @@ class Context:
         return True
 
     def look(self, job: Callable[[], object], codes: Container[str]) -> None:
-        """Do something for the sake of its faults, of which those of `codes` are kept."""
+        """Call `job` and keep only its faults with these `codes`."""
         before, self.faults = self.faults, []
         self.attempt(job)
         self.faults = before + [fault for fault in self.faults if fault.code in codes]
 
     def grow(self, span: Span) -> None:
-        """One more declaration.  Raises Wrong where there are too many."""
+        """Count one more declaration.  Raises Wrong if there are too many."""
         self.count += 1
         if self.count > LARGEST:
             raise Wrong("LAG0218", f"the model has more than {LARGEST} declarations and list elements", span)
 
     def value(self, entry: Entry, span: Span) -> Value:
-        """The value of a declaration, found when it is first asked for.
+        """Return the value of a declaration, computed at the first call.
 
-        `span` is the place that asks.  Raises Wrong where the declaration needs itself, Poisoned
-        where its own fault has been reported.
+        `span` is the place that uses it.  Raises Wrong if the declaration depends on itself, Poisoned if its
+        own fault is already reported.
         """
         if entry.state == "done" and entry.value is not None:
             return entry.value
@@ -166,14 +172,14 @@ class Context:
         return entry.value
 
     def give(self, table: Mapping[str, Given], name: str) -> Given | None:
-        """What `table` holds for `name`; it is then counted as used."""
+        """Return the entry `name` of `table` and mark it as used."""
         found = table.get(name)
         if found is not None:
             self.taken.add(name)
         return found
 
     def refuse_faults(self) -> None:
-        """Raise Refused where any fault has been found."""
+        """Raise Refused if there are faults."""
         for wrong in self.importer.faults:
             self.report(wrong)
         faults = list(self.faults)

@@ -1,4 +1,4 @@
-"""A model declaration to an instance: inheritance, effects, loops, instances within."""
+"""Instantiation of a model: inheritance, effects, loops and nested instances."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _LATER = {"joint": "joints are", "friction": "friction is"}
 
 @dataclass(frozen=True, slots=True)
 class Destination:
-    """Where a declaration is read, the effect it stands in, and the list that receives its entries."""
+    """The environment in which a declaration is read, its effect, and the list that receives its entries."""
 
     environment: Environment
     effect: str | None
@@ -47,7 +47,7 @@ class Destination:
 
 
 class Builder:
-    """Registers the declarations of one instance, and of the instances within it."""
+    """Registers the declarations of one instance and of its nested instances."""
 
     def __init__(self, context: Context, instance: Instance, modifiers: Modifiers):
         self.context = context
@@ -194,7 +194,7 @@ class Builder:
         self._body_of(found, space)
 
     def _defer(self, d: tree.Declaration, destination: Destination) -> None:
-        """What needs values to be unfolded keeps its place in the order of declaration."""
+        """Reserve the place of a declaration whose sizes are evaluated later."""
         place: list[Item] = []
         destination.items.append(place)
         if isinstance(d, tree.Instance):
@@ -358,7 +358,7 @@ def instantiate(
     modifiers: Modifiers,
     parent: Instance | None,
 ) -> Instance:
-    """The instance of a model under `path` ("" for the main one)."""
+    """Return the instance of a model under `path` ("" for the main model)."""
     context.grow(declaration.name_span)
     instance = Instance(path, declaration, parent, 0 if parent is None else parent.depth + 1)
     Builder(context, instance, modifiers).build(declaration, space)
@@ -366,7 +366,7 @@ def instantiate(
 
 
 def names_of(d: tree.Declaration) -> list[str]:
-    """The names that a declaration brings."""
+    """Return the names that a declaration declares."""
     if isinstance(d, tree.Quantities | tree.Instance):
         return [declarator.name for declarator in d.declarators]
     if isinstance(d, tree.ForLoop):

@@ -55,7 +55,7 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """A value made of parameters that is not to leave its bounds."""
+    """A computed value with bounds that it must not leave."""
 
     name: str
     value: Node
@@ -83,7 +83,7 @@ UNSTATED, DECLARED, SCENE, RUN, FIXED = range(5)
 
 @dataclass(frozen=True, slots=True)
 class Statement:
-    """How firmly a start value was stated, and where."""
+    """The level at which an initial value was stated, and the place."""
 
     level: int
     span: Span
@@ -127,7 +127,7 @@ class Orientation:
 class Speed:
     """A declared generalized speed: `expression` is linear in the rates.
 
-    `start` is an expression in parameters; None: what the starts of the rates make it.
+    `start` is an expression in parameters, or None if it follows from the initial rates.
     """
 
     name: str
@@ -183,7 +183,7 @@ class Body:
 
     @property
     def kinetic_energy(self) -> Node:
-        """In terms of rates."""
+        """Return the kinetic energy in terms of rates."""
         energy = 0.5 * self.mass * dot(self.velocity, self.velocity)
         if self.frame is not None and self.inertia is not None:
             spin = self.frame.angular_velocity
@@ -203,11 +203,10 @@ class Potential:
 
 @dataclass(frozen=True, slots=True)
 class Force:
-    """`vector` (world) applied at a point whose velocity is `velocity` (world, in rates); with `from`
-    that is a relative one.
+    """`vector` (world axes) applied at a point with `velocity` (world axes, in rates; with `from`, relative).
 
-    `at` is the point where it was given without a body; `mentioned` are the velocities that the
-    vector was written with, and where; `target` is where the point is written.
+    `at` is the point if there is no body; `mentioned` are the velocities that the vector contains, with their
+    places; `target` is the place of the point in the text.
     """
 
     name: str
@@ -222,7 +221,7 @@ class Force:
 
 @dataclass(frozen=True, slots=True)
 class Torque:
-    """`vector` (world) on `frame`, its opposite on `reaction` where not None (None: the ground).
+    """`vector` (world axes) on `frame`, and its opposite on `reaction` (None: the ground).
 
     `mentioned` and `target` as for a force.
     """
@@ -263,10 +262,10 @@ Action: TypeAlias = Potential | Force | Torque | Dissipation | Lagrangian
 
 @dataclass(frozen=True, slots=True)
 class Constraint:
-    """`residuals` = lhs - rhs, a row each, in coordinates, rates, parameters, time.
+    """`residuals` = lhs - rhs, one per equation, in coordinates, rates, parameters and time.
 
-    `labels` names the rows: the constraint's name, or `name[1]` ... for a vector (world axes
-    x y z).  A row whose residual is identically zero is not listed.
+    `labels` names the equations: the constraint's name, or `name[1]` ... for a vector (world axes x y z).
+    Residuals that are identically zero are not listed.
     """
 
     name: str
@@ -281,7 +280,7 @@ class Constraint:
 
 @dataclass(frozen=True, slots=True)
 class InitialCondition:
-    """One scalar condition: residual(q, rates, parameters) = 0 at the start."""
+    """A scalar initial equation: residual(q, rates, parameters) = 0."""
 
     residual: Node
     span: Span
@@ -289,8 +288,8 @@ class InitialCondition:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A function through points: what it is called, what its points are and how it goes through them; of a
-    `file`, the column of its values."""
+    """A function through points: its name, the key of its points and interpolation, and its file and
+    column."""
 
     name: str
     key: str
@@ -300,9 +299,11 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class When:
-    """At the moment that `condition` becomes true, the symbols of `changes`, coordinates, rates and speeds,
-    take values, all of the state before; the run ends where there is a `reason`, as failed where it `fails`;
-    `marks` name the event."""
+    """An event: when `condition` becomes true, the states in `changes` get new values, computed from the
+    values before.
+
+    The run ends if there is a `reason`, as failed if it `fails`; `marks` are names of the event.
+    """
 
     words: str  # the condition as it is written
     condition: Node
@@ -380,7 +381,7 @@ class Model:
         return f"<{type(self).__name__} {self.name}, scene {self.scene}>"
 
     def verify(self) -> None:
-        """The invariants of a resolved model.  Raises AssertionError."""
+        """Check the invariants of a resolved model.  Raises AssertionError."""
         for group in (self.parameters, self.inputs, self.coordinates, self.speeds, self.frames, self.points,
                       self.bodies, self.actions, self.constraints, self.outputs):  # fmt: skip
             names = [item.name for item in group]
@@ -398,7 +399,7 @@ class Model:
 
     @property
     def states(self) -> int:
-        """How many numbers the motion has: coordinates and rates, or speeds in their place."""
+        """Return the number of states: coordinates, and rates or declared speeds."""
         return sum(2 if isinstance(each, Coordinate) else 7 for each in self.coordinates)
 
     @property

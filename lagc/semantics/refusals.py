@@ -6,7 +6,7 @@ from lagc.diagnostics.faults import Fault, Span
 
 
 class Wrong(Exception):
-    """Evaluation stops here with a fault."""
+    """A fault ends the evaluation."""
 
     def __init__(
         self, code: str, message: str, span: Span | None, remedy: str | None = None,
@@ -17,4 +17,4 @@ class Wrong(Exception):
 
 
 class Poisoned(Exception):
-    """Evaluation stops here because of a fault that has been reported already."""
+    """The evaluation ends because of a fault that is already reported."""

@@ -1,4 +1,4 @@
-"""Syntax tree to Model: the table of contents of this room."""
+"""From the syntax tree to the Model: the sequence of the stages of this room."""
 
 from __future__ import annotations
 
@@ -60,11 +60,11 @@ def resolve(
     until: str | None = None,
     roots: Sequence[str] | None = None,
 ) -> objects.Model:
-    """One scene of a model of the file, every name resolved.
+    """Return one scene of a model of the file, with all names resolved.
 
-    `parameters` and `starts` are values by full name, in SI or with a unit, `inputs` texts of expressions or
-    points over time, `until` the condition that ends a run; `roots` the folders that may be imported from
-    besides that of the file.  Raises Refused with all faults.
+    `parameters` and `starts` are values by full name, in SI or with a unit; `inputs` are texts of expressions
+    or points over time; `until` is the condition that ends a run; `roots` are further folders for imports.
+    Raises Refused with all faults.
     """
     sys.setrecursionlimit(max(sys.getrecursionlimit(), RECURSION))
     importer = Importer(file.source, tuple(roots or ()))
@@ -111,7 +111,7 @@ def resolve(
 
 
 def _empty(declaration: tree.ModelDeclaration) -> str:
-    """Which arrays of coordinates it declares, of a model that has none: a size of each is 0."""
+    """Return the arrays of coordinates with a size of 0, as text, for a model without coordinates."""
     arrays = [
         declarator
         for d in declaration.body
@@ -126,7 +126,7 @@ def _empty(declaration: tree.ModelDeclaration) -> str:
 
 
 def _evaluate(context: Context, instance: Instance) -> list[objects.ModelObject]:
-    """The objects of every declaration, in order."""
+    """Return the objects of every declaration, in order."""
     found: list[objects.ModelObject] = []
     for entry in instance.in_order():
         if context.attempt(context.value, entry, entry.span):
@@ -142,7 +142,7 @@ def _conditions(context: Context) -> list[objects.InitialCondition]:
 
 
 def _whens(context: Context) -> list[objects.When]:
-    """In the order written, those of instances within at their place; what never changes is left out."""
+    """Return the event clauses in order; clauses whose condition is constant are left out."""
     found: list[objects.When] = []
 
     def one(written: tree.When, environment: Environment, effect: str | None) -> None:
@@ -156,7 +156,7 @@ def _whens(context: Context) -> list[objects.When]:
 
 
 def _check_given(context: Context, instance: Instance) -> None:
-    """Report what is given to names that take nothing."""
+    """Report values that are given to unknown or unsuitable names."""
     for table, what, code in (
         (context.parameters, "parameter or input", "LAG0215"),
         (context.starts, "coordinate, rate or speed", "LAG0224"),
@@ -180,12 +180,12 @@ def _check_given(context: Context, instance: Instance) -> None:
 
 
 def _base(name: str) -> str:
-    """`a.th` of `a.th[2]`."""
+    """Return `a.th` for `a.th[2]`."""
     return name.rpartition("[")[0] if name.endswith("]") else name
 
 
 def _other_kind(instance: Instance, path: str) -> str | None:
-    """What a name that is given a value in the wrong way is."""
+    """Return a remedy for a name that is given a value in the wrong way."""
     kind = next((e.kind for e in instance.in_order() if e.path == path), None)
     if kind == "parameter":
         return f"`{path}` is a parameter: write `parameter {path} = ...;`"
@@ -277,5 +277,5 @@ DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
 
 
 def declare(context: Context, entry: Entry) -> Value:
-    """The value of a declaration; its objects are appended to `entry.objects`.  Raises Wrong."""
+    """Return the value of a declaration and append its objects to `entry.objects`.  Raises Wrong."""
     return DECLARE[entry.kind](context, entry)

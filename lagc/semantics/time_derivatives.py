@@ -1,6 +1,6 @@
-"""Time derivatives in terms of the rates, and what kinds of symbols a node is made of.
+"""Time derivatives in terms of the rates, and the kinds of symbols in a node.
 
-Both are remembered node by node, so that a chain of n points costs n and not n^2.
+Both are cached per node, so that a chain of n points costs O(n) and not O(n^2).
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ VELOCITY = BIT["rate"] | BIT["speed"]
 
 
 class Clock:
-    """d/dt of nodes.  Each moving symbol is told with `set_rate`."""
+    """Time derivatives of nodes; `set_rate` gives those of the symbols."""
 
     def __init__(self, graph: Graph):
         self.graph = graph
@@ -44,11 +44,11 @@ class Clock:
         self.axes: dict[Node, Matrix] = {}  # by their components, of the first frame that has them
 
     def set_rate(self, symbol: Node, rate: Node) -> None:
-        """d(symbol)/dt = rate."""
+        """Set d(symbol)/dt = rate."""
         self._rate[symbol] = rate
 
     def add_frame(self, frame: Frame) -> None:
-        """The axes of a frame turn with it."""
+        """Set the time derivatives of the axes of a frame, e_k' = w x e_k."""
         for component in (x for row in frame.axes for x in row):
             node = component.args[0] if component.op == "scale" else component
             if not node.is_const:
@@ -57,7 +57,7 @@ class Clock:
             self._rate.setdefault(node, rate)
 
     def derivative(self, node: Node) -> Node:
-        """d(node)/dt; inputs, multipliers and the like have none (check `mask` first)."""
+        """Return d(node)/dt.  Inputs, multipliers and similar symbols have none (check `mask` first)."""
         graph = self.graph
 
         def rate(top: Node, known: dict[Node, Node]) -> Node:
@@ -70,7 +70,7 @@ class Clock:
         return _found(node, self._rate, rate)
 
     def mask(self, node: Node) -> int:
-        """The kinds of symbols below `node`, a bit each."""
+        """Return the kinds of symbols below `node`, one bit each."""
 
         def kinds(top: Node, known: dict[Node, int]) -> int:
             found = BIT[top.record.kind] if top.op == "symbol" else 0
@@ -82,7 +82,7 @@ class Clock:
 
 
 def _found(node: Node, known: dict[Node, T], find: Callable[[Node, dict[Node, T]], T]) -> T:
-    """`known[node]`, found from those of its arguments; a loop, since graphs are deep."""
+    """Return `known[node]`, computed from its arguments in a loop, because graphs are deep."""
     stack = [node]
     while stack:
         top = stack[-1]

@@ -1,8 +1,8 @@
-"""Dimensions and units: what `[kg.m2/s]` means.
+"""Dimensions, units and quantity types: the meaning of `[kg.m2/s]` and of `Length`.
 
-A dimension is a tuple of exponents of kg m s A K mol cd, counted in twelfths so that roots
-stay integers.  Angles are numbers: rad is 1.  Factors to SI are exact ratios of integers (and
-pi for degrees), so that 70 [cm] is 0.7 and not its neighbour.
+A dimension is a tuple of exponents of kg m s A K mol cd, counted in twelfths so that roots stay integers.
+Angles are numbers: rad is 1.  Factors to SI are exact ratios of integers (and pi for degrees), so that 70
+[cm] is 0.7 exactly rounded.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def over(a: Dimension, b: Dimension) -> Dimension:
 
 
 def raised(a: Dimension, exponent: float) -> Dimension | None:
-    """a^exponent; None where that has no name (a root finer than a twelfth)."""
+    """Return the dimension a^exponent, or None if its exponents are not whole twelfths."""
     scaled = [x * exponent for x in a]
     rounded = [round(x) for x in scaled]
     if any(abs(x - r) > 1e-9 for x, r in zip(scaled, rounded)):
@@ -52,7 +52,7 @@ POWER = dimension(kg=1, m=2, s=-3)
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """num/den * pi^pi of the SI unit of `dimension`."""
+    """num/den * pi^pi times the SI unit of `dimension`."""
 
     num: int
     den: int
@@ -64,7 +64,7 @@ class Unit:
         return self.num / self.den * math.pi**self.pi
 
     def to_si(self, value: float) -> float:
-        """`value` (its shortest decimal form taken as exact) in SI."""
+        """Return `value` in SI; its shortest decimal form is taken as exact."""
         if not math.isfinite(value):
             return value
         mantissa, _, exponent = repr(value).partition("e")
@@ -82,7 +82,7 @@ class Unit:
 
 
 class UnknownUnit(ValueError):
-    """A unit text that says nothing: `reason` in the user's words, `close` a known symbol like it."""
+    """A text that is not a unit: `reason` is the message, `close` a similar known symbol."""
 
     def __init__(self, reason: str, close: str | None = None, remedy: str | None = None):
         super().__init__(reason)
@@ -122,7 +122,7 @@ _TOKEN = re.compile(r"\s*(?:([A-Za-zµ%]+|1)(?:\^?([+-]?\d{1,2})|\^\(([+-]?\d{1,
 
 @lru_cache(maxsize=512)
 def unit(text: str) -> Unit:
-    """The meaning of a unit text.  Raises UnknownUnit."""
+    """Return the unit of a text.  Raises UnknownUnit."""
     if _BROKEN.search(text):
         remedy = "raise a pure number to that power: `k*(x/(1 [m]))^1.5`, with k in newtons"
         raise UnknownUnit(f"`{text}` is not a unit; exponents must be integers", remedy=remedy)
@@ -134,7 +134,7 @@ def unit(text: str) -> Unit:
 
 
 def _tokens(text: str) -> list[tuple[str, int]]:
-    """(symbol, exponent) for a unit, (sign, 0) for one of . / * ( )."""
+    """Return (symbol, exponent) for each unit and (sign, 0) for each of . / * ( )."""
     found: list[tuple[str, int]] = []
     at, stripped = 0, text.rstrip()
     if not stripped:
@@ -197,7 +197,7 @@ def _symbol(symbol: str) -> Unit:
 
 
 def si_text(dim: Dimension) -> str:
-    """The SI unit of a dimension, `kg.m2/s2`; "" for a number."""
+    """Return the SI unit of a dimension, `kg.m2/s2`; "" for a number."""
     named = _NAMED.get(dim)
     if named is not None:
         return named
@@ -233,9 +233,9 @@ _NAMED: dict[Dimension, str] = {
 
 
 def to_si(value: float, given: str, wanted: str) -> float:
-    """`value` [given] in SI, where `wanted` is a unit of the quantity that is meant.
+    """Return `value` [given] in SI, where `wanted` is a unit of the quantity.
 
-    Raises UnknownUnit, also where the two have different dimensions.
+    Raises UnknownUnit, also if the two units have different dimensions.
     """
     written, expected = unit(given), unit(wanted or "1")
     if written.dimension != expected.dimension:
@@ -244,7 +244,7 @@ def to_si(value: float, given: str, wanted: str) -> float:
 
 
 def quotient(above: str, below: str) -> str:
-    """The text of a unit over another, `rad/s` over `m`: `rad/(s.m)`, with the symbols that are there."""
+    """Return a unit over another as text: `rad/s` over `m` is `rad/(s.m)`."""
     powers: dict[str, int] = {}
     for text, sense in ((above, 1), (below, -1)):
         for symbol, exponent in _tokens(text) if text else ():
@@ -264,7 +264,7 @@ def quotient(above: str, below: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class QuantityType:
-    """A kind of quantity: the unit its bare numbers are in, and the one people read it in."""
+    """A quantity type: the unit of its numbers without a unit, and the unit for display."""
 
     name: str
     unit: str
@@ -273,7 +273,7 @@ class QuantityType:
 
     @property
     def said(self) -> str:
-        """In words: `Torque [N.m]`, `a number`."""
+        """Return the type in words: `Torque [N.m]`, `a number`."""
         known = TYPES.get(self.name)
         if known is None or known.dimension == NONE or known.dimension != self.dimension:
             return describe(self.dimension)
@@ -310,7 +310,7 @@ _BY_DIMENSION[NONE] = "a number"
 
 
 def describe(dimension: Dimension) -> str:
-    """A dimension in words: `Length [m]`, `[kg.m/s3]`, `a number`."""
+    """Return a dimension in words: `Length [m]`, `[kg.m/s3]`, `a number`."""
     name = _BY_DIMENSION.get(dimension)
     if dimension == NONE:
         return "a number"

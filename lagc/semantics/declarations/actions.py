@@ -1,4 +1,4 @@
-"""Frames, points, given actions and constraints."""
+"""Declarations of frames, points, forces, torques, energies and constraints."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def declare_potential(context: Context, entry: Entry) -> Value:
 
 
 def declare_free_term(context: Context, entry: Entry) -> Value:
-    """`lagrangian` and `kinetic`."""
+    """Declare a `lagrangian` or `kinetic` term."""
     node, _ = _energy_like(context, entry, ENERGY)
     term = objects.Lagrangian(entry.path, node, entry.kind == "kinetic", entry.span, entry.effect)
     entry.objects.append(term)
@@ -127,7 +127,7 @@ def declare_dissipation(context: Context, entry: Entry) -> Value:
 
 
 def declare_load(context: Context, entry: Entry) -> Value:
-    """`force F = vector on body at point` and `torque M = vector on body from other`."""
+    """Declare `force F = vector on body at point` or `torque M = vector on body from other`."""
     source = entry.source
     assert isinstance(source, tree.Load)
     _no_modifiers(entry)
@@ -174,9 +174,9 @@ def declare_load(context: Context, entry: Entry) -> Value:
 def _where_applied(
     context: Context, source: tree.Load, place: Argument, body: Value | None, reaction: Value | None
 ) -> tuple[Vector, Vector | None]:
-    """The velocity on which a force acts, and its point where that is one without a body.
+    """Return the velocity of the point where a force acts, and that point if the force acts on no body.
 
-    With `from` it is the velocity relative to the material point of the other body.
+    With `from`, the velocity is relative to the material point of the other body.
     """
     if body is None or source.body is None:
         if source.reaction is not None:
@@ -196,7 +196,7 @@ def _where_applied(
 
 
 def _frames(source: tree.Load, target: Value, reaction: Value | None) -> tuple[Frame, Frame | None]:
-    """Those on which a torque and its opposite act."""
+    """Return the frames on which a torque and its reaction act."""
     opposite = _frame_of(reaction, source.reaction) if reaction and source.reaction else None
     return _frame_of(target, source.target), opposite
 
@@ -215,7 +215,7 @@ def _frame_of(value: Value, written: tree.Expression) -> Frame:
 
 
 def declare_constraint(context: Context, entry: Entry) -> Value:
-    """The rows lhs - rhs of an equality, those that say nothing left out."""
+    """Declare the equations lhs - rhs = 0; components that are identically zero are left out."""
     source = entry.source
     assert isinstance(source, tree.Constraint)
     _no_modifiers(entry)
@@ -257,7 +257,7 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
 def _residuals(
     left: Value, right: Value, source: tree.Constraint | tree.Condition
 ) -> list[tuple[Node, Dimension | None]]:
-    """left - right, component by component.  Raises Wrong."""
+    """Return left - right for each component, with its dimension.  Raises Wrong."""
     for value, side in ((left, source.left), (right, source.right)):
         if not isinstance(value, Scalar | Array | Body):
             raise Wrong("LAG0307", f"an equation needs numbers or vectors; this is {kind(value)}", side.span)
@@ -295,7 +295,7 @@ def _residuals(
 
 
 def _zeros(left: Value, right: Value) -> str | None:
-    """The remedy where a bare 0 stands beside an array."""
+    """Return the remedy for a scalar 0 that is compared with an array."""
     for zero, array in ((left, right), (right, left)):
         if isinstance(array, Array) and isinstance(zero, Scalar) and zero.node.is_zero:
             return f"write `{{{', '.join('0' * len(array.elements))}}}` instead of `0`"
@@ -305,7 +305,7 @@ def _zeros(left: Value, right: Value) -> str | None:
 def condition(
     context: Context, written: tree.Condition, environment: Environment
 ) -> list[objects.InitialCondition]:
-    """The scalar conditions of one line of an `initial` section.  Raises Wrong."""
+    """Return the scalar initial equations of one line of an `initial` section.  Raises Wrong."""
     left, right = all_values(context, [written.left, written.right], environment)
     found: list[objects.InitialCondition] = []
     for node, _ in _residuals(left, right, written):

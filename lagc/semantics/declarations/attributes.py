@@ -1,4 +1,4 @@
-"""What is written about a declaration: modifications, attributes, values for its elements."""
+"""Attributes and values of declared quantities, from the declaration, modifiers, scenes and the command."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ from lagc.syntax import tree
 
 
 def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[str, Modifier]:
-    """What the modifications of a declaration and the declaration itself say, the outermost counts.
+    """Return the attributes of a declaration; those of the outermost modifier win.
 
-    What is not `known` is reported.
+    Attributes that are not in `known` are reported.
     """
     source = entry.source
     assert isinstance(source, tree.Declarator)
@@ -79,7 +79,7 @@ def _has(kind_: str, known: Sequence[str]) -> str | None:
 
 
 def written_value(entry: Entry) -> Modifier | None:
-    """The value that counts: the outermost modification's, else the declaration's."""
+    """Return the effective value: that of the outermost modifier, or else that of the declaration."""
     for modifier in entry.modifiers:
         if modifier.argument.value is not None:
             return modifier
@@ -91,7 +91,7 @@ def written_value(entry: Entry) -> Modifier | None:
 
 
 def no_value(entry: Entry) -> None:
-    """Raises Wrong where a coordinate is given a value."""
+    """Raise Wrong if a coordinate is given a value."""
     modifier = written_value(entry)
     if modifier is not None and modifier.argument.value is not None:
         raise Wrong(
@@ -105,7 +105,7 @@ def no_value(entry: Entry) -> None:
 def elements(
     context: Context, modifier: Modifier, sizes: list[int], dimension: Dimension, what: str
 ) -> list[Scalar]:
-    """One scalar an element: of an array of that shape, or one value for all.  Raises Wrong."""
+    """Return one scalar per element, from an array of that shape or from one value for all.  Raises Wrong."""
     expression = modifier.argument.value
     assert expression is not None
     value = evaluate_as(context, expression, modifier.environment, dimension)
@@ -124,7 +124,8 @@ def elements(
 
 
 def own_part(value: Value, modifier: Modifier, sizes: list[int], what: str) -> Value:
-    """Of a value that has more dimensions than `sizes`, what belongs to the instance of the modifier."""
+    """Return the part of a value that belongs to the modifier's instance, if it has more dimensions than
+    `sizes`."""
     if modifier.index and len(shape(value)) >= len(modifier.index) + len(sizes):
         for number in modifier.index:
             if not isinstance(value, Array) or not 1 <= number <= len(value.elements):
@@ -142,7 +143,7 @@ def _as_many(value: Value, sizes: list[int], span: Span, what: str) -> None:
 
 
 def shaped(scalars: list[Scalar], sizes: list[int]) -> Value:
-    """The scalars (rows first) as a number or an array."""
+    """Return scalars (rows first) as a number or an array of shape `sizes`."""
     if not sizes:
         return scalars[0]
     step = len(scalars) // sizes[0] if sizes[0] else 0
@@ -150,7 +151,7 @@ def shaped(scalars: list[Scalar], sizes: list[int]) -> Value:
 
 
 def check_constant(context: Context, node: Node, span: Span, what: str) -> None:
-    """Raises Wrong where `node` moves: it must be made of parameters alone."""
+    """Raise Wrong if `node` depends on anything but parameters."""
     if context.clock.mask(node) & (MOVING | LATE):
         raise Wrong("LAG0311", f"{what} must depend on parameters only; this depends on the motion", span)
 
@@ -158,7 +159,7 @@ def check_constant(context: Context, node: Node, span: Span, what: str) -> None:
 def given_elements(
     context: Context, given: Given, sizes: list[int], dimension: Dimension, what: str
 ) -> list[Scalar]:
-    """A value for all elements, or an array of their values, from a scene or the command.  Raises Wrong."""
+    """Return the scalars that a scene or the command gives to all elements.  Raises Wrong."""
     if given.expression is None or given.environment is None:
         return [given_scalar(context, given, dimension, what)] * math.prod(sizes)
     argument = tree.Argument(None, None, given.expression, given.expression.span)
@@ -166,7 +167,7 @@ def given_elements(
 
 
 def given_scalar(context: Context, given: Given, dimension: Dimension, what: str) -> Scalar:
-    """A value from a scene or from the command.  Raises Wrong."""
+    """Return a scalar that a scene or the command gives.  Raises Wrong."""
     if given.expression is not None and given.environment is not None:
         value = evaluate_as(context, given.expression, given.environment, dimension)
         if not isinstance(value, Scalar):
@@ -189,14 +190,14 @@ def given_scalar(context: Context, given: Given, dimension: Dimension, what: str
 
 
 def declared(entry: Entry, modifier: Modifier | None) -> Statement:
-    """The statement that a declaration makes by `modifier`, or does not make."""
+    """Return the statement that a declaration makes with `modifier`; without one it states nothing."""
     if modifier is None:
         return Statement(UNSTATED, entry.span)
     return Statement(DECLARED, modifier.argument.span)
 
 
 def from_outside(entry: Entry, given: Given) -> Statement:
-    """The statement of a scene or, without a place, of the command."""
+    """Return the statement of a scene, or of the command if there is no place."""
     if given.span is None:
         return Statement(RUN, entry.span)
     return Statement(SCENE, given.span)
@@ -209,8 +210,10 @@ def with_fixed(
     start: Sequence[Statement],
     rate: Sequence[Statement],
 ) -> tuple[list[Statement], list[Statement]]:
-    """The statements about starts and rates, with those held that `fixed`, `startFixed` and `rateFixed`
-    say: `fixed` holds the start, and the rate where one is stated; the others go before it."""
+    """Return the statements on initial values and rates, fixed as the attributes say.
+
+    `fixed` applies to the value and to a stated rate; `startFixed` and `rateFixed` override it.
+    """
     names = ("fixed", "startFixed", "rateFixed")
     both, starts, _ = (fixed(context, attributes, name, sizes, len(start)) for name in names)
     fixed_starts = [one if own is None else own for one, own in zip(both, starts)]
@@ -229,7 +232,7 @@ def fixed_if(stated: Statement, holds: bool | None) -> Statement:
 def fixed(
     context: Context, attributes: dict[str, Modifier], name: str, sizes: list[int], count: int
 ) -> list[bool | None]:
-    """What the attribute `name` says of each of `count` elements; None where it is not there."""
+    """Return the truth values of attribute `name` for `count` elements; None if the attribute is absent."""
     modifier = attributes.get(name)
     if modifier is None or modifier.argument.value is None:
         return [None] * count
@@ -254,14 +257,14 @@ def _leaves(value: Value) -> list[Value]:
 
 
 def no_rates(context: Context, node: Node, span: Span, what: str) -> None:
-    """Raises Wrong where `node` depends on a rate or a speed."""
+    """Raise Wrong if `node` depends on a rate or a speed."""
     if context.clock.mask(node) & VELOCITY:
         raise Wrong("LAG0313", f"{what} must not depend on a rate", span)
 
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A declaration of `Quantities` with what was written about it."""
+    """A declared quantity with its type, array sizes and attributes."""
 
     entry: Entry
     source: tree.Declarator
@@ -283,7 +286,7 @@ class Quantity:
 
 
 def values_of(context: Context, quantity: Quantity) -> list[Scalar | None]:
-    """The value of each element; None where none is given."""
+    """Return the value of each element; None if there is none."""
     entry, what = quantity.entry, f"`{quantity.entry.path}`"
     modifier = written_value(entry)
     overrides = [context.give(context.parameters, quantity.name(s)) for s in quantity.subscripts]
@@ -305,7 +308,7 @@ def values_of(context: Context, quantity: Quantity) -> list[Scalar | None]:
 
 
 def value_span(context: Context, quantity: Quantity, subscript: tuple[int, ...] = ()) -> Span:
-    """Where the value that counts is written; the name where there is none."""
+    """Return the place of the effective value, or that of the name if there is none."""
     for name in (quantity.name(subscript), quantity.entry.path):
         given = context.parameters.get(name)
         if given is not None:
@@ -345,7 +348,7 @@ def check_bounds(
 
 
 def look_at_all(context: Context, entry: Entry, attributes: dict[str, Modifier]) -> None:
-    """Report the faults of all that is written about a quantity."""
+    """Report the faults in all attributes and values of a quantity."""
     value = written_value(entry)
     for modifier in [*attributes.values(), *([] if value is None else [value])]:
         if modifier.argument.value is not None:

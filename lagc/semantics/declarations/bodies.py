@@ -1,4 +1,4 @@
-"""What carries inertia: particles and solids; and gravity, which acts on all of them."""
+"""Declarations of particles, solids and gravity."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ _PARAMETERS = {
 
 
 def declare_body(context: Context, entry: Entry) -> Value:
-    """A particle or a solid.  Raises Wrong."""
+    """Declare a particle or a solid.  Raises Wrong."""
     for modifier in entry.modifiers:
         raise Wrong(
             "LAG0209",
@@ -92,7 +92,7 @@ def _call_of(entry: Entry) -> tree.Call:
 
 
 def _arguments(context: Context, entry: Entry, call: tree.Call, name: str) -> dict[str, Argument]:
-    """What is given, by the parameters' names; faults of all of it are found."""
+    """Return the arguments by parameter name; the faults of all of them are reported."""
     parameters, required = _PARAMETERS[name]
     written = dict(zip(parameters, match(context, call, parameters, required, f"`{name}`")))
 
@@ -140,7 +140,8 @@ _READ: dict[str, Callable[[Context, Argument], object]] = {
 
 
 def _matrix(context: Context, value: Value, span: Span) -> Matrix:
-    """Principal moments {I1, I2, I3}, or a symmetric matrix by rows."""
+    """Return the inertia matrix for principal moments {I1, I2, I3} or a symmetric matrix by rows.  Raises
+    Wrong."""
     zero = context.graph.zero
     rows = value.elements if isinstance(value, Array) else ()
     if len(rows) == 3 and all(isinstance(r, Scalar) for r in rows):
@@ -167,8 +168,11 @@ def _check_principal(a: Node, b: Node, c: Node, span: Span) -> None:
 
 
 def declare_gravity(context: Context, entry: Entry) -> Value:
-    """`Gravity field(g = ..., direction = ...)`: V = -m g d . r for every body of the instance it is
-    declared in and of the instances within.  Its strength is the parameter `field.g`."""
+    """Declare `Gravity field(g = ..., direction = ...)`.
+
+    Its potential is V = -sum of m g d . r over the bodies of the instance and of nested instances.  Its
+    strength is the parameter `field.g`.
+    """
     source = entry.source
     assert isinstance(source, tree.Declarator)
     call = tree.Call(tree.Name("Gravity", source.name_span), source.arguments, source.span)
@@ -197,7 +201,7 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
 
 
 def _note_field(context: Context, entry: Entry, body: Entry, direction: Vector) -> None:
-    """Warn of one that pulls at a body the same way as another, but for rounding."""
+    """Warn if another gravity acts on the same body in the same direction, up to round-off."""
     way = tuple([round(x.value, _SAME) if x.op == "const" else x for x in direction])
     first = context.fields.setdefault((body.path, way), entry)
     pair = (first.span, entry.span)

@@ -1,4 +1,4 @@
-"""`when condition then ... end when;`: what is done at the moment that a condition becomes true."""
+"""Declaration of `when condition then ... end when;`."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _USES = '`reinit(x, value)`, `terminate("why")`, `mark("name")`'
 
 @dataclass(slots=True)
 class _Found:
-    """What the lines of a clause do."""
+    """The actions of one clause."""
 
     changes: dict[Node, Node] = field(default_factory=dict)
     reasons: list[str] = field(default_factory=list)
@@ -36,7 +36,8 @@ class _Found:
 def when_clause(
     context: Context, written: tree.When, environment: Environment, effect: str | None
 ) -> objects.When:
-    """Raises Wrong, or Poisoned where faults have been reported."""
+    """Return the clause with its condition and actions.  Raises Wrong, or Poisoned after faults are
+    reported."""
 
     def part(one: tree.When | tree.Statement) -> Node | None:
         if isinstance(one, tree.When):
@@ -54,8 +55,10 @@ def when_clause(
 
 
 def ending(context: Context, until: str) -> tree.When:
-    """The clause that ends a run where the condition `until` of a command or a caller becomes true.  Raises
-    Refused where it is no expression."""
+    """Return the clause that ends a run when the condition `until` becomes true.
+
+    Raises Refused if `until` is not an expression.
+    """
     from lagc.syntax.parse import parse_expression
 
     source = Source("<until>", until, asked=True)
@@ -72,7 +75,7 @@ def _words(condition: tree.Expression) -> str:
 
 
 def _where(environment: Environment) -> str:
-    """Of which instance, and at which numbers of loops."""
+    """Return the instance and the loop indices of a clause, as text."""
     path, values = environment.instance.path.rstrip("."), environment.bindings.items()
     found = [f"in {path}"] if path else []
     found += [f"{name} = {v.node.value:g}" for name, v in values if isinstance(v, Scalar) and v.node.is_const]

@@ -28,7 +28,8 @@ _SMALLEST = 1e-6  # norm of a start that has a direction
 
 
 def declare_orientation(context: Context, entry: Entry, source: tree.Declarator) -> Value:
-    """The orientation, its symbols and their time derivatives q' = 1/2 q (0, rate).  Raises Wrong."""
+    """Declare an orientation with the time derivatives q' = 1/2 q (0, rate) of its quaternion.  Raises
+    Wrong."""
     if source.dimensions:
         remedy = "declare the orientation in a model, and an array of instances of that model"
         raise Wrong("LAG0221", "arrays of orientations are not supported", source.span, remedy)
@@ -89,7 +90,7 @@ def _numbers(
     attribute: str,
     names: list[str],
 ) -> tuple[list[Node], list[Statement]]:
-    """The number of each of `names`, and how it was stated.  Raises Wrong."""
+    """Return the initial value of each of `names`, and its statement.  Raises Wrong."""
     what = f"the {attribute} of `{entry.path}`"
     found, stated = list(default), [declared(entry, modifier)] * len(default)
     whole = context.give(context.starts, entry.path if attribute == "start" else f"{entry.path}.rate")
@@ -117,7 +118,7 @@ def _numbers(
 
 
 def _unit(context: Context, entry: Entry, start: list[Node]) -> tuple[Node, Node, Node, Node]:
-    """The start as a unit quaternion.  Raises Wrong where it has no direction."""
+    """Return the initial value as a unit quaternion.  Raises Wrong if its norm is zero."""
     w, x, y, z = start
     square = w * w + x * x + y * y + z * z
     if square.is_const:

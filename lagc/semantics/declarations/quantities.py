@@ -1,4 +1,4 @@
-"""Declared quantities: constants, parameters, inputs, coordinates, speeds, outputs."""
+"""Declarations of constants, parameters, inputs, coordinates, speeds and outputs."""
 
 from __future__ import annotations
 
@@ -63,8 +63,11 @@ _SAID = {"structural": "structural parameter"}
 
 
 def declare_quantity(context: Context, entry: Entry) -> Value:
-    """The value of a quantity, and its objects; of one at fault what it stands for, so that others are looked
-    at all the same.  Raises Wrong."""
+    """Declare a quantity and return its value.
+
+    After a fault the value is a placeholder symbol, so that declarations that use it are still checked.
+    Raises Wrong, or Poisoned if there is no placeholder.
+    """
     source, declaration = entry.source, entry.declaration
     assert isinstance(source, tree.Declarator) and isinstance(declaration, tree.Quantities)
     if (
@@ -102,7 +105,7 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
 
 
 def _stand_in(context: Context, entry: Entry, sizes: list[int], dimension: Dimension | None) -> Value:
-    """Symbols of a quantity that is at fault.  Raises Poisoned where it is one that has none."""
+    """Return placeholder symbols for a quantity with a fault.  Raises Poisoned if its kind has none."""
     if entry.kind not in _SYMBOLS:
         raise Poisoned
     graph, found = context.graph, []
@@ -139,7 +142,7 @@ def _display(context: Context, meant: QuantityType, attributes: dict[str, Modifi
 
 
 def _fixed(context: Context, quantity: Quantity) -> Value:
-    """Constants and structural integers: numbers from the start."""
+    """Declare constants and structural integers, whose values are known at compile time."""
     entry = quantity.entry
     bounds = bounds_of(context, quantity)
     found: list[Scalar] = []
@@ -224,7 +227,7 @@ def _input(context: Context, quantity: Quantity) -> Value:
 
 
 def _followed(context: Context, quantity: Quantity, name: str, node: Node) -> objects.Output:
-    """An input that is no number, but what stands in its place: it is seen as an output."""
+    """Return the output that records an input given by an expression."""
     if context.clock.mask(node) & LATE:
         message = "an input must not depend on an acceleration or a reaction"
         raise Wrong("LAG0219", message, value_span(context, quantity))
@@ -240,7 +243,7 @@ def starts(
     dimension: Dimension,
     name: Callable[[tuple[int, ...]], str],
 ) -> tuple[list[Node], list[objects.Statement]]:
-    """The start (or rate) of each element, and how it was stated."""
+    """Return the initial value (or rate) of each element, and its statement."""
     modifier = quantity.attributes.get(attribute)
     zero = Scalar(context.graph.zero, None)
     count = len(quantity.subscripts)

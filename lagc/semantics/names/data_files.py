@@ -1,4 +1,4 @@
-"""Columns of numbers out of files of comma-separated values (RFC 4180)."""
+"""Columns of numbers from files of comma-separated values (RFC 4180)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 
 class Unfit(Exception):
-    """A file that holds no columns of numbers; the message goes on after its name."""
+    """A file without columns of numbers; the message follows the name of the file."""
 
     def __init__(self, message: str, remedy: str | None = None):
         super().__init__(message)
@@ -23,17 +23,17 @@ class Unfit(Exception):
 
 @dataclass(frozen=True)
 class Columns:
-    """`heads`: name and unit (None: not said) of each column."""
+    """`heads`: name and unit (None if absent) of each column."""
 
     heads: Sequence[tuple[str, str | None]]
     rows: Sequence[tuple[int, list[str]]]  # line and cells
 
     def place(self, name: str) -> int | None:
-        """Which column is called so."""
+        """Return the index of the column called `name`, or None."""
         return next((k for k, (head, _) in enumerate(self.heads) if head == name), None)
 
     def numbers(self, k: int) -> list[float]:
-        """Those of a column, in its unit.  Raises Unfit."""
+        """Return the numbers of column k in its unit.  Raises Unfit."""
         found = []
         for line, cells in self.rows:
             cell = cells[k].strip()
@@ -45,8 +45,8 @@ class Columns:
 
 
 def columns(text: str) -> Columns:
-    """What `text` holds: a line of names, some with a unit, `u [N]`, then lines of as many numbers.
-    Raises Unfit."""
+    """Read a line of column names, some with a unit (`u [N]`), and lines with as many numbers.  Raises
+    Unfit."""
     import csv  # where a model looks numbers up
 
     reader = csv.reader(text.splitlines(), strict=True)
@@ -77,7 +77,7 @@ def columns(text: str) -> Columns:
 
 
 def _head(written: str) -> tuple[str, str | None]:
-    """Name and unit.  An index right behind a name belongs to it: `th[1]`, `K[1,2] [N/m]`."""
+    """Return name and unit.  An index right after a name belongs to the name: `th[1]`, `K[1,2] [N/m]`."""
     text = written.strip()
     name, bracket, inner = text[:-1].rpartition("[")
     if not (text.endswith("]") and bracket) or "]" in inner:

@@ -1,7 +1,9 @@
-"""What a file or a package declares, and imports of other files.
+"""Names declared in files and packages, and imports.
 
-An import, or a file of numbers, never leaves its roots: the folder of the importing file, and the folders
-given.
+Imports and data files stay within the roots: the folder of the importing file, and the given folders.
+
+All imports of a place are resolved together, because the first name of `import a.b.C;` may itself be imported
+by another line.  Each resolved import wakes the imports that wait for a name it provides.
 """
 
 from __future__ import annotations
@@ -25,7 +27,7 @@ Declared = (
 
 
 class Namespace:
-    """Names of one file, package or model body; `parent` is asked next."""
+    """The names of one file, package or model body; lookups continue in `parent`."""
 
     def __init__(
         self, declarations: Iterable[tree.Declaration], parent: Namespace | None, importer: Importer
@@ -66,13 +68,16 @@ class Namespace:
         self.names[declaration.name] = declaration
 
     def imported(self) -> Imports:
-        """What the imports here bring, found when it is first asked for."""
+        """Return the imports of this place, resolved at the first call."""
         if self._imported is None:
             self._imported = Imports(self.imports, self)
         return self._imported
 
     def lookup(self, name: str) -> Found | None:
-        """Raises Wrong where the name is unknown and an import that failed might have declared it."""
+        """Return the declaration called `name` and its namespace, or None.
+
+        Raises Wrong if the name is unknown and an import that failed might have declared it.
+        """
         space: Namespace | None = self
         while space is not None:
             declared = space.names.get(name)
@@ -90,11 +95,11 @@ class Namespace:
             space = space.parent
 
     def find(self, path: tuple[str, ...], span: Span, what: str) -> Found:
-        """The declaration called `a.b.c`.  Raises Wrong."""
+        """Return the declaration called `a.b.c`.  Raises Wrong."""
         return self.follow(self.lookup(path[0]), path, span, what)
 
     def follow(self, found: Found | None, path: tuple[str, ...], span: Span, what: str) -> Found:
-        """The same, where `found` is what `a` is.  Raises Wrong."""
+        """Return the declaration called `a.b.c`, where `found` is that of `a`.  Raises Wrong."""
         near: Iterable[str] = self.known()
         for name in path[1:]:
             if found is None:
@@ -117,7 +122,7 @@ Result: TypeAlias = Found | Namespace | Wrong  # of an import of one declaration
 
 
 class Imports:
-    """Of the imports of a file, a package or a model; `faults` are theirs."""
+    """The resolved imports of a file, a package or a model, with their `faults`."""
 
     def __init__(self, declarations: Sequence[tree.Import], space: Namespace):
         self.declarations = declarations
@@ -127,7 +132,10 @@ class Imports:
         self._missing: dict[str | None, Wrong] = {}  # by name; None: one that might have brought any
 
     def get(self, name: str) -> Found | None:
-        """Raises Wrong where the name is unknown and an import that failed might have declared it."""
+        """Return the imported declaration called `name`, or None.
+
+        Raises Wrong if the name is unknown and an import that failed might have declared it.
+        """
         if self._names is None:
             self._names = self._merged()
         found = self._names.get(name)
@@ -137,7 +145,7 @@ class Imports:
         return found
 
     def _merged(self) -> dict[str, Found]:
-        """Where two imports bring a name, it is what the first brings."""
+        """Return all imported names; where two imports provide the same name, the first wins."""
         names: dict[str, Found] = {}
         seen: set[int] = set()
         for declaration, result in zip(self.declarations, self.results):
@@ -153,7 +161,7 @@ class Imports:
 
 
 class _Search:
-    """Imports by their number, and by the first name of their path while they wait for that."""
+    """Imports by number; waiting imports are listed by the first name of their path."""
 
     def __init__(self, declarations: Sequence[tree.Import], space: Namespace):
         self.declarations = declarations
@@ -165,7 +173,8 @@ class _Search:
                 self.waiting.setdefault(declaration.path[0], []).append(i)
 
     def run(self) -> list[Result]:
-        """What stands here, and what that brings, goes before what is known around, and this before files."""
+        """Resolve all imports.  Names of this place and its imports come first, then the surroundings, then
+        files."""
         for i, declaration in enumerate(self.declarations):
             if declaration.file is not None:
                 self._try(i, self.space.importer.file, declaration)
@@ -185,7 +194,7 @@ class _Search:
         return [self.results[i] for i in range(len(self.declarations))]
 
     def _batches(self) -> Iterator[list[str]]:
-        """The names that are waited for; what an import brings comes behind the first name of its path."""
+        """Yield the awaited names; a name that an import provides comes after the first name of its path."""
         before: dict[str, str] = {}
         for declaration in self.declarations:
             if declaration.alias in self.waiting and declaration.path[0] in self.waiting:
@@ -203,7 +212,7 @@ class _Search:
         yield list(left)  # names that wait for each other
 
     def _wake(self, settled: list[int]) -> None:
-        """Settle those that wait for what these bring, and on, round by round."""
+        """Resolve the imports that wait for names that `settled` imports provide, round by round."""
         while settled:
             settled = [
                 woken
@@ -213,7 +222,7 @@ class _Search:
             ]
 
     def _brought(self, i: int) -> Iterable[tuple[str, Found | Wrong]]:
-        """What import `i` brings under names that are waited for."""
+        """Return the awaited names that import `i` provides."""
         result, alias = self.results[i], self.declarations[i].alias
         if isinstance(result, Wrong | tuple):
             return [(alias, result)] if alias is not None and alias in self.waiting else []
@@ -224,7 +233,7 @@ class _Search:
         return [(name, (place.names[name], place)) for name in names]
 
     def _meet(self, name: str, met: Found | Wrong) -> list[int]:
-        """Settle all that wait for this name, where it is a package or a fault."""
+        """Resolve all imports that wait for this name, if it is a package or a fault."""
         if isinstance(met, tuple) and not isinstance(met[0], tree.Package):
             return []
         woken = self.waiting.pop(name, [])
@@ -263,7 +272,7 @@ class _Search:
 
 
 class Importer:
-    """Reads imported files, each once; remembers the faults found on the way."""
+    """Reads imported files, each once, and collects the faults."""
 
     def __init__(self, main: Source, roots: tuple[str, ...]):
         folder = folder_of(main.name if os.path.exists(main.name) else "")
@@ -283,25 +292,25 @@ class Importer:
         self.faults.append(wrong)
 
     def inside(self, outer: tree.Package | tree.ModelDeclaration, parent: Namespace) -> Namespace:
-        """The names within, the same for all who ask: its imports are found once."""
+        """Return the namespace inside a package or model; the same one at every call."""
         space = self._inner.get(id(outer))
         if space is None:
             space = self._inner[id(outer)] = Namespace(outer.body, parent, self)
         return space
 
     def look_at(self, declarations: Iterable[tree.Declaration], space: Namespace) -> None:
-        """Note the faults of the imports among `declarations`, also of those whose names nobody uses."""
+        """Collect the faults of all imports among `declarations`, used or not."""
         self.faults += space.imported().faults
         for declaration in declarations:
             if isinstance(declaration, tree.Package | tree.ModelDeclaration):
                 self.look_at(declaration.body, self.inside(declaration, space))
 
     def file(self, declaration: tree.Import) -> Namespace:
-        """What `import "..."` brings.  Raises Wrong."""
+        """Return the namespace that `import "..."` provides.  Raises Wrong."""
         return self._read(self._beside(declaration.file or "", declaration.span), declaration.span)
 
     def member(self, declaration: tree.Import, found: Found) -> Found | Namespace:
-        """What an import brings, where the first name of its path is `found`.  Raises Wrong."""
+        """Return what an import provides, where `found` is the first name of its path.  Raises Wrong."""
         return self._opened(
             declaration, found[1].follow(found, declaration.path, declaration.span, "declaration")
         )
@@ -315,7 +324,7 @@ class Importer:
         return self.inside(container, outer)
 
     def data(self, written: str, span: Span) -> Columns:
-        """A file of numbers, found as imports are.  Raises Wrong."""
+        """Return the columns of a data file, located like an import.  Raises Wrong."""
         path = self._beside(written, span)
         real = os.path.realpath(path)
         try:
@@ -333,7 +342,7 @@ class Importer:
         return self._data[real]
 
     def _beside(self, written: str, span: Span) -> str:
-        """The path of a file that is named in a text.  Raises Wrong where it leads outside."""
+        """Return the path of a file named in a text.  Raises Wrong if it is outside the roots."""
         path = os.path.join(folder_of(span.source.name) or os.sep, written)
         if span.source not in self.free and not self._allowed(os.path.realpath(path)):
             raise Wrong(
@@ -345,7 +354,7 @@ class Importer:
         return path
 
     def _count(self, data: bytes, span: Span) -> None:
-        """Raises Wrong where this is too much."""
+        """Add to the total size of imports.  Raises Wrong if it is too large."""
         self.size += len(data)
         if self.size > TOGETHER:
             raise Wrong("LAG0216", f"the imports together are larger than {TOGETHER // 1_000_000} MB", span)
@@ -354,7 +363,7 @@ class Importer:
         return any(path.startswith(root.rstrip(os.sep) + os.sep) for root in self.roots)
 
     def in_files(self, declaration: tree.Import) -> Found | Namespace | None:
-        """What an import brings of a file that is called by its path, if any.  Raises Wrong."""
+        """Return what an import provides from a file named by its path, or None.  Raises Wrong."""
         names = declaration.path
         for root in self.roots:
             for length in range(len(names), 0, -1):
@@ -389,7 +398,7 @@ class Importer:
         return self.files[path]
 
     def _parse(self, path: str, span: Span) -> None:
-        """Into `files`, or `broken`."""
+        """Parse a file into `files`, or add it to `broken`."""
         from lagc.syntax.parse import parse
 
         try:
@@ -414,7 +423,7 @@ def _candidates(names: tuple[str, ...]) -> str:
 
 
 def shown(path: str) -> str:
-    """The path as people know it: from where they are, if it is below."""
+    """Return the path for messages: relative if it is below the current folder."""
     here = folder_of("")
     if not here:
         return path

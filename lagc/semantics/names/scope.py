@@ -1,8 +1,8 @@
-"""Scopes of a model and the values that its expressions have.
+"""Scopes of a model and the values of its expressions.
 
-An `Instance` holds each declaration under its full name as an `Entry`; an `Environment` tells where a name is
-looked up; a `Modifier` changes a declaration from outside.  Only ranges of loops and sizes of arrays are
-evaluated before the values are asked for.
+An `Instance` holds each declaration under its full name as an `Entry`.  An `Environment` is where a name is
+looked up.  A `Modifier` changes a declaration from outside.  Instantiation evaluates only loop ranges and
+array sizes.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ LONGEST_SHOWN = 40  # characters of an expression that a remedy repeats
 
 @dataclass(frozen=True, slots=True)
 class Environment:
-    """Where a name is looked up: bindings (loop variables, function arguments), then the
-    instance, then the namespace."""
+    """The place where names are looked up: bindings (loop variables, function arguments), then the instance,
+    then the namespace."""
 
     instance: Instance
     space: Namespace
@@ -44,8 +44,10 @@ class Environment:
 
 @dataclass(frozen=True, slots=True)
 class Modifier:
-    """An argument that changes a declaration from outside, evaluated where it was written;
-    `index` takes one element of it, for arrays of instances."""
+    """An argument that changes a declaration from outside, evaluated where it was written.
+
+    `index` selects one element of it, for arrays of instances.
+    """
 
     argument: tree.Argument
     environment: Environment
@@ -66,7 +68,7 @@ Source: TypeAlias = (
 
 
 class Entry:
-    """One name of an instance."""
+    """One declared name of an instance."""
 
     __slots__ = (
         "declaration", "effect", "elements", "environment", "kind", "modifiers", "name", "objects", "parts",
@@ -98,7 +100,7 @@ class Entry:
         return self.source.name_span
 
     def member(self, subscript: tuple[int, ...]) -> str:
-        """The full name of an element, or without a subscript of the whole."""
+        """Return the full name of an element, or of the whole if there is no subscript."""
         return self.path + (f"[{','.join(str(n) for n in subscript)}]" if subscript else "")
 
 
@@ -106,7 +108,7 @@ Item: TypeAlias = "Entry | list[Item]"
 
 
 class Instance:
-    """A model with the declarations that the scene leaves of it."""
+    """A model with the declarations that the chosen scene keeps."""
 
     def __init__(
         self, path: str, declaration: tree.ModelDeclaration, parent: Instance | None, depth: int = 0
@@ -122,7 +124,8 @@ class Instance:
         self.conditions: list[tuple[tree.Condition, Environment]] = []
 
     def in_order(self) -> list[Entry]:
-        """All entries, elements one by one, instances within at their place."""
+        """Return all entries in order of declaration, with array elements and nested instances at their
+        places."""
         found: list[Entry] = []
         stack: list[Item] = [self.items]
         while stack:
@@ -139,7 +142,7 @@ Extended: TypeAlias = dict[int, list[tuple[tree.ModelDeclaration, Modifiers]]]
 
 
 def modifiers_of(arguments: Iterable[tree.Argument], environment: Environment) -> Modifiers:
-    """The arguments of an instance or of `extends`, by name.  Raises Wrong."""
+    """Return the arguments of an instance or of `extends`, by name.  Raises Wrong."""
     found: Modifiers = {}
     for argument in map(_named, arguments):
         if argument.name is None:
@@ -151,7 +154,7 @@ def modifiers_of(arguments: Iterable[tree.Argument], environment: Environment) -
 
 
 def _named(argument: tree.Argument) -> tree.Argument:
-    """`a(m = 5)` reads like a call; among the arguments of a model it modifies what is within `a`."""
+    """Return `a(m = 5)`, which parses as a call, as a modification of the members of `a`."""
     call = argument.value
     if argument.name is None and isinstance(call, tree.Call) and isinstance(call.function, tree.Name):
         name = call.function
@@ -160,8 +163,10 @@ def _named(argument: tree.Argument) -> tree.Argument:
 
 
 def outermost_first(model: tree.ModelDeclaration, extended: Extended) -> Iterator[tuple[str, Modifier]]:
-    """What a model and all that it extends give to what they extend: what one gives goes before what those
-    give that it extends, in one way or another; else the order is that in which they are written."""
+    """Yield all modifiers that a model and its base models give to their own base models.
+
+    Modifiers of a model come before those of its bases; otherwise the order of the text is kept.
+    """
     done: set[int] = set()
     order: list[int] = []  # the innermost first, what is written last before what is written first
 
@@ -180,7 +185,7 @@ def outermost_first(model: tree.ModelDeclaration, extended: Extended) -> Iterato
 
 
 def subscripts(sizes: list[int], span: Span) -> list[tuple[int, ...]]:
-    """(1, 1), (1, 2) ... of an array.  Raises Wrong."""
+    """Return (1, 1), (1, 2) ... for an array of these sizes.  Raises Wrong."""
     found: list[tuple[int, ...]] = [()]
     for size in sizes:
         if size < 0:
@@ -193,8 +198,7 @@ def subscripts(sizes: list[int], span: Span) -> list[tuple[int, ...]]:
 
 @dataclass(frozen=True, slots=True)
 class Scalar:
-    """A number with a dimension; `dimension` None is that of 0, which fits all.  `bare`: it is made of data
-    without a unit."""
+    """A number with a dimension (None for 0, which fits any).  `bare`: it comes from data without a unit."""
 
     node: Node
     dimension: Dimension | None
@@ -222,14 +226,14 @@ class Text:
 
 @dataclass(frozen=True, slots=True)
 class Indexed:
-    """Things that were declared with subscripts: `point P[0] = ...; body b[i] = ...`."""
+    """Declarations with subscripts: `point P[0] = ...; body b[i] = ...`."""
 
     entry: Entry
 
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """A declaration that is no quantity: a constraint, a force, an effect, ..."""
+    """A declaration that is not a quantity: a constraint, a force, an effect, ..."""
 
     entry: Entry
 
@@ -255,7 +259,7 @@ _AS_NUMBER = "write `if condition then 1 else 0`"
 
 
 def kind(value: Value) -> str:
-    """In words, for messages."""
+    """Return the kind of a value in words, for messages."""
     if isinstance(value, Reference):
         return f"a {value.entry.kind}"
     if isinstance(value, Array) and len(value.elements) == 3 and isinstance(value.elements[0], Scalar):
@@ -264,7 +268,7 @@ def kind(value: Value) -> str:
 
 
 def vector_of(value: Value, span: Span, what: str) -> tuple[Vector, Dimension | None]:
-    """The three components (world axes) and their dimension.  Raises Wrong."""
+    """Return the three components (world axes) and their dimension.  Raises Wrong."""
     if isinstance(value, Body):
         return value.position, M
     if isinstance(value, Array) and len(value.elements) == 3:
@@ -279,8 +283,8 @@ def vector_of(value: Value, span: Span, what: str) -> tuple[Vector, Dimension | 
 
 
 def numbers_of(value: Value, span: Span, what: str) -> tuple[tuple[Node, ...], Dimension | None]:
-    """The components of a vector, or the elements of an array, one at least, and their dimension.
-    Raises Wrong."""
+    """Return the components of a vector or the elements of a non-empty array, and their dimension.  Raises
+    Wrong."""
     if isinstance(value, Array) and len(value.elements) != 3:
         scalars = tuple([x for x in value.elements if isinstance(x, Scalar)])
         if scalars and len(scalars) == len(value.elements):
@@ -289,7 +293,7 @@ def numbers_of(value: Value, span: Span, what: str) -> tuple[tuple[Node, ...], D
 
 
 def common_dimension(scalars: tuple[Scalar, ...], span: Span) -> Dimension | None:
-    """The one dimension of all.  Raises Wrong."""
+    """Return the common dimension of `scalars`.  Raises Wrong if they differ."""
     found: Dimension | None = None
     for scalar in scalars:
         if scalar.dimension is None:
@@ -312,14 +316,14 @@ def scalar_of(value: Value, span: Span, what: str) -> Scalar:
 def expect(
     dimension: Dimension | None, wanted: Dimension, span: Span | None, what: str, named: str | None = None
 ) -> None:
-    """Raises Wrong where `what` has another dimension than it should, which messages call `named`."""
+    """Raise Wrong if `what` has another dimension than `wanted`; `named` is its name in the message."""
     if dimension is not None and dimension != wanted:
         message = f"{what} must be {named or describe(wanted)}; this is {describe(dimension)}"
         raise Wrong("LAG0302", message, span, _to_fit(wanted, dimension, span))
 
 
 def _to_fit(wanted: Dimension, found: Dimension, span: Span | None) -> str:
-    """What to write where something of dimension `found` stands."""
+    """Return a remedy for a value of dimension `found`."""
     unit = f"[{si_text(wanted)}]"
     written = span.source.text[span.start : span.end] if span else ""
     plain = re.sub(r'"[^"]*"', '""', written)  # names of files and columns are no numbers
@@ -338,7 +342,7 @@ def _to_fit(wanted: Dimension, found: Dimension, span: Span | None) -> str:
 
 
 def flat(value: Value, span: Span, what: str) -> list[Scalar]:
-    """All scalars of a number or an array of numbers, rows first."""
+    """Return all scalars of a number or an array of numbers, rows first."""
     if isinstance(value, Scalar):
         return [value]
     if isinstance(value, Array):
@@ -350,7 +354,7 @@ def flat(value: Value, span: Span, what: str) -> list[Scalar]:
 
 
 def shape(value: Value) -> list[int]:
-    """The sizes of an array, rows first; [] for a number."""
+    """Return the sizes of an array, rows first; [] for a number."""
     found: list[int] = []
     while isinstance(value, Array):
         found.append(len(value.elements))
@@ -373,8 +377,11 @@ _SUBSCRIPT = re.compile(r"\[[^]]*\]")
 
 @dataclass(frozen=True, slots=True)
 class Uses:
-    """What a scene names, and what a run adds and leaves out, which counts more, and by a path more than by a
-    name."""
+    """The effects in use: those of the scene, and those that the run adds and removes.
+
+    An effect is named by its path, `cars[2].drag`, by `cars.drag` for all elements of an array, or by `drag`
+    for all instances.  The run overrides the scene, and a path overrides a shorter name.
+    """
 
     named: frozenset[str] = frozenset()
     added: frozenset[str] = frozenset()
@@ -393,17 +400,17 @@ class Uses:
         return not self.named.isdisjoint(keys(path))
 
     def has_beside(self, place: str, name: str) -> bool:
-        """Of what an instance (its path, with a point) calls by `name`: its own, or that of all."""
+        """Whether the effect `name` of the instance at `place`, or of all instances, is in use."""
         return self.has(place + name) or ("." in name and self.has(name))
 
 
 def keys(path: str) -> Iterator[str]:
-    """What an effect may be called by, the closest first."""
+    """Yield the names of an effect, the most specific first."""
     yield path
     yield without_subscripts(path)
     yield path.rpartition(".")[2]
 
 
 def without_subscripts(path: str) -> str:
-    """What all elements of arrays are called together."""
+    """Return a path without subscripts, which names all elements of arrays."""
     return _SUBSCRIPT.sub("", path)

@@ -1,4 +1,4 @@
-"""The choice of a model of the file and of a scene of the model, and what the scene gives."""
+"""Choice of the model and the scene, and the values that the scene and the command give."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ Inputs = Mapping[str, "Source | Points"]
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """A scene, the effects it uses after what the command adds and removes, and how it was chosen."""
+    """The chosen scene, its effects after those that the command adds and removes, and notes on the
+    choice."""
 
     scene: tree.Scene | None
     name: str
@@ -36,8 +37,10 @@ class Setting:
 def choose_model(
     file: tree.Tree, space: Namespace, wanted: str | None
 ) -> tuple[tree.ModelDeclaration, Namespace]:
-    """The model that is meant: `wanted`, else the last of the file that is not partial; one in a package
-    where there is no other.  Raises Wrong."""
+    """Return the model `wanted`, or else the last one of the file that is not partial, or one in a package.
+
+    Raises Wrong.
+    """
     if wanted is not None:
         nowhere = Span(file.source, 0, 0)
         try:
@@ -68,7 +71,7 @@ def choose_model(
 
 
 def models_of(declarations: Sequence[tree.Declaration], path: str = "") -> list[str]:
-    """The full names of the models that can be chosen."""
+    """Return the full names of the models that can be chosen."""
     found: list[str] = []
     for d in declarations:
         if isinstance(d, tree.ModelDeclaration) and not d.partial:
@@ -91,8 +94,8 @@ def scenes_of(
     depth: int = 0,
     seen: set[int] | None = None,
 ) -> dict[str, tree.Scene]:
-    """The scenes of a model, its own first, then the inherited ones, not those of models that were `seen`.
-    Raises Wrong."""
+    """Return the scenes of a model, its own first, then inherited ones; models in `seen` are skipped.  Raises
+    Wrong."""
     seen = set() if seen is None else seen
     if id(model) in seen:
         return {}
@@ -124,7 +127,10 @@ def scenes_of(
 def choose_scene(
     scenes: Mapping[str, tree.Scene], wanted: str | None, added: Sequence[str], removed: Sequence[str]
 ) -> Setting:
-    """Raises Wrong where there is no such scene, or an effect is both added and removed."""
+    """Return the scene `wanted`, or else the first.
+
+    Raises Wrong if the scene does not exist, or if an effect is both added and removed.
+    """
     notes: list[str] = []
     if wanted is None and scenes:
         wanted = next(iter(scenes))
@@ -150,8 +156,10 @@ def choose_scene(
 
 
 def read_values(context: Context, setting: Setting, environment: Environment) -> None:
-    """Note the values of parameters that the scene gives, of those whose names are known before
-    anything is: sizes may hang on them.  `read_rest` notes the others."""
+    """Record the parameter values of the scene with literal subscripts; array sizes may depend on them.
+
+    `read_rest` records the others.
+    """
     for d in setting.scene.body if setting.scene else ():
         if isinstance(d, tree.Quantities):
             if d.type is not None:
@@ -162,8 +170,7 @@ def read_values(context: Context, setting: Setting, environment: Environment) ->
 
 
 def read_rest(context: Context, setting: Setting, environment: Environment) -> dict[str, float]:
-    """Note what else the scene gives, once its names can be looked up; the result is what it says
-    about the run."""
+    """Record the other values of the scene, and return the settings of its `simulate`."""
     settings = Settings(context, environment)
     for d in setting.scene.body if setting.scene else ():
         if isinstance(d, tree.Quantities):
@@ -187,7 +194,7 @@ def _typed(type_name: tree.TypeName) -> None:
 
 
 def _is_plain(declarator: tree.Declarator) -> bool:
-    """Whether no name has to be looked up in its subscripts."""
+    """Whether all subscripts are literal numbers."""
     found = [*declarator.dimensions]
     e = declarator.within
     while isinstance(e, tree.Member | tree.Index):
@@ -216,14 +223,15 @@ def _start(context: Context, d: tree.Start, environment: Environment) -> None:
 
 
 def _of_rate(e: tree.Expression) -> tree.Expression | None:
-    """`x` of `der(x)`."""
+    """Return `x` for `der(x)`."""
     if not isinstance(e, tree.Call) or not isinstance(e.function, tree.Name):
         return None
     return e.arguments[0].value if e.function.name == "der" and len(e.arguments) == 1 else None
 
 
 def _give(context: Context, table: dict[str, Given], name: str, given: Given) -> None:
-    """What the command gives goes before what the scene says.  Raises Wrong where that says it twice."""
+    """Record a value; one of the command overrides that of the scene.  Raises Wrong if the scene gives
+    two."""
     first = table.get(name)
     if first is not None and first.span is not None:
         related = ((first.span, "first here"),)
@@ -232,12 +240,12 @@ def _give(context: Context, table: dict[str, Given], name: str, given: Given) ->
 
 
 def subscript_text(context: Context, indices: Sequence[tree.Expression], environment: Environment) -> str:
-    """`[2,1]`.  Raises Wrong."""
+    """Return subscripts as text: `[2,1]`.  Raises Wrong."""
     return f"[{','.join(str(integer(context, i, environment, 'a subscript')) for i in indices)}]"
 
 
 def target_text(context: Context, e: tree.Expression, environment: Environment) -> str:
-    """The full name that `start ... = ` is about: `theta`, `der(a.th[2])`.  Raises Wrong."""
+    """Return the full name of the target of `start`: `theta`, `der(a.th[2])`.  Raises Wrong."""
     if isinstance(e, tree.Name):
         return e.name
     if isinstance(e, tree.Member):
@@ -256,8 +264,10 @@ def target_text(context: Context, e: tree.Expression, environment: Environment) 
 
 
 def read_inputs(context: Context, inputs: Inputs, environment: Environment) -> None:
-    """Note the inputs that the command or a Python caller gives.  Their files may be anywhere: who asks names
-    them.  Raises Refused where a text is no expression."""
+    """Record the inputs of the command or a Python caller; their data files may be anywhere.
+
+    Raises Refused if a text is not an expression.
+    """
     from lagc.syntax.parse import parse_expression
 
     for name, given in inputs.items():
@@ -271,7 +281,7 @@ def read_inputs(context: Context, inputs: Inputs, environment: Environment) -> N
 
 
 def read_command(context: Context, parameters: Numbers | None, starts: Numbers | None) -> None:
-    """Note what the command or a Python caller gives; it goes before what the scene says."""
+    """Record the values of the command or a Python caller; they override those of the scene."""
     for table, given in ((context.parameters, parameters), (context.starts, starts)):
         for name, value in (given or {}).items():
             number, unit = value if isinstance(value, tuple) else (value, None)
@@ -280,7 +290,7 @@ def read_command(context: Context, parameters: Numbers | None, starts: Numbers |
 
 
 def _effects(name: str, context: Context) -> str:
-    """What to do about an effect that there is not."""
+    """Return a remedy for an effect that does not exist."""
     if not context.effects:
         own = name.rpartition(".")[2].partition("[")[0]
         return f"the model has no effects; declare one with `effect {own} ... end {own};`"
@@ -294,7 +304,7 @@ def _effects(name: str, context: Context) -> str:
 
 
 def check_effects(context: Context, setting: Setting) -> None:
-    """Report every effect that is named and unknown, lacking, or excluded."""
+    """Report every named effect that is unknown, and every required or excluded combination."""
     known = {key for path in context.effects for key in keys(path)}
     named = list(setting.scene.uses) if setting.scene else []
     named += [n for e in context.effects.values() for n in (*e.requires, *e.excludes)]
@@ -337,6 +347,6 @@ def check_effects(context: Context, setting: Setting) -> None:
 
 
 def _scene_place(setting: Setting, effects: Sequence[str]) -> tuple[tuple[Span, str], ...]:
-    """Where the scene names these effects."""
+    """Return the places where the scene names these effects."""
     names = setting.scene.uses if setting.scene else ()
     return tuple((n.span, "used here") for n in names if n.name in {key for e in effects for key in keys(e)})

@@ -1,4 +1,4 @@
-"""What a scene says about the run: the arguments of its `simulate`."""
+"""Settings of a run from the arguments of `simulate` in a scene."""
 
 from __future__ import annotations
 
@@ -32,23 +32,23 @@ class _Given(NamedTuple):
 
 
 class Settings:
-    """Those of a scene, of all its `simulate` together."""
+    """The settings of a scene, from all of its `simulate` statements."""
 
     def __init__(self, context: Context, environment: Environment):
         self.context, self.environment = context, environment
         self._given: dict[str, _Given] = {}
 
     def numbers(self) -> dict[str, float]:
-        """What was given."""
+        """Return the settings by name."""
         return {name: given.number for name, given in self._given.items()}
 
     def read(self, simulate: tree.Simulate) -> None:
-        """Note what it is given, and report what is wrong with it."""
+        """Record the arguments of `simulate` and report their faults."""
         for argument in simulate.arguments:
             self.context.attempt(self._read, argument)
 
     def _read(self, argument: tree.Argument) -> None:
-        """Raises Wrong."""
+        """Record one argument.  Raises Wrong."""
         name, value = argument.name, argument.value
         if name is None:
             raise Wrong("LAG0209", "an argument of `simulate` needs a name: `stop = 20`", argument.span)
@@ -72,7 +72,8 @@ class Settings:
         self._given[name] = _Given(number, argument.span)
 
     def _number(self, name: str, e: tree.Expression) -> float:
-        """Raises Wrong where it is none, or not of the dimension."""
+        """Return the number of an argument.  Raises Wrong if it is not a constant number of the right
+        dimension."""
         value = evaluate_as(self.context, e, self.environment, _SETTINGS[name])
         if not isinstance(value, Scalar):
             raise Wrong("LAG0306", f"`{name}` must be a number; this is {kind(value)}", e.span)
@@ -85,7 +86,7 @@ class Settings:
         return number
 
     def _fault(self, name: str, number: float) -> str | None:
-        """What makes a number no such setting."""
+        """Return the reason why a number is not valid for a setting, or None."""
         if number <= 0:
             return f"`{name}` must be positive"
         if name in _BELOW_ONE and number >= 1:

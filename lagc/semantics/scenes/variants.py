@@ -1,4 +1,4 @@
-"""All that a file can mean: its models, their scenes, and the effects that no scene uses."""
+"""All variants of a file that can be checked: its models, their scenes, and effects that no scene uses."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from lagc.syntax.tree import Declaration, ModelDeclaration, Package, Scene, Tree
 
 @dataclass(frozen=True, slots=True)
 class Variant:
-    """What `resolve` is asked for; None is its own choice."""
+    """One choice of model, scene and effects; None leaves the choice to `resolve`."""
 
     model: str | None
     scene: str | None
@@ -24,11 +24,12 @@ class Variant:
 
 
 def variants(file: tree.Tree, model: str | None = None, roots: Sequence[str] = ()) -> list[Variant]:
-    """Every scene of every model of the file (of `model` where one is named), and each effect that no
-    scene uses, with what it requires, in the first scene.
+    """Return every scene of every model of the file (or of `model`), and each unused effect in the first
+    scene.
 
-    A model that others are made of is looked at within these: alone it may be no whole.  Names that
-    cannot be found are passed over: `resolve` reports them.
+    An unused effect comes with the effects it requires.  A model that other models extend or contain is only
+    checked within them, since it may be incomplete.  Names that cannot be found are skipped: `resolve`
+    reports them.
     """
     importer = Importer(file.source, tuple(roots))
     space = Namespace(file.declarations, None, importer)
@@ -43,7 +44,7 @@ def variants(file: tree.Tree, model: str | None = None, roots: Sequence[str] = (
 
 
 def _parts(declarations: Sequence[tree.Declaration]) -> Iterator[str]:
-    """The names of the models that others extend or contain."""
+    """Yield the names of the models that others extend or contain."""
     for d in declarations:
         if isinstance(d, tree.Extends):
             yield d.path[-1]
@@ -56,7 +57,7 @@ def _parts(declarations: Sequence[tree.Declaration]) -> Iterator[str]:
 def _models(
     declarations: Sequence[tree.Declaration], space: Namespace, path: str
 ) -> Iterator[tuple[str, tree.ModelDeclaration, Namespace]]:
-    """The whole models of a file and of its packages, by their full names."""
+    """Yield the non-partial models of a file and its packages, with their full names."""
     for d in declarations:
         if isinstance(d, tree.ModelDeclaration) and not d.partial:
             yield path + d.name, d, space
@@ -86,7 +87,7 @@ def _of_model(name: str, declaration: tree.ModelDeclaration, space: Namespace) -
 
 
 def _required(effect: tree.Effect, effects: dict[str, tree.Effect]) -> list[str]:
-    """The effect and all that it needs."""
+    """Return the effect and all effects that it requires."""
     wanted = [effect.name]
     for name in wanted:  # grows
         if name in effects:
@@ -97,7 +98,7 @@ def _required(effect: tree.Effect, effects: dict[str, tree.Effect]) -> list[str]
 def _declarations(
     declaration: tree.ModelDeclaration, space: Namespace, depth: int, seen: set[int]
 ) -> Iterator[tree.Declaration]:
-    """What a model declares, then what it inherits, but for that of models that were `seen`."""
+    """Yield the declarations of a model, then inherited ones; models in `seen` are skipped."""
     if id(declaration) in seen:
         return
     seen.add(id(declaration))
@@ -114,14 +115,15 @@ def _declarations(
 
 
 class ByScene:
-    """`tree`, taken apart once."""
+    """A tree that is split by scenes once, so that checking n scenes does not look at each of them n
+    times."""
 
     def __init__(self, tree: Tree):
         self.tree = tree
         self.body = _Body(tree.declarations)
 
     def only(self, name: str) -> Tree:
-        """The tree without the other scenes of its models."""
+        """Return the tree without the other scenes of its models."""
         return replace(self.tree, declarations=self.body.only(name))
 
 

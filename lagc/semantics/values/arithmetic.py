@@ -28,7 +28,7 @@ _COMPARISONS = {
 
 
 def binary(context: Context, e: tree.Binary, left: Value, right: Value) -> Value:
-    """left op right.  Raises Wrong."""
+    """Return `left op right`.  Raises Wrong."""
     if e.op in ("and", "or"):
         return _connective(context, e, left, right)
     for value, side in ((left, e.left), (right, e.right)):
@@ -55,7 +55,7 @@ def negative(value: Value, span: Span) -> Value:
 
 
 def select(context: Context, condition: Node, first: tuple[Value, Span], second: tuple[Value, Span]) -> Value:
-    """`first` where the condition holds, else `second`; both of one shape and dimension."""
+    """Return `first` if the condition holds, else `second`; both have the same shape and dimension."""
     (a, a_span), (b, b_span) = first, second
     if isinstance(a, Truth) and isinstance(b, Truth):
         return Truth(context.graph.select(condition, a.node, b.node))
@@ -103,7 +103,7 @@ def _same(
 
 
 def _sides(e: tree.Binary, a: Scalar, b: Scalar, what: str) -> Dimension | None:
-    """The one dimension of both sides of an operator.  Raises Wrong."""
+    """Return the common dimension of both sides of an operator.  Raises Wrong."""
     remedy = unit_remedy(e.left, b.dimension) or unit_remedy(e.right, a.dimension)
     return _same(a, b, what, e.op_span, e.left.span, e.right.span, remedy)
 
@@ -218,7 +218,7 @@ def _connective(context: Context, e: tree.Binary, left: Value, right: Value) -> 
 
 
 def _finite(value: Value, e: tree.Binary) -> Value:
-    """`value`, unless a constant part of it is infinite or no number."""
+    """Return `value`.  Raises Wrong if a constant part of it is not finite."""
     stack = [value]
     while stack:
         top = stack.pop()

@@ -1,4 +1,4 @@
-"""Calls: functions of the model, of packages, and those that are there."""
+"""Calls of built-in functions and of functions of the model and its packages."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ LONGEST = 64  # arguments of one call
 
 
 def written(name: str) -> str | None:
-    """How a function that is there is called at least, `velocity(of)`; None where there is none."""
+    """Return the shortest call of a built-in function, `velocity(of)`, or None."""
     builtin = BUILTINS.get(name)
     if builtin is None:
         return None
@@ -33,7 +33,7 @@ def written(name: str) -> str | None:
 
 
 def call(context: Context, e: tree.Call, environment: Environment) -> Value:
-    """The value of a call.  Raises Wrong."""
+    """Return the value of a call.  Raises Wrong."""
     if len(e.arguments) > LONGEST:
         raise Wrong("LAG0209", f"the call has more than {LONGEST} arguments", e.span)
     try:
@@ -51,7 +51,8 @@ def call(context: Context, e: tree.Call, environment: Environment) -> Value:
 def _called(
     context: Context, e: tree.Call, environment: Environment
 ) -> tuple[Builtin | tuple[tree.FunctionDeclaration, Environment], list[tree.Expression | None]]:
-    """What is called, and its arguments in the order of its parameters.  Raises Wrong, Poisoned."""
+    """Return the called function, and its arguments in the order of its parameters.  Raises Wrong,
+    Poisoned."""
     own = _declared(context, e.function, environment)
     if own is not None:
         names = _parameters(own[0])
@@ -64,7 +65,7 @@ def _called(
 
 
 def look_at_arguments(context: Context, e: tree.Call, environment: Environment) -> None:
-    """Report the faults within the arguments of a call that is itself at fault."""
+    """Report the faults in the arguments of a call that has a fault itself."""
     for argument in e.arguments[:LONGEST]:
         if argument.value is not None:
             context.attempt(evaluate, context, argument.value, environment)
@@ -80,10 +81,9 @@ def _applied(context: Context, builtin: Builtin, e: tree.Call, given: list[Argum
 def match(
     context: Context, e: tree.Call, parameters: tuple[str, ...], required: int, who: str
 ) -> list[tree.Expression | None]:
-    """The arguments of a call in the order of the parameters; None for one left out.
+    """Return the arguments of a call in the order of the parameters; None for one that is left out.
 
-    A last parameter called `*` takes all that is left.  Raises Poisoned, with all that is wrong
-    reported.
+    A last parameter `*` takes all further arguments.  Raises Poisoned after all faults are reported.
     """
     found: dict[str, tree.Expression] = {}
     many: list[tree.Expression | None] = []
@@ -116,7 +116,7 @@ def match(
 
 
 def _parameter(argument: tree.Argument, position: int, parameters: tuple[str, ...], who: str) -> str:
-    """The parameter that an argument is for.  Raises Wrong."""
+    """Return the parameter of an argument.  Raises Wrong."""
     if argument.value is None or argument.arguments:
         raise Wrong("LAG0209", "this argument has no value", argument.span)
     if argument.name is None:
@@ -146,7 +146,7 @@ def _count(parameters: tuple[str, ...]) -> str:
 def _declared(
     context: Context, function: tree.Expression, environment: Environment
 ) -> tuple[tree.FunctionDeclaration, Environment] | None:
-    """The user's function that is meant, and where its body is read."""
+    """Return the called function of the user and its environment, or None."""
     path = dotted(function)
     if path is None:
         raise Wrong("LAG0201", "this is not a function", function.span)
@@ -175,7 +175,7 @@ def _declared(
 
 
 def _parameters(function: tree.FunctionDeclaration) -> tuple[str, ...]:
-    """Their names.  Raises Wrong."""
+    """Return the names of the parameters.  Raises Wrong."""
     names = tuple(name for _, name, _ in function.parameters)
     for k, (_, name, span) in enumerate(function.parameters):
         if name in names[:k]:
@@ -227,9 +227,9 @@ def _inline(
 
 
 def look_at_uncalled(context: Context, entries: Iterable[Entry]) -> None:
-    """Report the unknown names in the functions of a model that nobody calls.
+    """Report unknown names in functions that are never called.
 
-    What their arguments are, numbers or vectors, only calls would tell: nothing else is reported.
+    Other faults are not reported, because the kinds of the arguments are unknown.
     """
     for entry in entries:
         function = entry.source
@@ -244,7 +244,7 @@ def look_at_uncalled(context: Context, entries: Iterable[Entry]) -> None:
 
 
 def _enter(context: Context, e: tree.Call, function: tree.FunctionDeclaration) -> None:
-    """One more call within others.  Raises Wrong where there is no end of them."""
+    """Count one more nested call.  Raises Wrong if there are too many."""
     if context.all_calls > MOST_CALLS:
         raise Poisoned
     context.all_calls += 1

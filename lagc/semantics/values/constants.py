@@ -1,4 +1,4 @@
-"""Constants of files and packages: names that belong to no instance."""
+"""Constants and types that files and packages declare."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from lagc.syntax import tree
 def constant_of(
     context: Context, declared: tree.Quantities, space: Namespace, name: str, span: Span
 ) -> Value:
-    """The value of a `constant` of a file or a package.  Raises Wrong."""
+    """Return the value of a `constant` of a file or a package.  Raises Wrong."""
     declarator = next(d for d in declared.declarators if d.name == name)
     if declared.kind != "constant":
         raise Wrong(
@@ -48,7 +48,7 @@ def constant_of(
 
 
 def packaged(context: Context, e: tree.Member, environment: Environment) -> Value | None:
-    """`lib.g`: the constant of a package; None where `e` is no such path."""
+    """Return the constant of a package, `lib.g`, or None if `e` is not such a path."""
     path = dotted(e)
     if path is None or _is_here(path[0], environment):
         return None
@@ -60,7 +60,7 @@ def packaged(context: Context, e: tree.Member, environment: Environment) -> Valu
 
 
 def outside(context: Context, declared: Declared, space: Namespace, name: str, span: Span) -> Value:
-    """The value of a constant of a file or a package.  Raises Wrong for anything else."""
+    """Return the value of a constant of a file or a package.  Raises Wrong for anything else."""
     if isinstance(declared, tree.Quantities):
         return constant_of(context, declared, space, name, span)
     words = {
@@ -77,7 +77,7 @@ def _is_here(name: str, environment: Environment) -> bool:
 
 
 def dotted(e: tree.Expression) -> tuple[str, ...] | None:
-    """("a", "b", "c") for `a.b.c`; None for anything else."""
+    """Return ("a", "b", "c") for `a.b.c`; None for anything else."""
     names: list[str] = []
     while isinstance(e, tree.Member):
         names.append(e.name)
@@ -88,7 +88,7 @@ def dotted(e: tree.Expression) -> tuple[str, ...] | None:
 
 
 def space_only(space: Namespace, span: Span) -> Environment:
-    """Where only what files and packages declare is known."""
+    """Return an environment that contains only the declarations of files and packages."""
     nowhere = tree.ModelDeclaration("", span, False, None, (), span)
     return Environment(Instance("", nowhere, None), space)
 
@@ -97,7 +97,7 @@ DEEPEST = 32  # types that stand for types
 
 
 def type_of(name: tree.TypeName | None, space: Namespace, depth: int = 0) -> QuantityType:
-    """The quantity type that a declaration names; without one, a number.  Raises Wrong."""
+    """Return the quantity type of a declaration; a number if it has none.  Raises Wrong."""
     if name is None:
         return TYPES["Real"]
     if name.unit is not None:

@@ -1,4 +1,4 @@
-"""Expressions of the model language to values; how, `expressions` says of each kind."""
+"""Evaluation of expressions of the model language; `expressions` implements each kind."""
 
 from __future__ import annotations
 
@@ -23,15 +23,17 @@ BEYOND = 2**53  # a double that is this may have been written as another integer
 
 
 def evaluate(context: Context, expression: tree.Expression, environment: Environment) -> Value:
-    """The value of an expression.  Raises Wrong, or Poisoned where a fault has been reported."""
+    """Return the value of an expression.  Raises Wrong, or Poisoned if its fault is already reported."""
     return context.evaluators[type(expression)](context, expression, environment)
 
 
 def evaluate_as(
     context: Context, expression: tree.Expression, environment: Environment, dimension: Dimension
 ) -> Value:
-    """The value of a declaration or an argument of the given dimension: bare numbers are in its
-    SI unit.  The dimension of anything else is left to the caller to check."""
+    """Return the value for a declaration or argument of this dimension; numbers without a unit are in SI.
+
+    The caller checks the dimension of other values.
+    """
     value = evaluate(context, expression, environment)
     return value if dimension == NONE else _dressed(value, dimension, is_bare(expression))
 
@@ -46,7 +48,7 @@ def _dressed(value: Value, dimension: Dimension, bare: bool) -> Value:
 
 
 def integer(context: Context, expression: tree.Expression, environment: Environment, what: str) -> int:
-    """The value of an expression that is a structural integer.  Raises Wrong."""
+    """Return the value of a structural integer.  Raises Wrong."""
     value = evaluate(context, expression, environment)
     if not isinstance(value, Scalar):
         raise Wrong("LAG0208", f"{what} must be an integer; this is {kind(value)}", expression.span)
@@ -64,7 +66,7 @@ def integer(context: Context, expression: tree.Expression, environment: Environm
 
 
 def whole(number: float, span: Span, what: str) -> int:
-    """Raises Wrong where the number is no integer, or may stand for another one than was written."""
+    """Return `number` as an integer.  Raises Wrong if it is not one, or is too large to be exact."""
     if number != math.floor(number):
         raise Wrong("LAG0208", f"{what} must be an integer; this is not", span)
     if abs(number) >= BEYOND:
@@ -74,7 +76,7 @@ def whole(number: float, span: Span, what: str) -> int:
 
 
 def integers(context: Context, expression: tree.Expression, environment: Environment) -> list[int]:
-    """The values of a loop's range `1:n`, `1:2:n`.  Raises Wrong."""
+    """Return the values of a loop's range `1:n`, `1:2:n`.  Raises Wrong."""
     if not isinstance(expression, tree.Range):
         raise Wrong("LAG0208", "a loop needs a range, such as `1:n`", expression.span)
     first = integer(context, expression.start, environment, "the start of a range")
@@ -94,7 +96,7 @@ def integers(context: Context, expression: tree.Expression, environment: Environ
 
 
 def each(context: Context, find_one: Callable[[Item], T], items: Iterable[Item]) -> list[T]:
-    """`find_one` of all items; where any is at fault, the faults of all are reported first."""
+    """Return `find_one` of each item.  Raises Poisoned after the faults of all items are reported."""
     found: list[T] = []
     failed = False
     for item in items:
@@ -111,7 +113,7 @@ def each(context: Context, find_one: Callable[[Item], T], items: Iterable[Item])
 
 
 def both(context: Context, one: Callable[[], T], other: Callable[[], Item]) -> tuple[T, Item]:
-    """What two jobs find; where any is at fault, the faults of both are reported first."""
+    """Return the results of two jobs.  Raises Poisoned after the faults of both are reported."""
     jobs: tuple[Callable[[], Any], ...] = one, other
     first, second = each(context, lambda job: job(), jobs)
     return first, second
@@ -120,5 +122,5 @@ def both(context: Context, one: Callable[[], T], other: Callable[[], Item]) -> t
 def all_values(
     context: Context, expressions: Iterable[tree.Expression], environment: Environment
 ) -> list[Value]:
-    """The values of all expressions, with the faults of all."""
+    """Return the values of all expressions; the faults of all are reported."""
     return each(context, lambda e: evaluate(context, e, environment), expressions)

@@ -1,4 +1,4 @@
-"""Each kind of expression to its value: nodes with dimensions, arrays, things."""
+"""Evaluation of each kind of expression."""
 
 from __future__ import annotations
 
@@ -72,12 +72,12 @@ def _quantity(context: Context, e: tree.Quantity, environment: Environment) -> V
 
 
 def _is_number(e: tree.Quantity, environment: Environment) -> bool:
-    """Whether what stands behind a vector is no unit but the number of an element."""
+    """Whether the brackets after a vector contain a subscript instead of a unit."""
     return isinstance(e.value, tree.Vector | tree.Family) and _is_subscript(e.unit.text.strip(), environment)
 
 
 def _is_subscript(text: str, environment: Environment) -> bool:
-    """Whether it is a number or a known name, though it may be a unit too."""
+    """Whether a text is a number or a known name, even if it is also a unit."""
     return text.isdigit() or text in environment.bindings or text in environment.instance.entries
 
 
@@ -113,13 +113,13 @@ def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
 
 
 def _strength(name: str, instance: Instance) -> str | None:
-    """Equations call `field.g` shortly `g`."""
+    """Return a remedy for `g`, which printed equations use for `field.g`."""
     fields = [e.name for e in instance.entries.values() if e.kind == "gravity"] if name == "g" else []
     return f"write {' or '.join(f'`{field}.g`' for field in fields)}" if fields else None
 
 
 def find(context: Context, name: str, environment: Environment, span: Span) -> Value | None:
-    """What a name stands for; None where it is not known.  The user's names come first."""
+    """Return the value of a name, or None if it is unknown.  Names of the user come first."""
     if name in environment.bindings:
         return environment.bindings[name]
     entry = environment.instance.entries.get(name)
@@ -163,7 +163,7 @@ def _index(context: Context, e: tree.Index, environment: Environment) -> Value:
 
 
 def _no_unit(e: tree.Index, environment: Environment) -> None:
-    """Raises Wrong where a unit stands behind something else than a number."""
+    """Raise Wrong if a unit follows something that is not a number."""
     text = e.span.source.text[e.base.span.end : e.span.end].strip()
     if _is_subscript(text[1:-1].strip(), environment):
         return
@@ -193,7 +193,7 @@ def _unary(context: Context, e: tree.Unary, environment: Environment) -> Value:
 
 
 def _binary(context: Context, e: tree.Binary, environment: Environment) -> Value:
-    """Along the left spine in a loop: sums of thousands of terms are trees as deep."""
+    """Evaluate the left spine in a loop, because a sum of thousands of terms is a tree as deep."""
     spine = [e]
     while isinstance(spine[-1].left, tree.Binary):
         spine.append(spine[-1].left)
@@ -273,7 +273,7 @@ def _of_conditions(value: Value) -> bool:
 
 
 def _one_dimension(elements: Sequence[Value], written: Sequence[tree.Expression]) -> None:
-    """Raises Wrong where the numbers of a vector differ in dimension, at the first that does."""
+    """Raise Wrong at the first element of a vector with a different dimension."""
     first: tuple[Dimension, tree.Expression] | None = None
     for value, expression in zip(elements, written):
         if not isinstance(value, Scalar) or value.dimension is None:

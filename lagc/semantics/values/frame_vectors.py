@@ -1,7 +1,7 @@
 """Vectors in the axes of frames, and their lengths.
 
-What is a sum of a frame's unit vectors with factors that stand still is found as such: its components are
-these factors, whatever turns the frame, and its length is theirs.
+A vector that is a sum of a frame's unit vectors with constant factors is recognized: these factors are its
+components in the frame, and give its length, whatever the rotation.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ Row: TypeAlias = tuple[list[float], Node]  # coefficients, and the right side
 
 
 def is_constant(context: Context, nodes: Sequence[Node]) -> bool:
-    """Whether they keep their values in all motions."""
+    """Whether all nodes keep their values in every motion."""
     return not any([context.clock.mask(node) & (MOVING | LATE) for node in nodes])
 
 
 def length_of(context: Context, vector: Vector) -> Node:
-    """Its length."""
+    """Return the length of a vector."""
     if not is_constant(context, vector):
         for axes in _near(context, vector):
             own = _factors(context, axes, vector)
@@ -42,7 +42,7 @@ def length_of(context: Context, vector: Vector) -> Node:
 
 
 def unit_vector(context: Context, vector: Vector, span: Span) -> Vector:
-    """`vector` over its length.  Raises Wrong where that is zero."""
+    """Return `vector` over its length.  Raises Wrong if the length is zero."""
     length = length_of(context, vector)
     if length.is_zero:
         raise Wrong("LAG0309", "the zero vector has no direction", span)
@@ -50,7 +50,7 @@ def unit_vector(context: Context, vector: Vector, span: Span) -> Vector:
 
 
 def in_frame(context: Context, frame: Frame, vector: Vector) -> Vector:
-    """A vector of the world in the frame's axes."""
+    """Return a world vector in the axes of a frame."""
     found = known_in_frame(context, frame, vector)
     if found is None:
         return matvec(transpose(frame.axes), vector)
@@ -58,8 +58,8 @@ def in_frame(context: Context, frame: Frame, vector: Vector) -> Vector:
 
 
 def known_in_frame(context: Context, frame: Frame, vector: Vector) -> Vector | None:
-    """That, where it follows from how `vector` stands to the frame or to one that the frame was turned
-    from."""
+    """Return the components if they follow from constant factors in the frame or a parent frame, else
+    None."""
     turns: list[Matrix] = []
     axes = frame.axes
     above = 0 if is_constant(context, vector) else _ABOVE
@@ -77,7 +77,7 @@ def known_in_frame(context: Context, frame: Frame, vector: Vector) -> Vector | N
 
 
 def direction(context: Context, frame: Frame, vector: Vector, span: Span) -> tuple[Vector, Vector]:
-    """`vector` over its length, in the axes of the world and in those of `frame`.  Raises Wrong where it is
+    """Return the unit vector of `vector` in world axes and in the axes of `frame`.  Raises Wrong if it is
     zero."""
     unit = unit_vector(context, vector, span)
     own = None if is_constant(context, vector) else known_in_frame(context, frame, vector)
@@ -95,7 +95,7 @@ def direction(context: Context, frame: Frame, vector: Vector, span: Span) -> tup
 
 
 def _as_written(value: float) -> float:
-    """A number of few digits that `value` is but for rounding, or `value`."""
+    """Return the short decimal number that equals `value` up to round-off, or `value`."""
     short = float(f"{value:.12g}")
     return short if abs(short - value) <= _ROUNDING * abs(value) else value
 
@@ -105,7 +105,7 @@ def _standing(context: Context, axes: Matrix, vector: Vector) -> Vector | None:
 
 
 def _near(context: Context, vector: Vector) -> list[Matrix]:
-    """The axes of frames, the last ones first, whose components stand in `vector`."""
+    """Return the axes of frames whose components occur in `vector`, the latest first."""
     found: dict[Matrix, int] = {}
     stack, left = list(vector), _MOST
     while stack and left:
@@ -120,8 +120,8 @@ def _near(context: Context, vector: Vector) -> list[Matrix]:
 
 
 def _factors(context: Context, axes: Matrix, vector: Vector) -> Vector | None:
-    """The factors, standing still, with which the unit vectors in the columns of `axes` add up to `vector`;
-    None where none are found."""
+    """Return the constant factors of the unit vectors (columns of `axes`) that add up to `vector`, or
+    None."""
     columns = transpose(axes)
     one, zero = vector[0].graph.one, vector[0].graph.zero
     units: tuple[Vector, ...] = ((one, zero, zero), (zero, one, zero), (zero, zero, one))
@@ -137,7 +137,7 @@ def _factors(context: Context, axes: Matrix, vector: Vector) -> Vector | None:
 
 
 def _sought(context: Context, axes: Matrix, vector: Vector, whole: Container[Node]) -> Vector | None:
-    """The same, of what `whole` sums are not taken apart: their factors are found without rounding."""
+    """Return these factors; sums in `whole` are not split, so that their factors have no round-off."""
     left, zero = _MOST, vector[0].graph.zero
     rows: list[Row] = []
     for k in range(3):
@@ -156,7 +156,7 @@ def _sought(context: Context, axes: Matrix, vector: Vector, whole: Container[Nod
 
 
 def _moving_terms(context: Context, node: Node, whole: Container[Node], most: int) -> tuple[Terms, int]:
-    """The terms of a sum, and how many of `most` parts are left, less than none where there are more."""
+    """Return the terms of a sum, and the number of parts left of `most` (negative if exceeded)."""
     graph, found = node.graph, Terms()
     stack = [(node, graph.one)]
     while stack and most >= 0:
@@ -184,7 +184,7 @@ def _moving_terms(context: Context, node: Node, whole: Container[Node], most: in
 
 
 def _solved(rows: list[Row]) -> Vector | None:
-    """The x for which `coefficients` x = right in all `rows`, by Jordan's elimination."""
+    """Return the x that solves `coefficients` x = right in all `rows`, by Gauss-Jordan elimination."""
     done: list[Row] = []
     for k in range(3):
         best = max(rows, key=lambda row: abs(row[0][k]), default=None)
@@ -201,7 +201,7 @@ def _solved(rows: list[Row]) -> Vector | None:
 
 
 def _without(row: Row, k: int, first: Row) -> Row:
-    """`row` less so much of `first` that its number k is zero."""
+    """Return `row` minus a multiple of `first`, so that its entry k is zero."""
     c = row[0][k]
     if c == 0.0:
         return row
@@ -213,5 +213,5 @@ def _without(row: Row, k: int, first: Row) -> Row:
 
 
 def _difference(a: float, b: float) -> float:
-    """a - b, zero where that is rounding."""
+    """Return a - b, or zero if the difference is round-off."""
     return 0.0 if abs(a - b) <= _ROUNDING * abs(a) else a - b

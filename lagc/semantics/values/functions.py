@@ -1,4 +1,4 @@
-"""The functions that are there: mathematics, vectors, motion, and what a run can report."""
+"""Built-in functions of mathematics and vectors."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ Apply: TypeAlias = Callable[..., Value]
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """An argument of a call; `bare`: made of numbers without units."""
+    """An argument of a call; `bare`: it consists of numbers without units."""
 
     value: Value
     span: Span
@@ -42,8 +42,11 @@ class Argument:
 
 @dataclass(frozen=True, slots=True)
 class Builtin:
-    """`apply(context, span of the call, *arguments)`; the arguments are `Argument`, or None where
-    one is left out (after the first `required`).  A last parameter `*` takes any number."""
+    """A built-in function: `apply(context, span of the call, *arguments)`.
+
+    Arguments are `Argument`, or None if left out (after the first `required`).  A last parameter `*` takes
+    any number.
+    """
 
     parameters: tuple[str, ...]
     required: int
@@ -54,10 +57,10 @@ RESERVED = ("pre", "initial", "terminal", "sample", "edge", "change")  # to come
 
 
 class Table(dict[str, Builtin]):
-    """Functions by name."""
+    """Built-in functions by name."""
 
     def enter(self, name: str, *parameters: str, required: int | None = None) -> Callable[[Apply], Apply]:
-        """Put a function into the table under `name`."""
+        """Return a decorator that adds a function to the table under `name`."""
 
         def decorate(apply: Apply) -> Apply:
             self[name] = Builtin(parameters, len(parameters) if required is None else required, apply)
@@ -85,7 +88,7 @@ for _op, _row in OPERATORS.items():
 
 
 def number(x: Argument, what: str) -> Node:
-    """The node of an argument that is a pure number.  Raises Wrong."""
+    """Return the node of an argument that is a pure number.  Raises Wrong."""
     scalar = scalar_of(x.value, x.span, what)
     if scalar.dimension not in (None, NONE):
         raise Wrong("LAG0303", f"{what} must be a pure number; this is {describe(scalar.dimension)}", x.span)
@@ -93,7 +96,7 @@ def number(x: Argument, what: str) -> Node:
 
 
 def folded(node: Node, span: Span) -> Node:
-    """`node`; a function of a constant that could not be folded has no finite value there."""
+    """Return `node`.  Raises Wrong if it is a function of constants without a finite value."""
     if node.args and all(a.is_const for a in node.args):
         raise Wrong("LAG0309", f"the value of `{node.op}` is not finite here", span)
     return node
@@ -182,7 +185,7 @@ for _op in ("min", "max"):
 
 
 def shared(given: list[Argument], who: str) -> Dimension | None:
-    """The one dimension of all the arguments.  Raises Wrong."""
+    """Return the common dimension of the arguments.  Raises Wrong."""
     found: tuple[Dimension, Span] | None = None
     for one in given:
         dimension = scalar_of(one.value, one.span, f"an argument of {who}").dimension
@@ -252,7 +255,7 @@ def _sum(context: Context, span: Span, a: Argument) -> Value:
 
 @TABLE.enter("size", "a", "dimension", required=1)
 def _size(context: Context, span: Span, a: Argument, dimension: Argument | None) -> Value:
-    """The number of elements along a dimension, the first where none is said."""
+    """Return the number of elements along a dimension, by default the first."""
     if isinstance(a.value, Indexed):
         places = list(a.value.entry.elements or {})
         sizes = [len({place[k] for place in places}) for k in range(len(places[0]) if places else 1)]

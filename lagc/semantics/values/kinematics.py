@@ -1,4 +1,4 @@
-"""Functions of motion: positions, velocities, time derivatives, and what only a run knows."""
+"""Functions of motion: positions, velocities, time derivatives, rotations, and quantities of the run."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ ANGULAR_MOMENTUM = dimension(kg=1, m=2, s=-1)
 
 
 def derivative(context: Context, node: Node, span: Span) -> Node:
-    """d(node)/dt.  Raises Wrong for what has none that is known."""
+    """Return d(node)/dt.  Raises Wrong if it is unknown."""
     mask = context.clock.mask(node)
     if mask & BIT["input"]:
         raise Wrong(
@@ -71,7 +71,8 @@ def _position(context: Context, span: Span, of: Argument) -> Value:
 
 
 def velocity_of(context: Context, of: Argument, at: Argument | None) -> vectors.Vector:
-    """Of a point or a centre of mass; with `at`, of the body's material point that is there."""
+    """Return the velocity of a point or a center of mass; with `at`, that of the body's material point
+    there."""
     if at is not None:
         return material_velocity(context, of, at)
     if isinstance(of.value, Body):
@@ -83,7 +84,8 @@ def velocity_of(context: Context, of: Argument, at: Argument | None) -> vectors.
 
 
 def material_velocity(context: Context, of: Argument, at: Argument) -> vectors.Vector:
-    """Of the point of a body that is at a place now: v + w x r.  A particle has only its own place."""
+    """Return the velocity v + w x r of the material point of a body at a place.  A particle has only its own
+    place."""
     body = of.value
     if not isinstance(body, Body):
         has = ", which has no place" if isinstance(body, Frame) else ""
@@ -205,7 +207,7 @@ _ACTIONS = ("force", "torque", "dissipation", "potential", "gravity", "lagrangia
 
 @TABLE.enter("reaction", "of")
 def _reaction(context: Context, span: Span, of: Argument) -> Value:
-    """The multipliers of a constraint; 0 for a row that says nothing."""
+    """Return the multipliers of a constraint; 0 for components that are identically zero."""
     entry = of.value.entry if isinstance(of.value, Reference) else None
     if entry is None or entry.kind != "constraint" or not entry.objects:
         raise Wrong("LAG0221", f"`reaction` takes a constraint; this is {kind(of.value)}", of.span)
@@ -243,7 +245,7 @@ def _rotate_z(context: Context, span: Span, frame: Argument, angle: Argument) ->
 
 @TABLE.enter("rotate", "frame", "axis", "angle", required=2)
 def _rotate(context: Context, span: Span, frame: Argument, axis: Argument, angle: Argument | None) -> Value:
-    """`rotate(frame, orientation)` or `rotate(frame, axis, angle)`, the axis in world axes."""
+    """Return `rotate(frame, orientation)` or `rotate(frame, axis, angle)`, with the axis in world axes."""
     parent = frame_of(frame)
     if isinstance(axis.value, Orientation):
         if angle is not None:
@@ -258,14 +260,14 @@ def _rotate(context: Context, span: Span, frame: Argument, axis: Argument, angle
 
 
 def frame_of(argument: Argument) -> Frame:
-    """Raises Wrong where the argument is no frame."""
+    """Return the frame of an argument.  Raises Wrong if it is not a frame."""
     if isinstance(argument.value, Frame):
         return argument.value
     raise Wrong("LAG0221", f"a rotation starts from a frame; this is {kind(argument.value)}", argument.span)
 
 
 def about_axis(context: Context, frame: Argument, k: int, angle: Argument) -> Frame:
-    """A turn by an angle about axis k of the frame."""
+    """Return a frame rotated by an angle about axis k."""
     return _about_own(context, frame_of(frame), k, 1.0, angle)
 
 
@@ -284,7 +286,7 @@ def _about_own(context: Context, parent: Frame, k: int, sense: float, angle: Arg
 
 
 def _turned(context: Context, parent: Frame, turn: Matrix, own: Vector) -> Frame:
-    """`own`: what the turn brings to the angular velocity, in the new axes."""
+    """Return a rotated frame; `own` is the added angular velocity in the new axes."""
     axes = matmul(parent.axes, turn)
     carried = matvec(transpose(turn), parent.angular_velocity)
     context.turns[axes] = parent.axes, turn
@@ -298,7 +300,8 @@ def _made(context: Context, parent: Frame, axes: Matrix, angular_velocity: Vecto
 
 
 def _about(context: Context, parent: Frame, axis: Vector, own: Vector, angle: Argument, span: Span) -> Frame:
-    """A turn about the unit vector `axis` of the world, which is `own` in the parent's axes."""
+    """Return a frame rotated about the unit vector `axis` (world axes), which is `own` in the parent's
+    axes."""
     for k in range(3):
         if own[k].is_const and abs(own[k].value) == 1.0 and all(own[j].is_zero for j in range(3) if j != k):
             return _about_own(context, parent, k, own[k].value, angle)
@@ -319,7 +322,7 @@ def _about(context: Context, parent: Frame, axis: Vector, own: Vector, angle: Ar
 
 
 def _turn(axis: Vector, angle: Node) -> Matrix:
-    """Rodrigues' formula, L = c 1 + s [a] + (1 - c) a a^T, for a unit vector a."""
+    """Return the rotation matrix L = c 1 + s [a] + (1 - c) a a^T for a unit vector a (Rodrigues' formula)."""
     graph = angle.graph
     c, s = graph.cos(angle), graph.sin(angle)
     x, y, z = axis
@@ -336,8 +339,10 @@ def _turn(axis: Vector, angle: Node) -> Matrix:
 def _spin(
     context: Context, parent: Frame, axis: Vector, own: Vector, angle: Node, rate: Node, span: Span
 ) -> Vector:
-    """What a turn L brings to the angular velocity, [w] = L^T L', in the new axes:
-    w = angle' a + s a' - (1 - c) a x a', a' in the parent's axes."""
+    """Return the angular velocity that a rotation L adds, [w] = L^T L', in the new axes.
+
+    w = angle' a + s a' - (1 - c) a x a', with a' in the parent's axes.
+    """
     graph = angle.graph
     known = known_in_frame(context, parent, axis)
     x, y, z = (derivative(context, component, span) for component in known or axis)
@@ -353,7 +358,7 @@ def _oriented(context: Context, parent: Frame, o: Orientation) -> Frame:
 
 
 def quaternion_turn(context: Context, symbols: tuple[Node, Node, Node, Node]) -> Matrix:
-    """The rotation matrix of a unit quaternion (w, x, y, z)."""
+    """Return the rotation matrix of a unit quaternion (w, x, y, z)."""
     w, x, y, z = symbols
     return (
         (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),

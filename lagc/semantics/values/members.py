@@ -1,4 +1,4 @@
-"""Parts of values: `frame.x`, `vector.z`, `orientation.rate`, `instance.name`, subscripts."""
+"""Members and elements of values: `frame.x`, `vector.z`, `orientation.rate`, `instance.name`, subscripts."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _AXES = ("x", "y", "z")
 
 
 def member(context: Context, value: Value, e: tree.Member) -> Value:
-    """`value.name`.  Raises Wrong."""
+    """Return `value.name`.  Raises Wrong."""
     if isinstance(value, Part):
         return _of_instance(context, value, e)
     if isinstance(value, Reference) and e.name in value.entry.parts:
@@ -55,7 +55,7 @@ def member(context: Context, value: Value, e: tree.Member) -> Value:
 
 
 def _called(value: Value, name: str) -> str | None:
-    """Some parts are written as functions: `velocity(b)`."""
+    """Return a remedy for a member that is written as a function: `velocity(b)`."""
     if name in _MOTION and isinstance(value, Body | Array | Frame):
         return f"write `{name}(...)`"
     return None
@@ -83,7 +83,7 @@ def _of_body(body: Body, name: str) -> Value:
 
 
 def _of_reaction(value: Value, numbers: Sequence[int]) -> str | None:
-    """Rows are called `roll[1]` in reports."""
+    """Return a remedy for `reaction(roll[1])`: reports call the components of a constraint `roll[1]`."""
     if isinstance(value, Reference) and value.entry.kind == "constraint":
         written = ", ".join(map(str, numbers))
         return f"write `reaction({value.entry.name})[{written}]` for the force of one component"
@@ -107,13 +107,13 @@ def _of_instance(context: Context, part: Part, e: tree.Member) -> Value:
 
 
 def _contents(names: Iterable[str]) -> str | None:
-    """What there is, where it is not too much to say."""
+    """Return the known names as a remedy, if there are not too many."""
     found = list(names)
     return f"it has {', '.join(f'`{n}`' for n in found)}" if 0 < len(found) <= MOST_NAMED else None
 
 
 def element(context: Context, base: Value, numbers: list[int], e: tree.Index) -> Value:
-    """`base[i, j]`.  Raises Wrong."""
+    """Return `base[i, j]`.  Raises Wrong."""
     if isinstance(base, Indexed):
         elements = base.entry.elements or {}
         entry = elements.get(tuple(numbers))
@@ -143,7 +143,7 @@ def element(context: Context, base: Value, numbers: list[int], e: tree.Index) ->
 
 
 def part(context: Context, base: Value, wanted: list[int | list[int]], e: tree.Index) -> Value:
-    """`base[1:n, 2]`: a list of numbers takes several elements, a number one.  Raises Wrong."""
+    """Return `base[1:n, 2]`: a list of numbers takes several elements, a number one.  Raises Wrong."""
 
     def found(before: list[int], rest: list[int | list[int]]) -> Value:
         if not rest:

@@ -1,4 +1,4 @@
-"""`table(x, data, ...)`: functions through points that are given as numbers, in the text or in a file."""
+"""`table(x, data, ...)`: functions through points that are given in the text or in a file."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ BEYOND = ("hold", "line")
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """Numbers of one dimension, NONE where nothing is said of it, in SI."""
+    """Numbers in SI with a common dimension, NONE if no unit is given."""
 
     numbers: Sequence[float]
     dimension: Dimension
@@ -38,8 +38,11 @@ def _table(
     context: Context, span: Span, x: Argument, data: Argument, values: Argument | None,
     interpolation: Argument | None, extrapolation: Argument | None, over: Argument | None,
 ) -> Value:  # fmt: skip
-    """The function of x through points: `values` at `data`, or pairs of both, `{{x, y}, ...}`; of a file, the
-    column `values` over the column `over`."""
+    """Return the function of x through points.
+
+    The points are `values` at `data`, pairs `{{x, y}, ...}`, or the column `values` of a file over its column
+    `over`.
+    """
     at = scalar_of(x.value, x.span, "the argument of a table")
     way = _choice(interpolation, tuple(KINDS), "linear")
     beyond = _choice(extrapolation, BEYOND, "line" if way == "cubic" else "hold")
@@ -63,7 +66,7 @@ def through(
     context: Context, x: Node, knots: Sequence[float], values: Sequence[float], way: str, straight: bool,
     name: str, span: Span | None, file: str = "",
 ) -> Node:  # fmt: skip
-    """`interpolant`, with a name that no other has, of letters, digits and `_`, after the column of a `file`.
+    """Return the `interpolant` with a unique name (letters, digits and `_`) from the column of a `file`.
     Raises Wrong."""
     check_order(knots, span)
     key, count, column = key_of(knots, values, way, straight), 1, name
@@ -78,7 +81,7 @@ def through(
 
 
 def over_time(context: Context, points: Points, name: str) -> Node:
-    """What goes through `points` of time and value.  Raises Wrong."""
+    """Return the interpolant through `points` of time and value.  Raises Wrong."""
     knots, values, way = points
     if way not in KINDS:
         raise Wrong("LAG0307", f"the interpolation is one of {', '.join(KINDS)}, not {way!r}", None)
@@ -89,7 +92,8 @@ def over_time(context: Context, points: Points, name: str) -> Node:
 
 
 def check_order(knots: Sequence[float], span: Span | None, lines: Sequence[int] = ()) -> None:
-    """Raises Wrong where there are not two, or one is not above the one before.  `lines` of a file."""
+    """Raise Wrong if there are fewer than two knots or they do not increase.  `lines` are those of the
+    file."""
     if len(knots) < 2:
         raise Wrong("LAG0314", f"a table needs at least two rows; this has {len(knots)}", span)
     for k, (before, here) in enumerate(pairwise(knots), 2):
@@ -144,7 +148,7 @@ def _column(cells: Sequence[Value], given: Argument) -> Column:
 def _from_file(
     context: Context, data: Argument, values: Argument | None, over: Argument | None
 ) -> tuple[Column, Column, str]:
-    """What the table is over, its values, and what they are called."""
+    """Return the argument column, the value column and its name."""
     assert isinstance(data.value, Text)
     file = context.importer.data(data.value.text, data.span)
     first = 0 if over is None else _place(file, over)
@@ -175,7 +179,7 @@ def _place(file: Columns, asked: Argument) -> int:
 
 
 def _measured(file: Columns, k: int, asked: Argument) -> Column:
-    """Column k in SI."""
+    """Return column k in SI."""
     name, said = file.heads[k]
     try:
         numbers, meant = file.numbers(k), None if said is None else unit(said)

@@ -1,4 +1,4 @@
-"""Numbers without a unit: where they take one from what they are given to, and where they do not."""
+"""Numbers without a unit: where they take the unit of their declaration, and remedies where they do not."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from lagc.syntax import tree
 
 
 def is_bare(expression: tree.Expression) -> bool:
-    """Whether an expression is made of numbers without units alone: `-2`, `{1, 0}`, `2/5`."""
+    """Whether an expression consists of numbers without units: `-2`, `{1, 0}`, `2/5`."""
     stack = [expression]
     while stack:
         top = stack.pop()
@@ -29,7 +29,7 @@ def is_bare(expression: tree.Expression) -> bool:
 
 
 def unit_remedy(expression: tree.Expression, wanted: Dimension | None) -> str | None:
-    """What to write in place of a bare number where a quantity of dimension `wanted` is meant."""
+    """Return a remedy for a number without a unit where a quantity of dimension `wanted` is needed."""
     if wanted is None or wanted == NONE or not is_bare(expression):
         return None
     span = expression.span
@@ -42,7 +42,7 @@ def unit_remedy(expression: tree.Expression, wanted: Dimension | None) -> str | 
 def expect_of(
     expression: tree.Expression, dimension: Dimension | None, wanted: Dimension, what: str, named: str
 ) -> None:
-    """`expect`, with the number named that seems to lack its unit.  Raises Wrong."""
+    """Check the dimension as `expect`; the remedy names the number that may lack a unit.  Raises Wrong."""
     try:
         expect(dimension, wanted, expression.span, what, named)
     except Wrong as wrong:
@@ -56,7 +56,8 @@ def expect_of(
 
 
 def _lone_factor(expression: tree.Expression) -> tree.Number | None:
-    """The one number without a unit that multiplies the rest of a product, `9.81*m*x`; not `1/2*m`."""
+    """Return the only number without a unit among the factors of a product, as in `9.81*m*x` (not
+    `1/2*m`)."""
     found: list[tree.Number] = []
     stack = [expression]
     while stack:
@@ -78,7 +79,7 @@ _MANY = 10  # radians: more than a turn and a half, and in degrees a usual angle
 
 
 def whole_radians(file: tree.Tree) -> list[Fault]:
-    """Warnings: whole numbers of many radians, written without a unit, that a file gives to its angles."""
+    """Return warnings for angles with large whole numbers of radians written without a unit."""
     named = [(d.name, [*_own(d.body)]) for d in _within(file.declarations) if isinstance(d, _NAMED)]
     models = dict(named)  # by what is extended: of models of one name in several packages the last
     found: list[Fault] = []
@@ -90,7 +91,7 @@ def whole_radians(file: tree.Tree) -> list[Fault]:
 
 
 def _angles(own: Sequence[tree.Declaration], models: Models) -> set[str]:
-    """The names of the angles among declarations and those of the models of the file that they extend."""
+    """Return the names of angles among declarations, inherited ones included."""
     found: set[str] = set()
     seen: set[str] = set()
     left = [own]
@@ -112,7 +113,7 @@ def _within(declarations: Sequence[tree.Declaration]) -> Iterator[tree.Declarati
 
 
 def _own(declarations: Sequence[tree.Declaration]) -> Iterator[tree.Declaration]:
-    """Those of one block, with what stands in its effects, scenes and loops."""
+    """Yield the declarations of one block and of its effects, scenes and loops."""
     for d in declarations:
         yield d
         if isinstance(d, (tree.Effect, tree.Scene, tree.ForLoop)):
@@ -120,7 +121,7 @@ def _own(declarations: Sequence[tree.Declaration]) -> Iterator[tree.Declaration]
 
 
 def _given(d: tree.Declaration) -> Iterator[tuple[str, tree.Expression | None]]:
-    """The names that a declaration gives values to."""
+    """Yield the names that a declaration gives values to."""
     if isinstance(d, tree.Start) and isinstance(d.target, tree.Name):
         yield d.target.name, d.value
     elif isinstance(d, tree.Quantities):
