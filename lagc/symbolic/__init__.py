@@ -1,5 +1,5 @@
 """Expressions as a graph of interned nodes.
 
-In: symbols and numbers.  Out: `Node`, with its derivatives, value and text.  Built-alike expressions are
-one object; every walk is a loop.
+In: symbols and numbers.  Out: `Node`, with its derivatives, value and text.  Equal expressions are one
+object, and every walk is a loop.
 """

@@ -1,8 +1,13 @@
-"""Derivatives on the graph: one forward sweep (`tangent`) or one reverse sweep (`gradient`).
+"""Derivatives on the graph: forward sweeps (`tangent`), reverse sweeps (`gradient`) and sparse Jacobians
+(`slopes`).
 
-A. Griewank, A. Walther, *Evaluating Derivatives*, SIAM 2008, chapter 3.  Only nodes that
-depend on the seeds are visited; piecewise functions are differentiated branch by branch,
-with the value 0 for the derivative of a step.  A branch that is not taken need have no slope.
+A. Griewank, A. Walther, *Evaluating Derivatives*, SIAM 2008, chapter 3.  Only nodes that depend on the seeds
+are visited.  Piecewise functions are differentiated branch by branch, and the derivative of a step is 0.  A
+branch that is not taken may have no derivative.
+
+Many expressions that share sums, such as the positions of points along a chain, have one derivative for each
+pair of an expression and a leaf.  If that is far more than the number of nodes, `slopes` returns derivatives
+with respect to leaves *and* shared sums, and the derivatives of each sum.
 """
 
 from __future__ import annotations
@@ -21,7 +26,7 @@ T = TypeVar("T")
 
 
 def partials(graph: Graph, node: Node) -> tuple[Node, ...]:
-    """d(node)/d(argument), one an argument."""
+    """Return d(node)/d(argument) for each argument."""
     op, args = node.op, node.args
     if op == "add":
         return (graph.one, graph.one)
@@ -33,7 +38,7 @@ def partials(graph: Graph, node: Node) -> tuple[Node, ...]:
 
 
 def partial(graph: Graph, node: Node, k: int) -> Node:
-    """d(node)/d(argument k) alone."""
+    """Return d(node)/d(argument k)."""
     if node.op == "mul":
         exponent = node.value[k]
         return graph.scale(float(exponent), graph.reduced(node, k))
@@ -46,13 +51,13 @@ def tangent(
     seeds: Mapping[Node, Node],
     within: Sequence[Node] | None = None,
 ) -> list[Node]:
-    """d(outputs) along the direction d(leaf) = seeds[leaf]; leaves without a seed stand still.
+    """Return d(outputs) along the direction d(leaf) = seeds[leaf]; leaves without a seed are constant.
 
-    `within`: the nodes below `outputs` that leaves can change, arguments before users, where these
-    are known already.
+    `within`: the nodes below `outputs` that the leaves can change, arguments before users, if they are known
+    already.
     """
     order = reachable(outputs) if within is None else within
-    leaves = order if within is None else seeds  # of many seeds, those that are asked for
+    leaves = order if within is None else seeds  # only those in `order`, if there are many seeds
     rates = {leaf: seeds[leaf] for leaf in leaves if leaf in seeds and not seeds[leaf].is_zero}
     zero = graph.zero
     for node in order:
@@ -79,10 +84,9 @@ def gradient(
     wrt: Sequence[Node] | Mapping[Node, int],
     within: Sequence[Node] | None = None,
 ) -> dict[Node, Node]:
-    """sum over outputs of seeds[output] * d(output)/d(w), for the w where it is not zero, in their order: of
-    many that are asked for often, each with its place.
+    """Return the non-zero sums over outputs of seeds[output] * d(output)/d(w), in the order of `wrt`.
 
-    `within` as in `tangent`.
+    `wrt` may be a mapping from w to its position, if it is long and used often.  `within` is as in `tangent`.
     """
     places = wrt if isinstance(wrt, Mapping) else {w: k for k, w in enumerate(wrt)}
     live = set[Node]() if within is None else set(places)
@@ -104,8 +108,10 @@ def gradient(
 
 @dataclass(frozen=True, slots=True)
 class _Choice:
-    """That branches of choices are taken, (condition, which) from the inner to the outer; `partly` are the
-    nodes above functions that need have no value or slope where they are not."""
+    """The branches that are taken, as (condition, which) from the inner to the outer.
+
+    `partly` are the nodes above functions that may have no value or derivative if the branches are not taken.
+    """
 
     taken: tuple[tuple[Node, bool], ...]
     partly: frozenset[Node]
@@ -115,14 +121,17 @@ ALWAYS = _Choice((), frozenset())
 
 
 class _Sweep:
-    """Weights on their way down.  Beside those of all times, each node may have some of a choice: what passes
-    functions that are not everywhere is chosen behind them, as 0 times what is not finite is not 0."""
+    """Adjoints of a reverse sweep.
+
+    A node may have an unconditional adjoint and adjoints of choices.  An adjoint that passes a function with
+    a limited domain is selected after that function, because 0 times a non-finite number is not 0.
+    """
 
     def __init__(self, graph: Graph, places: Mapping[Node, int], order: Sequence[Node]):
         self.graph, self.places = graph, places
         self.adjoint: dict[Node, Node] = {}
         self.chosen: dict[Node, dict[_Choice, Node]] = {}
-        self.narrow: set[Node] = set()  # nodes at or above functions that are not everywhere
+        self.narrow: set[Node] = set()  # nodes at or above functions with a limited domain
         conditions = [node.args[0] for node in order if node.op == "select"]
         self.deciding = symbols(conditions)
         if conditions:
@@ -140,10 +149,10 @@ class _Sweep:
         for condition, which in choice.taken:
             sides = (weight, self.graph.zero) if which else (self.graph.zero, weight)
             weight = self.graph.select(condition, *sides)
-        _gather(self.adjoint, node, self.graph.scale(c, weight))  # so that what is opposite cancels
+        _gather(self.adjoint, node, self.graph.scale(c, weight))  # so that opposite weights cancel
 
     def pass_on(self, node: Node, live: Container[Node]) -> None:
-        """To the arguments of a node what its weights give them."""
+        """Add the contributions of a node to the adjoints of its arguments."""
         weights = [*self.chosen.pop(node, {}).items()]
         if node in self.adjoint:
             weights.append((ALWAYS, self.adjoint[node]))
@@ -166,8 +175,8 @@ class _Sweep:
         self.add(argument, self.graph.mul(weight, partial(self.graph, node, k)), choice)
 
     def _partly(self, branch: Node, condition: Node) -> frozenset[Node]:
-        """The nodes of a branch at or above functions that are not everywhere and that its condition does
-        not ask for as well."""
+        """Return the nodes of a branch at or above functions with a limited domain that its condition does
+        not use."""
         asked = set(self._narrow_below(condition))
         found: set[Node] = set()
         for node in self._narrow_below(branch):
@@ -176,7 +185,7 @@ class _Sweep:
         return frozenset(found)
 
     def _narrow_below(self, top: Node) -> list[Node]:
-        """`top` and what is below it of `narrow`, arguments before users."""
+        """Return `top` and the nodes of `narrow` below it, arguments before users."""
         found: dict[Node, None] = {}
         stack = [top] if top in self.narrow else []
         while stack:
@@ -190,8 +199,10 @@ class _Sweep:
         return list(found)
 
     def _is_narrow(self, node: Node) -> bool:
-        """Whether it need have no value, or no slope, for all values of its arguments.  A parameter has one
-        value in all branches; 0 it may be where a branch is not taken for that."""
+        """Whether the node may lack a value or a derivative for some arguments.
+
+        A parameter is the same in all branches, and may only be 0 if that is why a branch is not taken.
+        """
         if node.op == "mul":
             return any(e < 0 and not self._is_given(base) for base, e in zip(node.args, node.value))
         return node.op in OPERATORS and OPERATORS[node.op].smoothness in (END, POLE)
@@ -206,7 +217,7 @@ def _gather(weights: dict[T, Node], key: T, weight: Node) -> None:
 
 
 def seeds(graph: Graph, pairs: Iterable[tuple[Node, Node]]) -> dict[Node, Node]:
-    """Weights of a reverse sweep: a node that is met twice has the sum of its weights."""
+    """Return the seeds of a reverse sweep; the weights of a node that occurs twice are added."""
     found: dict[Node, Node] = {}
     for node, weight in pairs:
         if not weight.is_zero:
@@ -215,13 +226,15 @@ def seeds(graph: Graph, pairs: Iterable[tuple[Node, Node]]) -> dict[Node, Node]:
     return found
 
 
-_WORTH = 2  # times as many derivatives as by sums
+_WORTH = 2  # least ratio of derivatives without and with sums
 
 
 @dataclass(frozen=True)
 class Slopes:
-    """The derivatives of each expression, and of each sum by what comes before it: column -> derivative,
-    zeros left out.  The columns are the `leaves`, then the sums."""
+    """The derivatives of expressions (`rows`) and of shared sums: column -> derivative, without zeros.
+
+    The columns are the `leaves`, then the sums.
+    """
 
     graph: Graph
     rows: list[dict[int, Node]]
@@ -230,12 +243,12 @@ class Slopes:
 
     @property
     def nodes(self) -> list[Node]:
-        """All that derivatives are made of."""
+        """Return all derivatives."""
         return [node for own in (*self.rows, *self.sums) for node in own.values()]
 
     @cached_property
     def columns(self) -> list[list[int]]:
-        """The leaves that each expression depends on, as far as structure tells."""
+        """Return the leaves that each expression depends on by structure."""
         if not self.sums:
             return [list(row) for row in self.rows]
         known = [1 << k for k in range(self.leaves)]
@@ -244,12 +257,12 @@ class Slopes:
         return [_places(union(known[k] for k in row)) for row in self.rows]
 
     def entries(self, k: int) -> dict[int, Node]:
-        """The derivatives of expression k by leaves alone, put together."""
+        """Return the derivatives of expression k with respect to leaves."""
         found = self.total([k])
         return {j: found.get(j, self.graph.zero) for j in self.columns[k]}
 
     def total(self, numbers: Sequence[int]) -> dict[int, Node]:
-        """Of the sum of these expressions."""
+        """Return the derivatives of the sum of these expressions with respect to leaves."""
         found: dict[int, Node] = {}
         for k in numbers:
             for j, slope in self.rows[k].items():
@@ -263,7 +276,7 @@ class Slopes:
         return found
 
     def weighted(self, weights: Sequence[Mapping[int, Node]]) -> Slopes:
-        """Those of sums of expressions with these weights."""
+        """Return the derivatives of weighted sums of the expressions."""
         found: list[dict[int, Node]] = []
         for own in weights:
             row: dict[int, Node] = {}
@@ -275,13 +288,14 @@ class Slopes:
         return replace(self, rows=found)
 
     def mapped(self, values: Callable[[Sequence[Node]], Sequence[Node]]) -> Slopes:
-        """With other derivatives, as many."""
+        """Return a copy with all derivatives replaced by `values` of them."""
         new = iter(values(self.nodes))
         found = [{k: next(new) for k in own} for own in (*self.rows, *self.sums)]
         return replace(self, rows=found[: len(self.rows)], sums=found[len(self.rows) :])
 
     def placed(self, places: Mapping[int, int], size: int) -> Slopes:
-        """With the leaves at other places of `size`, and without those that have none."""
+        """Return a copy with the leaves in other columns of `size`; leaves that are not in `places` are left
+        out."""
         new = {**places, **{self.leaves + k: size + k for k in range(len(self.sums))}}
         rows, sums = ([{new[k]: x for k, x in own.items() if k in new} for own in part]
                       for part in (self.rows, self.sums))  # fmt: skip
@@ -291,8 +305,10 @@ class Slopes:
 def slopes(
     graph: Graph, nodes: Sequence[Node], places: Mapping[Node, int], size: int, few: int = 0
 ) -> Slopes:
-    """The derivatives of `nodes` by the leaves that have `places`, of `size` that there are; where these are
-    `few` they are not given by sums."""
+    """Return the derivatives of `nodes` with respect to the leaves in `places` (`size` columns).
+
+    At most `few` derivatives are never expressed by shared sums.
+    """
     found = by_sums(graph, nodes, places, size, few)
     return found or Slopes(graph, _gradients(graph, nodes, places), [], size)
 
@@ -300,16 +316,16 @@ def slopes(
 def by_sums(
     graph: Graph, nodes: Sequence[Node], places: Mapping[Node, int], size: int, few: int = 0
 ) -> Slopes | None:
-    """The same by sums; None where that leaves not far fewer."""
+    """Return the derivatives by shared sums, or None if that does not save many."""
     shared = _shared(nodes, places, few)
     found = _through(graph, nodes, places, size, shared) if shared else None
     if found is None or sum(map(len, found.columns)) <= _WORTH * len(found.nodes):
-        return None  # some derivatives turned out to be 0
+        return None  # some derivatives are 0
     return found
 
 
 def _shared(nodes: Sequence[Node], leaves: Mapping[Node, int], few: int) -> list[Node]:
-    """The sums that are used more than once, where that leaves far fewer derivatives."""
+    """Return the sums that are used more than once, if they save many derivatives."""
     order = reachable(nodes)
     users = Counter([*nodes, *(a for node in order for a in set(node.args))])
     whole = {x: 1 << k for k, x in enumerate(leaves)}
@@ -333,7 +349,8 @@ def _shared(nodes: Sequence[Node], leaves: Mapping[Node, int], few: int) -> list
 def _through(
     graph: Graph, nodes: Sequence[Node], places: Mapping[Node, int], size: int, shared: Sequence[Node]
 ) -> Slopes:
-    """The derivatives by leaves and the sums that are `shared`, each of which a symbol stands for."""
+    """Return the derivatives with respect to leaves and the sums in `shared`; a symbol stands for each
+    sum."""
     symbols = {x: graph.symbol("sum", str(size + k)) for k, x in enumerate(shared)}
     found: dict[Node, Node] = dict(symbols)
     made: dict[Node, Node] = {}
@@ -349,12 +366,12 @@ def _through(
 
 
 def _gradients(graph: Graph, nodes: Sequence[Node], by: Mapping[Node, int]) -> list[dict[int, Node]]:
-    """Of each node, by what has a column."""
+    """Return the gradient of each node, by column."""
     moving = depends(nodes, by)
     found = (gradient(graph, {node: graph.one}, by, within([node], moving)) for node in nodes)
     return [{by[x]: slope for x, slope in own.items()} for own in found]
 
 
 def _places(bits: int) -> list[int]:
-    """Of the ones."""
+    """Return the positions of the ones."""
     return [k for k, digit in enumerate(reversed(f"{bits:b}")) if digit == "1"]

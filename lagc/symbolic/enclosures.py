@@ -1,6 +1,8 @@
-"""Intervals that expressions keep to whatever the motion, from those of their symbols.
+"""Interval enclosures of expressions, as numbers (`intervals`) and as expressions of the bounds
+(`enclosures`).
 
-R. E. Moore, *Interval Analysis*, Prentice-Hall 1966; rounding is left out of account.
+R. E. Moore, *Interval Analysis*, Prentice-Hall 1966.  Round-off is neglected.  A symbolic enclosure may be
+wider than necessary; an unknown bound is `UNKNOWN` or not a number.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ from lagc.symbolic.walk import depends, missing, reachable
 
 
 def intervals(nodes: Sequence[Node], given: Mapping[Node, Interval]) -> dict[Node, Interval]:
-    """Of all below `nodes`, they included; a symbol that is not `given` may be any number."""
+    """Return the interval of each node below `nodes`; a symbol that is not in `given` may be any number."""
     found: dict[Node, Interval] = {}
     for node in reachable(nodes):
         found[node] = given.get(node) or _interval(node, [found[a] for a in node.args])
@@ -23,7 +25,7 @@ def intervals(nodes: Sequence[Node], given: Mapping[Node, Interval]) -> dict[Nod
 
 
 def extended(known: dict[Node, Interval], node: Node) -> Interval:
-    """That of a node; `known`, of symbols that may be any number, comes to hold those of all below it."""
+    """Return the interval of a node, and add those of all nodes below it to `known`."""
     for below in missing([node], known):
         known[below] = _interval(below, [known[a] for a in below.args])
     return known[node]
@@ -105,12 +107,13 @@ def _hull(ends: Sequence[float]) -> Interval:
 
 Ends: TypeAlias = tuple[Node, Node]
 
-UNKNOWN = 1e75  # so that products of a few of these are numbers, and none with zero is not
+UNKNOWN = 1e75  # a product of a few of these is finite, also with 0
 _QUARTER, _HALF = 0.5 * math.pi, math.pi
 
 
 def enclosures(graph: Graph, nodes: Sequence[Node], leaves: Mapping[Node, Ends]) -> list[Ends]:
-    """The least and the largest value of each of `nodes`; what is none of `leaves` stands still."""
+    """Return the smallest and largest value of each of `nodes`; symbols that are not in `leaves` are
+    constant."""
     moving = depends(nodes, leaves)
     found: dict[Node, Ends] = dict(leaves)
     made = _Enclosure(graph)
@@ -161,7 +164,7 @@ class _Enclosure:
         return (graph.const(low), graph.const(high)) if known else self.unknown
 
     def _allowed(self, op: str, end: Node) -> Node:
-        """An end within what the function is defined for."""
+        """Return a bound clipped to the domain of the function."""
         if op == "sqrt" or op == "log":
             return self.graph.binary("max", end, self.graph.const(0.0 if op == "sqrt" else 1.0 / UNKNOWN))
         if op == "exp" or op == "sinh":
@@ -169,7 +172,8 @@ class _Enclosure:
         return self._within(end) if op == "asin" else end
 
     def _growing(self, end: Node) -> Node:
-        """No exponent leads far beyond what is unknown: a factor may bring it back."""
+        """Limit an exponent so that the result is not far beyond UNKNOWN; a factor may make it small
+        again."""
         return self.graph.binary("min", end, self.graph.const(2.0 * math.log(UNKNOWN)))
 
     def _within(self, end: Node) -> Node:
@@ -177,7 +181,7 @@ class _Enclosure:
         return graph.binary("max", -graph.one, graph.binary("min", graph.one, end))
 
     def _distances(self, x: Ends) -> Ends:
-        """Of an interval from zero, the nearest and the farthest point."""
+        """Return the smallest and the largest distance of an interval from zero."""
         graph, (low, high) = self.graph, x
         near = graph.binary("max", graph.zero, graph.binary("max", low, -high))
         return near, graph.binary("max", -low, high)
@@ -219,7 +223,7 @@ class _Enclosure:
         )
 
     def _wave(self, op: str, x: Ends, crest: float) -> Ends:
-        """Of a sine or cosine with a crest there."""
+        """Return the range of a sine or cosine with this crest."""
         graph, ends = self.graph, [self.graph.unary(op, end) for end in x]
 
         def passes(place: float) -> Node:
@@ -242,7 +246,7 @@ class _Enclosure:
         )
 
     def _angle(self, y: Ends, x: Ends) -> Ends:
-        """Beside the cut extremes are at corners; with it, all turns."""
+        """Return the range of atan2: extremes at the corners, or a full turn if the branch cut is inside."""
         graph, zero = self.graph, self.graph.zero
         low, high = self._hull([graph.binary("atan2", b, a) for b in y for a in x])
         sides = [graph.binary("lt", zero, x[0]), graph.binary("lt", zero, y[0])]
@@ -252,7 +256,8 @@ class _Enclosure:
         return graph.select(beside, low, graph.const(least)), graph.select(beside, high, graph.const(most))
 
     def _power(self, base: Ends, exponent: Ends) -> Ends:
-        """Below zero there are values where the exponent is a whole number, and a parameter may be one."""
+        """Return the range of a power; a negative base has values if the exponent is an integer, which a
+        parameter may be."""
         graph, n = self.graph, exponent[0]
         low, high = [graph.unary("log", self._allowed("log", end)) for end in base]
         ends = [graph.unary("exp", self._growing(end)) for end in self._times((low, high), exponent)]

@@ -14,10 +14,10 @@ from lagc.symbolic.walk import missing, reachable
 def evaluate(
     nodes: Sequence[Node], values: Mapping[Node, float], within: Sequence[Node] | None = None
 ) -> list[float]:
-    """The values of `nodes`, given those of their symbols.
+    """Return the values of `nodes`, given those of their symbols.
 
-    `within`: all below `nodes`, arguments before users, where these are known already.  Outside a function's
-    domain the value is NaN, as in C; KeyError for a symbol without value.
+    `within`: all nodes below `nodes`, arguments before users, if they are known already.  Outside the domain
+    of a function the value is NaN, as in C.  Raises KeyError for a symbol without a value.
     """
     known: dict[Node, float] = dict(values)
     for node in reachable(nodes) if within is None else within:
@@ -27,13 +27,13 @@ def evaluate(
 
 
 def extend(known: dict[Node, float], nodes: Sequence[Node]) -> None:
-    """Add to `known` the values of `nodes` and of all below them that it lacks; as `evaluate`."""
+    """Add the values of `nodes` and of all nodes below them to `known`; see `evaluate`."""
     for node in missing(nodes, known):
         known[node] = value_of(node, known)
 
 
 def value_of(node: Node, known: Mapping[Node, float]) -> float:
-    """Of a node whose arguments are `known`."""
+    """Return the value of a node whose arguments are `known`."""
     op = node.op
     if op == "const":
         return float(node.value)
@@ -58,7 +58,7 @@ def value_of(node: Node, known: Mapping[Node, float]) -> float:
 
 
 def double(value: float) -> float:
-    """`value`.  Raises Refused (LAG0590) where it is infinite or none."""
+    """Return `value`.  Raises Refused (LAG0590) if it is not finite."""
     if value - value != 0.0:
         raise Refused((Fault("LAG0590", "a number in the equations is too large for a double", None),))
     return value

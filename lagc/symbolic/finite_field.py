@@ -1,13 +1,12 @@
-"""Expressions at points of a finite field: whether they are identically zero, by exact numbers.
+"""Zero test of expressions: exact evaluation at random points of a finite field.
 
-A symbol is a random integer modulo the prime P; sums, products and quotients are those of the
-field; an angle is a random point of the circle c^2 + s^2 = 1, and the addition theorems hold; a
-function of which no relation is used has random values, the same ones for the same arguments.  So
-every map used here preserves sums, products and these relations: what vanishes identically vanishes
-here.  And what is a rational function of symbols, circles and exponentials, and not zero, has the
-value zero at a random point with a chance of its degree over P = 2^61 (J. T. Schwartz, *J. ACM* 27,
-1980; R. Zippel, 1979).  Nothing is multiplied out, whatever the length, and a coefficient of 1e-300
-counts like any other.  Signs of roots are drawn with the point.
+A symbol is a random integer modulo the prime P.  Sums, products and quotients are those of the field.  An
+angle is a random point of the circle c^2 + s^2 = 1 with the addition theorems.  A function without known
+relations has random values, the same for the same arguments.  All these maps preserve sums, products and
+relations, so an expression that vanishes identically vanishes here.  A non-zero rational function of symbols,
+circles and exponentials vanishes at a random point with a probability of its degree over P = 2^61 (J. T.
+Schwartz, *J. ACM* 27, 1980; R. Zippel, 1979).  Nothing is expanded, and a coefficient of 1e-300 counts like
+any other.  Signs of roots are drawn with the point.
 """
 
 from __future__ import annotations
@@ -23,27 +22,27 @@ from lagc.symbolic.walk import missing
 
 P = (1 << 61) - 1  # a Mersenne prime, 3 modulo 4: u^((P + 1)/4) is a root of u where there is one
 _PARTS = 72_072_000  # angles and exponents are whole multiples of these parts of their terms
-_MOST_ROOTS = 8  # of which one symbol is drawn for all
-_MOST_DECIMALS = 20  # of which products are looked for
+_MOST_ROOTS = 8  # the largest number of roots for which one symbol is drawn
+_MOST_DECIMALS = 20  # the largest number whose products are compared
 _ULPS = 4
 _MOST_TURNS, _FINEST_TURN = 1000, 360
-WRITTEN = 12  # digits: decimal numbers up to these are meant as they are written
+WRITTEN = 12  # digits: decimal numbers with at most these are taken as written
 
 Linear: TypeAlias = dict["int | str", Fraction]  # value of a term -> coefficient; "1": a number; "pi"
 Circle: TypeAlias = tuple[int, int]  # cosine, sine
 
 
 class Undefined(Exception):
-    """The expression has no value at this point: a division by zero, or no root."""
+    """The expression has no value at this point: a division by zero, or no square root."""
 
 
 class Point:
-    """Values of symbols and functions; drawn from `seed` where they are not set.
+    """Values of symbols and functions, drawn from `seed` unless they are set.
 
-    `exact`: every function met so far had all of its relations, so what is not zero here is not
-    identically zero.  `rooted` says that roots were met: their signs are drawn, and the same holds
-    of what is zero for no choice of them.  With `roots` False a root is a function without
-    relations.  Decimal numbers of up to `digits` are meant as they are written.
+    `exact`: every function so far has all of its relations, so an expression that is not zero here is not
+    identically zero.  `rooted`: roots occurred, whose signs are drawn, and the statement holds for
+    expressions that are zero for no choice of signs.  With `roots` False a root is a function without
+    relations.  Decimal numbers of up to `digits` digits are taken as written.
     """
 
     def __init__(self, seed: int, roots: bool = True, digits: int = WRITTEN) -> None:
@@ -60,26 +59,28 @@ class Point:
         self._found: tuple[dict[Node, Any], ...] = (self._known, self._forms, self._circles)
 
     def draw(self) -> int:
-        """A number from 1 to P - 1."""
+        """Return a random number from 1 to P - 1."""
         self._state = (self._state * 47026247687942121848144207491837523525 + 1) % (1 << 128)
         return (self._state >> 64) % (P - 1) + 1
 
     def place(self, values: Mapping[Node, int]) -> None:
-        """Give symbols these values."""
+        """Set the values of symbols."""
         self.symbols.update(values)
         for found in self._found:
             found.clear()
 
     def keep(self, values: Mapping[Node, float]) -> None:
-        """Give symbols these numbers."""
+        """Set the values of symbols to these numbers."""
         self.place({symbol: self._number(value) for symbol, value in values.items()})
 
     def seek_roots(self, under: Sequence[Node], truths: Mapping[Node, int]) -> bool:
-        """Draw symbols until what stands `under` roots has one, symbol by symbol: a random number has
-        a root in every second case, and some tens of them together next to never.  False: too many.  No value
-        is known before."""
-        order = list[tuple[Node, list[Node]]]()  # symbols, and what has a value with each
-        latest = dict[Node, int]()  # of the symbols below a node
+        """Draw symbols until all nodes in `under` are squares.  Return False if there are too many.
+
+        Every second random number is a square, so symbols are drawn one by one.  Call it before any value is
+        known.
+        """
+        order = list[tuple[Node, list[Node]]]()  # symbols, and the nodes that have a value once it is known
+        latest = dict[Node, int]()  # position of the last symbol below a node
         for x in under:
             for node in missing([x], latest):
                 latest[node] = max([latest[a] for a in node.args], default=-1)
@@ -89,7 +90,7 @@ class Point:
             if latest[x] >= 0:
                 order[latest[x]][1].append(x)
         for symbol, ready in order:
-            before = [len(found) for found in self._found]  # what no symbol from here on changes
+            before = [len(found) for found in self._found]  # entries that later symbols do not change
             for _ in range(8 << len(ready) if len(ready) <= _MOST_ROOTS else 0):
                 self.symbols[symbol] = self.draw()
                 if self._all_squares(ready, truths):
@@ -102,14 +103,14 @@ class Point:
         return True
 
     def _all_squares(self, nodes: Sequence[Node], truths: Mapping[Node, int]) -> bool:
-        """One after the other: what holds a root has no value before that is there."""
+        """Whether all nodes are squares, tested in order because later ones may contain earlier roots."""
         try:
             return all(is_square(self.values([node], truths)[0]) for node in nodes)
         except Undefined:
             return False
 
     def values(self, nodes: Sequence[Node], truths: Mapping[Node, int] | None = None) -> list[int]:
-        """The values of `nodes`; `truths` of all comparisons in them, the same at every call.
+        """Return the values of `nodes`; `truths` holds all comparisons in them, the same at every call.
 
         Raises Undefined.
         """
@@ -167,7 +168,7 @@ class Point:
         return self._any(op, *(self._known[a] for a in node.args))
 
     def _any(self, *key: object) -> int:
-        """A random value: the same for the same `key`."""
+        """Return a random value, the same for the same `key`."""
         if key not in self._drawn:
             self._drawn[key] = self.draw()
         return self._drawn[key]
@@ -193,14 +194,17 @@ class Point:
         return residue(meant)
 
     def _rounded(self, value: float) -> int:
-        """The value of a decimal number with rounding in it: random, but for multiples, products and
-        quotients of those before, and cosines of numbers that are sines."""
+        """Return the value of a rounded decimal number.
+
+        It is random, except for multiples, products and quotients of earlier ones, and cosines of numbers
+        that are sines.
+        """
         found = self._decimals.items()
         bases = [*found, *((1.0 / a, power(x, -1)) for a, x in found if a)]
         if len(bases) <= _MOST_DECIMALS:
             bases += [(a * b, x * y) for n, (a, x) in enumerate(bases) for b, y in bases[: n + 1]]
         for known, number in bases:
-            quotient = value / known if known else 0.0  # a product may be beyond all numbers
+            quotient = value / known if known else 0.0  # a product may overflow
             ratio = Fraction(quotient if math.isfinite(quotient) else 0.0).limit_denominator(100)
             if ratio and abs(float(ratio) * known - value) <= _ULPS * math.ulp(value):
                 return residue(ratio) * number % P
@@ -218,7 +222,7 @@ class Point:
     # -- functions -------------------------------------------------------------
 
     def _form(self, node: Node) -> Linear:
-        """`node` as a sum of multiples of terms: circles and exponentials know sums."""
+        """Return `node` as a linear form, which the addition theorems of circles and exponentials need."""
         forms = self._forms
         stack = [node]
         while stack:
@@ -255,13 +259,13 @@ class Point:
 
     @staticmethod
     def _term(value: int, c: Fraction) -> Linear:
-        """c times a term, of which the opposite is the same one."""
+        """Return c times a term; a term and its opposite are the same."""
         if not value:
             return {}
         return {value: c} if 2 * value < P else {P - value: -c}
 
     def _multiples(self, form: Linear) -> Iterable[tuple[tuple[object, ...], int]]:
-        """(base, whole multiple) of each term; a term with an odd denominator is a base of its own."""
+        """Yield (base, integer multiple) of each term; a term with an odd denominator is a base itself."""
         for term, c in form.items():
             if _PARTS % c.denominator == 0:
                 yield ("part", term), c.numerator * (_PARTS // c.denominator)
@@ -269,7 +273,7 @@ class Point:
                 yield ("whole", term, abs(c)), 1 if c > 0 else -1
 
     def _turned(self, angle: Node) -> Circle:
-        """Cosine and sine of an angle."""
+        """Return cosine and sine of an angle."""
         if angle in self._circles:
             return self._circles[angle]
         rest = dict(self._form(angle))
@@ -305,7 +309,8 @@ class Point:
         return root if self._any("sign", x) % 2 else -root % P
 
     def _floor(self, x: int, form: Linear) -> int:
-        """floor(n + u) = n + floor(u) for whole n, floor(-u) = -1 - floor(u); no others are asked of it."""
+        """Apply floor(n + u) = n + floor(u) for integers n and floor(-u) = -1 - floor(u), the only relations
+        used."""
         number = form.get("1", Fraction(0))
         rest = (x - residue(number)) % P
         if not rest:
@@ -319,7 +324,7 @@ class Point:
         return whole + self._any("floor", rest, number - whole)
 
     def _pow(self, x: int, exponent: Node) -> int:
-        """x^(n + rest) = x^n x^rest for the whole part n of the number in the exponent."""
+        """Return x^(n + rest) = x^n x^rest for the integer part n of the number in the exponent."""
         form = dict(self._form(exponent))
         number = form.pop("1", Fraction(0))
         whole = math.floor(number)
@@ -347,14 +352,14 @@ def _multiple(angle: Circle, n: int) -> Circle:
 
 
 def power(x: int, n: int) -> int:
-    """x^n; Undefined for a division by zero."""
+    """Return x^n.  Raises Undefined for a division by zero."""
     if n < 0 and x % P == 0:
         raise Undefined
     return pow(x, n, P)
 
 
 def has_root(node: Node) -> bool:
-    """Whether its value is made of the square root of its first argument."""
+    """Whether the node contains the square root of its first argument."""
     if node.op != "pow":
         return node.op == "sqrt"
     exponent = node.args[1]
@@ -369,13 +374,12 @@ _HALF = (P + 1) // 2
 
 
 def residue(x: Fraction) -> int:
-    """A fraction in the field."""
+    """Return a fraction as an element of the field."""
     return x.numerator * power(x.denominator, -1) % P
 
 
 def turns_of(value: float) -> Fraction | None:
-    """The simple multiple of pi that a float is within rounding, other than none: of so few numbers
-    none is met by chance."""
+    """Return the simple non-zero multiple of pi that equals a float up to round-off, or None."""
     if not math.isfinite(value) or abs(value) > _MOST_TURNS * math.pi or _is_written(value):
         return None
     near = Fraction(value / math.pi).limit_denominator(_FINEST_TURN)
@@ -383,8 +387,8 @@ def turns_of(value: float) -> Fraction | None:
 
 
 def fraction(value: float, digits: int = WRITTEN) -> Fraction | None:
-    """The number that a float is meant to be: a decimal of up to `digits`, or a fraction that it is within
-    rounding; None where it is neither."""
+    """Return the decimal of up to `digits` digits, or the fraction, that equals a float up to round-off, or
+    None."""
     if not math.isfinite(value):
         return None
     if _is_written(value, digits):
@@ -396,6 +400,6 @@ def fraction(value: float, digits: int = WRITTEN) -> Fraction | None:
 
 
 def _is_written(value: float, most: int = WRITTEN) -> bool:
-    """Whether a number has few digits, or is whole: then it is meant as it is."""
+    """Whether a number has few digits or is an integer, so that it is taken as written."""
     digits = repr(abs(value)).partition("e")[0].replace(".", "").strip("0")
     return len(digits) <= most or value == int(value)

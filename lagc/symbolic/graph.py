@@ -1,18 +1,17 @@
 """The expression graph: interned nodes and the smart constructors that make them.
 
-Every node belongs to one `Graph`.  Two expressions that are built alike *are* the
-same object, so equality is identity and a shared sub-expression is stored once.
-A node is made after its arguments, hence `index` order is a topological order and
-every walk in this room is a loop, never a recursion.
+Every node belongs to one `Graph`.  Equal expressions are the same object, so equality is identity and a
+shared sub-expression is stored once.  A node is created after its arguments, so `index` order is topological
+and every walk is a loop.
 
-Normal form (kept by the constructors, cheap on purpose):
+Normal form (kept by the constructors):
 
 * `scale` c*x holds a numeric coefficient, never nested, never around a constant;
 * `mul` is a monomial: distinct bases sorted by index with non-zero integer exponents;
   x^2 is `mul` with one base, a quotient is a negative exponent;
-* numbers whose sum is rounding add up to zero: 0.1 x + 0.2 x - 0.3 x is nothing;
+* a sum of numbers that is round-off is zero: 0.1 x + 0.2 x - 0.3 x;
 * `add` is binary; like terms, and c*x*sin(u)^2 + c*x*cos(u)^2, are collected when they
-  meet.  Long sums are not flattened: the prefix sums of a chain stay shared.
+  meet.  Long sums are not flattened, so that the prefix sums of a chain stay shared.
 """
 
 from __future__ import annotations
@@ -28,20 +27,20 @@ from lagc.symbolic.operators import PARITY, TWINS, VALUES, exchanged
 Number: TypeAlias = "float | int"
 
 
-MOST_FACTORS = 16  # of one product; more are products of products
-MOST_TURNED = 1e4  # rad of an angle that was written
+MOST_FACTORS = 16  # in one product; a longer one is a product of products
+MOST_TURNED = 1e4  # rad, of constant angles
 ULP = 2.0**-52
-_ROUNDING = 2.0**-51  # of the terms: what is left of decimal numbers that cancel
+_ROUNDING = 2.0**-51  # relative to the terms: the round-off of decimal numbers that cancel
 
 
 def _total(a: float, b: float) -> float:
-    """a + b, zero where that is rounding."""
+    """Return a + b, or zero if the sum is round-off."""
     found = a + b
     return 0.0 if abs(found) <= _ROUNDING * abs(a) and math.isfinite(a) else found
 
 
 class Node:
-    """One interned expression.  `op` says what it is, `args` of what, `value` the rest.
+    """An interned expression: an operator `op`, its arguments `args` and a `value`.
 
     op        args            value
     const     ()              float
@@ -49,8 +48,8 @@ class Node:
     add       (a, b)          None
     scale     (x,)            float coefficient
     mul       (b1, ..., bk)   (e1, ..., ek) integer exponents
-    piece ..  (x,)            Table         every name of OPERATORS that is looked up
-    sin ...   (x, ...)        None          every other
+    piece ..  (x,)            Table         every operator with `looked_up`
+    sin ...   (x, ...)        None          every other operator
     """
 
     __slots__ = ("args", "graph", "index", "op", "value")
@@ -97,7 +96,7 @@ class Node:
 
     @property
     def record(self) -> Symbol:
-        """What a symbol stands for."""
+        """Return the Symbol of a leaf."""
         found: Symbol = self.value
         return found
 
@@ -111,7 +110,7 @@ class Node:
 
 
 class Graph:
-    """Maker and owner of nodes.  Not shared between threads."""
+    """Creates and owns nodes.  It is not shared between threads."""
 
     def __init__(self) -> None:
         self._table: dict[tuple[object, ...], Node] = {}
@@ -136,11 +135,11 @@ class Graph:
         return node
 
     def const(self, value: Number) -> Node:
-        """The constant `value`; -0.0 is taken as 0.0 (no expression here tells them apart)."""
+        """Return the constant `value`; -0.0 becomes 0.0."""
         return self._intern("const", (), float(value) + 0.0)
 
     def symbol(self, kind: str, owner: str = "", component: str = "", order: int = 0) -> Node:
-        """The leaf of this `Symbol`."""
+        """Return the leaf of this `Symbol`."""
         return self.leaf(Symbol(kind, owner, component, order))
 
     def leaf(self, symbol: Symbol) -> Node:
@@ -152,7 +151,7 @@ class Graph:
     # -- arithmetic -----------------------------------------------------------
 
     def scale(self, c: float, x: Node) -> Node:
-        """c*x for a number c."""
+        """Return c*x for a number c."""
         op = x.op
         if op == "const":
             return self.const(c * x.value)
@@ -176,7 +175,7 @@ class Graph:
         met = self._meet(a, b)
         if met is not None:
             return met
-        if a.op == "add":  # one level deep, so that J.J of a rotating arm folds
+        if a.op == "add":  # one level deep, which simplifies the square of a rotating arm
             x, y = a.args
             met = self._meet(y, b)
             if met is not None:
@@ -197,7 +196,7 @@ class Graph:
         return self._intern("add", (a, b), None)
 
     def _meet(self, a: Node, b: Node) -> Node | None:
-        """a + b where the two terms are alike (or sin^2 meets cos^2), else None."""
+        """Return a + b if the terms are alike (or sin^2 and cos^2), else None."""
         ca, xa = (a.value, a.args[0]) if a.op == "scale" else (1.0, a)
         cb, xb = (b.value, b.args[0]) if b.op == "scale" else (1.0, b)
         if xa is xb:
@@ -235,7 +234,7 @@ class Graph:
         return self.scale(c, self._merge(a, b, 1))
 
     def div(self, a: Node, b: Node) -> Node:
-        """a/b.  Division by the constant zero is the caller's to refuse (ZeroDivisionError)."""
+        """Return a/b.  Raises ZeroDivisionError for the constant zero."""
         c = 1.0
         if b.op == "const":
             return self.scale(1.0 / b.value, a)
@@ -248,8 +247,7 @@ class Graph:
         return self.scale(c, self._merge(a, b, -1))
 
     def product(self, factors: Iterable[tuple[Node, int]]) -> Node:
-        """The product of bases to integer powers.  A power of a number that has no finite value, 0^-1,
-        stays as it is written."""
+        """Return the product of integer powers; 0^-1 is kept as it is."""
         c = 1.0
         powers: dict[Node, int] = {}
         for base, exponent in factors:
@@ -270,7 +268,7 @@ class Graph:
         return self.scale(c, self._monomial(powers))
 
     def reduced(self, monomial: Node, k: int) -> Node:
-        """The product `monomial` divided by its base number k."""
+        """Return the product `monomial` divided by its base k."""
         bases, exponents = monomial.args, monomial.value
         if exponents[k] != 1:
             return self.div(monomial, bases[k])
@@ -279,7 +277,7 @@ class Graph:
         return self._intern("mul", bases[:k] + bases[k + 1 :], exponents[:k] + exponents[k + 1 :])
 
     def _merge(self, a: Node, b: Node, sign: int) -> Node:
-        """The monomial a * b^sign; neither is a scale, b is no constant."""
+        """Return a * b^sign; neither is a scale, and b is not a constant."""
         powers: dict[Node, int] = {}
         if a.op == "mul":
             powers.update(zip(a.args, a.value))
@@ -308,13 +306,13 @@ class Graph:
         return self._intern("mul", tuple([b for _, b, _ in items]), tuple([e for _, _, e in items]))
 
     def _nested(self, items: list[tuple[int, Node, int]]) -> Node:
-        """A product of products, so that its derivatives are not as many products of as many factors."""
+        """Return a product of products, so that its derivatives have fewer factors."""
         first, rest = items[:MOST_FACTORS], items[MOST_FACTORS:]
         inner = self._intern("mul", tuple([b for _, b, _ in first]), tuple([e for _, _, e in first]))
         return self._monomial({inner: 1, **{b: e for _, b, e in rest}})
 
     def _without_roots(self, powers: dict[Node, int]) -> Node:
-        """sqrt(u)^2 = u wherever sqrt(u) is a number."""
+        """Replace sqrt(u)^2 by u."""
         rest = self.one
         for root in [b for b, e in powers.items() if b.op == "sqrt" and e not in (1, -1, 0)]:
             e = powers.pop(root)
@@ -325,7 +323,7 @@ class Graph:
         return self.mul(self._monomial(powers), rest)
 
     def power(self, x: Node, n: int) -> Node:
-        """x^n for an integer n; 0^n with n < 0 raises ZeroDivisionError."""
+        """Return x^n for an integer n.  Raises ZeroDivisionError for 0^n with n < 0."""
         if n == 1:
             return x
         if n == 0:
@@ -386,11 +384,11 @@ class Graph:
         return True
 
     def twin(self, x: Node) -> Node | None:
-        """cos(u) for x = sin(u), sin(u) for cos(u)."""
+        """Return cos(u) for sin(u), sin(u) for cos(u), else None."""
         return self.unary(TWINS[x.op], x.args[0]) if x.op in TWINS else None
 
     def binary(self, op: str, x: Node, y: Node) -> Node:
-        """atan2, min, max, pow, the comparisons lt le eq, and the connectives and, or."""
+        """Return atan2, min, max, pow, a comparison (lt, le, eq), `and` or `or`."""
         if op == "pow":
             return self.pow(x, y)
         if x.op == "const" and y.op == "const":
@@ -410,7 +408,7 @@ class Graph:
         return x if x is y else self._intern("select", (condition, x, y), None)
 
     def looked_up(self, op: str, table: Table, x: Node) -> Node:
-        """`piece` or `entry` of x in a table."""
+        """Return `piece` or `entry` of x in a table."""
         if op == "entry" and table.is_constant:
             return self.const(table[0])
         if x.op == "const":
@@ -418,8 +416,8 @@ class Graph:
         return self._intern(op, (x,), table)
 
     def rebuild(self, node: Node, args: tuple[Node, ...]) -> Node:
-        """`node` with other arguments, through the constructors; what has no finite value for them stays
-        as it is written."""
+        """Return `node` with other arguments, simplified; a constant without a finite value is kept as
+        written."""
         op = node.op
         if op in ("const", "symbol"):
             return node
@@ -439,13 +437,12 @@ class Graph:
             return self.unary(op, args[0])
         try:
             return self.binary(op, *args)
-        except (ZeroDivisionError, OverflowError):  # of a power of two numbers
+        except (ZeroDivisionError, OverflowError):  # a power of two numbers
             return self._intern(op, args, None)
 
 
 def _at_quarter_turn(angle: float, value: float) -> bool:
-    """Whether a sine or cosine of a number that was written is nothing but what the last place of the angle
-    makes of it: that of 90[deg] is none."""
+    """Whether a sine or cosine of a constant is round-off, as cos(90 [deg])."""
     return abs(angle) < MOST_TURNED and abs(value) <= ULP * abs(angle)
 
 

@@ -1,7 +1,7 @@
-"""Functions of one argument through points.
+"""Interpolation of functions of one argument through points.
 
-Between two knots each is a polynomial of the way from the left one, whose coefficients are looked up.  Before
-the first knot and behind the last it holds the value there, or goes on straight with the slope it has.
+Between two knots the function is a polynomial in the distance from the left knot, with coefficients from a
+table. Outside of the knots it is constant or linear.
 """
 
 from __future__ import annotations
@@ -18,16 +18,19 @@ Numbers = Sequence[float]
 
 
 def key_of(knots: Numbers, values: Numbers, kind: str, straight: bool) -> str:
-    """Stands for an interpolant."""
+    """Return a key of the points and the interpolation."""
     return cache.key(kind, str(straight), digest(knots), digest(values))
 
 
 def interpolant(x: Node, knots: Numbers, values: Numbers, kind: str, straight: bool, name: str) -> Node:
-    """The function of `kind`, one of KINDS, of x through the points, two at least, `knots` in order;
-    `straight`: as it goes on beyond them.  Raises OverflowError where a coefficient is no number."""
+    """Return the function of x through at least two points with increasing `knots`; `kind` is one of KINDS.
+
+    With `straight` it is continued linearly, else as a constant.  Raises OverflowError if a coefficient is
+    not finite.
+    """
     graph, curve = x.graph, Curve(name, key_of(knots, values, kind, straight))
     ends, *coefficients = KINDS[kind](knots, values)
-    # What is before the first knot is a piece of its own, of as many coefficients.
+    # There is one more piece before the first knot.
     first, last = ([values[end], 0.0, 0.0, 0.0] for end in (0, -1))
     if straight and kind != "held":
         first[1], last[1] = coefficients[1][0], coefficients[1][-1]
@@ -45,7 +48,8 @@ def interpolant(x: Node, knots: Numbers, values: Numbers, kind: str, straight: b
 
 
 def _held(knots: Numbers, values: Numbers) -> tuple[Numbers, ...]:
-    """From each knot on its value; a knot where that is the same is none."""
+    """Return a step function with the value of each knot up to the next; knots without a change are
+    dropped."""
     kept = [k for k in range(len(knots)) if k == 0 or values[k] != values[k - 1]]
     return [knots[k] for k in kept], [values[k] for k in kept]
 
@@ -56,9 +60,10 @@ def _linear(knots: Numbers, values: Numbers) -> tuple[Numbers, ...]:
 
 
 def _cubic(knots: Numbers, values: Numbers) -> tuple[Numbers, ...]:
-    """The spline with a continuous second derivative, whose third is too at the second knot and the last but
-    one ("not a knot"): through three points it is the parabola.  C. de Boor, *A Practical Guide to Splines*,
-    Springer 1978, chapter IV."""
+    """Return the cubic spline with the not-a-knot condition; through three points it is the parabola.
+
+    C. de Boor, *A Practical Guide to Splines*, Springer 1978, chapter IV.
+    """
     h, m = [b - a for a, b in pairwise(knots)], _slopes(knots, values)
     s = _spline_slopes(h, m)
     second = [(3.0 * m[k] - 2.0 * s[k] - s[k + 1]) / h[k] for k in range(len(h))]
@@ -67,7 +72,7 @@ def _cubic(knots: Numbers, values: Numbers) -> tuple[Numbers, ...]:
 
 
 def _closed(knots: Numbers) -> Numbers:
-    """The last knot belongs to the piece before it, as a run that ends there asks for no other."""
+    """Move the last knot up by one unit in the last place, so that it belongs to the piece before it."""
     return [*knots[:-1], nextafter(knots[-1], inf)]
 
 
@@ -81,8 +86,10 @@ def _slopes(knots: Numbers, values: Numbers) -> list[float]:
 
 
 def _spline_slopes(h: Numbers, m: Numbers) -> list[float]:
-    """The slopes at the knots, of ways h and mean slopes m between them: a tridiagonal system, eliminated
-    from the left, where every pivot is positive."""
+    """Return the slopes at the knots, given distances h and mean slopes m.
+
+    The tridiagonal system is eliminated from the left; all pivots are positive.
+    """
     n = len(h)
     if n == 1:
         return [m[0], m[0]]

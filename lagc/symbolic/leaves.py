@@ -1,4 +1,4 @@
-"""What a leaf of the graph stands for, and what it is called."""
+"""Leaves of the graph: symbols with their names, and tables of numbers."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ _RATES = {"coordinate": "rate", "rate": "acceleration", "speed": "acceleration"}
 
 @dataclass(frozen=True, slots=True)
 class Symbol:
-    """`kind` keeps name spaces apart; `owner` is the name of what it belongs to, `component` which of its
-    components it is; `order` counts the time derivatives of what these two name."""
+    """A symbol: `kind` separates name spaces, `owner` is the object, `component` its part, `order` counts
+    time derivatives."""
 
     kind: str
     owner: str = ""
@@ -25,17 +25,17 @@ class Symbol:
 
     @property
     def is_body_rate(self) -> bool:
-        """Whether it is a body rate of an orientation, or the acceleration of one."""
+        """Whether it is a body rate of an orientation, or its derivative."""
         return self.component != "" and self.kind in ("rate", "acceleration")
 
     @property
     def derivative(self) -> Symbol:
-        """The symbol of its time derivative."""
+        """Return the symbol of the time derivative."""
         return replace(self, kind=_RATES[self.kind], order=self.order + 1)
 
     @property
     def base(self) -> str:
-        """Its name without time derivatives."""
+        """Return the name without time derivatives."""
         owner = f"{self.kind}({self.owner})" if self.kind in QUANTITIES else self.owner
         part = f"rate.{self.component}" if self.is_body_rate else self.component
         return f"{owner}.{part}" if part else owner
@@ -46,23 +46,22 @@ class Symbol:
 
 
 def derived(name: str, order: int = 1) -> str:
-    """A name with so many time derivatives, as in the language: `der(theta)`."""
+    """Return a name with `order` time derivatives, as in the language: `der(theta)`."""
     return "der(" * order + name + ")" * order
 
 
 def underived(name: str) -> str:
-    """`theta` of `der(theta)`, where a person wrote it."""
+    """Return `theta` for `der(theta)` as written by the user."""
     return name.removeprefix("der(").removesuffix(")") if name.startswith("der(") else name
 
 
 def digest(numbers: Sequence[float]) -> str:
-    """A name for `numbers`."""
+    """Return a name for `numbers`."""
     return cache.digest(struct.pack(f"<{len(numbers)}d", *numbers))
 
 
 class Curve:
-    """A function through points: `rows` of the coefficients of its pieces, of powers of the way from the left
-    end.  `name` is what people call it, `key` which it is."""
+    """An interpolated function: `rows` are the coefficients of its pieces by power; `key` identifies it."""
 
     __slots__ = ("key", "name", "rows")
 
@@ -72,8 +71,10 @@ class Curve:
 
 
 class Table:
-    """Numbers that stand once in generated code: knots, or the row of a `curve` with the coefficients of
-    power `order`.  Two of the same are one."""
+    """Numbers stored once in generated code: knots, or the coefficients of power `order` of a `curve`.
+
+    Tables with the same key are equal.
+    """
 
     __slots__ = ("curve", "is_constant", "key", "numbers", "order")
 
@@ -106,7 +107,7 @@ class Table:
         return f"Table {self.key}"
 
     def piece(self, x: float) -> float:
-        """The last place whose number is not above x; 0 where there is none."""
+        """Return the last position whose number is not above x, or 0."""
         return float(max(bisect_right(self.numbers, x) - 1, 0))
 
     def entry(self, place: float) -> float:

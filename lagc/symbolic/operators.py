@@ -1,8 +1,8 @@
-"""What there is to know of each operator of the expression graph, one row each.
+"""The properties of each operator of the expression graph, one row each.
 
-Sums, products and numeric factors are the algebra itself, and no rows: `graph` makes them.  All other
-rooms ask the rows, so that a new function is a row here, and what no other function has: code of its
-own in C or Python, its identities (`modular`), or a notation.
+Sums, products and numeric factors are built into `graph` and have no row.  A new function needs a row here,
+and its code in C or Python, its identities (`finite_field`) or its notation if they differ from those of
+other functions.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from lagc.base.records import dataclass
 from lagc.symbolic.leaves import Table
 
 Interval: TypeAlias = tuple[float, float]
-# graph, node, its arguments -> d(node)/d(argument), one an argument; `graph` stands above this file.
+# (graph, node, arguments) -> d(node)/d(argument) for each; typed Any, since `graph` imports this file.
 Slopes: TypeAlias = Callable[..., tuple[Any, ...]]
-# graph, arguments -> the same as a choice between two smooth sides.
+# (graph, arguments) -> the operator as a choice between two smooth branches.
 Sides: TypeAlias = Callable[..., Any]
 
 EVERYWHERE: Interval = (-math.inf, math.inf)
@@ -25,20 +25,20 @@ _UP_TO_ONE: Interval = (-1.0, 1.0)
 _POSITIVE: Interval = (0.0, math.inf)
 _RIGHT: Interval = (-0.5 * math.pi, 0.5 * math.pi)
 
-# How smooth it is where it is defined, and where its argument reaches the end of that.
+# Smoothness inside of the domain and at its border.
 ENTIRE = "entire"  # analytic for all numbers
-POLE = "pole"  # values beside it may differ
-END = "end"  # slopes alone may
-CORNER, STEP = "corner", "step"  # where the argument is zero, or two are equal
-LOGIC = "logic"  # of truth values
-FLAT = "flat"  # the same until its argument jumps
-CHOICE = "choice"  # between two arguments
+POLE = "pole"  # values may differ on both sides of the border
+END = "end"  # only derivatives may differ at the border
+CORNER, STEP = "corner", "step"  # where the argument is 0, or where two arguments are equal
+LOGIC = "logic"  # operates on truth values
+FLAT = "flat"  # piecewise constant
+CHOICE = "choice"  # selects one of two arguments
 
 
 @dataclass(frozen=True, slots=True)
 class Border:
-    """Where a function of x changes that does not where x is zero: `zero(x)` is there.  It never does for
-    x `inside`."""
+    """The border of the domain or of smoothness of a function of x: it lies where `zero(x)` is 0, and never
+    for x `inside`."""
 
     zero: Callable[[float], float]
     inside: Interval
@@ -51,14 +51,13 @@ def _flat(graph: Any, node: Any, *arguments: Any) -> tuple[Any, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Operator:
-    """`value` is that of floats; it raises as `math` does.  `parity`: what becomes of the sign of the
-    argument, 1 (f(-x) = f(x)), -1 (-f(x)), or 0.  `within` holds all values; one that is `rising` has
-    the greatest for the greatest arguments.  `twin`: the function whose square and its own add up to 1.
+    """An operator and its properties.
 
-    One that is `looked_up` has a `Table`, the value of its nodes, before its arguments.
-
-    `weight` is about the time it takes, in additions, `cycles` until its result can be used.  Spelt in
-    the model language by its name, or between two operands: `infix`; and in each target.
+    `value` evaluates floats and raises as `math` does.  `parity` is 1 if f(-x) = f(x), -1 if f(-x) = -f(x),
+    else 0. `within` contains all values.  `rising`: f is nondecreasing in all arguments.  `twin`: the
+    function whose square and that of f add up to 1.  A `looked_up` operator has a `Table` before its
+    arguments.  `weight` is the cost in additions, `cycles` the latency.  The spelling in the model language
+    is the name, or `infix`; each target has its own.
     """
 
     name: str
@@ -72,7 +71,7 @@ class Operator:
     border: Border | None = None
     sides: Sides | None = None
     twin: str = ""
-    truth: bool = False  # its value is a truth
+    truth: bool = False  # the value is a truth value
     looked_up: bool = False
     weight: int = 20
     cycles: int = 60
@@ -92,7 +91,7 @@ def _power_slopes(graph: Any, node: Any, x: Any, y: Any) -> tuple[Any, ...]:
     if y.is_const:
         return (dx, graph.zero)
     if graph.is_of_parameters(y):
-        x = graph.select(graph.binary("eq", node, graph.zero), graph.one, x)  # where 0^p is 0 its slope is
+        x = graph.select(graph.binary("eq", node, graph.zero), graph.one, x)  # the derivative of 0^p = 0 is 0
     return (dx, graph.mul(node, graph.unary("log", x)))
 
 
@@ -216,13 +215,13 @@ COMPARISONS = frozenset([row.name for row in _ROWS if row.truth and row.smoothne
 
 
 def spelling(target: str) -> dict[str, str]:
-    """How operators are called in "c", "python", "sympy" or "latex"."""
+    """Return the names of operators in "c", "python", "sympy" or "latex"."""
     before = "\\" if target == "latex" else ""
     return {row.name: getattr(row, target) or row.infix or before + row.name for row in _ROWS}
 
 
 def smooth_as(*kinds: str) -> frozenset[str]:
-    """The names of the operators whose smoothness is one of `kinds`."""
+    """Return the operators whose smoothness is one of `kinds`."""
     return frozenset([row.name for row in _ROWS if row.smoothness in kinds])
 
 
@@ -232,9 +231,12 @@ Base = TypeVar("Base")
 def exchanged(
     monomial: Iterable[tuple[Base, Any]], twin: Callable[[Base, Any], Base | None]
 ) -> Iterator[tuple[dict[Base, Any], Base]]:
-    """For each factor of `monomial` that has a `twin`, cos(u) for a power of sin(u) and sin(u) for one of
-    cos(u): x, the monomial without its square, and the twin.  Exponents are integers or fractions, 0 where
-    a factor is gone."""
+    """Yield, for each factor of `monomial` with a `twin`, the monomial divided by the square of the factor,
+    and the twin.
+
+    This serves c x sin(u)^2 + c x cos(u)^2 = c x, for nodes or for other objects with sines and cosines.
+    Exponents are integers or fractions, 0 for a factor that vanished.
+    """
     powers = dict(monomial)
     for base, exponent in powers.items():
         other = twin(base, exponent)

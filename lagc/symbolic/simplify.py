@@ -1,9 +1,8 @@
-"""Sums of squares that rotations leave as they are: the angles by which a vector is turned drop out of its
-length.
+"""Simplification of squares: angles by which a vector is rotated drop out of its length.
 
-The square is multiplied out, within a bound, and cos(u)^2 is 1 - sin(u)^2 for one angle u after the
-other.  That is a normal form: where u has no influence by this identity alone, none of it is left.  Where
-some is, the square stays as it was written.
+The square is expanded, within a limit, and cos(u)^2 is replaced by 1 - sin(u)^2 for one angle u after the
+other.  In this normal form an angle without influence does not occur.  If an angle remains, the square is
+kept as written.
 """
 
 from __future__ import annotations
@@ -14,17 +13,17 @@ from math import comb
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.operators import TWINS
 
-MOST = 2000  # nodes, terms and products that are looked at
-NESTED = 10  # of them that a sum inside a product counts for
+MOST = 2000  # limit on nodes, terms and products
+NESTED = 10  # share of this limit for a sum inside of a product
 TURNS = 6  # angles in one square
 
 Monomial = tuple[tuple[Node, int], ...]  # bases and exponents, in the order of the graph
-Terms = dict[Monomial, tuple[float, float]]  # coefficient, and the sum of what it was added up from
-ROUNDING = 2.0**-48  # of that sum: what is left of numbers that cancel
+Terms = dict[Monomial, tuple[float, float]]  # coefficient, and the sum of the absolute values of its parts
+ROUNDING = 2.0**-48  # relative to that sum: numbers that cancel up to round-off
 
 
 class _TooMuch(Exception):
-    """More than the bound."""
+    """The limit is exceeded."""
 
 
 class _Work:
@@ -37,14 +36,14 @@ class _Work:
 
 
 def without_turns(square: Node) -> Node:
-    """`square`, without the angles that have no influence on it, as far as they are seen."""
+    """Return `square` without the angles that have no influence on it."""
     work, found = _Work(), square
     try:
         angles = _angles(square, work)
         if not 0 < len(angles) <= TURNS:
             return square
         terms, left = _expanded(square, work), -1
-        while left != len(angles):  # the outermost turn drops out first
+        while left != len(angles):  # the outermost rotation drops out first
             left, others = len(angles), []
             for sine, cosine in angles:
                 turned = _left(_in_sines(terms, sine, cosine, work))
@@ -59,11 +58,10 @@ def without_turns(square: Node) -> Node:
 
 
 def _angles(square: Node, work: _Work) -> list[tuple[Node, Node]]:
-    """The sines and cosines of the same that are factors in it, none of too many; what is inside other
-    functions is not."""
+    """Return the pairs of sines and cosines that occur as factors, or none if there are too many."""
     seen, layer = {square}, [square]
     sines, cosines = dict[Node, Node](), dict[Node, Node]()
-    while layer:  # what is near the square first: of many angles some are there
+    while layer:  # breadth first, to find the outer angles if there are many
         work.spend(len(layer))
         below: list[Node] = []
         for node in layer:
@@ -81,7 +79,7 @@ def _angles(square: Node, work: _Work) -> list[tuple[Node, Node]]:
 
 
 def _expanded(node: Node, work: _Work) -> Terms:
-    """Its terms, multiplied out."""
+    """Return the expanded terms."""
     terms: Terms = {}
     stack = [(node, 1.0)]
     while stack:
@@ -120,7 +118,7 @@ def _product(a: Terms, b: Terms, work: _Work) -> Terms:
 
 
 def _in_sines(terms: Terms, sine: Node, cosine: Node, work: _Work) -> Terms:
-    """`terms` with powers of the cosine below 2."""
+    """Return `terms` with powers of the cosine below 2."""
     found: Terms = {}
     for term, (c, size) in terms.items():
         work.spend()
@@ -144,7 +142,7 @@ def _collect(terms: Terms, term: Monomial, c: float, size: float) -> None:
 
 
 def _left(terms: Terms) -> Terms:
-    """Those that do not cancel, but for rounding."""
+    """Return the terms that do not cancel up to round-off."""
     return {term: (c, size) for term, (c, size) in terms.items() if abs(c) > ROUNDING * size}
 
 

@@ -1,4 +1,4 @@
-"""Stable text of an expression, for people, comments and golden files."""
+"""Stable text of an expression, for messages, comments and golden files."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ if TYPE_CHECKING:
     from lagc.symbolic.graph import Node
 
 _SUM, _PRODUCT, _POWER, _ATOM = 1, 2, 3, 4
-Texts: TypeAlias = "dict[Node, tuple[str, int]]"  # of nodes, and how tightly they hold together
-_LONGEST = 120  # characters that are read at once
+Texts: TypeAlias = "dict[Node, tuple[str, int]]"  # text and precedence of nodes
+_LONGEST = 120  # characters of a short text
 _BREAKS = re.compile(r" (?:[-+<>=]+|and|or|then|else) |[*/]")
 
 
 def number(value: float) -> str:
-    """`value` as short as it reads back exactly; integers without a point."""
+    """Return the shortest text that reads back exactly; integers have no point."""
     return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(value)
 
 
 def text(node: Node) -> str:
-    """`node` in the model language, e.g. `m*l^2*der(theta) - 2*cos(theta)`."""
+    """Return `node` in the model language, e.g. `m*l^2*der(theta) - 2*cos(theta)`."""
     done: Texts = {}
     for below in reachable([node]):
         done[below] = _write(below, done)
@@ -31,7 +31,8 @@ def text(node: Node) -> str:
 
 
 def brief(node: Node, known: Texts | None = None) -> str:
-    """The same for people, of what is long the beginning and the end; `known` comes to hold what is below."""
+    """Return the text of `node`, with the middle of a long one left out; `known` caches the texts of nodes
+    below."""
     done: Texts = {} if known is None else known
     for below in missing([node], done):
         whole, level = _write(below, done)
@@ -40,7 +41,7 @@ def brief(node: Node, known: Texts | None = None) -> str:
 
 
 def _abridged(whole: str) -> str:
-    """Cut at operators; what is left out is said once."""
+    """Return a long text cut at operators, with one ellipsis."""
     if len(whole) <= _LONGEST:
         return whole
     first, last = whole[: _LONGEST // 2].split("...")[0], whole[-_LONGEST // 3 :].split("...")[-1]

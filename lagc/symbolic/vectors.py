@@ -27,7 +27,7 @@ def scale(c: Node | float, a: Vector) -> Vector:
 
 
 def dot(a: Sequence[T], b: Sequence[T]) -> T:
-    """The sum of the products of elements: one or more, as many in a as in b."""
+    """Return the sum of the products of elements; a and b have the same length, at least one."""
     total = a[0] * b[0]
     for x, y in zip(a[1:], b[1:]):
         total = total + x * y
@@ -43,7 +43,7 @@ def cross(a: tuple[T, T, T], b: tuple[T, T, T]) -> tuple[T, T, T]:
 
 
 def norm(a: Sequence[Node]) -> Node:
-    """Its length; angles by which it is turned as a whole are not in it."""
+    """Return the length; angles by which the vector is rotated as a whole drop out."""
     square = without_turns(dot(a, a))
     return square.graph.sqrt(square)
 
@@ -70,13 +70,15 @@ def matmul(a: Matrix, b: Matrix) -> Matrix:
 
 
 def axis_rates(axes: Matrix, w: Vector) -> dict[Node, Node]:
-    """d(axes)/dt for unit vectors that are the columns of `axes` and turn by w, in their own axes:
-    e_k' = w x e_k.  Of the components those that are sums; those of others
-    follow from what they are made of."""
+    """Return d(axes)/dt for unit vectors (columns of `axes`) with angular velocity w in their own axes: e_k'
+    = w x e_k.
+
+    Only components that are sums are included; the others follow from their arguments.
+    """
     found: dict[Node, Node] = {}
     for x, y, z in axes:
         for node, rate in ((x, w[2] * y - w[1] * z), (y, w[0] * z - w[2] * x), (z, w[1] * x - w[0] * y)):
-            if node.op == "scale" and frexp(node.value)[0] in (0.5, -0.5):  # as it stands in products
+            if node.op == "scale" and frexp(node.value)[0] in (0.5, -0.5):  # as it occurs in products
                 node, rate = node.args[0], rate * (1.0 / node.value)
             if node.op == "add":
                 found.setdefault(node, rate)

@@ -1,6 +1,6 @@
-"""Walks over the expression graph: what is reachable, what depends on what, substitution.
+"""Walks over the expression graph: reachable nodes, dependence, substitution.
 
-All are loops: `index` order is a topological order, so depth never matters.
+All walks are loops, because `index` order is a topological order.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _index = attrgetter("index")
 
 
 def reachable(nodes: Iterable[Node]) -> list[Node]:
-    """Every node below `nodes`, they included, arguments before users."""
+    """Return `nodes` and every node below them, arguments before users."""
     seen = set(nodes)
     stack = list(seen)
     while stack:
@@ -28,8 +28,8 @@ def reachable(nodes: Iterable[Node]) -> list[Node]:
 
 
 def missing(nodes: Iterable[Node], known: Container[Node]) -> list[Node]:
-    """Those nodes below `nodes`, they included, that are not `known`, arguments before users; what is
-    below a known one is not looked at."""
+    """Return the nodes at or below `nodes` that are not `known`, arguments before users; known ones are not
+    descended."""
     seen = {node for node in nodes if node not in known}
     stack = list(seen)
     while stack:
@@ -41,7 +41,8 @@ def missing(nodes: Iterable[Node], known: Container[Node]) -> list[Node]:
 
 
 def within(nodes: Iterable[Node], known: Container[Node]) -> list[Node]:
-    """Those below `nodes`, they included, that are `known`, as all are above them, arguments before users."""
+    """Return the nodes at or below `nodes` that are reached through `known` nodes only, arguments before
+    users."""
     seen = {node for node in nodes if node in known}
     stack = list(seen)
     while stack:
@@ -53,7 +54,7 @@ def within(nodes: Iterable[Node], known: Container[Node]) -> list[Node]:
 
 
 def linked(nodes: Iterable[Node], links: Mapping[Node, Sequence[Node]]) -> list[Node]:
-    """Every node that `links` lead to from `nodes`, they included, arguments before users."""
+    """Return every node that `links` reach from `nodes`, arguments before users."""
     seen = set(nodes)
     stack = list(seen)
     while stack:
@@ -65,12 +66,12 @@ def linked(nodes: Iterable[Node], links: Mapping[Node, Sequence[Node]]) -> list[
 
 
 def symbols(nodes: Iterable[Node]) -> set[Node]:
-    """The symbols that `nodes` are made of."""
+    """Return the symbols below `nodes`."""
     return {node for node in reachable(nodes) if node.op == "symbol"}
 
 
 def depends(nodes: Iterable[Node], leaves: Iterable[Node]) -> set[Node]:
-    """Those nodes below `nodes`, they included, that any of `leaves` can change."""
+    """Return the nodes at or below `nodes` that depend on any of `leaves`."""
     touched = set(leaves)
     found: set[Node] = set()
     for node in reachable(nodes):
@@ -81,7 +82,7 @@ def depends(nodes: Iterable[Node], leaves: Iterable[Node]) -> set[Node]:
 
 
 def leaves_below(nodes: Iterable[Node], leaves: Iterable[Node]) -> dict[Node, int]:
-    """Which of `leaves` each of `nodes` is made of, arguments before users, as bits of a number; none: left
+    """Return the leaves below each of `nodes` (arguments before users) as bits; nodes without leaves are left
     out."""
     found = {leaf: 1 << k for k, leaf in enumerate(leaves)}
     for node in nodes:
@@ -93,7 +94,7 @@ def leaves_below(nodes: Iterable[Node], leaves: Iterable[Node]) -> dict[Node, in
 
 
 def union(sets: Iterable[int]) -> int:
-    """Of sets given as bits."""
+    """Return the union of sets given as bits."""
     found = 0
     for bits in sets:
         found |= bits
@@ -101,7 +102,7 @@ def union(sets: Iterable[int]) -> int:
 
 
 def substitute(graph: Graph, nodes: Sequence[Node], mapping: Mapping[Node, Node]) -> list[Node]:
-    """`nodes` with every key of `mapping` replaced by its value, all at once."""
+    """Return `nodes` with every key of `mapping` replaced by its value, all at once."""
     replaced: dict[Node, Node] = dict(mapping)
     touched = depends(nodes, mapping)
     for node in sorted(touched, key=_index):
