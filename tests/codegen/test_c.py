@@ -1,4 +1,4 @@
-"""The generated C stands on its own: any C99 or C++ compiler, no warnings, no undefined behaviour."""
+"""Generated C compiles with any C99 or C++ compiler, without warnings or undefined behaviour."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_any_word_can_be_a_coordinate_and_a_parameter(word: str, tmp_path: Path)
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_text_is_ascii_and_keeps_to_itself(name: str) -> None:
+def test_text_is_ascii_without_calls_of_other_libraries(name: str) -> None:
     for text in render(PROGRAMS[name]()).values():
         assert text.isascii() and "\t" not in text and "\r" not in text
         assert not re.search(r"\blagc_|\bLAGC_|\bmalloc|\bprintf|\bstatic (double|int) \w+\s*[;=]", text)

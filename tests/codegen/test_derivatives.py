@@ -1,4 +1,4 @@
-"""Derivatives in generated code: C and Python agree bit by bit, and who does not ask has none of them."""
+"""Derivatives in generated code: C and Python agree bit by bit; without the option there are none."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ def test_it_compiles_as_cpp_without_a_warning(name: str, tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("name", [*NAMES, "switched"])
-def test_who_does_not_ask_pays_nothing(name: str) -> None:
+def test_without_the_option_there_are_no_derivatives(name: str) -> None:
     with_them, without = _program(name), optimize(_equations(name))
     assert (
         not without.interface.derivatives and without.interface.model_hash != with_them.interface.model_hash

@@ -48,7 +48,7 @@ def test_the_same_bits_on_every_machine(model: str, tmp_path: Path) -> None:
 
 @pytest.mark.full
 @pytest.mark.parametrize("name", tools())
-def test_checkers_have_nothing_to_say(name: str, tmp_path: Path) -> None:
+def test_checkers_report_nothing(name: str, tmp_path: Path) -> None:
     tool = tools()[name]
     if tool is None:
         pytest.skip(f"{name} is not here")
@@ -73,7 +73,7 @@ int main(int c, char **v) { (void)v; if (f(c) > 0) puts("f"); return g(c) == 77;
 
 
 @pytest.mark.parametrize("name", tools())
-def test_checkers_see_what_is_wrong(name: str, tmp_path: Path) -> None:
+def test_checkers_find_errors(name: str, tmp_path: Path) -> None:
     tool = tools()[name]
     if tool is None:
         pytest.skip(f"{name} is not here")
@@ -83,7 +83,7 @@ def test_checkers_see_what_is_wrong(name: str, tmp_path: Path) -> None:
         tool.ask([str(tmp_path / "bad.c"), str(tmp_path / "main.c")], tmp_path)
 
 
-def test_what_is_run_calls_every_public_function(tmp_path: Path) -> None:
+def test_the_program_calls_every_public_function(tmp_path: Path) -> None:
     units = prepare(of_model("classic/four_bar"), tmp_path)
     text = (tmp_path / "four_bar.h").read_text()
     public = set(re.findall(r"^(?:\w+ )+\**(four_bar_\w+)\(", text, re.M))

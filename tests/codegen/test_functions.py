@@ -170,7 +170,7 @@ def test_every_operation_agrees_on_special_values(tmp_path: Path) -> None:
 
 
 @needs_gcc
-def test_what_is_asked_at_guesses_divides_as_c_does(tmp_path: Path) -> None:
+def test_functions_at_guesses_divide_as_c_does(tmp_path: Path) -> None:
     """Also where something else raises, and all is computed again."""
     made = Builder("conditions", ("p", "t", "x"), (("y", 2),))
     a, b = made.load("x", 0), made.load("x", 1)

@@ -1,5 +1,5 @@
-"""The subset that kernels are written in: what is outside is refused, what is inside means the same in C, in
-printed Python, and as it stands."""
+"""The kernel language: constructs outside of the subset are refused; others mean the same in C, in printed
+Python, and in the source."""
 
 from __future__ import annotations
 
@@ -101,13 +101,13 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("text", REFUSED)
-def test_what_is_outside_is_refused_with_its_place(text: str) -> None:
+def test_other_constructs_are_refused_with_their_place(text: str) -> None:
     with pytest.raises(Outside, match=r"a\.py:[1-9][0-9]*: ") as found:
         library(text)
     assert REFUSED[text] in str(found.value)
 
 
-def test_every_kernel_is_inside_and_is_printed_once_for_each_choice_that_matters() -> None:
+def test_every_kernel_is_printed_for_each_choice_of_switches() -> None:
     found = parts()
     names = [p["name"] for p in found if p["kind"] == "function"]
     assert len(names) == len(set(names)) > 60
@@ -117,7 +117,7 @@ def test_every_kernel_is_inside_and_is_printed_once_for_each_choice_that_matters
             assert texts and all(t.endswith("}\n") for t in texts)
 
 
-def test_whatever_is_printed_or_prints_counts_for_what_is_shipped() -> None:
+def test_the_key_of_shipped_kernels_covers_all_sources() -> None:
     known = {os.path.realpath(path) for path in sources()}
     package = Path(lagc.kernels.__file__).parent
     there = [*package.rglob("*.py"), *(package.parent / "codegen" / "kernel_compiler").glob("*.py")]

@@ -1,4 +1,4 @@
-"""Functions with loops compute what their operations say, in C and in Python, to the last bit."""
+"""Functions with loops compute their operations, in C and in Python, to the last bit."""
 
 from __future__ import annotations
 
@@ -48,9 +48,7 @@ def short(monkeypatch: pytest.MonkeyPatch) -> None:
 @needs_gcc
 @pytest.mark.parametrize("longest", [600, 20])
 @pytest.mark.usefixtures("short")
-def test_random_repetitions_compute_what_their_operations_say(
-    longest: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_random_repetitions(longest: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("lagc.codegen.c.functions.LONGEST", longest)
     made = [sorted_leaves(repeated_function(seed, f"f{seed}")) for seed in range(16)]
     functions = [rolled(local(f) if k % 2 else f) for k, f in enumerate(made)]

@@ -1,4 +1,4 @@
-"""The generated Python module: alone, and bit for bit what the generated C computes."""
+"""Generated Python modules: they need no other module, and compute the same bits as generated C."""
 
 from __future__ import annotations
 
@@ -197,7 +197,7 @@ def test_parameters_by_keyword() -> None:
         python.default_params(n=2)
 
 
-def test_where_python_would_raise_the_value_is_that_of_c(tmp_path: Path) -> None:
+def test_exceptions_of_python_become_the_values_of_c(tmp_path: Path) -> None:
     """l = 0: g/l sin(theta) is infinite, for nothing has inertia then, as the status says."""
     made = pendulum()
     python, (lib, prefix) = module(made), library(made, tmp_path)
@@ -249,7 +249,7 @@ def test_a_module_defines_no_name_twice(name: str) -> None:
     assert len(found) == len(set(found)) > 50, sorted(n for n in found if found.count(n) > 1)
 
 
-def test_where_a_motion_has_no_value_the_state_is_where_its_last_step_ended() -> None:
+def test_after_a_failure_the_state_is_at_the_end_of_the_last_step() -> None:
     """x'' = -1 - sqrt(x), from 1: beyond 0 there is no root."""
     text = """model Root
   coordinate Length x(start = 1 [m]);

@@ -1,4 +1,5 @@
-"""The code of a model grows with it, and no faster; by counts of operations, of accesses and of letters."""
+"""The size of generated code is proportional to that of the model, counted in operations, accesses and
+characters."""
 
 from __future__ import annotations
 
@@ -31,9 +32,7 @@ FAMILIES = [
 
 @pytest.mark.full
 @pytest.mark.parametrize(("name", "few", "many", "most"), FAMILIES, ids=[family[0] for family in FAMILIES])
-def test_operations_grow_as_bodies_do_and_code_does_not_faster(
-    name: str, few: int, many: int, most: float
-) -> None:
+def test_code_is_proportional_to_the_bodies(name: str, few: int, many: int, most: float) -> None:
     """Of n bodies; those that attract each other have n^2 forces."""
     less, more = (program(name, math.isqrt(n) if name == "large/net" else n) for n in (few, many))
     growth = many / few
@@ -52,7 +51,7 @@ def accesses(found: list[Segment]) -> int:
 @pytest.mark.parametrize(
     ("name", "n"), [("large/lattice", 500), ("large/net", 12), ("classic/spring_chain", 300)]
 )
-def test_what_is_done_to_one_value_is_done_at_once(name: str, n: int) -> None:
+def test_operations_on_one_value_are_in_one_segment(name: str, n: int) -> None:
     """In the order in which operations are made there are one to two a operation."""
     f = program(name, n).functions["rhs"]
     assert f.runs
@@ -61,7 +60,7 @@ def test_what_is_done_to_one_value_is_done_at_once(name: str, n: int) -> None:
 
 
 @pytest.mark.parametrize(("name", "n"), [("classic/chain", 60), ("large/net", 8), ("large/rope", 30)])
-def test_what_is_stored_is_not_kept_for_that(name: str, n: int) -> None:
+def test_stored_values_are_not_kept(name: str, n: int) -> None:
     found, _ = segments(program(name, n).functions["rhs"])
     copies = [s for s in found if all([o.op in LEAVES for o in s.body.operations])]
     assert copies and not [access for s in copies for access in s.reads if access.array == KEPT]

@@ -1,4 +1,4 @@
-"""The methods have the orders that their tables promise: by the order conditions, and by measurement."""
+"""The methods have the orders of their tableaus: order conditions, and measured orders."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The error that a run reports is its error; where nothing can be foretold, it says so."""
+"""The error that a run reports is its error; if none can be estimated, the run says so."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The runtime of generated modules at work on systems written by hand, and kernels alone."""
+"""The runtime of generated modules with systems written by hand, and single kernels."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""A particle on a line under a constant force whose place and speed clauses `when` change: walls, kicks,
-limits of speed, ways back; and its motion to 40 digits, parabolas one after the other."""
+"""A particle on a line under a constant force, with clauses `when` that change its place and speed: walls,
+kicks, speed limits; and its motion to 40 digits."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Particles on a line under forces that are constant piece by piece, in time and in place, and their motions:
-parabolas, one after the other, to 40 digits."""
+"""A particle on a line under forces that are piecewise constant in time and place, and its motion to 40
+digits: one parabola after the other."""
 
 from __future__ import annotations
 

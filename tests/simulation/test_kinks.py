@@ -1,4 +1,4 @@
-"""Forces that bend or jump, at random: motions that are known piece by piece are as exact as they say."""
+"""Random forces with kinks and jumps: motions that are known piece by piece have the reported error."""
 
 from __future__ import annotations
 

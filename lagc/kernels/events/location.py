@@ -352,10 +352,10 @@ def confirm_crossings(p: Params, s: State, direction: Real, w: Work) -> bool:
     for k in range(NMODE):
         if w.crossed[k] > 0:
             if k >= NTIMED:
-                goes = is_crossing(k, direction, w)
-                if not goes or is_still_sliding(k, s, w):
+                crosses = is_crossing(k, direction, w)
+                if not crosses or is_still_sliding(k, s, w):
                     increase_slack(p, s, k, w)
-                if not goes:
+                if not crosses:
                     w.crossed[k] = 0
             if w.crossed[k] > 0:
                 found = True

@@ -47,15 +47,15 @@ def step_mode(k: int, up: bool, w: Work) -> None:
             w.modes[k] += 1.0 if up else -1.0
 
 
-def margin(k: int, side: Real, slack: Real, w: Work) -> Real:
+def margin(k: int, indicator: Real, slack: Real, w: Work) -> Real:
     """Return the distance of an indicator from its crossing, plus its slack; negative beyond it."""
     if NEDGES > 0:
         if has_edges[k] > 0:
-            low = side - w.edges[2 * k]
-            high = w.edges[2 * k + 1] - side
+            low = indicator - w.edges[2 * k]
+            high = w.edges[2 * k + 1] - indicator
             return slack + (low if low < high else high)
     mode = w.modes[k]
-    return slack + (mode * side if mode != 0.0 else -fabs(side))
+    return slack + (mode * indicator if mode != 0.0 else -fabs(indicator))
 
 
 def advance_mode(k: int, direction: Real, more: Real, w: Work, t: Real) -> None:

@@ -1,5 +1,5 @@
-"""Contacts that just touch: along a chain sides leave zero one after the other, and grow from nothing by
-powers that no dense output follows."""
+"""Contacts that just touch: along a chain, indicators leave zero one after the other, and grow by powers
+that dense output does not represent."""
 
 from __future__ import annotations
 

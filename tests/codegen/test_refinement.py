@@ -1,4 +1,4 @@
-"""Right-hand sides that are refined: the way taken where a residual is more than rounding."""
+"""Right-hand sides with iterative refinement, for residuals above round-off."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def _library(made: Program, folder: Path) -> tuple[ctypes.CDLL, str]:
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("work", [True, False])
 @pytest.mark.parametrize("name", MODELS)
-def test_refined_is_the_same_up_to_rounding_and_bitwise_in_c(name: str, work: bool, tmp_path: Path) -> None:
+def test_refinement_agrees_within_roundoff_and_bitwise_in_c(name: str, work: bool, tmp_path: Path) -> None:
     if not present("gcc"):
         pytest.skip("no gcc")
     made = of_model(name, work)
@@ -74,7 +74,7 @@ def test_refined_is_the_same_up_to_rounding_and_bitwise_in_c(name: str, work: bo
 
 
 @pytest.mark.full
-def test_rounding_of_long_sums_is_no_reason_to_refine() -> None:
+def test_roundoff_of_long_sums_is_not_refined() -> None:
     """In a ladder of n rungs that turns, rows sum forces that grow as n^2: the residual grows as n does, and
     what refinement would change remains what a last place of the state changes."""
     n = 80

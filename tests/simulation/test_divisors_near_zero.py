@@ -1,4 +1,4 @@
-"""Steps never pass over what happens where a divisor is next to nothing: encounters, barriers, walls."""
+"""No step passes over an encounter, a barrier or a wall, where a divisor comes near zero."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ end Satellites;"""
         "potential near = 1e-12 [J]*exp(-(norm(position(b) - position(a))/(1 [m]))^2);",
     ],
 )
-def test_what_flies_side_by_side_costs_what_the_rest_does(near: str) -> None:
+def test_neighbours_cost_no_extra_steps(near: str) -> None:
     """Boxes of the one and the other overlap on all but parts of 1e-7 of a step, and how far they are apart
     hardly changes."""
     alone = run(SATELLITES % "", 600.0, 1e-6)
@@ -179,7 +179,7 @@ def counted(module: dict[str, Any], ending: str) -> list[str]:
     return found
 
 
-def test_what_has_none_pays_nothing() -> None:
+def test_models_without_divisors_have_no_guards() -> None:
     from lagc.compiler.pipeline import Choice, program
     from lagc.host.model_library import read
 

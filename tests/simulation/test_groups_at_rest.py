@@ -1,5 +1,5 @@
-"""Kinds of states that are exactly zero but for rounding: symmetric systems, of which the truth is that of
-the model without these coordinates."""
+"""Scaling groups that are zero except for round-off: symmetric systems, compared with the model without
+these coordinates."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ def test_a_trammel_stops(backend: str) -> None:
 
 
 @pytest.mark.parametrize("later", [None, 1e-12, 1e-7, 1e-4, 0.1])
-def test_a_loop_stops_and_what_has_nothing_to_do_with_it_goes_on(later: float | None) -> None:
+def test_a_loop_stops_and_an_independent_block_moves_on(later: float | None) -> None:
     """A block that would stop a little later does."""
     stops = 1.21399769375707 if later is None else 1.21399769375707 + later
     block = "" if later is None else BLOCK.format(rate=repr(stops))

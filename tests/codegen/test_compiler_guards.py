@@ -1,4 +1,4 @@
-"""Compilers that are told to compute something else are refused, or their results are those of the text."""
+"""Compiler options that change the arithmetic are refused, or do not change the results."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ int main(void)
 @pytest.mark.sample(1)
 @pytest.mark.skipif(not wide(), reason="no gcc for x87 here")
 @pytest.mark.parametrize("words", WIDER)
-def test_whoever_knows_gets_the_motion_in_wider_arithmetic(words: str, tmp_path: Path) -> None:
+def test_wider_arithmetic_can_be_allowed(words: str, tmp_path: Path) -> None:
     """A pendulum from rest at 2.5 rad against its closed form, by elliptic functions."""
     write(render(of_model("course/simple_pendulum")), tmp_path)
     (tmp_path / "main.c").write_text(MAIN)

@@ -1,4 +1,5 @@
-"""What is written by hand beside the description of the interface, in `lagc/kernels`, agrees with it."""
+"""Texts and types that mirror the kernels agree with them: structs for ctypes, options, statuses,
+documentation."""
 
 from __future__ import annotations
 
@@ -44,7 +45,7 @@ def mirrored(structure: type[Structure]) -> list[tuple[str, Any]]:
     return [(name, kind._type_ if issubclass(kind, Array) else kind) for name, kind in fields]
 
 
-def test_what_is_read_of_structs_is_where_they_have_it() -> None:
+def test_mirrored_structs_have_the_same_members() -> None:
     assert mirrored(_Options) == described("Options")
     for rows, n, (modes, whens) in product((False, True), (1, 5), ((0, 0), (2, 0), (2, 3))):
         state = mirrored(_state_type(n, 3, modes, whens))

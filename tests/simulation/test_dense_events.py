@@ -1,5 +1,5 @@
-"""Motions that change more often than steps of their accuracy would end: a mass on a spring between two walls
-that throw it back, whose phase goes to and fro like a triangle wave, and one that is pushed to and fro."""
+"""Motions with more events than steps: a mass on a spring between two walls, whose phase is a triangle
+wave, and a mass that is pushed back and forth."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ def test_halves_err_by_less_however_far_the_end_is() -> None:
 
 
 @pytest.mark.parametrize("seed", [3, 81, 207, 297])
-def test_a_change_is_where_the_step_leads_not_where_a_longer_one_would(seed: int) -> None:
+def test_a_crossing_is_located_on_the_step_that_ends_there(seed: int) -> None:
     """It is located on the dense output of a step that goes far beyond, which errs by more."""
     walls = Walls(seed)
     assert walls.off(walls.model.simulate(STOP, rtol=1e-6, points=POINTS)) < 1e-5

@@ -1,5 +1,5 @@
-"""What generated code demands: nonsense in every option, time, parameter and pointer that may be NULL is
-told from what makes sense, with its name, by the C under sanitizers and by the Python module."""
+"""Generated C and Python refuse every option, time, parameter and pointer that is not valid, with its
+name."""
 
 from __future__ import annotations
 
@@ -250,7 +250,7 @@ def text_of_main(name: str) -> str:
 @pytest.mark.full
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.parametrize("compiler_", ["gcc", "zig"])
-def test_c_tells_nonsense_from_sense(name: str, compiler_: str, tmp_path: Path) -> None:
+def test_c_refuses_what_is_not_valid(name: str, compiler_: str, tmp_path: Path) -> None:
     if not present(compiler_):
         pytest.skip(f"there is no {compiler_}")
     files = {("main" if k.endswith(".c") else k): v for k, v in render(program(name)).items()}
@@ -320,7 +320,7 @@ def attempts(m: Any, p: list[float], options: Any) -> list[Any]:
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_python_tells_nonsense_from_sense(name: str) -> None:
+def test_python_refuses_what_is_not_valid(name: str) -> None:
     m = module(name)
     x = m.start() if name == "free" else m.consistent()
     for call in attempts(m, m.default_params(), m.Options()):
@@ -366,7 +366,7 @@ def test_python_tells_nonsense_from_sense(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_a_limit_of_steps_is_that_of_one_call(name: str) -> None:
+def test_a_step_limit_counts_the_steps_of_one_call(name: str) -> None:
     """It is on by default, and a call goes on where the last one ended, with the same steps, but for one
     that was rejected there: the next call tries it as a step of its own."""
     m = module(name)

@@ -1,4 +1,4 @@
-"""What rounding takes across a condition and back changes nothing."""
+"""An event indicator that crosses zero by round-off changes nothing."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def exact(t: float) -> tuple[float, float]:
 @pytest.mark.full
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 @pytest.mark.parametrize("b", [0.0, 1e3, 1e5, 1e6, 1e7])
-def test_a_wall_that_is_rough_by_rounding(b: float, backend: str) -> None:
+def test_a_wall_with_roundoff(b: float, backend: str) -> None:
     """The force of the wall is off by k b eps, 0.2 % of the largest at most, and in no direction."""
     system = lagc.loads(MODEL).compile(backend=backend)
     run = system.simulate(parameters={"b": b}, accuracy=1e-4, points=41)
@@ -65,7 +65,7 @@ UNSTABLE = """model Unstable
 end Unstable;"""
 
 
-def test_what_no_field_explains_is_not_taken_for_rounding_for_long() -> None:
+def test_repeated_crossings_are_not_taken_for_roundoff() -> None:
     """A step of 1e4 time constants: its polynomial swings where its equations do not, wherever one looks."""
     system = lagc.loads(UNSTABLE).compile(backend="numpy")
     run = system.simulate(method="dop853", step=1e-4, stop=3e-4, points=4)

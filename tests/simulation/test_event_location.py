@@ -1,4 +1,4 @@
-"""Conditions that a motion changes: none is stepped over, and what is said of the error holds."""
+"""Event location: no zero crossing is missed, and the reported error holds."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def model(action: str, start: str = "x(start = 1 [m], rate = 0 [m/s])") -> lagc.
     ).compile(backend="numpy")
 
 
-def test_changes_are_told_with_their_times() -> None:
+def test_events_are_reported_with_their_times() -> None:
     """x = 1 - t^2/2 passes 0 at sqrt(2), and time 0.75 s; a fall from 1 m and back."""
     run = model("potential V = 1 [N]*abs(x) + (if time > 0.75 [s] then 0 else 0)*1 [J];").simulate(
         4.0, accuracy=1e-10
@@ -80,14 +80,14 @@ def test_a_bounce_costs_what_its_steps_cost() -> None:
 
 
 @pytest.mark.parametrize("pull", ["5 [N/m]*(0.1 [m/s]*time - x)", "0.5 [N]"])
-def test_what_goes_to_and_fro_without_end_is_told(pull: str) -> None:
+def test_chattering_is_reported(pull: str) -> None:
     """Dry friction as a sign, on what sticks: told at once, with the way out."""
     run = model(f"force f = {{{pull} - 3 [N]*sign(der(x)), 0, 0}} at b;", "x(start = 0 [m])").simulate(10.0)
     assert run.status == "failed" and run.cost.rhs < 1000
     assert "der(x) passes 0" in run.message and "tanh(v/v0)" in run.message
 
 
-def test_what_slides_comes_to_rest() -> None:
+def test_a_sliding_block_sticks() -> None:
     """v0^2/(2 mu g) far, and nothing drives it then: the branch between both."""
     run = model("force f = {-3 [N]*sign(der(x)), 0, 0} at b;", "x(start = 0 [m], rate = 2 [m/s])").simulate(
         5.0, accuracy=1e-9
@@ -97,7 +97,7 @@ def test_what_slides_comes_to_rest() -> None:
     assert abs(run["der(x)"][-1]) < 1e-9
 
 
-def test_a_branch_may_end_at_its_change() -> None:
+def test_equations_may_end_at_a_crossing() -> None:
     """sqrt(x) has no value beyond 0: v^2 = 1 + 2 (1 - 2/3) there."""
     run = model(
         "force f = {-1 [N] + (if x > 0 then 1 [N]*sqrt(x/(1 [m])) else 0 [N]), 0, 0} at b;",
@@ -119,14 +119,14 @@ def test_a_branch_may_end_at_its_change() -> None:
         ("1 [N]*mod(floor(time/(0.1 [s])), 3)*floor(mod(time, 0.5 [s])/(0.1 [s]))", 20.7),
     ],
 )
-def test_sides_that_jump_as_others_change(force: str, end: float) -> None:
+def test_indicators_that_jump_with_other_modes(force: str, end: float) -> None:
     """Where a period ends, what counts within it begins anew: sums over periods of 10 s."""
     run = model(f"force f = {{{force}, 0, 0}} at b;", "x(start = 0 [m], rate = 1 [m/s])").simulate(10.0)
     assert run.status == "ok" and run["der(x)"][-1] == pytest.approx(end, rel=1e-9)
 
 
 @pytest.mark.parametrize("width", [1e-3, 1e-5])
-def test_a_condition_that_holds_for_a_moment(width: float) -> None:
+def test_a_condition_that_is_true_for_a_moment(width: float) -> None:
     """Within (x - 5)^2 < w^2 the work is 2 J: v^2 = 1 + 2*2."""
     action = f"force f = {{if (x/(1 [m]) - 5)^2 < {width!r}^2 then 1 [N]/{width!r} else 0 [N], 0, 0}} at b;"
     run = model(action, "x(start = 0 [m], rate = 1 [m/s])").simulate(10.0, accuracy=1e-8)
@@ -137,7 +137,7 @@ def test_a_condition_that_holds_for_a_moment(width: float) -> None:
 @pytest.mark.parametrize(
     "force", ["table(abs(x), {0, 1, 2} [m], {0, 1, 5} [N])", "1 [N]*floor(3*abs(x)/(1 [m]))"]
 )
-def test_a_corner_that_touches_an_edge_is_none(force: str) -> None:
+def test_a_corner_that_touches_zero_is_no_crossing(force: str) -> None:
     """abs(x) comes to 0, where the table begins, and goes back: a force that is even in x."""
     run = model(f"force f = {{{force}, 0, 0}} at b;", "x(start = -0.7 [m], rate = 1 [m/s])").simulate(1.0)
     assert run.status == "ok" and run["x"][-1] > 0.3
@@ -154,7 +154,7 @@ def test_backwards_fixed_steps_and_other_methods() -> None:
         assert run["x"][-1] == pytest.approx(exact["x"][-1], abs=1e-12), method
 
 
-def test_the_rates_of_a_state_do_not_depend_on_a_run() -> None:
+def test_rates_do_not_depend_on_earlier_runs() -> None:
     """Beside a run equations are those of the state alone."""
     wedge = model("potential V = 1 [N]*abs(x);")
     system = wedge.simulate(3.0).system
@@ -177,7 +177,7 @@ def test_a_narrow_bell_with_ends(accuracy: float) -> None:
 
 
 @pytest.mark.parametrize("backend", ["numpy", "c"])
-def test_switches_that_change_at_one_time_but_for_rounding(backend: str) -> None:
+def test_crossings_at_one_time_within_roundoff(backend: str) -> None:
     """floor(t) at n, sign(sin(pi t)) a last place later: 1 - 1 + 2 - 3 + ... - 9, the last motion whole."""
     text = (
         "model M\n  coordinate Length x(rate = 1 [m/s]);\n"
@@ -190,7 +190,7 @@ def test_switches_that_change_at_one_time_but_for_rounding(backend: str) -> None
 
 
 @pytest.mark.parametrize("places", [5, 9, 13, 17])
-def test_switches_that_change_some_last_places_apart(places: int) -> None:
+def test_crossings_some_ulps_apart(places: int) -> None:
     """Between the two ends a step of 1e-15 s, after one that the hard wall has rejected."""
     text = (
         "model M\n  parameter Length d = 0;\n  parameter Stiffness k = 1e4;\n"
@@ -209,7 +209,7 @@ def test_switches_that_change_some_last_places_apart(places: int) -> None:
 
 @pytest.mark.parametrize("p, k", [(0.0, 1.0), (4.0, 0.25)])
 @pytest.mark.parametrize("branch", ["1/2*1 [N]*x^2/p", "1 [N]*p*(1 - cos(x/p))"])
-def test_a_branch_may_be_there_for_what_a_parameter_is_not(branch: str, p: float, k: float) -> None:
+def test_a_branch_may_divide_by_a_parameter_that_is_zero(branch: str, p: float, k: float) -> None:
     """Where p is 0 the branch that divides by it is not taken: small oscillations by k."""
     text = f"""model M
   parameter Length p = {p};
@@ -223,7 +223,7 @@ end M;
     assert run["x"][-1] == pytest.approx(1e-6 * math.cos(2 * math.sqrt(k)), abs=1e-14)
 
 
-def test_a_switch_in_what_rates_are_made_of() -> None:
+def test_a_relation_in_the_kinematics() -> None:
     """w = (1 + max(0, y)^2) y' = 2: y from -1 to 0 in half a second, then y + y^3/3 = 2 t - 1."""
     text = """model M
   coordinate Length x(start = 1), y(start = -1);
@@ -240,7 +240,7 @@ end M;
 
 
 @pytest.mark.parametrize("force", ["", "force f = (if x > u then 1 [N] else 4.72 [N])*world.y at b;"])
-def test_a_switch_in_a_force_that_does_nothing_is_no_event(force: str) -> None:
+def test_a_relation_in_a_force_without_power_is_no_event(force: str) -> None:
     text = f"""model M
   parameter Length u = 0.5;
   coordinate Length x(start = 0.1, rate = 1);

@@ -1,4 +1,4 @@
-"""Smooth terms that are nothing for most of a motion and much for a moment are never stepped over."""
+"""No step passes over a smooth term that is large for a moment and negligible otherwise."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ end M;"""
     assert found["der(s)"][-1] == pytest.approx(2.0 * (math.exp(3.0) - 1.0), rel=1e-7)
 
 
-def test_what_has_none_pays_nothing() -> None:
+def test_models_without_features_have_no_guards() -> None:
     """A chain of exponential springs shows all that it is at the ends of its steps."""
     from lagc.compiler.pipeline import Choice, program
     from lagc.host.model_library import read
