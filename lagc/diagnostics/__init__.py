@@ -1,5 +1,5 @@
-"""What is wrong, where, and what to do about it.
+"""Faults: messages with their place and a remedy.
 
-In: places in a text.  Out: `Fault`, `Refused`, and reports for people and programs.  Every code has an
-entry in the catalogue.  No room is before this one.
+In: places in a text.  Out: `Fault`, `Refused`, and reports for people and programs.  Every code has an entry
+in the catalogue.
 """

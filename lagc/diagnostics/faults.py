@@ -1,4 +1,4 @@
-"""Where a fault is, what it is, and what to do about it."""
+"""Faults and places in texts."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from lagc.base.records import dataclass, field
 
 @dataclass(frozen=True)
 class Source:
-    """A model text and the name it is shown under.  `asked`: of a command or a caller, not of a file."""
+    """A text and its name for messages.  `asked`: it comes from a command or a caller, not from a file."""
 
     name: str
     text: str = field(repr=False)
@@ -25,7 +25,7 @@ class Source:
         return tuple(starts)
 
     def place(self, offset: int) -> tuple[int, int]:
-        """1-based line and column (in characters) of `offset`."""
+        """Return the 1-based line and column (in characters) of `offset`."""
         line = bisect_right(self.line_starts, offset)
         return line, offset - self.line_starts[line - 1] + 1
 
@@ -64,10 +64,10 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """One thing that is wrong, in the user's terms.
+    """One fault: a message for the user.
 
-    `code` is stable (`LAG0123`) and listed in `lagc.diagnostics.catalogue`; `related`
-    are the other places that the message speaks of, each with a short label.
+    `code` is stable (`LAG0123`) and listed in `lagc.diagnostics.catalogue`; `related` are further places,
+    each with a short label.
     """
 
     code: str
@@ -82,7 +82,7 @@ class Fault:
 
 
 class Refused(Exception):
-    """The model is refused; `faults` says why, all of it."""
+    """The model is refused because of `faults`."""
 
     def __init__(self, faults: list[Fault] | tuple[Fault, ...]):
         self.faults = tuple(faults)

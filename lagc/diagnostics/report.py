@@ -30,7 +30,8 @@ _PLAIN_END = "\033[0m"
 
 
 def report(faults: Sequence[Fault], color: bool = False, more: str = "") -> str:
-    """All of `faults` as text, in the order of their places; at the end a count, and what is said `more`."""
+    """Return all faults as text, in the order of their places, with a count and the text `more` at the
+    end."""
     ordered = sorted(faults, key=_order)
     blocks = [_block(fault, color) for fault in ordered[:MOST]]
     if len(ordered) > MOST:
@@ -41,7 +42,7 @@ def report(faults: Sequence[Fault], color: bool = False, more: str = "") -> str:
 
 
 def as_json(faults: Iterable[Fault]) -> list[dict[str, object]]:
-    """`faults` as plain data: code, severity, message, place, related places, remedy."""
+    """Return faults as plain data: code, severity, message, place, related places, remedy."""
     return [
         {
             "code": fault.code,
@@ -56,7 +57,7 @@ def as_json(faults: Iterable[Fault]) -> list[dict[str, object]]:
 
 
 def place(span: Span) -> dict[str, object]:
-    """1-based lines and columns; the end is the first character after the span."""
+    """Return 1-based lines and columns; the end is the first character after the span."""
     line, column = span.source.place(span.start)
     end_line, end_column = span.source.place(span.end)
     return {
@@ -103,7 +104,7 @@ def _block(fault: Fault, color: bool) -> str:
 
 
 def _on_one_line(span: Span, other: Span) -> bool:
-    """Whether both are shown in the same line of text, which is then shown once."""
+    """Whether both spans are in the same line of text, which is then shown once."""
     if span.source is not other.source or span.line != other.line:
         return False
     return len(span.source.line(span.line)) <= WIDEST
@@ -129,7 +130,7 @@ def _snippet(span: Span, arrow: str, mark: str, label: str, width: int, tint: st
 
 
 def _window(text: str, start: int, end: int) -> tuple[str, int, int]:
-    """The part of a long line around start..end, and where these are in it."""
+    """Return the part of a long line around start..end, and the positions of these in it."""
     if len(text) <= WIDEST:
         return text, start, end
     end = min(end, start + WIDEST - 20)
@@ -140,8 +141,8 @@ def _window(text: str, start: int, end: int) -> tuple[str, int, int]:
 
 
 def _layout(text: str) -> tuple[str, list[int]]:
-    """The text with tabs spread and control characters replaced, and the column at which each
-    of its characters (and its end) stands on a terminal."""
+    """Return the text with tabs expanded and control characters replaced, and the terminal column of each
+    character."""
     shown: list[str] = []
     positions: list[int] = []
     column = 0
@@ -162,7 +163,7 @@ def _layout(text: str) -> tuple[str, list[int]]:
 
 
 def _cells(char: str) -> int:
-    """The columns that a character takes on a terminal."""
+    """Return the number of terminal columns of a character."""
     import unicodedata
 
     if unicodedata.category(char) in ("Mn", "Me"):

@@ -49,9 +49,9 @@ NEAREST = 50  # of them, by their letters, that are compared
 
 
 def closest(name: str, known: Iterable[str]) -> str | None:
-    """The one of `known` that is most like `name`, or None where none is like it.
+    """Return the name in `known` that is most similar to `name`, or None.
 
-    Letter case and `_` count little: `Theta0` finds `theta_0`; so do parts of a path: `u.damp.c` finds `u.c`,
+    Letter case and `_` count little: `Theta0` finds `theta_0`.  So do parts of a path: `u.damp.c` finds `u.c`
     before `c`.
     """
     candidates = tuple(dict.fromkeys(known))[:MOST]
@@ -60,7 +60,7 @@ def closest(name: str, known: Iterable[str]) -> str | None:
 
 @lru_cache(maxsize=256)
 def _closest(name: str, known: Sequence[str]) -> str | None:
-    """Remembered, as every scene of a model asks for the same."""
+    """Return the closest name; cached, because every scene of a model asks for the same names."""
     import difflib
 
     plain = _plain(name)
@@ -82,8 +82,7 @@ def _closest(name: str, known: Sequence[str]) -> str | None:
 
 
 def _nearest(name: str, known: Sequence[str]) -> Sequence[str]:
-    """Those of `known`, in their order, that share the most letters with `name`: comparing names letter by
-    letter takes long."""
+    """Return the names that share the most letters with `name`, since a full comparison is slow."""
     if len(known) <= NEAREST:
         return known
     letters = set(_plain(name))
@@ -96,24 +95,24 @@ def _nearest(name: str, known: Sequence[str]) -> Sequence[str]:
 
 
 def _leaves_out(path: Sequence[str], other: Sequence[str]) -> bool:
-    """Whether `path` leads to a thing of the same name as `other` does, by fewer of the same parts."""
+    """Whether `path` is `other` with some parts left out."""
     left = iter(other)
     return len(path) < len(other) and path[-1] == other[-1] and all(part in left for part in path)
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str | None:
-    """A remedy for a fault, or None."""
+    """Return a remedy with the closest name, or None."""
     found = closest(name, known)
     return None if found is None else f"did you mean `{found}`?"
 
 
 def foreign(name: str) -> str | None:
-    """How to write here what other languages call `name`, or None."""
+    """Return a remedy for a function name of another language, or None."""
     return _FOREIGN.get(name)
 
 
 def foreign_type(name: str) -> str | None:
-    """What to write for a type that other languages have, or None."""
+    """Return a remedy for a type name of another language, or None."""
     return _FOREIGN_TYPES.get(name)
 
 
@@ -129,8 +128,8 @@ OPERATORS: dict[str, str | None] = {
 
 
 class Foreign(NamedTuple):
-    """How to write a foreign word here: a remedy, and the words to replace it by where that is enough (none:
-    leave it out)."""
+    """A remedy for a word of another language, and the words to replace it by (None: none; empty: leave it
+    out)."""
 
     remedy: str
     ours: tuple[str, ...] | None = None
@@ -178,5 +177,5 @@ _UNITS = frozenset({
 
 
 def looks_like_unit(word: str) -> bool:
-    """Is this a unit, maybe with an exponent: `kg`, `s2`?"""
+    """Whether a word looks like a unit, maybe with an exponent: `kg`, `s2`."""
     return word.rstrip("0123456789") in _UNITS

@@ -26,7 +26,6 @@ from lagc.symbolic.operators import PARITY, TWINS, VALUES, exchanged
 
 Number: TypeAlias = "float | int"
 
-
 MOST_FACTORS = 16  # in one product; a longer one is a product of products
 MOST_TURNED = 1e4  # rad, of constant angles
 ULP = 2.0**-52
@@ -118,8 +117,6 @@ class Graph:
         self.zero = self.const(0.0)
         self.one = self.const(1.0)
 
-    # -- leaves ---------------------------------------------------------------
-
     def _intern(self, op: str, args: tuple[Node, ...], value: object) -> Node:
         key = (op, args, value)
         node = self._table.get(key)
@@ -147,8 +144,6 @@ class Graph:
 
     def as_node(self, value: Node | Number) -> Node:
         return value if isinstance(value, Node) else self.const(value)
-
-    # -- arithmetic -----------------------------------------------------------
 
     def scale(self, c: float, x: Node) -> Node:
         """Return c*x for a number c."""
@@ -348,8 +343,6 @@ class Graph:
                 if folded is not None:
                     return self.const(folded)
         return self._intern("pow", (x, y), None)
-
-    # -- functions ------------------------------------------------------------
 
     def unary(self, op: str, x: Node) -> Node:
         if x.op == "const":

@@ -1,5 +1,5 @@
-"""Text to syntax tree.
+"""From text to syntax tree.
 
-In: `Source`.  Out: `Tree`, or all faults of the syntax.  Nothing is looked up here; the formatter lives
-here too.
+In: `Source`.  Out: `Tree`, or all faults of the syntax.  No names are looked up here.  The formatter is here
+too.
 """

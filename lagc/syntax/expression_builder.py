@@ -1,4 +1,4 @@
-"""What the rules of expressions make: the nodes of the syntax tree that have a value."""
+"""Nodes of the syntax tree for expressions."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ T = TypeVar("T")
 
 
 class Expressions:
-    """Makes the expressions of `source`; `faults` are those that the grammar itself does not see."""
+    """Builds the expressions of `source`; `faults` are those that the grammar does not find."""
 
     def __init__(self, source: Source):
         self.source = source
         self.faults: list[Fault] = []
-        # How many parts a name has, by its identity: with it, as what is gone leaves that to others.
+        # Number of parts of a name, by identity; the name is kept alive, as identities are reused.
         self._parts: dict[int, tuple[object, int]] = {}
 
     def arguments(self, c: Children, span: Span) -> tuple[tree.Argument, ...]:
@@ -94,7 +94,7 @@ class Expressions:
         return self._part(tree.Call(function, (argument,), span), function)
 
     def parenthesised(self, c: Children, span: Span) -> tree.Expression:
-        # The parentheses belong to the span, so that a caret under the whole shows them.
+        # The span includes the parentheses, so that the caret underlines them.
         inner: tree.Expression = c[0]
         node = replace(inner, span=span)
         if id(inner) in self._parts:
@@ -153,7 +153,7 @@ class Expressions:
 
 
 def unquoted(text: str) -> str:
-    """The text between the quotes, escapes read."""
+    """Return the text between the quotes, with escapes replaced."""
     inner = text[1:-1]
     if "\\" not in inner:
         return inner

@@ -1,8 +1,8 @@
-"""The one way to lay a model out.
+"""The standard layout of a model.
 
-Two blanks a level, one declaration a line, lines of at most WIDTH characters, at most one blank
-line between two, comments and descriptions kept.  A block of one declaration that was written
-on one line stays there.  The tokens are never changed, so that the meaning cannot be.
+Indentation of two blanks, one declaration per line, lines of at most WIDTH characters, at most one blank line
+between two lines; comments and descriptions are kept.  A block with one declaration that was written on one
+line stays on one line.  Tokens are never changed, so the meaning is the same.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _HEADS = frozenset({"MODEL", "PACKAGE", "EFFECT", "SCENE", "FOR", "WHEN", "PARTI
 
 
 def format_source(source: Source) -> str:
-    """The text of `source` laid out.  Raises Refused where its syntax is at fault."""
+    """Return the formatted text of `source`.  Raises Refused if its syntax has faults."""
     tree, lexed, faults = read(source)
     if faults:
         raise Refused(faults)
@@ -38,14 +38,14 @@ class _Layout:
     spacing: Spacing
     lines: list[str] = field(default_factory=list)
     depth: int = 0
-    fresh: bool = True  # right behind the beginning of the file or of a block
-    end: int = 0  # of what has been laid out, in the source
+    fresh: bool = True  # right after the beginning of the file or of a block
+    end: int = 0  # end of the written text in the source
     initial: bool = False
     next_comment: int = 0
 
     def text(self) -> str:
         tokens = self.lexed.tokens
-        open_blocks: list[bool] = []  # of each open block: was it in an initial section?
+        open_blocks: list[bool] = []  # for each open block: whether it was in an initial section
         position = 0
         while tokens[position].kind != END:
             first = tokens[position].terminal
@@ -90,14 +90,13 @@ class _Layout:
         return position + 1
 
     def header_end(self, position: int) -> int | None:
-        """Behind the first line of the block that begins at `position`; None for a scene that has no
-        body, which is a statement like others."""
+        """Return the position after the first line of a block, or None for a scene without a body."""
         tokens = self.lexed.tokens
         kind = tokens[position].terminal
         if kind in ("FOR", "WHEN"):
             last = "LOOP" if kind == "FOR" else "THEN"
             ours = 1
-            while ours:  # the condition of a `when` may have a `then` of its own
+            while ours:  # the condition of a `when` may contain `then`
                 ours += last == "THEN" and tokens[position].terminal in ("IF", "ELSEIF")
                 ours -= tokens[position].terminal == last
                 position += 1
@@ -112,7 +111,7 @@ class _Layout:
         return None if tokens[position].text == ";" else position
 
     def _behind_path(self, position: int) -> int:
-        """Behind `cars[2].drag`, which begins there."""
+        """Return the position after a path such as `cars[2].drag`."""
         tokens = self.lexed.tokens
         position += 1
         while tokens[position].text in (".", "["):
@@ -123,7 +122,7 @@ class _Layout:
         return position
 
     def short_block_end(self, position: int) -> int | None:
-        """Behind a block of one declaration that stands on one line and may stay there."""
+        """Return the position after a block with one declaration on one line, or None."""
         tokens = self.lexed.tokens
         if tokens[position].terminal not in _HEADS:
             return None
@@ -145,7 +144,7 @@ class _Layout:
         return None if long else end
 
     def is_condition(self, position: int) -> bool:
-        """Does a line of the initial section begin here, or a loop of such?"""
+        """Whether a line of the initial section, or a loop of such lines, begins here."""
         tokens = self.lexed.tokens
         while tokens[position].terminal == "FOR":
             stop = self.header_end(position)
@@ -164,7 +163,7 @@ class _Layout:
     # -- lines ------------------------------------------------------------------------------------
 
     def line(self, position: int, stop: int) -> int:
-        """Lay tokens position..stop out, with the comments before, among and right behind them."""
+        """Write tokens position..stop, with the comments before, between and right after them."""
         tokens = self.lexed.tokens
         self.comments(tokens[position].start)
         self.blank(tokens[position].start)
@@ -184,7 +183,7 @@ class _Layout:
         return comments[begin : self.next_comment]
 
     def comments(self, end: int) -> None:
-        """The comments before character `end`, a line each."""
+        """Write the comments before character `end`, one per line."""
         for comment in self.taken_until(end):
             self.blank(comment.start)
             self.lines.append(INDENT * self.depth + comment_text(comment))
@@ -192,7 +191,7 @@ class _Layout:
             self.fresh = False
 
     def trailing(self, following: int) -> None:
-        """Comments on the line that has just been laid out."""
+        """Add the comments on the line that was just written."""
         comments = self.lexed.comments
         while self.next_comment < len(comments):
             comment = comments[self.next_comment]
@@ -205,7 +204,7 @@ class _Layout:
                 return
 
     def blank(self, start: int) -> None:
-        """Keep a blank line before character `start`, where one is and nothing begins."""
+        """Keep a blank line before character `start`, except at the beginning of a block."""
         between = self.source.text[self.end : start]
         if not self.fresh and between.count("\n") > 1:
             self.lines.append("")
@@ -224,9 +223,11 @@ _BEFORE_BREAKS = frozenset({"AT", "ON", "FROM", "UNLESS", "THEN", "ELSE", "ELSEI
 
 @dataclass(slots=True)
 class Piece:
-    """A token or a comment of a line: `space` before it; `rank` how well the line breaks before it
-    (0: never, then smaller is better); `comment` tells which it is; `ends` where the line must end
-    behind it."""
+    """A token or a comment of a line.
+
+    `space`: a blank before it; `rank`: how good a line break before it is (0: never, then smaller is better);
+    `comment`: the kind of comment; `ends`: the line must end after it.
+    """
 
     text: str
     space: bool
@@ -236,7 +237,7 @@ class Piece:
 
 
 class Spacing:
-    """The blanks of one text."""
+    """The blanks between the tokens of a text."""
 
     def __init__(self, read: tree.Tree, tokens: list[Token]):
         self.tokens = tokens
@@ -247,7 +248,7 @@ class Spacing:
         self.options = {before.start for before, token in pairwise(tokens) if token.start in options}
 
     def pieces(self, position: int, stop: int, comments: Sequence[Token]) -> list[Piece]:
-        """Tokens position..stop, and the comments that stand among them."""
+        """Return tokens position..stop and the comments between them."""
         made: list[Piece] = []
         waiting = list(comments)
         brackets: list[str] = []
@@ -273,7 +274,7 @@ class Spacing:
         return made
 
     def space(self, number: int, tight: bool) -> bool:
-        """Is there a blank before token `number`?  `tight`: inside subscripts and ranges."""
+        """Whether there is a blank before token `number`; `tight`: inside subscripts and ranges."""
         token, before = self.tokens[number], self.tokens[number - 1]
         if token.kind == UNIT:
             return before.kind == NUMBER or before.text == "}"
@@ -303,7 +304,7 @@ class Spacing:
         return True  # = and comparisons
 
     def _behind(self, number: int, tight: bool) -> bool:
-        """Is there a blank before an operand, as far as the token before it tells?"""
+        """Whether there is a blank before an operand, depending on the token before it."""
         before = self.tokens[number - 1]
         if before.kind != SYMBOL:
             return True
@@ -317,7 +318,7 @@ class Spacing:
         return True
 
     def _is_sign(self, number: int) -> bool:
-        """Is this `+` or `-` the sign of what follows?"""
+        """Whether this `+` or `-` is a sign."""
         before = self.tokens[number - 1]
         if before.kind == SYMBOL:
             return before.text not in _CLOSING
@@ -339,7 +340,7 @@ class Spacing:
 
 
 def wrapped(pieces: Sequence[Piece], indent: str, width: int) -> list[str]:
-    """The lines of one declaration, each of at most `width` characters where it can be broken."""
+    """Return the lines of one declaration, at most `width` characters long where possible."""
     lines: list[str] = []
     line: list[Piece] = []
     lead = indent
@@ -362,8 +363,7 @@ def wrapped(pieces: Sequence[Piece], indent: str, width: int) -> list[str]:
 
 
 def _break(line: list[Piece], lead: str, width: int) -> int | None:
-    """Where to break a line that is too long: at its best place, the last one of these; places in
-    its first quarter only where there is no other."""
+    """Return the best break of a line that is too long, preferably not in its first quarter."""
     best: int | None = None
     best_rank = 0
     length = len(lead)

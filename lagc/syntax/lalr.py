@@ -1,4 +1,4 @@
-"""The LALR(1) machine: tokens in, tree out.  What happens at a fault is said in `recovery`."""
+"""The LALR(1) parser.  `recovery` handles faults."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from lagc.syntax.lalr_tables import Tables
 from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Lexed, Token
 from lagc.syntax.tree_builder import Builder
 
-DEEPEST = 100  # brackets, `if`s, signs and blocks inside one another
+DEEPEST = 100  # nesting of brackets, `if`s, signs and blocks
 MOST_FAULTS = 50
 
 _FIXED = {NUMBER: "NUMBER", STRING: "STRING", UNIT: "UNIT", END: "$END"}
 _ALWAYS = frozenset({"if", "not", "true", "false", "end"})
-# Keywords behind which a `(` or a sign may stand.
+# Keywords that a `(` or a sign may follow.
 _BEFORE_SIGNS = {"simulate": "(", "annotation": "(", "initial": "(+-", "when": "(+-"}
 _BLOCKS = frozenset({"MODEL", "PACKAGE", "EFFECT", "SCENE", "FOR", "WHEN"})
-_OUTSIDE = {  # blocks that cannot stand in others
+_OUTSIDE = {  # blocks that others cannot contain
     "effect": ("MODEL", "PACKAGE", "EFFECT", "SCENE"),
     "scene": ("MODEL", "PACKAGE", "EFFECT", "SCENE"),
     "model": ("MODEL", "PACKAGE"),
@@ -31,7 +31,7 @@ _AFTER_NAMES = frozenset(("<=", ">=", "==", "<>", *"=.[+-*/^,)]}:<>("))
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """An open block: the word that opened it, its name's token, the height of the stack below."""
+    """An open block: its keyword, its name, and the height of the stack below it."""
 
     word: Token
     name: Token
@@ -39,7 +39,7 @@ class Block:
 
     @property
     def closing(self) -> str:
-        """What its `end` names."""
+        """Return the name that its `end` needs."""
         return self.word.text if self.word.text in ("for", "when") else self.name.text
 
     @property
@@ -48,17 +48,17 @@ class Block:
         return f"this `{word}`" if self.closing == word else f"{word} `{self.closing}`"
 
     def fault(self, code: str, message: str, span: Span) -> Fault:
-        """What is wrong with its `end`: where it was opened, and what to write."""
+        """Return a fault of its `end`, with the place where the block begins."""
         last = self.word if self.closing == self.word.text else self.name
         opened = Span(span.source, self.word.start, max(self.word.end, last.end))
         return Fault(code, message, span, ((opened, "opened here"),), f"write `end {self.closing};`")
 
 
 class Machine:
-    """One reading of one text.
+    """One parse of one text.
 
-    Four stacks in step: states, values (what has been read: tokens and nodes), starts (the number
-    of each one's first token) and depths (how deep it is nested).
+    Four parallel stacks: states, values (tokens and nodes), starts (the number of the first token of each
+    value) and depths (nesting).
     """
 
     def __init__(self, source: Source, tables: Tables, lexed: Lexed):
@@ -74,10 +74,10 @@ class Machine:
         self.depths = [0]
         self.blocks: list[Block] = []
         self.last_closed: Block | None = None
-        self.last_end = 0  # where the last token taken ends
+        self.last_end = 0  # end of the last token
         self.reduced = False  # since then
         self.recoveries = 0
-        self._reported: set[int] = set()  # where declarations with a fault begin
+        self._reported: set[int] = set()  # beginnings of declarations with a fault
         # Name -> how many tokens before the end of the text its last `end name` stands: changes are
         # made before that only.
         self._last_ends = {
@@ -91,12 +91,14 @@ class Machine:
         ]
 
     def run(self, recover: Callable[[Machine], bool]) -> Any:
-        """The tree; `faults` and `builder.faults` tell what was wrong.  None where nothing could
-        be read on: where `recover`, called at a fault, says so."""
+        """Return the tree, or None if parsing cannot continue; `recover` is called at each fault.
+
+        `faults` and `builder.faults` hold the faults.
+        """
         actions = self.tables.actions
         states = self.states
         accept = self.tables.accept
-        # Rules that only pass their one child on, which are most of those of expressions.
+        # Most rules of expressions only return their child.
         passed = [
             origin if length == 1 and name is None and origin[0] != "_" else None
             for origin, length, name, _ in self.tables.rules
@@ -130,7 +132,7 @@ class Machine:
                     return self.values[-1]
 
     def terminal(self, position: int, state: int) -> str:
-        """What token number `position` is where the machine is in `state`."""
+        """Return the terminal of token number `position` in `state`."""
         token = self.tokens[position]
         fixed = _FIXED.get(token.kind)
         if fixed is not None:
@@ -194,7 +196,7 @@ class Machine:
                     elif children:
                         children.extend(child)
                     else:
-                        children = child  # a list that grows: nobody else has it
+                        children = child  # a growing list that is not shared
                 start = self.starts[first]
                 if callback is not None:
                     begin = self.tokens[start].start
@@ -219,15 +221,15 @@ class Machine:
         return before.kind == SYMBOL and before.text not in (")", "]", "}")
 
     def _begins_block(self) -> bool:
-        """Whether this word does, and neither ends one nor gives values by number, `{i^2 for i in 1:n}`."""
+        """Whether this word begins a block (not `end for` or `{i^2 for i in 1:n}`)."""
         open_ = self.tables.actions[self.states[-1]].keys() & {"RBRACE", "RPAR"}
         return not open_ and self.tokens[self.position - 1].text != "end"
 
     # -- blocks and their ends ---------------------------------------------------------------
 
     def _closes(self) -> bool:
-        """Look at the `end` that comes: does it close the innermost block?  Where an inner block's
-        own `end` is missing, put it in and say so; False then."""
+        """Whether the next `end` closes the innermost block.  A missing `end` of an inner block is reported
+        and inserted."""
         name = self.tokens[self.position + 1]
         self.last_closed = None
         if not self.blocks:
@@ -250,8 +252,8 @@ class Machine:
         return block.fault("LAG0113", message, Span(self.source, name.start, name.end))
 
     def _left_open(self, terminal: str) -> bool:
-        """Does a block begin that the innermost open one cannot hold, and which has no `end` of its
-        own further on?  Then that is put in."""
+        """Whether a block begins that the innermost one cannot contain, and whose `end` is missing; it is
+        inserted."""
         if not self.blocks or terminal not in _OUTSIDE.get(self.blocks[-1].word.text, ()):
             return False
         block = self.blocks[-1]
@@ -265,19 +267,19 @@ class Machine:
         return last is not None and len(self.tokens) - last >= self.position + 2
 
     def _leave_end_out(self, block: Block, name: Token) -> None:
-        """This `end` belongs to nothing, or to a block whose first line could not be read."""
+        """Skip an `end` that belongs to no block, or to a block whose first line has a fault."""
         if not self.recoveries:
             self.report(self._wrong_end(block, name), self.tokens[self.position])
         self.recoveries += 1
         count = 3 if self.tokens[self.position + 2].text == ";" else 2
         del self.tokens[self.position : self.position + count]
-        # The `end` has made one whole of the declarations so far; more may follow now.
+        # The `end` reduced the declarations so far; more may follow.
         declared = self.values.pop()
         del self.states[-1], self.starts[-1], self.depths[-1]
         if declared:
             actions = self.tables.actions
             row = actions[self.states[-1]]
-            # The state behind `item*`, whatever Lark calls that.
+            # The state after `item*`.
             (behind,) = (row[name] for name in row if name.startswith("__") and "item" in actions[row[name]])
             self.states.append(behind)
             self.values.append(list(declared))
@@ -296,8 +298,8 @@ class Machine:
         ]
 
     def report(self, fault: Fault, first: Token) -> None:
-        """One fault a declaration, which begins with the token `first`, and none where its text has
-        signs that are none."""
+        """Report at most one fault per declaration (first token `first`), and none where the lexer found
+        one."""
         end = self.source.text.find("\n", self.tokens[self.position].end)
         end = len(self.source.text) if end < 0 else end
         odd = fault.code != "LAG0112" and any(

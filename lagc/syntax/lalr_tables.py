@@ -1,9 +1,8 @@
-"""The parser's tables, made from `grammar/lag.lark` by Lark.
+"""The parser tables, made from `grammar/lag.lark` by Lark.
 
-Lark reads the grammar and builds the LALR(1) automaton when lagc is installed (`hatch_build.py`);
-what is kept is plain data, so that a run needs neither Lark nor the grammar's analysis.  Where it
-is missing or belongs to another grammar, as in a checkout that is being worked on, the tables are
-made when they are first needed, and kept in the cache.
+Lark builds the LALR(1) automaton when lagc is installed (`hatch_build.py`), and the tables are stored as
+plain data, so that a run does not need Lark.  If they are missing or belong to another grammar, as in a
+checkout, they are made when first needed and stored in the cache.
 """
 
 from __future__ import annotations
@@ -19,19 +18,18 @@ from lagc.base.records import dataclass
 from lagc.host import cache as store
 from lagc.host.cache import grammar_path
 
-_LAYOUT = "tables 1"  # of the data below; another one where it changes
+_LAYOUT = "tables 1"  # version of the data below
 
-# What a rule makes of its children: the places of those that count, -1 for "not written".
+# The positions of the children that a rule uses, -1 for "not written".
 Recipe = tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Tables:
-    """actions[state][symbol]: a terminal leads to the next state, or to ~rule (negative) to
-    reduce; a nonterminal leads to the next state.
+    """actions[state][symbol]: the next state, or ~rule (negative) to reduce.
 
-    rules: (nonterminal, length, callback or None, recipe).  Without a callback a rule passes its
-    only child on, or, where the nonterminal is inlined (`_name`), the list of its children.
+    rules: (nonterminal, length, callback or None, recipe).  A rule without a callback returns its only child,
+    or the list of its children if the nonterminal is inlined (`_name`).
     """
 
     actions: list[dict[str, int]]
@@ -44,7 +42,7 @@ class Tables:
 
 @cache
 def tables() -> Tables:
-    """The tables of the language."""
+    """Return the tables of the language."""
     grammar = grammar_text()
     shipped = _shipped(grammar)
     if shipped is not None:
@@ -64,12 +62,12 @@ def grammar_text() -> str:
 
 
 def shipped_path() -> str:
-    """Where the tables lie that were made when lagc was installed."""
+    """Return the path of the tables made at installation."""
     return os.path.join(os.path.dirname(os.path.abspath(__file__)), "tables.json")
 
 
 def packed() -> str:
-    """The tables as text, with the key of their grammar: what `hatch_build.py` ships."""
+    """Return the tables as text, with the key of their grammar."""
     import json
 
     grammar = grammar_text()
@@ -131,7 +129,7 @@ def _by_name(symbols: dict[int, str]) -> Callable[[tuple[int, Any]], str]:
 
 
 def _in_order(automaton: dict[str, Any]) -> list[int]:
-    """The states as they are met from the first one on: Lark's own numbers differ from run to run."""
+    """Return the states in the order of their first use, because Lark's numbers differ from run to run."""
     order: list[int] = [automaton["start_states"]["file"]]
     met = set(order)
     for state in order:  # which grows

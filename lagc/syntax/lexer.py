@@ -1,7 +1,7 @@
-"""Text to tokens.
+"""From text to tokens.
 
-Words stay words here: whether one is a keyword is the parser's to say, by what may stand
-there.  A bracket is a unit after a number, a `}` or the word `Real`; else it opens subscripts.
+The lexer does not distinguish keywords from names; the parser does.  A bracket after a number, a `}` or the
+word `Real` is a unit, any other bracket begins subscripts.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ WORD, NUMBER, STRING, UNIT, SYMBOL, END = "word", "number", "string", "unit", "s
 
 
 class Token:
-    """One token: its kind, its text as written, and the characters start..end of the source.
+    """One token: its kind, its text, and the characters start..end of the source.
 
-    `terminal` is what the parser took it for (`NAME`, `PARAMETER`, ...).
+    `terminal` is set by the parser (`NAME`, `PARAMETER`, ...).
     """
 
     __slots__ = ("end", "kind", "start", "terminal", "text")
@@ -35,7 +35,7 @@ class Token:
 
 @dataclass(frozen=True, slots=True)
 class Lexed:
-    """The tokens of a text (the last is of kind END), its comments, and what is no token."""
+    """The tokens of a text (the last is of kind END), its comments, and the faults."""
 
     tokens: list[Token]
     comments: list[Token]
@@ -60,7 +60,7 @@ _UNIT_START = re.compile(r"\[[^\[\]\n,;)}]*")
 _PRIMES = re.compile("'+")
 _UNKNOWN = frozenset("?@#$~`'\\")  # no sign of any use here; the parser explains the other ones
 
-# What is typed, or pasted, for an ASCII character that the language has.
+# Characters that are typed or pasted instead of an ASCII character of the language.
 _MEANT = {
     "−": "-", "–": "-", "—": "-", "·": "*", "×": "*", "⋅": "*", "∙": "*", "÷": "/",
     "∕": "/", "≤": "<=", "≥": ">=", "≠": "<>", "；": ";", "，": ",", "：": ":",
@@ -92,8 +92,8 @@ _GREEK = dict(zip("αβγδεζηθϑικλμµνξοπρσςτυφϕχψωΓΔ�
 
 
 def tokenise(source: Source) -> Lexed:
-    """Cut a text into tokens.  What is no token is a fault each and left out, or read as what it
-    most likely stands for."""
+    """Return the tokens of a text.  Other characters are reported, and skipped or replaced by their likely
+    meaning."""
     text = source.text
     lexed = Lexed([], [], [])
     tokens = lexed.tokens
@@ -159,7 +159,7 @@ def _unit(source: Source, lexed: Lexed, start: int) -> int:
 
 
 def _unclosed(source: Source, lexed: Lexed, opening: str, start: int) -> int:
-    """A comment is lost up to the end of the file, a text up to the end of its line."""
+    """Report an unclosed comment, which ends with the file, or text, which ends with its line."""
     text = source.text
     if opening == "/*":
         span = Span(source, start, start + 2)
@@ -206,7 +206,7 @@ def _odd(source: Source, character: str, start: int) -> Fault:
 
 
 def _unknown(source: Source, lexed: Lexed, character: str, start: int) -> None:
-    """A sign of no use; of `x'` and `x''`, as equations print rates, one fault for all primes."""
+    """Report an unused character; `x'` and `x''`, as equations print rates, give one fault."""
     if character == "'" and source.text[start - 1] == "'":
         return
     fault = _odd(source, character, start)

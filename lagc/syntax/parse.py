@@ -1,4 +1,4 @@
-"""Text to syntax tree."""
+"""From text to syntax tree: the entry points."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from lagc.syntax.tree import Declarator, Expression, Quantities, Tree
 
 
 def parse(source: Source) -> Tree:
-    """The tree of a text.  Raises Refused with every fault of its syntax, at most MOST_FAULTS."""
+    """Return the tree of a text.  Raises Refused with its syntax faults, at most MOST_FAULTS."""
     tree, faults = parse_recovering(source)
     if faults:
         raise Refused(faults)
@@ -18,13 +18,13 @@ def parse(source: Source) -> Tree:
 
 
 def parse_recovering(source: Source) -> tuple[Tree, list[Fault]]:
-    """What could be read of a text, and the faults of its syntax in the order of the text."""
+    """Return the readable part of a text as a tree, and its syntax faults in the order of the text."""
     tree, _, faults = read(source)
     return tree, faults
 
 
 def parse_expression(source: Source) -> Expression:
-    """The expression that a text is.  Raises Refused."""
+    """Return the expression of a text.  Raises Refused."""
     lexed, length = tokenise(source), len(source.text)
     before = [Token(WORD, word, 0, 0) for word in ("constant", "Real", "value")]
     lexed.tokens[:0] = [*before, Token(SYMBOL, "=", 0, 0)]
@@ -44,7 +44,7 @@ def parse_expression(source: Source) -> Expression:
 
 
 def read(source: Source) -> tuple[Tree, Lexed, list[Fault]]:
-    """The same, with what the text is made of."""
+    """Return the tree, the tokens and the faults of a text."""
     nul = source.text.find("\0")
     if nul >= 0:  # in a comment too
         message, remedy = (
@@ -66,10 +66,10 @@ def _recover(machine: Machine) -> bool:
 
 
 def _faults_of(lexed: Lexed, machine: Machine) -> list[Fault]:
-    """What was wrong with a text that has been read, in the order of the text."""
+    """Return the faults of a text in the order of the text."""
     found = {(fault.code, _start(fault)): fault for fault in machine.faults + machine.builder.faults}
     lost = [_start(fault) for fault in lexed.faults if fault.code == "LAG0103"]
-    if lost:  # an open comment has swallowed what would be missed behind it
+    if lost:  # an unclosed comment hides the text after it
         read = machine.source.text[: lost[0]].rstrip()
         found = {key: fault for key, fault in found.items() if key[1] < len(read)}
     return sorted(lexed.faults + list(found.values()), key=_start)[:MOST_FAULTS]

@@ -1,4 +1,4 @@
-"""What may be declared where, and the conditions of an `initial` section gathered."""
+"""The blocks in which each kind of declaration is allowed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FILE = "a file"
 _MECHANICS = frozenset({"model", "effect"})
 _REUSABLE = frozenset({"file", "package", "model", "effect"})
 
-# What is declared -> the blocks in which it may stand.
+# Kind of declaration -> the blocks that may contain it.
 _PLACES: dict[str, frozenset[str]] = {
     "model": frozenset({"file", "package"}),
     "package": frozenset({"file", "package"}),
@@ -40,7 +40,7 @@ _IN_LOOPS = frozenset({
     "frame", "point", "body", "joint", "friction", "potential", "kinetic", "lagrangian", "dissipation",
     "force", "torque", "constraint", "initial", "for", "when", "instance",
 })  # fmt: skip
-_BY_INDEX = {  # how an array that stands outside of a loop has a value for each element
+_BY_INDEX = {  # how an array outside of a loop gets a value for each element
     "parameter": " = {... for i in 1:n}",
     "output": " = {... for i in 1:n}",
     "coordinate": "(start = {... for i in 1:n})",
@@ -58,7 +58,8 @@ _SHOWN = {
 
 
 def arrange(items: Iterable[Any], container: str, faults: list[Fault]) -> tuple[tree.Declaration, ...]:
-    """The declarations of one block (`a model`, `an effect`, ... or FILE), in the order written."""
+    """Return the declarations of one block (`a model`, `an effect`, ... or FILE) in order, and report
+    misplaced ones."""
     kind = container.rpartition(" ")[2]
     arranged, _ = _arrange(list(items), kind, False, faults)
     return arranged
@@ -67,7 +68,8 @@ def arrange(items: Iterable[Any], container: str, faults: list[Fault]) -> tuple[
 def _arrange(
     items: Sequence[Any], container: str, initial: bool, faults: list[Fault]
 ) -> tuple[tuple[tree.Declaration, ...], bool]:
-    """`initial` tells whether the block stands in an initial section, as its loops may."""
+    """Return the declarations, and whether the block ends in an initial section; `initial`: it begins in
+    one."""
     arranged: list[tree.Declaration] = []
     outside = True  # one fault for a run of equations outside
     misplaced: set[str] = set()  # one for each kind
@@ -164,7 +166,7 @@ def _equation_outside(item: tree.Initial) -> Fault:
 
 
 def _dotted(declarator: tree.Declarator) -> Fault:
-    """`parameter a.l = 2;` outside of a scene."""
+    """Report `parameter a.l = 2;` outside of a scene."""
     return Fault(
         "LAG0134",
         "a declared name contains no `.`; a part of an instance is declared in its model",

@@ -1,7 +1,8 @@
-"""At a fault: what is wrong is said, and the text is read on behind it.
+"""Recovery from syntax faults: explain the fault, repair the text, continue.
 
-The small repairs are tried first (one sign put in, replaced or left out, after which the text
-reads on); else the declaration is given up and reading goes on behind it.
+Small repairs come first (one token inserted, replaced or removed, after which the text can be parsed).
+Otherwise the declaration is skipped.  `explain` asks the functions of `_TABLE` in turn; the first that knows
+the mistake answers.
 """
 
 from __future__ import annotations
@@ -18,20 +19,18 @@ MOST_RECOVERIES = 200
 
 
 def recover(machine: Machine) -> bool:
-    """Say what is wrong at the token that cannot stand where the machine is, and get past it.  False
-    where the reading ends."""
+    """Report the unexpected token and get past it.  Return False if parsing ends here."""
     return Recovery(machine).run()
 
 
 class Recovery:
-    """One fault of one text."""
+    """Recovery from one fault."""
 
     def __init__(self, machine: Machine):
         self.machine = machine
 
     def run(self) -> bool:
-        """Say what is wrong at the token that cannot stand here, and get past it.  False where the
-        reading ends."""
+        """Report the unexpected token and get past it.  Return False if parsing ends here."""
         machine = self.machine
         machine.recoveries += 1
         if len(machine.faults) >= MOST_FAULTS or machine.recoveries > MOST_RECOVERIES:
@@ -59,7 +58,7 @@ class Recovery:
         return True
 
     def _end_unfinished(self) -> bool:
-        """Behind `end name`, or `end` alone: put in what is missing."""
+        """Complete an `end` without a name or without `;`."""
         machine = self.machine
         block = machine.last_closed
         top = machine.values[-1]
@@ -81,8 +80,7 @@ class Recovery:
         return True
 
     def _settle(self) -> None:
-        """Undo the reductions that the token at fault brought about, so that what may stand here can
-        be told, and end the declaration that a `;` has ended."""
+        """Undo the reductions that the unexpected token caused, and finish a declaration that a `;` ended."""
         machine = self.machine
         if machine.reduced and machine.tokens[machine.position - 1].text != ";":
             bottom, begin = self._declaration(machine.position - 1)
@@ -98,7 +96,7 @@ class Recovery:
             machine.reduce(~action)
 
     def _replay(self, position: int) -> None:
-        """Take the tokens before number `position` again; they have been taken before."""
+        """Parse the tokens before number `position` again."""
         machine = self.machine
         while machine.position < position:
             terminal = machine.terminal(machine.position, machine.states[-1])
@@ -111,8 +109,8 @@ class Recovery:
                 machine.shift(machine.tokens[machine.position], terminal, action)
 
     def _declaration(self, position: int) -> tuple[int, int]:
-        """The declaration around token number `position`: the height of the stack below it, and the
-        number of its first token (that of the next token where none has begun)."""
+        """Return the height of the stack below the declaration at token `position`, and the number of its
+        first token."""
         machine = self.machine
         for height in range(len(machine.states) - 1, -1, -1):
             if "item" in machine.tables.actions[machine.states[height]]:
@@ -122,12 +120,12 @@ class Recovery:
         return 0, 0
 
     def accepts(self, *terminals: str) -> bool:
-        """Could such tokens stand here, one behind the other?"""
+        """Whether these terminals can follow here, one after the other."""
         states = list(self.machine.states)
         return all(self._takes(states, terminal) for terminal in terminals)
 
     def _takes(self, states: list[int], terminal: str) -> bool:
-        """Move `states` over one token; nothing is built."""
+        """Advance `states` over one terminal without building nodes."""
         machine = self.machine
         actions = machine.tables.actions
         while True:
@@ -145,8 +143,10 @@ class Recovery:
                 return True
 
     def _repair(self, repair: Repair) -> bool:
-        """Make the change if the text then reads on, past the place of the fault.  A change before
-        that place reads the declaration around it again from its beginning."""
+        """Apply a repair if the text can then be parsed past the fault.
+
+        A repair before the fault parses the declaration around it again from its beginning.
+        """
         machine = self.machine
         again = repair.at < machine.position
         bottom, begin = self._declaration(repair.at)
@@ -166,7 +166,7 @@ class Recovery:
         return True
 
     def _reads_on(self, states: list[int], first: int, last: int) -> bool:
-        """Can the tokens first..last be taken from `states` on?"""
+        """Whether the tokens first..last can be parsed from `states` on."""
         machine = self.machine
         for position in range(first, min(last + 1, len(machine.tokens))):
             while True:
@@ -186,7 +186,7 @@ class Recovery:
         return True
 
     def _drop(self, bottom: int, begin: int) -> None:
-        """Forget the declaration that began at token `begin`, on top of height `bottom`."""
+        """Remove the declaration that began at token `begin` from the stacks."""
         machine = self.machine
         for stack in (machine.states, machine.values, machine.starts, machine.depths):
             del stack[bottom + 1 :]
@@ -195,8 +195,8 @@ class Recovery:
         machine.reduced = False
 
     def _give_up(self, bottom: int, begin: int) -> None:
-        """Drop the declaration that began at token `begin` and go on behind it: behind its `;`, or
-        at an `end` or another keyword that begins a line."""
+        """Skip the declaration up to its `;`, or to an `end` or another keyword at the beginning of a
+        line."""
         machine = self.machine
         self._drop(bottom, begin)
         for number in range(max(machine.position, begin), len(machine.tokens)):
@@ -213,7 +213,7 @@ class Recovery:
 
 
 def explain(where: Where) -> Explained:
-    """The fault at a token that cannot stand where it does."""
+    """Return the fault of an unexpected token."""
     for known in _TABLE:
         explained = known(where)
         if explained is not None:

@@ -1,8 +1,8 @@
-"""The syntax tree: what a `.lag` text says, before anything is looked up.
+"""The syntax tree: the content of a `.lag` text before names are looked up.
 
-Every node carries the `span` it was read from.  Sequences are tuples.  `None` means
-"not written".  Nodes are compared by their fields, spans included, and never changed
-(`lagc.base.records.replace` makes changed copies).
+Every node has the `span` of its text.  Sequences are tuples, and `None` means "not written".  Nodes are
+compared by their fields, spans included, and never changed (`lagc.base.records.replace` makes changed
+copies).
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class Name:
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """`base.name`: a part of an instance, a unit vector of a frame, ..."""
+    """`base.name`: a member of an instance, a unit vector of a frame, ..."""
 
     base: Expression
     name: str
@@ -78,11 +78,10 @@ class Index:
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """A call's or modification's argument: `name = value`, or a bare value (`name` None).
+    """An argument of a call or a modification: `name = value`, or a value (`name` None).
 
-    `each` is Modelica's `each start = 0`.  `arguments` are nested modifications,
-    `bob(m(min = 0) = 2 [kg])`; without a value of its own, `bob(m = 2 [kg])` among arguments, it
-    cannot be told from a call and is one, with `name` None.
+    `each` is Modelica's `each start = 0`.  `arguments` are nested modifications: `bob(m(min = 0) = 2 [kg])`.
+    The modification `bob(m = 2 [kg])` without a value parses as a call, with `name` None.
     """
 
     name: str | None
@@ -200,7 +199,7 @@ class TypeDeclaration:
 class Declarator:
     """One name of a list: `th[n](each start = 0.1 [rad]) = value "description"`.
 
-    `within` is the whole name where it is one of an instance, `a.b[2].m`; only in scenes.
+    `within` is the whole name if it belongs to an instance, `a.b[2].m`; only in scenes.
     """
 
     name: str

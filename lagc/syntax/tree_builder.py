@@ -1,7 +1,7 @@
-"""What each rule of the grammar makes: the nodes of the syntax tree.
+"""Nodes of the syntax tree for declarations.
 
-One method a rule (or its alias), called by the parser with the rule's children in order (None
-where an optional one is not written) and the span of the whole.
+One method for each grammar rule (or its alias).  The parser calls it with the rule's children in order (None
+for an optional one that is not written) and the span of the whole.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def _word(self: object, c: Children, span: Span) -> Any:
 
 
 class Builder(Expressions):
-    """Makes the tree of `source`; `faults` are those that the grammar itself does not see."""
+    """Builds the tree of `source`; `faults` are those that the grammar does not find."""
 
     uses = unless = relation = _only
     quantity_kind = construct_kind = _word
@@ -255,7 +255,7 @@ class Builder(Expressions):
 
 
 class Requires:
-    """`requires a, b;` on its way into its effect."""
+    """`requires a, b;`, until its effect is built."""
 
     def __init__(self, names: tuple[tree.Name, ...], span: Span):
         self.names = names
@@ -267,7 +267,7 @@ class Excludes(Requires):
 
 
 def _no_kind(made: tree.TypeName) -> Fault:
-    """`Length x = 3;`, `bod b = Particle(...);`: an instance has no value."""
+    """Report `Length x = 3;` or `bod b = Particle(...);`: an instance has no value."""
     from lagc.diagnostics.suggest import FOREIGN, closest
     from lagc.syntax.lalr_tables import tables
 
@@ -294,7 +294,7 @@ def _names(path: tuple[Token, ...]) -> tuple[str, ...]:
 def _options_apart(
     right: tree.Expression, source: Source
 ) -> tuple[tree.Expression, tuple[tree.Argument, ...]]:
-    """`z >= 2*r (restitution = 0.8)`: the options read as arguments of `r`; give them back."""
+    """Separate the options of `z >= 2*r (restitution = 0.8)`, which parse as arguments of `r`."""
     outer: list[tree.Binary | tree.Unary] = []
     last = right
     while isinstance(last, tree.Binary | tree.Unary):

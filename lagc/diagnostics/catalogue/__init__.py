@@ -1,8 +1,8 @@
-"""The catalogue of faults: what each code means, with a wrong and a right example.
+"""The catalogue of faults: the meaning of each code, with a wrong and a right example.
 
-One table a room (`ENTRIES` of the modules below), code -> Entry.  `wrong` and `right` are
-complete model texts; tests run them: the first brings the code, the second is accepted.  They are
-empty where a fault is no matter of a model's text (a file that cannot be read).
+Each module below has a table `ENTRIES`, code -> Entry.  `wrong` and `right` are complete models that tests
+run: the first gives the code, the second is accepted.  They are empty if the fault does not come from the
+text of a model.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class Entry:
 
 
 def entries() -> dict[str, Entry]:
-    """Every entry, in the order of the codes.  Raises ValueError where two rooms claim a code."""
+    """Return every entry in the order of the codes.  Raises ValueError if a code occurs twice."""
     found: dict[str, Entry] = {}
     for room in ROOMS:
         table: dict[str, Entry] = importlib.import_module(f"{__name__}.{room}").ENTRIES

@@ -1,4 +1,5 @@
-"""LAG02xx: names, instances, scenes, effects.  LAG03xx: dimensions, shapes, values."""
+"""Faults of names, instances, scenes and effects (LAG02xx), and of dimensions, shapes and values
+(LAG03xx)."""
 
 from __future__ import annotations
 

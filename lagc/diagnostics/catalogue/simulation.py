@@ -1,4 +1,4 @@
-"""Faults of runs (LAG06xx): requests that make no sense, starts that do not exist, runs that end early."""
+"""Faults of runs (LAG06xx): requests, initialization, simulation and linearization."""
 
 from __future__ import annotations
 

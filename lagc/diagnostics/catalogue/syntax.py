@@ -1,4 +1,4 @@
-"""Faults of the syntax: LAG01xx."""
+"""Faults of the syntax (LAG01xx)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ end Pendulum;
 
 
 def _entry(title: str, explanation: str, wrong: str, right: str) -> Entry:
-    """The lines stand at the end of a small model."""
+    """Return an entry whose examples are placed at the end of a small model."""
     return Entry(title, explanation, _complete(wrong), _complete(right))
 
 

@@ -1,1 +1,1 @@
-"""Syntax mistakes in the user's terms, one function each."""
+"""Explanations of common syntax mistakes, one function each."""

@@ -1,4 +1,4 @@
-"""Where a mistake is: what stands around it, what could stand there, and how to repair it."""
+"""The context of a syntax mistake, and repairs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ HEADERS = frozenset(("model", "package", "effect", "scene", "for", "when"))  # w
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """Replace `count` tokens from number `at` on by others; then the text reads on."""
+    """Replace `count` tokens from number `at` on by others."""
 
     at: int
     count: int
@@ -28,8 +28,8 @@ class Explained:
 
 
 class Where:
-    """The place of a mistake: a token that cannot stand there, in the declaration that begins with
-    token number `begin`."""
+    """The place of a mistake: an unexpected token in the declaration that begins with token number
+    `begin`."""
 
     def __init__(self, machine: Machine, accepts: Callable[..., bool], begin: int, brackets: Sequence[Token]):
         self.source = machine.source
@@ -48,18 +48,18 @@ class Where:
 
     @property
     def shown(self) -> str:
-        """The token, for messages."""
+        """Return the token for messages."""
         return "the end of the file" if self.token.kind == END else f"`{self.token.text}`"
 
     def span(self, first: Token, last: Token | None = None) -> Span:
         return Span(self.source, first.start, (last or first).end)
 
     def sign(self, text: str) -> str:
-        """The terminal of a sign."""
+        """Return the terminal of a sign."""
         return self.signs[text]
 
     def new_line(self) -> bool:
-        """Does the token stand on a later line than the one before it?"""
+        """Whether the token begins a new line."""
         return "\n" in self.source.text[self.before.end : self.token.start] or self.token.kind == END
 
     def replace(self, *texts: str) -> Repair:

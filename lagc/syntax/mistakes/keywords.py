@@ -9,7 +9,7 @@ from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, toke
 
 
 def first_word(w: Where) -> Explained | None:
-    """A declaration that begins with a word that is no keyword: another language's, capital, misspelt."""
+    """Explain a declaration that begins with an unknown, foreign or misspelt keyword."""
     word = w.first.text
     if w.first.kind != WORD or word in w.keywords:
         return None
@@ -59,7 +59,7 @@ def if_statement(w: Where) -> Explained | None:
 
 
 def missing_end_word(w: Where) -> Explained | None:
-    """`room;` where `end room;` is meant."""
+    """Explain `room;` instead of `end room;`."""
     if w.token.text != ";" or w.position - w.begin != 1 or w.block is None or w.first.text != w.block.closing:
         return None
     message = f"an `end` is missing before `{w.first.text}`"
@@ -84,7 +84,7 @@ def brace_for_block(w: Where) -> Explained | None:
 
 
 def family(w: Where) -> Explained | None:
-    """`sum(i^2 for i in 1:n)`, and `{i*j for i in 1:n, j in 1:m}`."""
+    """Explain `sum(i^2 for i in 1:n)` and `{i*j for i in 1:n, j in 1:m}`."""
     if not w.brackets or w.new_line():
         return None
     behind = [t for t in w.tokens[w.begin : w.position] if t.start > w.brackets[-1].start]

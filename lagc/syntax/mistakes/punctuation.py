@@ -73,7 +73,7 @@ def chained(w: Where) -> Explained | None:
 
 
 def decimal_comma(w: Where) -> Explained | None:
-    at = w.position - (w.token.text != ",")  # where no comma can stand, or where no number can behind it
+    at = w.position - (w.token.text != ",")  # at the unexpected comma, or before the unexpected number
     whole, comma, part = w.tokens[max(at - 1, 0)], w.tokens[at], w.tokens[min(at + 1, len(w.tokens) - 1)]
     if (whole.kind, comma.text, part.kind) != (NUMBER, ",", NUMBER):
         return None
@@ -91,7 +91,7 @@ def decimal_comma(w: Where) -> Explained | None:
 
 
 def comma_between_starts(w: Where) -> Explained | None:
-    """`start x = 1, y = 2;`."""
+    """Explain `start x = 1, y = 2;`."""
     if w.token.text != "," or w.first.text != "start" or not w.accepts("SEMICOLON"):
         return None
     place, last = w.tokens[w.position + 1], w.position + 1
@@ -132,7 +132,7 @@ def bare_unit(w: Where) -> Explained | None:
 
 
 def _is_declared(w: Where, name: str) -> bool:
-    """Whether a quantity is declared by that name somewhere: `Length l`, `Real[m] l`, `k = 1, l = 2`."""
+    """Whether a quantity of this name is declared: `Length l`, `Real[m] l`, `k = 1, l = 2`."""
     near = zip(w.tokens, w.tokens[1:], w.tokens[2:])
     return any(
         here.text == name
@@ -176,7 +176,7 @@ def brackets(w: Where) -> Explained | None:
     if w.brackets:
         opening = w.brackets[-1]
         right = _CLOSING[opening.text]
-        # `m(min = 0 = 1 [kg]`: what stands there could stand behind the bracket.
+        # `m(min = 0 = 1 [kg]`: the token could follow the bracket.
         follows = text in w.signs and w.accepts(w.sign(right), w.sign(text))
         if not w.accepts(w.sign(right)) or not (ends or follows):
             return None
@@ -216,7 +216,7 @@ def missing_semicolon(w: Where) -> Explained | None:
 
 
 def comma_in_list(w: Where) -> Explained | None:
-    """`uses a b;` reads as if the body of the scene began with `b`."""
+    """Explain `uses a b;`, which parses as a scene whose body begins with `b`."""
     at = w.begin - 1
     if not w.inside or w.first.kind != WORD or at < 1 or w.tokens[at].kind != WORD:
         return None
@@ -232,7 +232,7 @@ def comma_in_list(w: Where) -> Explained | None:
 
 
 def missing_sign(w: Where) -> Explained | None:
-    """`body b Particle(...)`, `coordinate Angle a b`."""
+    """Explain `body b Particle(...)` and `coordinate Angle a b`."""
     if w.new_line() or w.before.kind != WORD or (w.token.kind == SYMBOL and w.token.text != "{"):
         return None
     if not w.accepts("EQUALS") or w.accepts("TIMES") or not w.inside:
@@ -251,7 +251,7 @@ _FUNCTIONS = frozenset(
 
 
 def missing_comma(w: Where) -> Explained | None:
-    """`Particle(mass = m at = P)`."""
+    """Explain `Particle(mass = m at = P)`."""
     named = w.token.kind == WORD and w.tokens[w.position + 1].text == "="
     if not named or not w.brackets or w.new_line() or not w.accepts("COMMA"):
         return None
