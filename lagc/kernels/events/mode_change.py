@@ -90,6 +90,41 @@ def cross_edge(k: int, s: State, direction: Real, w: Work) -> None:
             step_mode(k, up, w)
 
 
+def leave_modes(s: State, direction: Real, w: Work) -> None:
+    """Change the modes of the relations in w.crossed."""
+    for i in range(NMODE):
+        if w.crossed[i] > 0:
+            if has_edges[i] > 0:
+                cross_edge(i, s, direction, w)
+            elif w.modes[i] == 0.0:
+                away = (
+                    w.old_indicator_rates[i] * direction
+                    if is_still_sliding(i, s, w)
+                    else w.indicators_before[i]
+                )
+                w.modes[i] = sign_of(away)
+            else:
+                w.modes[i] = -w.modes[i]
+
+
+def is_driven_back(p: Params, s: State, direction: Real, w: Work) -> bool:
+    """Return whether an indicator that crossed is driven back at once and does not slide; sets w.culprit."""
+    for j in range(NFREE):
+        k = NTIMED + j
+        rate = w.indicator_rates[k]
+        if (
+            w.crossed[k] > 0
+            and w.indicator_jumped[k] == 0
+            and turns_back(k, rate, w.old_indicator_rates[k], direction, w)
+        ):
+            # An indicator leaves its sliding mode only if it does not return.
+            left = s.modes[k] == 0.0 and not is_still_sliding(k, s, w)
+            if left or not slides(p, s, k, rate, w.old_indicator_rates[k], w):
+                w.culprit = k
+                return True
+    return False
+
+
 def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Change the modes of the relations in w.crossed at (s.t, s.x). Returns CHATTERING, with the relation
     as the culprit, if an indicator is driven back on both sides and does not slide."""
@@ -107,19 +142,7 @@ def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
         if not confirm_crossings(p, s, direction, w):
             return OK
     w.old_indicator_rates[:] = w.indicator_rates
-    for i in range(NMODE):
-        if w.crossed[i] > 0:
-            if has_edges[i] > 0:
-                cross_edge(i, s, direction, w)
-            elif w.modes[i] == 0.0:
-                away = (
-                    w.old_indicator_rates[i] * direction
-                    if is_still_sliding(i, s, w)
-                    else w.indicators_before[i]
-                )
-                w.modes[i] = sign_of(away)
-            else:
-                w.modes[i] = -w.modes[i]
+    leave_modes(s, direction, w)
     propagate_changes(p, s, direction, w.old_rates, w)
     if NFREE > 1:
         if slide_together(p, s, direction, w):
@@ -132,19 +155,8 @@ def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
         status = update_indicator_rates(p, s, w)
         if failed(status):
             return status
-    for j in range(NFREE):
-        k = NTIMED + j
-        rate = w.indicator_rates[k]
-        if (
-            w.crossed[k] > 0
-            and w.indicator_jumped[k] == 0
-            and turns_back(k, rate, w.old_indicator_rates[k], direction, w)
-        ):
-            # An indicator leaves sliding mode only if it does not return.
-            left = s.modes[k] == 0.0 and not is_still_sliding(k, s, w)
-            if left or not slides(p, s, k, rate, w.old_indicator_rates[k], w):
-                w.culprit = k
-                return CHATTERING
+    if is_driven_back(p, s, direction, w):
+        return CHATTERING
     for i in range(NMODE):
         s.changed[i] = 1 if w.modes[i] != s.modes[i] else 0
     correct_state(p, s, direction, w)
