@@ -65,12 +65,9 @@ UNFINISHED: dict[str, tuple[str, ...]] = {
     "README.md": ("What, Who",),
     "docs": ("What, Who", "comes to", "last places", "of which"),
     "lagc/api_derivatives.py": ("What, Who", "comes to", "of which", "still", "switch"),
-    "lagc/base": ("What, Who",),
     "lagc/cli": ("What, Who",),
     "lagc/codegen": ("What, Who", "last places", "of which", "switch"),
     "lagc/compiler": ("What, Who", "of which"),
-    "lagc/diagnostics": ("What, Who",),
-    "lagc/host": ("What, Who", "comes to", "home"),
     "lagc/kernels": (
         "What, Who",
         "home",
@@ -107,7 +104,6 @@ UNFINISHED: dict[str, tuple[str, ...]] = {
         "what is left of",
     ),
     "lagc/reports": ("What, Who", "lift", "of which", "start's", "still", "switch", "what is left of"),
-    "lagc/semantics": ("What, Who", "blame", "home", "of which", "still"),
     "lagc/simulation": (
         "What, Who",
         "comes to",
@@ -121,8 +117,6 @@ UNFINISHED: dict[str, tuple[str, ...]] = {
         "still",
         "switch",
     ),
-    "lagc/symbolic": ("What, Who", "comes to", "last places", "lift", "of which", "still", "what is left of"),
-    "lagc/syntax": ("What, Who",),
     "tests": ("What, Who", "blame", "judge", "last places", "listening", "of which", "what is left of"),
 }
 

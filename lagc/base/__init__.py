@@ -1,1 +1,1 @@
-"""What every room may use: records, and text of people and for terminals."""
+"""Helpers for every room: records, and text."""

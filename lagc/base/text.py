@@ -1,7 +1,7 @@
-"""Text from people and for people: numbers of the command line, and printable text.
+"""Text from users and for users: numbers of the command line, and printable text.
 
 `printable` writes control characters, DEL, characters that change the writing direction and other invisible
-characters as escapes, so that no text can steer a terminal.
+characters as escapes, so that no text can control a terminal.
 """
 
 from __future__ import annotations
@@ -9,9 +9,9 @@ from __future__ import annotations
 import re
 import sys
 
-FINEST = 1e-15  # of relative tolerances: below, rounding is all that is left
-MOST_POINTS = sys.maxsize // 2  # that a list can count
-# Compiled when one is read, which most runs never do.
+FINEST = 1e-15  # least relative tolerance, set by round-off
+MOST_POINTS = sys.maxsize // 2  # limit on the length of a list
+# Compiled at the first use, which most runs never need.
 _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _WHOLE = r"[+-]?[0-9]{1,4000}"
 _NONE = r"(?i)[+-]?(?:nan|inf|infinity)"
@@ -21,43 +21,48 @@ _TIME = r"([0-9]{1,18}(?:\.[0-9]{1,18})?)\s*(?:(s|min|h|d)|\[(s|min|h|d)\])?"
 
 
 def number(text: str) -> float | None:
-    """The number that `text` is in a model file, with a sign; None where it is none.  The words for what
-    is not finite are taken too, so that who needs a finite number says so."""
+    """Return the number in `text`, as in a model file but with a sign, or None.
+
+    `nan` and `inf` are accepted, so that the caller can report that a finite number is needed.
+    """
     return float(text) if re.fullmatch(_NUMBER, text) or re.fullmatch(_NONE, text) else None
 
 
 def size(text: str) -> float | None:
-    """The bytes that `text`, as `500M` or `2G`, stands for; None where it is none."""
+    """Return the number of bytes for a text such as `500M` or `2G`, or None."""
     found = re.fullmatch(_SIZE, text.strip().upper(), re.ASCII)
     return None if found is None else float(found[1]) * 1000.0 ** " KMG".index(found[2] or " ")
 
 
 def seconds(text: str) -> float | None:
-    """The seconds that `text`, as `90`, `10min` or `2h`, stands for; None where it is none."""
+    """Return the number of seconds for a text such as `90`, `10min` or `2h`, or None."""
     found = re.fullmatch(_TIME, text.strip(), re.ASCII)
     return None if found is None else float(found[1]) * _SECONDS[found[2] or found[3] or ""]
 
 
 def whole(text: str) -> int | None:
-    """The whole number that `text` is; None where it is none."""
+    """Return the integer in `text`, or None."""
     return int(text) if re.fullmatch(_WHOLE, text) else None
 
 
 def printable(text: str) -> str:
-    """`text` without characters that would steer a terminal; line ends are kept."""
+    """Return `text` with characters that could control a terminal escaped; line ends are kept."""
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() or c == "\n" else _escape(c) for c in text)
 
 
 def one_line(text: str) -> str:
-    """`printable`, without line ends too."""
+    """Return `printable` text with escaped line ends."""
     return printable(text).replace("\n", "\\n")
 
 
 def json_text(value: object, indent: int | None = None, encoding: str = "utf-8") -> str:
-    """`value` as JSON: what is no printable character, or none of `encoding`, stands as its escape, and a
-    number that is not finite as null, for JSON has no word for it."""
+    """Return `value` as JSON.
+
+    Characters that are not printable, or not in `encoding`, are escaped.  Numbers that are not finite become
+    null.
+    """
     import json
 
     text = json.dumps(_finite(value), indent=indent, ensure_ascii=False, allow_nan=False)

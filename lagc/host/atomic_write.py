@@ -1,10 +1,11 @@
-"""Files that are written whole or not at all.
+"""Files that are written completely or not at all, and temporary files of processes that were killed.
 
-What is written goes into a file of its own beside the target, is flushed to the disk, and takes the
-target's name when all of it is there: whoever opens the target finds what it was before, or all of what
-it is now, whatever happened in between.  Links are followed to the file that they name.  What is no
-regular file (a pipe, a device, the standard output) is written straight; a pipe only where somebody reads
-it, or comes to within `READER`.
+Data goes into a file beside the target, is flushed to the disk, and then the file is renamed to the target.
+A reader of the target finds the old content or all of the new one.  Links are followed.  A target that is not
+a regular file (a pipe, a device, the standard output) is written directly; a pipe only if a reader opens it
+within `READER` seconds.
+
+Temporary names contain the process: `...PROCESS-XXXXXXXXXXXX...`.
 """
 
 from __future__ import annotations
@@ -19,21 +20,21 @@ from io import BufferedWriter
 from time import monotonic, sleep, time
 from types import TracebackType
 
-LONGEST = 60  # bytes of a file's name in that of another one, which has to stay a name
-READER = 5.0  # s in which the reader of a pipe has to come
-_NOT_SYNCED = {errno.EINVAL, errno.ENOTSUP, errno.ENOSYS}  # by file systems that cannot
+LONGEST = 60  # bytes of a file name inside of a temporary name
+READER = 5.0  # s to wait for the reader of a pipe
+_NOT_SYNCED = {errno.EINVAL, errno.ENOTSUP, errno.ENOSYS}  # file systems without fsync
 
 
 class Files:
-    """Files that take their names one after the other, in the order in which they were opened, when each
-    of them is whole; none does where one cannot be written.
+    """A group of files that are renamed to their targets in the order of opening, after all of them are
+    complete.
 
         with Files() as files:
             files.open("a.csv").write(data)
 
-    With an exception in the block, or where one cannot be written, every target stays as it was and
-    nothing is left beside it.  Where a name is refused to what is written, those that were taken before
-    are not given back.  Without `sync` a target is still never half a file while the machine runs.
+    After an exception, or if one file cannot be written, every target is unchanged and no temporary file is
+    left.  If a rename fails, earlier renames are not undone.  Without `sync` the data are not flushed to the
+    disk.
     """
 
     def __init__(self, sync: bool = True):
@@ -41,8 +42,11 @@ class Files:
         self._drafts: list[_Draft] = []
 
     def open(self, path: str, fresh: bool = False) -> BufferedWriter:
-        """What is written to it becomes the file `path`.  An old one keeps its mode and owner; `fresh`
-        demands that there is none.  Raises OSError, FileExistsError among them."""
+        """Open a file that becomes `path`.  An existing file keeps its mode and owner; with `fresh` there
+        must be none.
+
+        Raises OSError, such as FileExistsError.
+        """
         straight = None if fresh else _straight(path)
         if straight is not None:
             self._drafts.append(_Draft(straight))
@@ -58,12 +62,12 @@ class Files:
         folder, base = os.path.split(target)
         beside = os.path.join(folder, f".{shortened(base)}.{mark()}.lagc-tmp")
         draft = _Draft(None, beside, target, fresh)
-        self._drafts.append(draft)  # before there is such a file: a signal may come at any time
+        self._drafts.append(draft)  # before the file exists, because a signal may come at any time
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
         try:
             draft.file = os.fdopen(os.open(beside, flags, 0o666 if old is None else 0o600), "wb")
         except OSError as error:
-            error.filename = path  # the other name says nothing to anybody
+            error.filename = path  # the temporary name means nothing to the user
             raise
         if old is not None:
             _like(beside, old)
@@ -91,13 +95,13 @@ class Files:
 
 
 def write(path: str, data: bytes, sync: bool = True, fresh: bool = False) -> None:
-    """Make `data` the content of the file `path`.  Raises OSError, and then it is as it was."""
+    """Write `data` to the file `path`.  Raises OSError; then the file is unchanged."""
     with Files(sync) as files:
         files.open(path, fresh).write(data)
 
 
 def no_folder(path: str) -> str:
-    """What keeps `path` from being a folder: the file of its name, or of one above it; else empty."""
+    """Return the file that prevents `path` from being a folder, or ""."""
     while path and not os.path.lexists(path):
         path = os.path.dirname(path)
     return "" if not path or os.path.isdir(path) else path
@@ -105,8 +109,8 @@ def no_folder(path: str) -> str:
 
 @contextmanager
 def folder(path: str) -> Iterator[None]:
-    """The folder `path`, and those above it, made where absent; those that were made go again where the block
-    fails and they are empty.  Raises OSError."""
+    """Create the folder `path` and its parents; new empty ones are removed if the block fails.  Raises
+    OSError."""
     missing = [path]
     while missing[-1] and not os.path.isdir(missing[-1]):
         missing.append(os.path.dirname(missing[-1]))
@@ -121,12 +125,12 @@ def folder(path: str) -> Iterator[None]:
 
 
 def shortened(name: str) -> str:
-    """What stands for the name of a file in that of another one: as much of it as any folder takes."""
+    """Return a prefix of a file name that is short enough for a temporary name."""
     return os.fsencode(name)[:LONGEST].decode(sys.getfilesystemencoding(), "ignore")
 
 
 def fitting(name: str) -> str:
-    """`name` where any folder takes it, and an ending; else its beginning with a checksum."""
+    """Return `name` if a folder accepts it with an ending, else its beginning with a checksum."""
     data = os.fsencode(name)
     if len(data) <= 2 * LONGEST:
         return name
@@ -136,7 +140,7 @@ def fitting(name: str) -> str:
 
 
 def obstacle(path: str) -> str:
-    """Why `path` cannot be written, as far as that shows before; empty where nothing is in the way."""
+    """Return the reason why `path` cannot be written, as far as it is visible in advance, or ""."""
     folder = os.path.dirname(os.path.realpath(path) if os.path.islink(path) else path) or "."
     if not os.path.isdir(folder):
         return f"there is no folder `{folder}`"
@@ -155,7 +159,7 @@ def obstacle(path: str) -> str:
 
 
 def output(path: str) -> int:
-    """Which of our own outputs `path` is: 1 or 2, 0 for none."""
+    """Return 1 or 2 if `path` is our standard output or error, else 0."""
     for own in (1, 2):
         with suppress(OSError, ValueError):
             if os.path.samestat(os.stat(path), os.fstat(own)):
@@ -164,7 +168,7 @@ def output(path: str) -> int:
 
 
 def is_straight(path: str) -> bool:
-    """Whether what is written there is written straight: it is no regular file, or our own output."""
+    """Whether `path` is written directly: it is not a regular file, or it is our own output."""
     with suppress(OSError, ValueError):
         mode = os.stat(path).st_mode
         return not (stat.S_ISDIR(mode) or stat.S_ISREG(mode)) or output(path) > 0
@@ -172,7 +176,7 @@ def is_straight(path: str) -> bool:
 
 
 def may_wait(path: str) -> bool:
-    """Whether writing `path` may last as long as another process likes."""
+    """Whether writing `path` may wait for another process."""
     try:
         old = _status(path)
     except OSError:
@@ -182,7 +186,7 @@ def may_wait(path: str) -> bool:
 
 @contextmanager
 def scratch() -> Iterator[str]:
-    """A folder for temporary files, which goes with all that is in it.  Raises OSError."""
+    """Yield a folder for temporary files, which is removed at the end.  Raises OSError."""
     import shutil
 
     place = _temporary_folder()
@@ -200,7 +204,7 @@ def scratch() -> Iterator[str]:
 
 
 def _temporary_folder() -> str:
-    """As `tempfile.gettempdir` has it, which writes a file to find out."""
+    """Return the folder of `tempfile.gettempdir`, which writes a file to find it."""
     for name in ("TMPDIR", "TEMP", "TMP"):
         folder = os.environ.get(name)
         if folder and os.path.isdir(folder) and os.access(folder, os.W_OK):
@@ -213,13 +217,13 @@ def _temporary_folder() -> str:
 
 
 class _Draft:
-    """A file that is being written: `beside` its `target`, or straight where it has none."""
+    """A file in progress: `beside` its `target`, or written directly if there is no target."""
 
     def __init__(self, file: BufferedWriter | None, beside: str = "", target: str = "", fresh: bool = False):
         self.file, self.beside, self.target, self.fresh = file, beside, target, fresh
 
     def finish(self, sync: bool) -> None:
-        """All of it is on the disk."""
+        """Flush the file to the disk."""
         assert self.file is not None
         self.file.flush()
         if self.target and sync:
@@ -234,17 +238,17 @@ class _Draft:
             self.beside = ""
 
     def discard(self) -> None:
-        """Nothing is left of it but what took its place."""
+        """Remove the temporary file, unless it is renamed."""
         if self.file is not None:
             with suppress(OSError):
-                self.file.raw.close()  # what it still holds is not wanted, and might wait for a reader
+                self.file.raw.close()  # the buffer is dropped; flushing it might wait for a reader
         if self.beside:
             with suppress(OSError):
                 os.unlink(self.beside)
 
 
 def _straight(path: str) -> BufferedWriter | None:
-    """`path` opened, where it is no regular file, or one that is our own output already."""
+    """Open `path` if it is not a regular file, or if it is our own output, else return None."""
     old = _status(path)
     if old is None or stat.S_ISDIR(old.st_mode):
         return None
@@ -256,7 +260,7 @@ def _straight(path: str) -> BufferedWriter | None:
 
 
 def _unwaiting(path: str) -> int:
-    """`path`, a pipe or a device, opened without waiting for ever; its descriptor."""
+    """Open a pipe or a device without waiting forever, and return its descriptor."""
     end = monotonic() + READER
     while True:
         try:
@@ -273,7 +277,7 @@ def _unwaiting(path: str) -> int:
 
 
 def _status(path: str) -> os.stat_result | None:
-    """None where there is no such file.  Raises OSError where that cannot be told."""
+    """Return the status of a file, or None if there is none.  Raises OSError."""
     try:
         return os.stat(path)
     except FileNotFoundError:
@@ -281,8 +285,10 @@ def _status(path: str) -> os.stat_result | None:
 
 
 def _like(path: str, old: os.stat_result) -> None:
-    """Give `path` the mode of `old` and, as far as that is allowed, its owner and group.  What is granted
-    to a group that it does not get is granted to no other."""
+    """Give `path` the mode and, if allowed, the owner and group of `old`.
+
+    Rights of a group are dropped if the group cannot be set.
+    """
     mode = stat.S_IMODE(old.st_mode)
     if hasattr(os, "chown"):
         for field, wanted in (("st_gid", (-1, old.st_gid)), ("st_uid", (old.st_uid, -1))):
@@ -298,7 +304,7 @@ def _like(path: str, old: os.stat_result) -> None:
 
 
 def _link(beside: str, target: str) -> None:
-    """Give the file `beside` the name `target`, where nothing has it.  Raises FileExistsError."""
+    """Rename the file `beside` to `target` if there is no such file.  Raises FileExistsError."""
     try:
         os.link(beside, target)
     except FileExistsError:
@@ -318,7 +324,7 @@ def _sync(number: int) -> None:
 
 
 def _sync_folder(folder: str) -> None:
-    """So that the name lasts; where a system has no such thing, it is as good as it gets."""
+    """Flush the directory entry to the disk, if the system supports it."""
     with suppress(OSError):
         number = os.open(folder or ".", os.O_RDONLY)
         try:
@@ -327,19 +333,18 @@ def _sync_folder(folder: str) -> None:
             os.close(number)
 
 
-SOON = 3600.0  # s in which whatever is being written is done, on any machine that shares the folder
-FILES = (".", ".lagc-tmp")  # what their names begin and end with
+SOON = 3600.0  # s after which no process, on any machine that shares the folder, still writes a file
+FILES = (".", ".lagc-tmp")  # beginning and end of the names
 FOLDERS = ("lagc-", "")
 
 
 def mark() -> str:
-    """What tells this process, and this file of it, from all others."""
+    """Return a name that is unique for this process and file."""
     return f"{os.getpid()}-{os.urandom(6).hex()}"
 
 
 def sweep(folder: str, kind: tuple[str, str]) -> None:
-    """Remove what was left in `folder` where nobody uses it: it is this user's, nothing has changed in it
-    for long, and the process that made it is gone."""
+    """Remove orphans from `folder`: files of this user that are old and whose process has ended."""
     with suppress(OSError), os.scandir(folder) as found:
         for entry in found:
             with suppress(OSError):
@@ -348,8 +353,8 @@ def sweep(folder: str, kind: tuple[str, str]) -> None:
 
 
 def gone(process: int) -> bool:
-    """Whether there is no such process; False where that cannot be told."""
-    if os.name != "posix":  # elsewhere, to ask is to end it
+    """Whether there is no such process; False if that is unknown."""
+    if os.name != "posix":  # elsewhere os.kill ends the process
         return False
     try:
         os.kill(process, 0)

@@ -1,12 +1,12 @@
-"""How long something may take, and how much memory.
+"""Limits on time and memory.
 
     with Limits(time=10.0, memory=2e9):
         ...
 
-Where the time is up, a timer of the system interrupts whatever is done, as Ctrl-C would: a run ends with
-what it computed, a compiler is ended, files stay whole.  Where there is no such timer (Windows, threads
-that are not the first), the clock is looked at between stages and in the progress of runs.  Of memory the
-system gives no more (`RLIMIT_AS`); where it knows no such limit there is none.
+After the time, a system timer interrupts the work like Ctrl-C: a run keeps its results, a C compiler is
+stopped, and files stay complete.  Without a timer (Windows, threads other than the first) the clock is
+checked between stages and during runs.  Memory is limited by the system (`RLIMIT_AS`), where it supports
+that.
 """
 
 from __future__ import annotations
@@ -23,31 +23,31 @@ from typing import Any
 
 from lagc.diagnostics.faults import Fault, Refused
 
-ALLOWED = 60.0  # s of a stage whatever the model
-GRACE = 5.0  # s that something may take to come to an end where its results are kept
-SOON = 1e-3  # s to the next ring where one comes at a bad moment
-LONGEST = 86400.0  # s to the next ring: any timer can count that
-LARGEST = 1e300  # of a limit: more is none
-COMMON = 4e9  # bytes that every machine can address
+ALLOWED = 60.0  # s for a stage of any model
+GRACE = 5.0  # s for work to end with its results
+SOON = 1e-3  # s to the next signal after one at a bad moment
+LONGEST = 86400.0  # s to the next signal, within the range of any timer
+LARGEST = 1e300  # a larger limit is no limit
+COMMON = 4e9  # bytes, the least default limit
 
 Progress = Callable[[float], None]
 
 
 class Exhausted(KeyboardInterrupt):
-    """The time is up.  All that keeps results when it is interrupted keeps them now."""
+    """The time is up.  Code that keeps results after an interrupt keeps them now."""
 
 
 def _within(limit: float | None) -> float | None:
-    """As a float; an integer may be larger."""
+    """Return the limit as a float; an integer may be too large for that."""
     return inf if limit is not None and limit > LARGEST else limit
 
 
 class Limits:
-    """What a block of work may take: `time` in s, in all; `memory` in bytes.  None: no limit.
+    """Limits of a block of work: `time` in s, `memory` in bytes; None: no limit.
 
-    Where `careful`, stages (`stage`) have limits of their own as long as no time is given.  At its end
-    Refused is raised (LAG0801, LAG0802) where a limit ended the work.  Blocks may be inside one another:
-    the limits of the outer ones hold in the inner ones too.
+    With `careful`, each `stage` has its own limit unless a time is given.  At the end of the block Refused is
+    raised (LAG0801, LAG0802) if a limit stopped the work.  Blocks can be nested; the limits of outer blocks
+    hold in inner ones.
     """
 
     def __init__(self, time: float | None = None, memory: float | None = None, careful: bool = False):
@@ -55,12 +55,12 @@ class Limits:
             raise ValueError("a limit is positive")
         self.time, self.memory, self.careful = _within(time), _within(memory), careful
         self.end = inf
-        self.limit = ""  # what ends then, in words
+        self.limit = ""  # the limit that is reached then, in words
         self.doing = "the work"
         self.told = ""  # the limit that was reached
         self.before = inf, ""  # end and limit outside the stage
         self.own = ""  # the limit of the stage, in words
-        self.patient = False  # a ring is answered when it is asked for
+        self.patient = False  # the run itself asks for the time
         self.timer: Any = None
         self.outer: Limits | None = None
         self.most = inf  # bytes, with what the system itself allows
@@ -69,7 +69,7 @@ class Limits:
     def __enter__(self) -> Limits:
         if self.memory is not None and self.memory < reserved():
             self.most = self.memory
-            raise self._too_small()  # where nothing more is given, nothing can be done, not even told
+            raise self._too_small()  # below this nothing works, not even a message
         self.outer, _inside.block = _inside.block, self
         self.told = ""
         if self.outer is not None:
@@ -109,13 +109,13 @@ class Limits:
         return Refused([Fault("LAG0802", f"{self.doing} needs more memory than {most}", remedy=more)])
 
     def ask(self) -> None:
-        """Raises Exhausted where the time is up."""
+        """Raise Exhausted if the time is up."""
         if monotonic() >= self.end:
             self.told = self.limit
             raise Exhausted
 
     def rest(self) -> None:
-        """What is done from here on is not interrupted."""
+        """Do not interrupt from now on."""
         self.patient, self.end = False, inf
         if self.timer is not None:
             self.timer[0].setitimer(self.timer[0].ITIMER_REAL, 0.0)
@@ -123,13 +123,13 @@ class Limits:
             self.timer = None
 
     def _bound_time(self, allowed: float, limit: str) -> None:
-        """Nothing takes longer than `allowed` s from now on, where it may so far."""
+        """Limit the time to `allowed` s from now on."""
         end = monotonic() + allowed
         if end < self.end:
             self.end, self.limit = end, limit
 
     def _set(self, soonest: float = SOON) -> None:
-        """Let the timer ring at the end, or now and then before it, where there are an end and a timer."""
+        """Set the timer to the end of the time, or to a time before it, if there is a timer."""
         if self.end == inf:
             return
         import signal
@@ -161,7 +161,7 @@ class Limits:
             return
         now, hard = resource.getrlimit(resource.RLIMIT_AS)
         self.most = min([most, *(a for a in (now, hard) if a != resource.RLIM_INFINITY)])
-        if self.most < sys.maxsize:  # else there are no addresses for more
+        if self.most < sys.maxsize:  # larger limits cannot be set
             resource.setrlimit(resource.RLIMIT_AS, (int(self.most), hard))
             self.room = now, hard
 
@@ -185,13 +185,13 @@ class Limits:
                 self._leave()
 
     def _leave(self) -> None:
-        """The stage is over: what holds is what held before it."""
+        """Restore the limits from before the stage."""
         self.end, self.limit = self.before
         self._set()
 
     def go_on(self) -> bool:
-        """After Exhausted: whether it was the stage alone that had no more time, and the work goes on without
-        what it was to find."""
+        """After Exhausted: whether only the limit of the stage was reached, so that work continues without
+        its result."""
         if self.told != self.own:
             return False
         self.told = ""
@@ -200,14 +200,14 @@ class Limits:
 
 
 def _of_memory(error: BaseException) -> bool:
-    """Whether there was no memory left: for an object, a process, or a library, in the words of loaders."""
-    if isinstance(error, ImportError):  # hashlib keeps the reason to itself, and then lacks a name
+    """Whether an error means that memory ran out: for an object, a process or a library."""
+    if isinstance(error, ImportError):  # hashlib hides the reason and lacks a name
         return any(words in str(error) for words in ("failed to map", "allocate memory", "from 'hashlib'"))
     return isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno == ENOMEM)
 
 
 def _at_an_edge(frame: FrameType | None) -> bool:
-    """Whether a block begins or ends: nobody would answer there."""
+    """Whether a block is being entered or left, where an exception would not be handled."""
     while frame is not None:
         if frame.f_code in _EDGES:
             return True
@@ -219,7 +219,7 @@ _EDGES = (Limits.__enter__.__code__, Limits.__exit__.__code__)
 
 
 class _Inside(Local):
-    """Of a thread: the innermost block it is in."""
+    """The innermost block of a thread."""
 
     block: Limits | None = None
 
@@ -229,8 +229,10 @@ _inside = _Inside()
 
 @contextmanager
 def stage(doing: str, size: float = 0.0) -> Iterator[None]:
-    """What is done inside is called `doing` where a limit ends it.  Without a given time it may take
-    `ALLOWED` + `size` seconds where the limits are careful."""
+    """Name the work inside for messages.
+
+    Without a given time it may take `ALLOWED` + `size` seconds, if the limits are careful.
+    """
     block = _inside.block
     if block is None:
         yield
@@ -240,18 +242,18 @@ def stage(doing: str, size: float = 0.0) -> Iterator[None]:
 
 
 def doing(what: str) -> None:
-    """What is done from here on is called so where a limit ends it."""
+    """Name the work from now on for messages."""
     if _inside.block is not None:
         _inside.block.doing = what
 
 
 def go_on() -> bool:
-    """After Exhausted in a stage: see `Limits.go_on`."""
+    """See `Limits.go_on`."""
     return _inside.block is not None and _inside.block.go_on()
 
 
 def running(progress: Progress | None) -> Progress | None:
-    """`progress` for a run, which ends in time with what it computed."""
+    """Return a `progress` callback that stops a run in time, so that its results are kept."""
     block = _inside.block
     if block is None or block.end == inf:
         return progress
@@ -268,18 +270,18 @@ def running(progress: Progress | None) -> Progress | None:
 
 
 def reached() -> str:
-    """The limit that ended the run, in words; nothing where none did."""
+    """Return the limit that stopped the run, in words, or ""."""
     return _inside.block.told if _inside.block is not None else ""
 
 
 def rest() -> None:
-    """Results are there: what is done with them is not interrupted."""
+    """Do not interrupt from now on, since the results exist."""
     if _inside.block is not None:
         _inside.block.rest()
 
 
 def time_text(s: float) -> str:
-    """A time as a person would say it."""
+    """Return a time in words."""
     if s > 1e18:
         return "more than 1e10 years"
     for unit, name in ((31557600.0, "years"), (86400.0, "days"), (3600.0, "h"), (60.0, "min")):
@@ -289,7 +291,7 @@ def time_text(s: float) -> str:
 
 
 def size_text(size: float) -> str:
-    """A number of bytes as a person would say it."""
+    """Return a number of bytes in words."""
     for unit, name in ((1e9, "GB"), (1e6, "MB"), (1e3, "kB")):
         if size >= unit:
             return f"{size / unit:.3g} {name}"
@@ -297,7 +299,7 @@ def size_text(size: float) -> str:
 
 
 def reserved() -> float:
-    """Bytes of memory that this process has reserved by now; 0 where the system does not tell."""
+    """Return the bytes of memory that this process has reserved; 0 if unknown."""
     import os
 
     try:
@@ -308,7 +310,7 @@ def reserved() -> float:
 
 
 def of_this_machine() -> float:
-    """Bytes of memory that a command may have where nothing is said: three quarters of what there is."""
+    """Return the default memory limit of a command in bytes: three quarters of the memory."""
     import os
 
     try:

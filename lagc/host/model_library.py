@@ -1,4 +1,4 @@
-"""Model files: how a name given by a person becomes a text."""
+"""Model files: from a name to a text."""
 
 from __future__ import annotations
 
@@ -12,20 +12,19 @@ from lagc.host import cache
 
 SUFFIX = ".lag"
 LARGEST = 4_000_000  # bytes of one model file
-LARGEST_DATA = 40_000_000  # of one file of numbers
+LARGEST_DATA = 40_000_000  # bytes of one data file
 _READ = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
 
 
 def models_folder() -> str:
-    """The folder of the models that come with lagc: beside the package in a checkout, inside it
-    where lagc was installed from a wheel."""
+    """Return the folder of the library models: beside the package in a checkout, inside it if installed."""
     package = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     inside = os.path.join(package, "models")
     return inside if os.path.isdir(inside) else os.path.join(os.path.dirname(package), "models")
 
 
 def library_models() -> list[str]:
-    """`course/simple_pendulum` and so on, sorted."""
+    """Return the names of the library models, `course/simple_pendulum` and so on, sorted."""
     root = models_folder()
     found = []
     for folder, _, files in os.walk(root):
@@ -37,8 +36,10 @@ def library_models() -> list[str]:
 
 
 def locate(name: str) -> str:
-    """The path of the model called `name`: a path, or a model of the library (`simple_pendulum`,
-    `course/simple_pendulum`).  Raises Refused where there is none."""
+    """Return the path of a model: a path, or a library model (`simple_pendulum`, `course/simple_pendulum`).
+
+    Raises Refused if there is none.
+    """
     if os.path.exists(name):
         return name
     wanted = name.removesuffix(SUFFIX)
@@ -63,7 +64,7 @@ def _not_found(name: str, wanted: str, matches: list[str], models: list[str]) ->
     from lagc.diagnostics.suggest import closest
 
     folder, file = os.path.split(name)
-    if folder or file.endswith(SUFFIX):  # who writes so means a file
+    if folder or file.endswith(SUFFIX):  # the name looks like a path
         with suppress(OSError, ValueError):
             close = closest(file, sorted(f for f in os.listdir(folder or ".") if f.endswith(SUFFIX)))
             if close:
@@ -77,8 +78,8 @@ def _not_found(name: str, wanted: str, matches: list[str], models: list[str]) ->
 
 
 def folder_of(name: str) -> str:
-    """The folder of a file, links followed; of a mere name, the folder where we are; empty where that
-    has been removed."""
+    """Return the folder of a file with links resolved; the current folder for a plain name, or "" if it is
+    removed."""
     try:
         return os.path.realpath(os.path.dirname(name))
     except OSError:
@@ -86,8 +87,8 @@ def folder_of(name: str) -> str:
 
 
 def read(name: str) -> Source:
-    """The text of the file or library model `name`; `-` reads standard input.  Raises Refused
-    where it cannot be read as UTF-8 text."""
+    """Return the text of a file or library model; `-` is standard input.  Raises Refused if it is not UTF-8
+    text."""
     try:
         if name == "-":
             return Source("<stdin>", decoded(_standard_input()))
@@ -99,7 +100,7 @@ def read(name: str) -> Source:
 
 
 class Unreadable(Exception):
-    """A model file that is not taken; the message goes on after its name."""
+    """A file that cannot be read; the message follows its name."""
 
     def __init__(self, code: str, message: str, remedy: str | None = None):
         super().__init__(message)
@@ -107,10 +108,12 @@ class Unreadable(Exception):
 
 
 def content(path: str, pipes: bool = False, largest: int = LARGEST) -> bytes:
-    """The bytes of a file, all of them, `largest` at most.  It is a regular file; with `pipes`, it may be a
-    pipe, as a shell makes of `<(...)`.  Raises Unreadable."""
+    """Return all bytes of a regular file, at most `largest`; with `pipes`, also of a pipe such as `<(...)`.
+
+    Raises Unreadable.
+    """
     try:
-        found = os.open(path, _READ)  # which does not wait for what is no file
+        found = os.open(path, _READ)  # does not wait for a pipe
         with open(found, "rb") as file:
             mode = os.fstat(found).st_mode
             if not S_ISREG(mode):
@@ -118,7 +121,7 @@ def content(path: str, pipes: bool = False, largest: int = LARGEST) -> bytes:
                     kind = "a folder" if S_ISDIR(mode) else "not a regular file"
                     raise Unreadable("LAG0702", f"cannot be read: it is {kind}")
                 os.set_blocking(found, True)
-            data = file.read(largest + 1) or b""  # None where a file of the system would wait
+            data = file.read(largest + 1) or b""  # None if a system file would block
     except (OSError, ValueError) as error:
         raise Unreadable("LAG0702", f"cannot be read: {cache.reason(error)}") from None
     if S_ISFIFO(mode) and not data:
@@ -127,7 +130,7 @@ def content(path: str, pipes: bool = False, largest: int = LARGEST) -> bytes:
 
 
 def decoded(data: bytes) -> str:
-    """The text of a model file.  Raises Unreadable."""
+    """Return the text of a model file.  Raises Unreadable."""
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -137,7 +140,7 @@ def decoded(data: bytes) -> str:
 
 
 def fingerprint(path: str, data: bytes) -> str:
-    """Stands for what `path` leads to: which file, through all links, and its content."""
+    """Return a key of the file behind all links and of its content."""
     return cache.key(os.path.realpath(path), cache.digest(data))
 
 
@@ -145,7 +148,7 @@ def _standard_input() -> bytes:
     if sys.stdin is None:
         raise Unreadable("LAG0702", "cannot be read: it is closed")
     try:
-        with suppress(AttributeError, OSError):  # no descriptor, or one that cannot be told to wait
+        with suppress(AttributeError, OSError):  # no descriptor, or one without this option
             os.set_blocking(sys.stdin.fileno(), True)
         return _bounded(sys.stdin.buffer.read(LARGEST + 1) or b"")
     except (OSError, ValueError) as error:

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 Points = tuple[Sequence[float], Sequence[float], str]
 
 MOST_FAULTS = 200
-MOST_CALLERS = 3  # calls, the innermost first, that a fault within a function shows
-DEEPEST_CHAIN = 1000  # declarations, each found while another waits for it
+MOST_CALLERS = 3  # calls shown with a fault in a function, the innermost first
+DEEPEST_CHAIN = 1000  # nested evaluations of declarations
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +62,10 @@ class Context:
         self.time: Node = self.graph.symbol("time", "time")
         self.clock.set_rate(self.time, self.graph.one)
         self.world = _world(self.graph)
-        self.components: dict[tuple[Matrix, Vector], Vector] = {}  # of vectors, in the axes of frames
-        self.turns: dict[Matrix, tuple[Matrix, Matrix]] = {}  # of axes, those that were turned, and how
+        self.components: dict[
+            tuple[Matrix, Vector], Vector
+        ] = {}  # components of vectors in the axes of frames
+        self.turns: dict[Matrix, tuple[Matrix, Matrix]] = {}  # axes -> parent axes and rotation
         self.importer = importer
         self.uses = uses
         self.parameters: dict[str, Given] = {}
@@ -73,22 +75,24 @@ class Context:
         self.mentioned: list[
             tuple[tree.Name, str]
         ] = []  # effects named by `unless`, with the instance's path
-        self.mentioned_velocities: list[tuple[Vector, Span]] = []  # of points and frames, since last emptied
+        self.mentioned_velocities: list[
+            tuple[Vector, Span]
+        ] = []  # of points and frames, since the last reset
         self.conditions: list[tuple[tree.Condition, Environment]] = []
         self.whens: list[tuple[tree.When, Environment, str | None]] = []
         self.curves: dict[str, Table] = {}  # by name
-        self.fields: dict[tuple[str, tuple[object, ...]], Entry] = {}  # of gravity, by body and direction
+        self.fields: dict[tuple[str, tuple[object, ...]], Entry] = {}  # gravity by body and direction
         self.built_in: list[str] = []  # parameters that a run cannot change
         self.faults: list[Fault] = []
-        self.warnings: dict[tuple[Span, Span], Fault] = {}  # one of each pair of places
+        self.warnings: dict[tuple[Span, Span], Fault] = {}  # one for each pair of places
         self._reported: set[tuple[str, Span | None, str]] = set()
         self.count = 0
-        self.depth = 0  # declarations that wait for one another
-        self.callers: list[Span] = []  # of functions within functions
+        self.depth = 0  # nested evaluations of declarations
+        self.callers: list[Span] = []  # places of the nested calls
         self.all_calls = 0
         self.called: set[int] = set()  # functions, by identity
-        self.results: dict[tuple[str, int, tuple[Value, ...]], Value] = {}  # of functions
-        self.constants: dict[tuple[int, str], Value] = {}  # of files and packages
+        self.results: dict[tuple[str, int, tuple[Value, ...]], Value] = {}  # results of functions
+        self.constants: dict[tuple[int, str], Value] = {}  # constants of files and packages
         self.running: set[tuple[int, str]] = set()
         self._declare = declare
         self.evaluators = evaluators

@@ -32,7 +32,7 @@ from lagc.semantics.values.evaluate import integer, integers
 from lagc.semantics.values.members import MOST_NAMED
 from lagc.syntax import tree
 
-ELEMENTS = ("Gravity", "Particle", "Solid")  # declared as instances, but no models
+ELEMENTS = ("Gravity", "Particle", "Solid")  # declared like instances, but not models
 _CHANGEABLE = ("constant", "parameter", "structural", "input", "coordinate", "speed", "output", "instance")
 _LATER = {"joint": "joints are", "friction": "friction is"}
 
@@ -53,8 +53,10 @@ class Builder:
         self.context = context
         self.instance = instance
         self.modifiers = modifiers
-        self.used: set[str] = set()  # modifiers that met their declaration
-        self.bases: list[tree.ModelDeclaration] = []  # that extend each other, the instance's own first
+        self.used: set[str] = set()  # modifiers with a declaration
+        self.bases: list[
+            tree.ModelDeclaration
+        ] = []  # the models that extend one another, the instance's own first
         self.extended: Extended = {}
         self.deferred: list[tuple[tree.Declaration, Destination]] = []
 
@@ -77,7 +79,7 @@ class Builder:
             raise Wrong(
                 "LAG0218", f"models extend one another more than {DEEPEST} levels deep", declaration.name_span
             )
-        if id(declaration) in self.extended:  # it is extended in another way, too
+        if id(declaration) in self.extended:  # already extended on another path
             return
         self.extended[id(declaration)] = []
         self.bases.append(declaration)
@@ -139,7 +141,7 @@ class Builder:
         first = self.instance.entries.get(name)
         if first is not None:
             raise self._twice(name, entry.span, first.span)
-        entry.modifiers = self.modifiers.setdefault(name, [])  # which what is extended later may fill
+        entry.modifiers = self.modifiers.setdefault(name, [])  # filled later by models that extend this one
         self.used.add(name)
         self.instance.entries[name] = entry
         destination.items.append(entry)
@@ -275,7 +277,7 @@ class Builder:
         if source.value is not None:
             raise Wrong("LAG0221", "an instance of a model has no value", source.value.span)
         own = modifiers_of(source.arguments, entry.environment)
-        for modifier in reversed(entry.modifiers):  # the outermost last, to stand before the others
+        for modifier in reversed(entry.modifiers):  # the outermost last, because the last goes first
             if modifier.argument.value is not None:
                 raise Wrong(
                     "LAG0209",

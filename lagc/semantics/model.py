@@ -77,7 +77,7 @@ class Input:
     description: str = ""
 
 
-# How firmly a start value was stated: what is stated more specifically gives way later, `FIXED` never.
+# Levels of a stated initial value: a more specific one is kept longer, `FIXED` always.
 UNSTATED, DECLARED, SCENE, RUN, FIXED = range(5)
 
 
@@ -116,7 +116,7 @@ class Orientation:
     rate_symbols: Vector
     start: tuple[Node, Node, Node, Node]
     rate: Vector
-    start_stated: Statement  # of the four together
+    start_stated: Statement  # one for all four components
     rate_stated: tuple[Statement, Statement, Statement]
     span: Span
     description: str = ""
@@ -137,7 +137,7 @@ class Speed:
     span: Span
     description: str = ""
     start: Node | None = None
-    start_stated: Statement | None = None  # None: not at all
+    start_stated: Statement | None = None  # None: not stated
 
 
 @dataclass(frozen=True, slots=True)
@@ -305,7 +305,7 @@ class When:
     The run ends if there is a `reason`, as failed if it `fails`; `marks` are names of the event.
     """
 
-    words: str  # the condition as it is written
+    words: str  # the text of the condition
     condition: Node
     changes: tuple[tuple[Node, Node], ...]
     reason: str | None
@@ -371,10 +371,12 @@ class Model:
     simulate: dict[str, float] = field(default_factory=dict)  # stop, accuracy, ... of the scene
     whens: tuple[When, ...] = ()
     tables: tuple[Table, ...] = ()
-    limits: tuple[Limit, ...] = ()  # of derived parameters
+    limits: tuple[Limit, ...] = ()  # of computed parameters
     built_in: tuple[str, ...] = ()  # parameters that a run cannot change: structural, or dependent on others
-    imports: tuple[tuple[str, str | None], ...] = ()  # path and fingerprint of every file asked for
-    notes: tuple[str, ...] = ()  # what was assumed: "no scene named, using `room`"
+    imports: tuple[
+        tuple[str, str | None], ...
+    ] = ()  # path and fingerprint of every file that was read or looked for
+    notes: tuple[str, ...] = ()  # assumptions, such as the choice of a scene
     warnings: tuple[Fault, ...] = ()
 
     def __repr__(self) -> str:

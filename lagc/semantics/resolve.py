@@ -44,7 +44,7 @@ from lagc.semantics.values.calls import look_at_uncalled
 from lagc.semantics.values.expressions import EVALUATORS
 from lagc.syntax import tree
 
-RECURSION = 40_000  # frames of Python; what is nested is bounded well below that
+RECURSION = 40_000  # Python frames; nesting is limited far below that
 T = TypeVar("T")
 
 

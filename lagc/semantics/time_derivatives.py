@@ -41,7 +41,7 @@ class Clock:
         self.graph = graph
         self._rate: dict[Node, Node] = {}
         self._mask: dict[Node, int] = {}
-        self.axes: dict[Node, Matrix] = {}  # by their components, of the first frame that has them
+        self.axes: dict[Node, Matrix] = {}  # component -> axes of the first frame that has it
 
     def set_rate(self, symbol: Node, rate: Node) -> None:
         """Set d(symbol)/dt = rate."""

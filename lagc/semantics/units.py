@@ -116,7 +116,7 @@ _PREFIXES = {
     "h": (100, 1), "d": (1, 10), "c": (1, 100), "m": (1, 1000), "u": (1, 10**6), "µ": (1, 10**6),
     "n": (1, 10**9), "p": (1, 10**12),
 }  # fmt: skip
-_BROKEN = re.compile(r"\^\s*(\((?![+-]?\d+\))|[+-]?\d*\.\d)")  # an exponent that is no whole number
+_BROKEN = re.compile(r"\^\s*(\((?![+-]?\d+\))|[+-]?\d*\.\d)")  # an exponent that is not an integer
 _TOKEN = re.compile(r"\s*(?:([A-Za-zµ%]+|1)(?:\^?([+-]?\d{1,2})|\^\(([+-]?\d{1,2})\))?|([./*()]))", re.ASCII)
 
 

@@ -72,7 +72,7 @@ def _cubic(knots: Numbers, values: Numbers) -> tuple[Numbers, ...]:
 
 
 def _closed(knots: Numbers) -> Numbers:
-    """Move the last knot up by one unit in the last place, so that it belongs to the piece before it."""
+    """Move the last knot up to the next float, so that it belongs to the piece before it."""
     return [*knots[:-1], nextafter(knots[-1], inf)]
 
 

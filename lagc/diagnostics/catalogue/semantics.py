@@ -112,7 +112,7 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0214": Entry(
         "a declaration of an effect that is not used",
-        "What an unused effect declares does not exist. Move the declaration that needs it into the same "
+        "The declarations of an unused effect do not exist. Move the declaration that needs it into the same "
         "effect, or use the effect in the scene.",
         _body("effect air parameter Real k = 1; end air;\n  scene s;\n  potential V = k*1 [N]*x;"),
         _body("effect air\n    parameter Real k = 1;\n    potential V = k*1 [N]*x;\n  end air;\n  scene s;"),

@@ -1,7 +1,9 @@
-"""The user's cache folder: entries that may vanish, be damaged or refuse to be written at any time.
+"""The user's cache folder.  Entries may vanish, be damaged or be refused at any time.
 
-An entry is a file `KIND-KEY`: see `Folder`.  It is never changed, only replaced.  Nothing here is ever an
-error; `notes` says what was found.
+An entry is a file `KIND-KEY` (see `Folder`) that is never changed, only replaced.  No function raises an
+error; `notes` collects the problems.
+
+`tool_fingerprint` identifies the sources of lagc, which change under the same version in a checkout.
 """
 
 from __future__ import annotations
@@ -34,12 +36,14 @@ __all__ = [
 ]
 
 T = TypeVar("T")
-PYTHON = f"{sys.implementation.cache_tag} {sys.hexversion:x}"  # to which code belongs
+PYTHON = f"{sys.implementation.cache_tag} {sys.hexversion:x}"  # the interpreter that code belongs to
 
 
 def folder() -> str | None:
-    """`LAGC_CACHE`, else `lagc` in the platform's cache folder; None where there is none (an
-    empty `LAGC_CACHE` turns the cache off)."""
+    """Return `LAGC_CACHE`, or else `lagc` in the platform's cache folder, or None.
+
+    An empty `LAGC_CACHE` turns the cache off.
+    """
     own = os.environ.get("LAGC_CACHE")
     if own is not None:
         return os.path.expanduser(own) or None
@@ -47,7 +51,7 @@ def folder() -> str | None:
     if xdg and os.path.isabs(xdg):
         return os.path.join(xdg, "lagc")
     user = os.path.expanduser("~")
-    if os.environ.get("HOME") == "" or not os.path.isabs(user):  # a relative one is where one stands
+    if os.environ.get("HOME") == "" or not os.path.isabs(user):  # not a relative path
         return None
     if sys.platform == "win32":
         local = os.environ.get("LOCALAPPDATA", "")
@@ -59,7 +63,7 @@ def folder() -> str | None:
 
 
 def key(*parts: str) -> str:
-    """One name for all of `parts`: where any differs, it differs."""
+    """Return a hash of all `parts`."""
     found = hashed(b"")
     for part in parts:
         data = part.encode("utf-8", "surrogatepass")
@@ -69,12 +73,12 @@ def key(*parts: str) -> str:
 
 
 def digest(data: bytes) -> str:
-    """A name for `data`, and for no other."""
+    """Return a hash of `data`."""
     return hashed(data).hexdigest()
 
 
 def load(kind: str, key: str, read: Callable[[bytes], T]) -> T | None:
-    """What `read` makes of the entry; None where there is none that is whole, or where `read` fails."""
+    """Return `read` of the entry, or None if there is no valid entry or `read` fails."""
     name, place = f"{kind}-{key}", opened()
     if place is None:
         return None
@@ -90,7 +94,7 @@ def load(kind: str, key: str, read: Callable[[bytes], T]) -> T | None:
 
 
 def holds(kind: str, key: str) -> bool:
-    """Whether there is such an entry; whether it is whole is found by loading it."""
+    """Whether the entry exists; `load` checks whether it is valid."""
     place = opened()
     if place is None:
         return False
@@ -102,7 +106,7 @@ def holds(kind: str, key: str) -> bool:
 
 
 def store(kind: str, key: str, body: bytes) -> None:
-    """Keep `body`, whole or not at all; now and then, see to the size of the cache."""
+    """Store `body` completely or not at all; sometimes check the size of the cache."""
     name, place = f"{kind}-{key}", opened(make=True)
     if place is None:
         return
@@ -114,13 +118,13 @@ def store(kind: str, key: str, body: bytes) -> None:
 
                 shrink(place)
     except FileNotFoundError:
-        return  # the folder has just been taken away
+        return  # the folder was just removed
     except (OSError, Unfit) as error:
         note(f"{name} is not kept: {reason(error)}")
 
 
 def code(text: Callable[[], str], file: str, *parts: str) -> CodeType:
-    """`text()` as code, which is kept under `parts`: they stand for the text."""
+    """Return the compiled code of `text()`, cached under `parts`."""
     name = key(PYTHON, *parts)
     found: CodeType | None = load("code", name, marshal.loads)
     if found is None:
@@ -130,7 +134,7 @@ def code(text: Callable[[], str], file: str, *parts: str) -> CodeType:
 
 
 def opened(make: bool = False) -> Folder | None:
-    """The folder; made where it is missing and `make` says so.  None where there is none to be used."""
+    """Open the folder, and create it if `make`.  Return None if it cannot be used."""
     path = folder()
     if path is None:
         return None
@@ -147,19 +151,21 @@ def opened(make: bool = False) -> Folder | None:
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 ENDINGS = (".py", ".c", ".h", ".lark", ".json")
-FRESH = 2.0  # s in which a file may change without a change of its times
+FRESH = 2.0  # s within which a file may change without a change of its times
 
 
 def grammar_path() -> str:
-    """`grammar/lag.lark`: inside the package where it was installed, beside it in a checkout."""
+    """Return the path of `grammar/lag.lark`: in the package if installed, beside it in a checkout."""
     inside = os.path.join(PACKAGE, "grammar", "lag.lark")
     return inside if os.path.exists(inside) else os.path.join(os.path.dirname(PACKAGE), "grammar", "lag.lark")
 
 
 @lru_cache(maxsize=1)
 def tool_fingerprint() -> str:
-    """The hash of all sources.  It is kept for their sizes and times, so that they are read again only
-    where one of them may have changed."""
+    """Return the hash of all sources.
+
+    It is cached by their sizes and times, so that they are only read again after a change.
+    """
     try:
         found = dict(sorted(_files()))
         stamps = [f"{path}:{s.st_size}:{s.st_mtime_ns}:{s.st_ctime_ns}" for path, s in found.items()]
@@ -172,7 +178,7 @@ def tool_fingerprint() -> str:
             if all(abs(time() - max(s.st_mtime, s.st_ctime)) > FRESH for s in found.values()):
                 store("sources", stamp, kept.encode())
         return kept
-    except OSError:  # one of them went while it was looked at: nothing is known of this tool
+    except OSError:  # a file vanished: use a key that matches nothing
         return os.urandom(32).hex()
 
 
@@ -191,7 +197,7 @@ def _files() -> Iterator[tuple[str, os.stat_result]]:
 
 
 def _contents(found: Mapping[str, os.stat_result]) -> str:
-    """The hash of files and their names, read as fast as they can be."""
+    """Return the hash of files and their names."""
     whole = hashed(b"")
     for path, status in found.items():
         file = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))

@@ -1,9 +1,8 @@
 """A folder of entries, each bound to its name by a hash.
 
-An entry begins with the hash of its name and of what follows: one that was changed, cut off or renamed is
-as good as absent, and made again.  Entries hold code, so that only what this user alone may write is
-taken, by the open folder and the open file, whose names are looked up once: whoever may rename them can
-put nothing in their place that is this user's.
+An entry begins with the hash of its name and content, so a changed, truncated or renamed entry is treated as
+absent. Entries contain code, so only files that no other user can write are accepted.  Folder and file are
+opened first and checked by descriptor, so that a renamed file cannot take their place.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ except ImportError:
 
 MAGIC = b"lagc-cache-3 "
 HEAD = len(MAGIC) + 64 + 1  # with the hash and the end of the line
-LARGEST = 1 << 28  # bytes of an entry; a larger one is not taken
+LARGEST = 1 << 28  # bytes, the maximum size of an entry
 DAY = 86_400.0  # s
 BY_DESCRIPTOR = os.open in os.supports_dir_fd
 _FOLDER = getattr(os, "O_DIRECTORY", 0)
@@ -27,15 +26,15 @@ _BINARY = getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
 _READ = os.O_RDONLY | _BINARY | getattr(os, "O_NONBLOCK", 0)
 _WRITE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY
 
-notes: list[str] = []  # what was wrong with folder and entries, for whoever wants to know
+notes: list[str] = []  # problems with folder and entries
 
 
 class Unfit(Exception):
-    """A folder or an entry that is not taken; the message says why."""
+    """A folder or an entry that is refused; the message says why."""
 
 
 def hashed(data: bytes) -> blake2b:
-    """The hash of `data`, which more may be added to."""
+    """Return the hash object of `data`, to which more data can be added."""
     return blake2b(data, digest_size=32)
 
 
@@ -45,15 +44,14 @@ def note(text: str) -> None:
 
 
 def sealed(name: str, body: bytes) -> bytes:
-    """The bytes of the file of an entry."""
+    """Return the bytes of the file of an entry."""
     found = hashed(name.encode() + b"\n")
     found.update(body)
     return b"".join((MAGIC, found.hexdigest().encode(), b"\n", body))
 
 
 class Folder:
-    """A cache folder, open.  What is done in it is done in the folder that was found to be this
-    user's, whatever becomes of its name.  Raises Unfit where others may write to it, OSError."""
+    """An open cache folder of this user.  Raises Unfit if others can write to it, OSError."""
 
     def __init__(self, path: str):
         self.path = path
@@ -74,7 +72,7 @@ class Folder:
             os.close(self.descriptor)
 
     def read(self, name: str) -> bytes:
-        """The body of an entry.  Raises FileNotFoundError, Unfit, OSError."""
+        """Return the body of an entry.  Raises FileNotFoundError, Unfit, OSError."""
         found = os.open(self._at(name), _READ, dir_fd=self.descriptor)
         with open(found, "rb", buffering=0) as file:
             status = os.fstat(found)
@@ -91,7 +89,7 @@ class Folder:
         return body
 
     def write(self, name: str, body: bytes) -> None:
-        """Under a name of its own, then renamed: nobody sees half of it.  Raises Unfit, OSError."""
+        """Write a temporary file and rename it, so that no reader sees half of it.  Raises Unfit, OSError."""
         if len(body) > LARGEST - HEAD:
             raise Unfit("it is too large")
         temporary = f"tmp-{os.getpid()}-{os.urandom(8).hex()}"
@@ -108,7 +106,7 @@ class Folder:
             raise
 
     def remove(self, name: str) -> None:
-        """Where it can be."""
+        """Remove an entry if possible."""
         try:
             os.unlink(self._at(name), dir_fd=self.descriptor)
         except OSError:
@@ -118,14 +116,14 @@ class Folder:
         return os.listdir(self.path if self.descriptor is None else self.descriptor)
 
     def status(self, name: str) -> os.stat_result:
-        """Of the file itself, where it is a link.  Raises OSError."""
+        """Return the status of the file itself, also for a link.  Raises OSError."""
         return os.stat(self._at(name), dir_fd=self.descriptor, follow_symlinks=False)
 
     def _at(self, name: str) -> str:
         return name if self.descriptor is not None else os.path.join(self.path, name)
 
     def _touch(self, found: int, status: os.stat_result) -> None:
-        """Its time says, to a day, when it was used last."""
+        """Set the time of last use, to the day."""
         if time() - status.st_mtime > DAY and os.utime in os.supports_fd:
             try:
                 os.utime(found)

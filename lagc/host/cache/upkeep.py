@@ -1,4 +1,4 @@
-"""What is in the cache, whether it is whole, and what goes where there is too much of it."""
+"""Maintenance of the cache: list, verify, clear and shrink it."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from lagc.base.text import size as size_of
 from lagc.host.atomic_write import SOON, gone
 from lagc.host.cache.folders import Folder, Unfit, note, reason
 
-LIMIT = 1_000_000_000  # bytes, where LAGC_CACHE_SIZE says nothing
-BLOCK = 4096  # bytes of the disk that a file takes at least
-LEFT = 0.75  # of the limit, after the entries used least recently have gone
+LIMIT = 1_000_000_000  # bytes, without LAGC_CACHE_SIZE
+BLOCK = 4096  # bytes, the least disk space of a file
+LEFT = 0.75  # fraction of the limit that is kept
 _ENTRY = re.compile(r"([a-z]+)-[0-9a-f]{64}")
 _TEMPORARY = re.compile(r"tmp-([0-9]+)-[0-9a-f]{16}")
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A file of the cache; `size` in whole blocks of the disk, `used` is when it was used last, to a day (s
-    since 1970)."""
+    """A file of the cache: `size` in whole disk blocks, `used` the time of last use to the day (s since
+    1970)."""
 
     name: str
     kind: str
@@ -32,7 +32,7 @@ class Entry:
 
 
 def limit() -> int:
-    """The bytes that the cache may hold: `LAGC_CACHE_SIZE`, as in `500M` or `2G`."""
+    """Return the maximum size of the cache in bytes: `LAGC_CACHE_SIZE`, such as `500M` or `2G`."""
     given = os.environ.get("LAGC_CACHE_SIZE", "")
     found = size_of(given)
     if found is None:
@@ -45,18 +45,18 @@ def limit() -> int:
 
 
 def entries(place: Folder) -> list[Entry]:
-    """All that have the name of an entry, whole or not."""
+    """Return all entries, valid or not."""
     found = _files(place, _ENTRY)
     return [Entry(name, match[1], -(-s.st_size // BLOCK) * BLOCK, s.st_mtime) for name, match, s in found]
 
 
 def unfinished(place: Folder) -> list[str]:
-    """What is being written, or was by processes that are gone."""
+    """Return the temporary files of running and ended processes."""
     return [name for name, _, _ in _files(place, _TEMPORARY)]
 
 
 def damaged(place: Folder) -> list[tuple[str, str]]:
-    """The entries that are not whole, with reasons; they are removed, where they can be."""
+    """Return the damaged entries with reasons, and remove them."""
     found = []
     for entry in entries(place):
         try:
@@ -71,7 +71,7 @@ def damaged(place: Folder) -> list[tuple[str, str]]:
 
 
 def clear(place: Folder) -> int:
-    """Remove all; how many entries went."""
+    """Remove all entries and return their number."""
     before = {e.name for e in entries(place)}
     for name in [*before, *unfinished(place)]:
         _remove(place, name)
@@ -79,8 +79,7 @@ def clear(place: Folder) -> int:
 
 
 def shrink(place: Folder) -> None:
-    """Remove what was used least recently where there is more than the limit, and what was left
-    unfinished."""
+    """Remove the least recently used entries if the cache is too large, and orphans."""
     _sweep(place)
     found, most = entries(place), limit()
     total = sum(e.size for e in found)
@@ -104,15 +103,17 @@ def _files(place: Folder, pattern: re.Pattern[str]) -> Iterator[tuple[str, re.Ma
 
 
 def _sweep(place: Folder) -> None:
-    """Remove what was left by processes that are gone.  Where one of another machine is not, its entry
-    is not kept, no more."""
+    """Remove temporary files of ended processes.
+
+    If a process of another machine is still running, it only fails to store its entry.
+    """
     for name, match, status in _files(place, _TEMPORARY):
         if time() - status.st_mtime > SOON or gone(int(match[1])):
             place.remove(name)
 
 
 def _remove(place: Folder, name: str) -> None:
-    """A folder too, that somebody has put there."""
+    """Remove a file, or a folder in its place."""
     place.remove(name)
     if place.descriptor is None:
         shutil.rmtree(os.path.join(place.path, name), ignore_errors=True)

@@ -37,9 +37,9 @@ from lagc.syntax import tree
 INERTIA = dimension(kg=1, m=2)
 GRAVITY = over(M, (0, 0, 2 * S[2], 0, 0, 0, 0))
 NO_BODY = "a body must be a `Particle(...)` or a `Solid(...)`"
-STANDARD = 9.81  # m/s2, where a model says nothing else
+STANDARD = 9.81  # m/s2, the default
 
-_SAME = 12  # digits after the point of directions that are one
+_SAME = 12  # decimal digits that equal directions share
 _DIMENSIONS = {"mass": KG, "at": M, "com": M, "inertia": INERTIA, "frame": NONE}
 _PARAMETERS = {
     "Particle": (("mass", "at"), 2),

@@ -24,7 +24,7 @@ from lagc.symbolic.graph import Node
 from lagc.syntax import tree
 
 PARTS = "wxyz"
-_SMALLEST = 1e-6  # norm of a start that has a direction
+_SMALLEST = 1e-6  # least norm of an initial quaternion
 
 
 def declare_orientation(context: Context, entry: Entry, source: tree.Declarator) -> Value:
@@ -63,7 +63,7 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
         "rate",
         [rate.record.name for rate in rates],
     )
-    whole = [max(start_stated, key=lambda s: s.level)]  # one statement of the four
+    whole = [max(start_stated, key=lambda s: s.level)]  # one statement for all four components
     whole, rate_stated = with_fixed(context, attributes, [], whole, rate_stated)
     orientation = Orientation(
         name,

@@ -58,7 +58,12 @@ _ATTRIBUTES = {
     "output": ("displayUnit",),
 }  # fmt: skip
 
-_SYMBOLS = ("parameter", "input", "coordinate", "speed")  # what others are made of, whatever its value is
+_SYMBOLS = (
+    "parameter",
+    "input",
+    "coordinate",
+    "speed",
+)  # kinds with a symbol that does not depend on the value
 _SAID = {"structural": "structural parameter"}
 
 

@@ -117,8 +117,8 @@ class Namespace:
         return found
 
 
-Found: TypeAlias = tuple[Declared, Namespace]  # with where it is declared
-Result: TypeAlias = Found | Namespace | Wrong  # of an import of one declaration, of all in a place, at fault
+Found: TypeAlias = tuple[Declared, Namespace]  # a declaration and its namespace
+Result: TypeAlias = Found | Namespace | Wrong  # of an import: one declaration, all of a namespace, or a fault
 
 
 class Imports:
@@ -129,7 +129,7 @@ class Imports:
         self.results = _Search(declarations, space).run()
         self.faults = [result for result in self.results if isinstance(result, Wrong)]
         self._names: dict[str, Found] | None = None
-        self._missing: dict[str | None, Wrong] = {}  # by name; None: one that might have brought any
+        self._missing: dict[str | None, Wrong] = {}  # faults by name; None: a fault that may concern any name
 
     def get(self, name: str) -> Found | None:
         """Return the imported declaration called `name`, or None.
@@ -141,7 +141,7 @@ class Imports:
         found = self._names.get(name)
         wrong = None if found is not None else self._missing.get(name, self._missing.get(None))
         if wrong is not None:
-            raise wrong.with_traceback(None)  # which would grow, as it is raised for every name that is asked
+            raise wrong.with_traceback(None)  # the traceback would grow with every raise
         return found
 
     def _merged(self) -> dict[str, Found]:
@@ -184,7 +184,7 @@ class _Search:
         self._wake(named)
         batches = list(self._batches())
         for batch in batches:
-            for seek in (self._around, self._in_files):  # all of them before what they bring is known
+            for seek in (self._around, self._in_files):  # all names first, before the results are used
                 self._wake([i for name in batch for i in seek(name)])
         for name in (name for batch in batches for name in batch):
             absent = self.waiting.pop(name, [])
@@ -277,7 +277,7 @@ class Importer:
     def __init__(self, main: Source, roots: tuple[str, ...]):
         folder = folder_of(main.name if os.path.exists(main.name) else "")
         self.roots = tuple(dict.fromkeys(os.path.realpath(r) for r in (folder, *roots) if r))
-        self.free: list[Source] = []  # texts whose files may be anywhere
+        self.free: list[Source] = []  # texts that may name files anywhere
         self.faults: list[Wrong] = []
         self.refused: list[Refused] = []
         self.files: dict[str, Namespace] = {}
@@ -286,7 +286,7 @@ class Importer:
         self.size = 0  # bytes read
         self._fingerprints: dict[str, str] = {}
         self._data: dict[str, Columns] = {}
-        self._inner: dict[int, Namespace] = {}  # of packages and models, by identity
+        self._inner: dict[int, Namespace] = {}  # by identity of packages and models
 
     def report(self, wrong: Wrong) -> None:
         self.faults.append(wrong)

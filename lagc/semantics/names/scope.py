@@ -24,8 +24,8 @@ from lagc.syntax import tree
 if TYPE_CHECKING:
     from lagc.semantics import model as objects
 
-LARGEST = 200_000  # declarations, loops and arrays unrolled
-DEEPEST = 64  # instances within instances
+LARGEST = 200_000  # declarations, with loops and arrays expanded
+DEEPEST = 64  # nesting of instances
 LONGEST_SHOWN = 40  # characters of an expression that a remedy repeats
 
 
@@ -89,11 +89,11 @@ class Entry:
         self.modifiers: list[Modifier] = []
         self.elements: dict[tuple[int, ...], Entry] | None = None
         self.subscript: tuple[int, ...] = ()
-        self.size: int | None = None  # rows of a constraint that is a vector
+        self.size: int | None = None  # number of components of a vector constraint
         self.state = "new"  # running, done, poisoned
         self.value: Value | None = None
         self.objects: list[objects.ModelObject] = []
-        self.parts: dict[str, Value] = {}  # of a thing that has some: the strength `g` of gravity
+        self.parts: dict[str, Value] = {}  # members, such as the strength `g` of gravity
 
     @property
     def span(self) -> Span:
@@ -120,7 +120,7 @@ class Instance:
         self.entries: dict[str, Entry] = {}
         self.items: list[Item] = []  # in order of declaration
         self.effects: dict[str, tree.Effect] = {}
-        self.unused: dict[str, str] = {}  # name of a declaration that is not there -> why
+        self.unused: dict[str, str] = {}  # name of a missing declaration -> reason
         self.conditions: list[tuple[tree.Condition, Environment]] = []
 
     def in_order(self) -> list[Entry]:
@@ -137,7 +137,7 @@ class Instance:
         return found
 
 
-# of models, by identity: what each extends, with what it gives there
+# model (by identity) -> its base models, with the modifiers it gives them
 Extended: TypeAlias = dict[int, list[tuple[tree.ModelDeclaration, Modifiers]]]
 
 
@@ -168,7 +168,7 @@ def outermost_first(model: tree.ModelDeclaration, extended: Extended) -> Iterato
     Modifiers of a model come before those of its bases; otherwise the order of the text is kept.
     """
     done: set[int] = set()
-    order: list[int] = []  # the innermost first, what is written last before what is written first
+    order: list[int] = []  # the innermost first, in reverse order of the text
 
     def visit(key: int) -> None:
         if key not in done:
@@ -254,7 +254,7 @@ _KINDS: dict[type, str] = {
 }  # fmt: skip
 
 
-_NUMBER = re.compile(r"(?<![\w.\[^])(?!0(?![\d.]))\d")  # but 0, subscripts and exponents, which take no unit
+_NUMBER = re.compile(r"(?<![\w.\[^])(?!0(?![\d.]))\d")  # not 0, subscripts or exponents, which have no unit
 _AS_NUMBER = "write `if condition then 1 else 0`"
 
 
@@ -326,7 +326,7 @@ def _to_fit(wanted: Dimension, found: Dimension, span: Span | None) -> str:
     """Return a remedy for a value of dimension `found`."""
     unit = f"[{si_text(wanted)}]"
     written = span.source.text[span.start : span.end] if span else ""
-    plain = re.sub(r'"[^"]*"', '""', written)  # names of files and columns are no numbers
+    plain = re.sub(r'"[^"]*"', '""', written)  # without names of files and columns
     if found == NONE and written.startswith("{") and written.endswith("}") and "table(" not in plain:
         return f"write a unit after the braces: `{{...}} {unit}`"
     if found == NONE and (not span or _NUMBER.search(plain)):

@@ -16,7 +16,7 @@ from lagc.semantics.values.evaluate import integer
 from lagc.symbolic.leaves import derived, underived
 from lagc.syntax import tree
 
-MOST_LISTED = 12  # effects, in a message
+MOST_LISTED = 12  # effects in a message
 
 Numbers = Mapping[str, "float | tuple[float, str | None]"]
 Inputs = Mapping[str, "Source | Points"]

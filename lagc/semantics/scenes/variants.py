@@ -20,7 +20,7 @@ class Variant:
     scene: str | None
     with_effects: tuple[str, ...] = ()
     without_effects: tuple[str, ...] = ()
-    alone: tuple[str, ...] = ()  # of an effect that no scene uses: the effects that need not be there
+    alone: tuple[str, ...] = ()  # effects of the scene that an unused effect does not need
 
 
 def variants(file: tree.Tree, model: str | None = None, roots: Sequence[str] = ()) -> list[Variant]:
@@ -89,7 +89,7 @@ def _of_model(name: str, declaration: tree.ModelDeclaration, space: Namespace) -
 def _required(effect: tree.Effect, effects: dict[str, tree.Effect]) -> list[str]:
     """Return the effect and all effects that it requires."""
     wanted = [effect.name]
-    for name in wanted:  # grows
+    for name in wanted:  # the list grows
         if name in effects:
             wanted += [r.name for r in effects[name].requires if r.name not in wanted]
     return wanted
@@ -130,8 +130,8 @@ class ByScene:
 class _Body:
     def __init__(self, declarations: Sequence[Declaration]):
         self.others: list[Declaration] = []
-        self.inner: dict[int, tuple[ModelDeclaration | Package, _Body]] = {}  # by place among the others
-        self.scenes: dict[str, list[tuple[int, Scene]]] = {}  # with how many of the others come before
+        self.inner: dict[int, tuple[ModelDeclaration | Package, _Body]] = {}  # by position among the others
+        self.scenes: dict[str, list[tuple[int, Scene]]] = {}  # with the number of others before it
         for d in declarations:
             if isinstance(d, Scene):
                 self.scenes.setdefault(d.name, []).append((len(self.others), d))

@@ -19,8 +19,8 @@ from lagc.syntax import tree
 
 BUILTINS: dict[str, Builtin] = {**functions.TABLE, **kinematics.TABLE, **tables.TABLE}
 
-DEEPEST = 64  # functions within functions
-MOST_CALLS = 50_000  # of the user's functions in one model
+DEEPEST = 64  # nesting of calls
+MOST_CALLS = 50_000  # calls of the user's functions in one model
 LONGEST = 64  # arguments of one call
 
 
@@ -194,7 +194,7 @@ def _inline(
 ) -> Value:
     names = _parameters(function)
     types = [type_of(t, scope.space) for t, _, _ in function.parameters]
-    written = [a for a in arguments if a is not None]  # all of them: none is optional
+    written = [a for a in arguments if a is not None]  # all, since none is optional
 
     def one(pair: tuple[tree.Expression, QuantityType]) -> Value:
         return evaluate_as(context, pair[0], environment, pair[1].dimension)
@@ -252,7 +252,7 @@ def _enter(context: Context, e: tree.Call, function: tree.FunctionDeclaration) -
     related = ((function.name_span, "declared here"),)
     if len(context.callers) > DEEPEST:
         context.callers.pop()
-        context.all_calls = MOST_CALLS + 1  # whatever else calls it has no end either
+        context.all_calls = MOST_CALLS + 1  # stop further calls, which would not end either
         raise Wrong(
             "LAG0225",
             f"`{function.name}` calls itself, or functions are nested deeper than {DEEPEST}",

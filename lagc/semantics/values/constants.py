@@ -93,7 +93,7 @@ def space_only(space: Namespace, span: Span) -> Environment:
     return Environment(Instance("", nowhere, None), space)
 
 
-DEEPEST = 32  # types that stand for types
+DEEPEST = 32  # chain of type definitions
 
 
 def type_of(name: tree.TypeName | None, space: Namespace, depth: int = 0) -> QuantityType:

@@ -19,7 +19,7 @@ T = TypeVar("T")
 Item = TypeVar("Item")
 
 LONGEST_RANGE = 100_000
-BEYOND = 2**53  # a double that is this may have been written as another integer
+BEYOND = 2**53  # from here on a double may stand for several integers
 
 
 def evaluate(context: Context, expression: tree.Expression, environment: Environment) -> Value:

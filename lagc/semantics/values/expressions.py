@@ -226,7 +226,7 @@ def _conditional(context: Context, e: tree.Conditional, environment: Environment
     except Poisoned:
         all_values(context, [*(branch for _, branch in e.branches), e.otherwise], environment)
         raise
-    chosen: list[tuple[Node, tree.Expression]] = []  # branches that may be taken; others are not looked at
+    chosen: list[tuple[Node, tree.Expression]] = []  # branches that may be taken; others are not evaluated
     for truth, (_, branch) in zip(truths, e.branches):
         if not truth.is_const or truth.value:
             chosen.append((truth, branch))

@@ -17,13 +17,13 @@ from lagc.semantics.time_derivatives import LATE, MOVING
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix, Vector, matvec, norm, transpose
 
-_MOST = 300  # parts of a vector that are looked at
-_ABOVE = 6  # frames that are
+_MOST = 300  # limit on the parts of a vector
+_ABOVE = 6  # limit on frames
 
-_ROUNDING = 2.0**-48  # of numbers
+_ROUNDING = 2.0**-48  # relative round-off
 
-Terms: TypeAlias = dict[Node, Node]  # what moves, with the factor that does not
-Row: TypeAlias = tuple[list[float], Node]  # coefficients, and the right side
+Terms: TypeAlias = dict[Node, Node]  # moving term -> constant factor
+Row: TypeAlias = tuple[list[float], Node]  # coefficients and right-hand side
 
 
 def is_constant(context: Context, nodes: Sequence[Node]) -> bool:

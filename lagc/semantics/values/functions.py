@@ -53,7 +53,7 @@ class Builtin:
     apply: Apply
 
 
-RESERVED = ("pre", "initial", "terminal", "sample", "edge", "change")  # to come
+RESERVED = ("pre", "initial", "terminal", "sample", "edge", "change")  # reserved for later versions
 
 
 class Table(dict[str, Builtin]):
@@ -83,7 +83,7 @@ def _plain(op: str) -> Callable[[Context, Span, Argument], Value]:
 
 
 for _op, _row in OPERATORS.items():
-    if _row.arity == 1 and _row.smoothness in (ENTIRE, POLE, END) and _op != "sqrt":  # it takes dimensions
+    if _row.arity == 1 and _row.smoothness in (ENTIRE, POLE, END) and _op != "sqrt":  # sqrt takes dimensions
         TABLE[_op] = Builtin(("x",), 1, _plain(_op))
 
 
@@ -245,7 +245,7 @@ def _sum(context: Context, span: Span, a: Argument) -> Value:
     if not a.value.elements:
         return constant(context.graph, 0.0, None)
     first = a.value.elements[0]
-    if isinstance(first, Array):  # of vectors: theirs
+    if isinstance(first, Array):  # sum of vectors
         columns = zip(*(element.elements for element in a.value.elements if isinstance(element, Array)))
         return Array(tuple([_sum(context, span, Argument(Array(column), a.span)) for column in columns]))
     given = [Argument(element, a.span) for element in a.value.elements]

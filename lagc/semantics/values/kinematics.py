@@ -307,7 +307,7 @@ def _about(context: Context, parent: Frame, axis: Vector, own: Vector, angle: Ar
             return _about_own(context, parent, k, own[k].value, angle)
     node = number(angle, "an angle of rotation")
     rate = derivative(context, node, angle.span)
-    if is_constant(context, axis):  # W R, with a turn W of the world that holds the axis
+    if is_constant(context, axis):  # W R, with a rotation W about the fixed axis
         turn, about = _turn(axis, node), add(parent.angular_velocity, scale(rate, own))
         spin = add(matvec(turn, parent.spin), scale(rate, axis))
         found = _made(context, parent, matmul(turn, parent.axes), about, spin)
@@ -317,7 +317,7 @@ def _about(context: Context, parent: Frame, axis: Vector, own: Vector, angle: Ar
         found = _turned(
             context, parent, _turn(own, node), _spin(context, parent, axis, own, node, rate, span)
         )
-    context.components[found.axes, axis] = own  # the turn leaves it
+    context.components[found.axes, axis] = own  # the rotation does not change the axis
     return found
 
 

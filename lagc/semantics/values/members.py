@@ -12,7 +12,7 @@ from lagc.semantics.refusals import Wrong
 from lagc.semantics.units import KG, NONE, M, S, over
 from lagc.syntax import tree
 
-MOST_NAMED = 8  # names that a remedy lists
+MOST_NAMED = 8  # names listed in a remedy
 _MOTION = (
     "velocity",
     "acceleration",

@@ -73,7 +73,7 @@ def _lone_factor(expression: tree.Expression) -> tree.Number | None:
     return found[0] if len(found) == 1 and found[0] is not expression else None
 
 
-Models: TypeAlias = Mapping[str, Sequence[tree.Declaration]]  # what is declared in each
+Models: TypeAlias = Mapping[str, Sequence[tree.Declaration]]  # declarations of each model
 _NAMED = (tree.ModelDeclaration, tree.Package)
 _MANY = 10  # radians: more than a turn and a half, and in degrees a usual angle
 
@@ -81,7 +81,7 @@ _MANY = 10  # radians: more than a turn and a half, and in degrees a usual angle
 def whole_radians(file: tree.Tree) -> list[Fault]:
     """Return warnings for angles with large whole numbers of radians written without a unit."""
     named = [(d.name, [*_own(d.body)]) for d in _within(file.declarations) if isinstance(d, _NAMED)]
-    models = dict(named)  # by what is extended: of models of one name in several packages the last
+    models = dict(named)  # by name; of equal names in several packages the last
     found: list[Fault] = []
     for own in (list(_own(file.declarations)), *(body for _, body in named)):
         many = [(name, fault) for d in own for name, value in _given(d) if (fault := _whole(name, value))]
