@@ -62,9 +62,7 @@ class Context:
         self.time: Node = self.graph.symbol("time", "time")
         self.clock.set_rate(self.time, self.graph.one)
         self.world = _world(self.graph)
-        self.components: dict[
-            tuple[Matrix, Vector], Vector
-        ] = {}  # components of vectors in the axes of frames
+        self.components: dict[tuple[Matrix, Vector], Vector] = {}  # vectors in the axes of frames
         self.turns: dict[Matrix, tuple[Matrix, Matrix]] = {}  # axes -> parent axes and rotation
         self.importer = importer
         self.uses = uses
@@ -75,9 +73,7 @@ class Context:
         self.mentioned: list[
             tuple[tree.Name, str]
         ] = []  # effects named by `unless`, with the instance's path
-        self.mentioned_velocities: list[
-            tuple[Vector, Span]
-        ] = []  # of points and frames, since the last reset
+        self.mentioned_velocities: list[tuple[Vector, Span]] = []  # since the last reset
         self.conditions: list[tuple[tree.Condition, Environment]] = []
         self.whens: list[tuple[tree.When, Environment, str | None]] = []
         self.curves: dict[str, Table] = {}  # by name

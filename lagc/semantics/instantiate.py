@@ -54,9 +54,7 @@ class Builder:
         self.instance = instance
         self.modifiers = modifiers
         self.used: set[str] = set()  # modifiers with a declaration
-        self.bases: list[
-            tree.ModelDeclaration
-        ] = []  # the models that extend one another, the instance's own first
+        self.bases: list[tree.ModelDeclaration] = []  # chain of `extends`, the instance's own model first
         self.extended: Extended = {}
         self.deferred: list[tuple[tree.Declaration, Destination]] = []
 

@@ -77,7 +77,7 @@ class Input:
     description: str = ""
 
 
-# Levels of a stated initial value: a more specific one is kept longer, `FIXED` always.
+# Levels of a stated initial value: a more specific one is given up later, `FIXED` never.
 UNSTATED, DECLARED, SCENE, RUN, FIXED = range(5)
 
 
@@ -373,9 +373,7 @@ class Model:
     tables: tuple[Table, ...] = ()
     limits: tuple[Limit, ...] = ()  # of computed parameters
     built_in: tuple[str, ...] = ()  # parameters that a run cannot change: structural, or dependent on others
-    imports: tuple[
-        tuple[str, str | None], ...
-    ] = ()  # path and fingerprint of every file that was read or looked for
+    imports: tuple[tuple[str, str | None], ...] = ()  # path and fingerprint of every file asked for
     notes: tuple[str, ...] = ()  # assumptions, such as the choice of a scene
     warnings: tuple[Fault, ...] = ()
 

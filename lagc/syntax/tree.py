@@ -432,26 +432,10 @@ class Package:
 
 
 Declaration: TypeAlias = (
-    TypeDeclaration
-    | Quantities
-    | FunctionDeclaration
-    | Construct
-    | Load
-    | Constraint
-    | Initial
-    | ForLoop
-    | When
-    | Effect
-    | Start
-    | Simulate
-    | Scene
-    | Extends
-    | Import
-    | Instance
-    | Annotation
-    | ModelDeclaration
+    TypeDeclaration | Quantities | FunctionDeclaration | Construct | Load | Constraint | Initial | ForLoop
+    | When | Effect | Start | Simulate | Scene | Extends | Import | Instance | Annotation | ModelDeclaration
     | Package
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

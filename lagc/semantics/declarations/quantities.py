@@ -63,7 +63,7 @@ _SYMBOLS = (
     "input",
     "coordinate",
     "speed",
-)  # kinds with a symbol that does not depend on the value
+)  # kinds that have a symbol
 _SAID = {"structural": "structural parameter"}
 
 
