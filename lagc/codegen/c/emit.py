@@ -10,7 +10,7 @@ import re
 
 from lagc.codegen.c import header
 from lagc.codegen.c.functions import function_text, helpers
-from lagc.codegen.c.public_functions import verbs
+from lagc.codegen.c.public_functions import public_functions
 from lagc.codegen.c.runtime import Runtime, sine_cosine
 from lagc.codegen.identifiers import local_names, prefix
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
@@ -70,7 +70,7 @@ def _header(runtime: Runtime, file: str) -> str:
         '#ifdef __cplusplus\nextern "C" {\n#endif\n',
         header.parameters(interface),
         runtime.types(),
-        *(verb.declaration for verb in verbs(runtime.program, runtime.real)),
+        *(function.declaration for function in public_functions(runtime.program, runtime.real)),
         runtime.declarations(),
         f"#ifdef __cplusplus\n}}\n#endif\n\n#endif /* {guard} */\n",
     ]
@@ -92,7 +92,7 @@ def _source(runtime: Runtime, file: str, own_header: str) -> str:
         *sine_cosine(sine_cosine_kernels(functions)),
         *functions,
         *runtime.definitions(),
-        *(verb.definition for verb in verbs(program, real)),
+        *(function.definition for function in public_functions(program, real)),
     ]
     return "\n".join(part for part in parts if part)
 

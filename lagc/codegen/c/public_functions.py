@@ -20,7 +20,7 @@ _POINT = "const lagc_params *p, lagc_real t, const lagc_real *x"
 
 
 @dataclass(frozen=True)
-class Verb:
+class PublicFunction:
     """A public function: its comment in the header, its head, and the lines of its body."""
 
     comment: str
@@ -36,11 +36,11 @@ class Verb:
         return f"{self.head}\n{{\n{self.body}}}\n"
 
 
-def verbs(program: Program, real: Arithmetic = DOUBLE) -> list[Verb]:
+def public_functions(program: Program, real: Arithmetic = DOUBLE) -> list[PublicFunction]:
     interface, functions = program.interface, program.functions
     found = [_default_params(interface, real)]
     if "start" in functions:
-        found.append(Verb(
+        found.append(PublicFunction(
             "Set x[NX] to the start values of the model." + (
                 "  They need not meet the constraints and\n * initial equations: see lagc_consistent."
                 if interface.needs_consistency else ""),
@@ -49,7 +49,7 @@ def verbs(program: Program, real: Arithmetic = DOUBLE) -> list[Verb]:
     if "system" in functions:
         found += _system(interface)
     direct = {**_DIRECT, "conditions": _conditions(interface)}
-    found += [verb for name, verb in direct.items() if name in functions]
+    found += [function for name, function in direct.items() if name in functions]
     if interface.pieces:
         found.append(_SOME)
     if "outputs" in functions:
@@ -71,8 +71,8 @@ def verbs(program: Program, real: Arithmetic = DOUBLE) -> list[Verb]:
     return found
 
 
-def _direct(name: str, comment: str, output: str) -> Verb:
-    return Verb(
+def _direct(name: str, comment: str, output: str) -> PublicFunction:
+    return PublicFunction(
         comment,
         f"void lagc_{name}({_POINT}, lagc_real *{output})",
         f"    lagc_fn_{name}(p, t, x, {output});\n",
@@ -92,17 +92,17 @@ _DIRECT = {
     "scales": _direct(
         "scales", "s[NC] > 0: scale of each constraint row; residuals are compared with it.", "s"
     ),
-    "displace": Verb(
+    "displace": PublicFunction(
         "dq[NQ] = N(t,q) d, for an infinitesimal displacement d[NV].",
         f"void lagc_displace({_POINT}, const lagc_real *d, lagc_real *dq)",
         "    lagc_fn_displace(p, t, x, d, dq);\n",
     ),
-    "limits": Verb(
+    "limits": PublicFunction(
         "b[NLIMITS]: bounded values computed from parameters; see lagc_check.",
         "void lagc_limits(const lagc_params *p, lagc_real *b)",
         "    lagc_fn_limits(p, b);\n",
     ),
-    "measures": Verb(
+    "measures": PublicFunction(
         "s: values of the stated rates; largest: the largest parameter of each unit of an unknown.",
         "void lagc_measures(const lagc_params *p, lagc_real *s, lagc_real *largest)",
         "    lagc_fn_measures(p, s, largest);\n",
@@ -112,11 +112,11 @@ _DIRECT = {
 _FORGET = "    w->rank_deficient = 0; /* forget earlier evaluations */\n"
 
 
-def _conditions(interface: Interface) -> Verb:
+def _conditions(interface: Interface) -> PublicFunction:
     count, entries = len(interface.condition_ends), len(interface.condition_columns)
     some = f"_some(p, t, x, c, J, sizes, 0, {max(interface.pieces) + 1})" if interface.pieces else ""
     together = "    lagc_put_together(J);\n" if interface.part_ends else ""
-    return Verb(
+    return PublicFunction(
         f"c[{count}]: residuals of the initial equations at x[NU]: phi, psi, the initial section, stated\n"
         f" * rates minus their values, but not unit quaternions.  J[{entries}]: derivatives that are not\n"
         f" * identically zero.  sizes[{count}]: sums of the magnitudes of the terms.",
@@ -124,7 +124,7 @@ def _conditions(interface: Interface) -> Verb:
         f"    lagc_fn_conditions{some or '(p, t, x, c, J, sizes)'};\n{together}")  # fmt: skip
 
 
-_SOME = Verb(
+_SOME = PublicFunction(
     "The same for the independent groups first..last-1 of initial equations; entries of other groups\n"
     " * are not changed.",
     f"void lagc_some_conditions({_POINT}, lagc_real *c, lagc_real *J, lagc_real *sizes,\n"
@@ -133,7 +133,7 @@ _SOME = Verb(
 )
 
 
-def _default_params(interface: Interface, real: Arithmetic) -> Verb:
+def _default_params(interface: Interface, real: Arithmetic) -> PublicFunction:
     fields = [*interface.parameters, *interface.inputs]
     text = "    lagc_params p;\n"
     if interface.prepared:
@@ -145,15 +145,15 @@ def _default_params(interface: Interface, real: Arithmetic) -> Verb:
     if not fields:
         text += "    p.none = 0;\n"
     missing = any(f.value is None for f in fields)
-    return Verb(
+    return PublicFunction(
         "Return the parameter values of the model."
         + ("  Set those that are NAN: they have none." if missing else "")
         + ("  Call lagc_bind before they are used." if interface.prepared else ""),
         "lagc_params lagc_default_params(void)", text + "    return p;\n")  # fmt: skip
 
 
-def _rhs(interface: Interface) -> Verb:
-    return Verb(
+def _rhs(interface: Interface) -> PublicFunction:
+    return PublicFunction(
         "xdot[NX] and the multipliers lambda[NC] at (t, x).  lambda may be NULL.",
         f"lagc_status lagc_rhs({_POINT}, lagc_real *xdot, lagc_real *lambda, lagc_work *w)",
         _forget(interface)
@@ -164,17 +164,17 @@ def _forget(interface: Interface) -> str:
     return _FORGET if interface.nc else ""
 
 
-def _system(interface: Interface) -> list[Verb]:
+def _system(interface: Interface) -> list[PublicFunction]:
     call = "    lagc_system_at(p, t, x, w);\n"
     found = [
-        Verb(
+        PublicFunction(
             "M[NV*NV]: the full mass matrix.",
             f"void lagc_mass_matrix({_POINT}, lagc_real *M, lagc_work *w)",
             "    int i, j;\n" + call
             + "    for (i = 0; i < LAGC_NV; i++)\n        for (j = 0; j <= i; j++) {\n"
             "            M[i * LAGC_NV + j] = w->M[i * (i + 1) / 2 + j];\n"
             "            M[j * LAGC_NV + i] = w->M[i * (i + 1) / 2 + j];\n        }\n"),
-        Verb(
+        PublicFunction(
             "r[NV] = tau - h: applied forces minus velocity terms, M a = r + G^T lambda.",
             f"void lagc_forces({_POINT}, lagc_real *r, lagc_work *w)",
             "    int i;\n" + call + "    for (i = 0; i < LAGC_NV; i++)\n        r[i] = w->force[i];\n"),
@@ -188,7 +188,7 @@ def _system(interface: Interface) -> list[Verb]:
         body += "    if (psi)\n        lagc_fn_velocity(p, t, x, psi);\n"
         body += "    for (i = 0; G && i < LAGC_NC * LAGC_NV; i++)\n        G[i] = w->G[i];\n"
         body += "    for (i = 0; gamma && i < LAGC_NC; i++)\n        gamma[i] = w->gamma[i];\n"
-        found.append(Verb(
+        found.append(PublicFunction(
             "Constraints: phi[NH], psi[NC], G[NC*NV] by rows, and gamma[NC] with G a = gamma.  Each output\n"
             " * may be NULL.",
             f"void lagc_constraints({_POINT}, lagc_real *phi, lagc_real *psi, "
@@ -196,11 +196,11 @@ def _system(interface: Interface) -> list[Verb]:
     return found
 
 
-def _outputs(program: Program) -> Verb:
+def _outputs(program: Program) -> PublicFunction:
     return _of_accelerations(program, "outputs", "y[NY]: the outputs of the model.", "y")
 
 
-def _of_accelerations(program: Program, name: str, comment: str, output: str) -> Verb:
+def _of_accelerations(program: Program, name: str, comment: str, output: str) -> PublicFunction:
     """A function that may need energies, accelerations or multipliers."""
     function = program.functions[name]
     given = {"p": "p", "t": "t", "x": "x", "modes": "w->modes", "e": "e", "a": "w->xdot + LAGC_NQ",
@@ -212,10 +212,12 @@ def _of_accelerations(program: Program, name: str, comment: str, output: str) ->
     room = "    lagc_real e[3];\n" if "e" in function.inputs else ""
     if not {"a", "lam", "modes"} & {array for array, _ in loads(function)}:
         unused = "" if "w->" in call else "    (void)w;\n"
-        return Verb(comment, head, room + call + unused + "    return LAGC_OK;\n")
+        return PublicFunction(comment, head, room + call + unused + "    return LAGC_OK;\n")
     room += "    lagc_status status;\n"
     solved = "    status = lagc_rhs_at(p, t, x, w->xdot, w->lam, w);\n"
-    return Verb(comment, head, room + _forget(program.interface) + solved + call + "    return status;\n")
+    return PublicFunction(
+        comment, head, room + _forget(program.interface) + solved + call + "    return status;\n"
+    )
 
 
 def _in_own_modes(name: str, last: str, switches: int) -> str:
@@ -226,7 +228,7 @@ def _in_own_modes(name: str, last: str, switches: int) -> str:
             f"    lagc_fn_{name}_on(p, t, x, modes, a, lambda, {last});\n")  # fmt: skip
 
 
-def _derivatives(group: str, pattern: Sequence[tuple[int, int]], switches: int) -> list[Verb]:
+def _derivatives(group: str, pattern: Sequence[tuple[int, int]], switches: int) -> list[PublicFunction]:
     if not pattern:
         return []
     columns = _COLUMNS[group]
@@ -235,20 +237,20 @@ def _derivatives(group: str, pattern: Sequence[tuple[int, int]], switches: int) 
         for name, values in zip(("row", "column"), zip(*pattern))
     )
     return [
-        Verb(
+        PublicFunction(
             f"J[{len(pattern)}]: derivatives of lagc_stack by {columns}, those that are not\n"
             " * identically zero.",
             f"void lagc_by_{group}({_POINT}, const lagc_real *a, const lagc_real *lambda, lagc_real *J)",
             _in_own_modes(f"by_{group}", "J", switches)),
-        Verb(
+        PublicFunction(
             "Set rows and columns to the places of these derivatives; return their number.",
             f"int lagc_by_{group}_pattern(const int **rows, const int **columns)",
             f"{tables}    *rows = row_of;\n    *columns = column_of;\n    return {len(pattern)};\n"),
     ]  # fmt: skip
 
 
-def _stack(switches: int) -> Verb:
-    return Verb(
+def _stack(switches: int) -> PublicFunction:
+    return PublicFunction(
         "s[LAGC_D_END]: the differentiated functions at any a[NV] and lambda[NC].  From row LAGC_D_...:\n"
         " * QDOT: rates of q; INERTIA: M a; FORCE: tau - h + G^T lambda; ROW: G a - gamma; CONDITION:\n"
         " * initial equations; START: start values; OUTPUT: outputs; INDICATOR: event indicators; REINIT:\n"
@@ -257,9 +259,9 @@ def _stack(switches: int) -> Verb:
         _in_own_modes("stack", "s", switches))  # fmt: skip
 
 
-def _along(interface: Interface) -> Verb:
+def _along(interface: Interface) -> PublicFunction:
     size = max(part.stop for part in interface.groups.values())
-    return Verb(
+    return PublicFunction(
         f"s[LAGC_D_END]: derivative of lagc_stack in the direction d[{size}] of time, q and v, a and\n"
         " * lambda, the parameters, then the inputs, in the order of the struct.",
         f"void lagc_along({_POINT}, const lagc_real *a, const lagc_real *lambda, const lagc_real *d,\n"
@@ -280,13 +282,13 @@ def _numbers(values: Sequence[int]) -> str:
     return "        " + ",\n        ".join(rows) + "\n"
 
 
-def _linear() -> list[Verb]:
+def _linear() -> list[PublicFunction]:
     return [
-        Verb(
+        PublicFunction(
             "Assemble and factor [M G^T; G 0] at (t, x) for calls of lagc_solve.",
             f"lagc_status lagc_assemble({_POINT}, lagc_work *w)",
             _FORGET + "    return lagc_assemble_at(p, t, x, w);\n"),
-        Verb(
+        PublicFunction(
             "Solve M s1 - G^T s2 = r1, G s1 = r2 for s[NV+NC] = (s1, s2), with r[NV+NC] = (r1, r2).",
             "void lagc_solve(const lagc_real *r, lagc_real *s, lagc_work *w)",
             "    lagc_solve_at(r, s, w);\n"),

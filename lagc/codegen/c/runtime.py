@@ -29,7 +29,7 @@ from lagc.lowering.program import Program
 
 # Public kernels of every model; a run of lagc does the last ones itself.
 ROOTS = ("begin", "step", "dense", "advance", "record", "check")
-OF_VERBS = ("rhs_at", "system_at", "assemble_at", "solve_at")  # called by `public_functions`
+CALLED = ("rhs_at", "system_at", "assemble_at", "solve_at")  # called by `public_functions`
 PUBLIC_RECORDS = ("Work", "Options", "State", "StartWork")
 
 
@@ -44,8 +44,8 @@ class Runtime:
         roots += ["bind"] if interface.prepared else []
         roots += ["hold"] if interface.switches else []
         roots += ["consistent"] if self.searches else []
-        roots += [name for name in OF_VERBS[:2] if name != "system_at" or "system" in functions]
-        roots += OF_VERBS[2:] if interface.nc and "scales" in functions else []
+        roots += [name for name in CALLED[:2] if name != "system_at" or "system" in functions]
+        roots += CALLED[2:] if interface.nc and "scales" in functions else []
         roots += ["put_together"] if interface.part_ends else []
         self.parts = parts(real)
         self.use = chosen(self.parts, switches_of(interface, complete), roots)

@@ -80,8 +80,9 @@ def _block(body: Sequence[ast.stmt], indent: str, out: list[str]) -> None:
 
 
 class Zipped(ast.NodeTransformer):
-    """for i in range(n): a[i] = f(b[i], c[i])  ->  a[:n] = [f(b_, c_) for b_, c_ in zip(b[:n], c)];
-    loops that only read at [i] run over zip too.  Nothing changes what is computed, nor its order."""
+    """Turns for i in range(n): a[i] = f(b[i], c[i]) into a[:n] = [f(b_, c_) for b_, c_ in zip(b[:n], c)],
+    and loops that only read at [i] into loops over zip. What is computed, and in which order, stays the
+    same."""
 
     def __init__(self, types: Types, short: Mapping[str, Short]):
         self.types, self.short = types, short
@@ -140,7 +141,7 @@ class Zipped(ast.NodeTransformer):
         return self.mapped(node, i, end, stores) or self.looped(node, i, end, stores, assigned)
 
     def mapped(self, node: ast.For, i: str, end: ast.expr, stores: list[ast.Subscript]) -> ast.stmt | None:
-        """The loop as one assignment to a vector."""
+        """Return the loop as one assignment to a vector."""
         only = node.body[0] if len(node.body) == 1 else None
         if len(stores) != 1 or not isinstance(only, ast.Assign | ast.AugAssign):
             return None
@@ -167,7 +168,7 @@ class Zipped(ast.NodeTransformer):
     def looped(
         self, node: ast.For, i: str, end: ast.expr, stores: list[ast.Subscript], assigned: set[str]
     ) -> ast.stmt | None:
-        """The loop over entries of vectors; with its counter where that is needed for more."""
+        """Return the loop over entries of vectors, with its counter if that has other uses."""
         entries = _Entries(node, i, assigned, {ast.unparse(n.value) for n in stores})
         limit, body = ast.unparse(end), [entries.visit(clone(s)) for s in node.body]
         counted = any(_mentions(s, i) for s in body)
@@ -179,7 +180,7 @@ class Zipped(ast.NodeTransformer):
 
 
 class _Put(ast.NodeTransformer):
-    """Arguments in place of parameters."""
+    """Replaces parameters by arguments."""
 
     def __init__(self, given: Mapping[str, ast.expr]):
         self.given = given
@@ -189,7 +190,7 @@ class _Put(ast.NodeTransformer):
 
 
 class _Entries(ast.NodeTransformer):
-    """b[i] -> a name of its own, for vectors that the loop neither binds anew (`assigned`) nor writes to."""
+    """Replaces b[i] by a name, for vectors that the loop neither assigns (`assigned`) nor writes to."""
 
     def __init__(self, loop: ast.For, i: str, assigned: set[str], written: set[str]):
         self.i, self.assigned, self.written, self.found = i, assigned, written, dict[str, str]()
@@ -220,7 +221,7 @@ class _Entries(ast.NodeTransformer):
 
 
 def _merged(body: list[ast.stmt]) -> list[ast.stmt]:
-    """A local vector that is filled at once is made of what fills it."""
+    """Merge the declaration of a local vector with the statement that fills it."""
     out: list[ast.stmt] = []
     for node in body:
         for name in ("body", "orelse"):
@@ -245,7 +246,7 @@ def _arrays(node: ast.expr) -> list[ast.expr]:
 
 
 def _length(node: ast.expr) -> str:
-    """The size that a vector has by its type."""
+    """Return the size of a vector by its type."""
     kind: Type = getattr(node, "type", ("",))
     return kind[1] if kind[0] in ("Vec", "IVec") else ""
 
@@ -261,8 +262,8 @@ def _simple(node: ast.expr) -> bool:
 
 
 def _hoisted(types: Types, body: list[ast.stmt]) -> tuple[list[str], list[ast.stmt]]:
-    """Arrays of records, and their rows of known number, that are used more than once, as locals: they
-    are never bound anew."""
+    """Load arrays of records, and their rows with a constant index, into locals if they are used more than
+    once; they are never assigned."""
     finder = _Arrays(types)
     for s in body:
         finder.visit(s)

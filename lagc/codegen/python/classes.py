@@ -81,7 +81,7 @@ class Equations:
 '''
 
 STATES = '''\
-class Asked:
+class KernelOptions:
     """Options, as the kernels read them."""
 
     __slots__ = (
@@ -115,34 +115,34 @@ class Integrator(State):
 
     def step(self, t1):
         """Make one step towards `t1`, which it does not pass; return a status."""
-        return self._sound(step(self.problem.p, self, t1, self._asked(t1), self.problem.work))
+        return self._checked(step(self.problem.p, self, t1, self._kernel_options(t1), self.problem.work))
 
     def advance(self, t1):
         """Integrate to `t1` exactly; return a status.  A step that is shortened to end there does not shorten
         the next one."""
-        return self._sound(advance(self.problem.p, self, t1, self._asked(t1), self.problem.work))
+        return self._checked(advance(self.problem.p, self, t1, self._kernel_options(t1), self.problem.work))
 
     def at(self, t):
         """Return a status and the state at `t`, a time of the last step, with the parameters of that step.
         Raises ValueError for any other time."""
         x = [0.0] * NX
-        status = dense(self.problem.p, self, t, Asked(self.options), x, self.problem.work)
+        status = dense(self.problem.p, self, t, KernelOptions(self.options), x, self.problem.work)
         if status == INVALID:
             raise ValueError(f"the time {t!r} is not within the last step")
         return status, x
 
-    def _asked(self, t1):
+    def _kernel_options(self, t1):
         """Return the options of a call to `t1`.  Raises ValueError if they are not valid."""
         self.options.check()
         self.problem.check()
         if not (abs(t1) < inf and abs(self.t) < inf):
             raise ValueError(f"a time is not finite: from {self.t!r} to {t1!r}")
         self.x = self.x[:]  # the caller may keep a reference to the old list
-        return Asked(self.options)
+        return KernelOptions(self.options)
 
-    def _sound(self, status):
+    def _checked(self, status):
         if status == INVALID:
-            raise refused(self.culprit)
+            raise invalid_call(self.culprit)
         return status
 
 
@@ -155,20 +155,20 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
     parameter is not valid.
     """
     run = Integrator(problem, options, t0, x0)
-    asked, done = run._asked(times[-1] if times else t0), [0]
+    kernel_options, done = run._kernel_options(times[-1] if times else t0), [0]
     states = [[0.0] * NX for _ in times]
     work, fallbacks, events = problem.work, problem.work.fallbacks, []
     jumps, corners = [], []
 
-    def record_(steps, max_steps):
+    def record_steps(steps, max_steps):
         """Call the kernel `record`; an exception leaves everything as it was before."""
         names = ("t", "x", "t_old", "culprit", "steps", "rejected", "rhs", "position_drift", "velocity_drift")
         before, reached = [getattr(run, name) for name in names], done[0]
-        run.x, asked.max_steps = run.x[:], max_steps
+        run.x, kernel_options.max_steps = run.x[:], max_steps
         try:
             seen = run.changes if NMODE else 0
-            status = record(problem.p, run, asked, times, len(times), states, done, steps, work)
-            if NMODE and asked.report and run.changes > seen:
+            status = record(problem.p, run, kernel_options, times, len(times), states, done, steps, work)
+            if NMODE and kernel_options.report and run.changes > seen:
                 events.extend((run.t, k) for k in NOTED if run.changed[k])
                 if len(corners) < MOST_CORNERS:
                     jumped = NWHEN and run.jumps > len(jumps)
@@ -176,7 +176,7 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
                 if NWHEN:
                     events.extend((run.t, NMODE + k) for k in run.acted[: run.acts])
                     jumps.extend([run.t] * (run.jumps - len(jumps)))
-                asked.report = len(events) < MOST_EVENTS
+                kernel_options.report = len(events) < MOST_EVENTS
             return status
         except BaseException:
             for name, value in zip(names, before):
@@ -184,7 +184,7 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
             done[0] = reached
             raise
 
-    def told(status):
+    def result(status):
         return Trajectory(
             times=list(times[: done[0]]), states=states[: done[0]], t=run.t, x=run.x[:], status=status,
             culprit=-1 if status == OK else run.culprit, steps=run.steps, rejected=run.rejected, rhs=run.rhs,
@@ -195,5 +195,5 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
             jumps=jumps, corners=corners, changes=run.changes if NMODE else 0,
         )  # fmt: skip
 
-    return recorded(run, options, record_, told, progress, clock)
+    return record_in_slices(run, options, record_steps, result, progress, clock)
 '''

@@ -9,7 +9,7 @@ from lagc.codegen.heading import ABI_VERSION, LICENCE, SPDX, equation, origin
 from lagc.codegen.identifiers import Names, local_names, prefix
 from lagc.codegen.python import runtime
 from lagc.codegen.python.functions import ARITHMETIC, CALLS, function_text, sine_cosine
-from lagc.codegen.python.public_functions import verbs
+from lagc.codegen.python.public_functions import public_functions
 from lagc.codegen.tables import numbered, python_tables
 from lagc.codegen.trigonometry import sine_cosine_kernels
 from lagc.lowering.program import Field, Interface, Program
@@ -36,7 +36,7 @@ def render(program: Program, complete: bool = True) -> dict[str, str]:
     parts += runtime.definitions(program, complete, turn.names)
     if complete:
         parts.append(_bounds(program.interface))
-    return {file: "\n\n".join([*filter(None, parts), *verbs(program, complete)])}
+    return {file: "\n\n".join([*filter(None, parts), *public_functions(program, complete)])}
 
 
 def evaluation(program: Program) -> tuple[str, str]:

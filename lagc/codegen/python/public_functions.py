@@ -271,7 +271,7 @@ modes = [0.0] * NMODE
             _vectorised(fn_rhs_on)(given, t, list(x.T), modes, """
 
 
-def verbs(program: Program, complete: bool) -> list[str]:
+def public_functions(program: Program, complete: bool) -> list[str]:
     """Return the functions that apply to the model; `complete` adds those that no run of lagc calls."""
     found = [_ALWAYS.replace("@STATUSES@", _statuses())]
     for name, text in (

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 from lagc.base.records import once
 from lagc.codegen.python.support.base import MOST_CORNERS, MOST_EVENTS
-from lagc.codegen.python.support.slices import recorded
+from lagc.codegen.python.support.slices import record_in_slices
 from lagc.kernels import METHODS, MOST_ACTS
 from lagc.lowering.program import Interface
 from lagc.simulation.backends.base import Branch, Compiled, CompiledSystem
@@ -229,7 +229,7 @@ class CSystem(CompiledSystem):
                 asked.report = len(events) < MOST_EVENTS
             return status
 
-        def told(status: int) -> Trajectory:
+        def result(status: int) -> Trajectory:
             flat = states[: done.value * nx]
             rows = head.redundant if self.nc else ()
             return Trajectory(
@@ -246,7 +246,7 @@ class CSystem(CompiledSystem):
                 changes=state.changes if self.interface.switches else 0,
             )  # fmt: skip
 
-        return recorded(state, options, record, told, progress, None if direction else perf_counter)
+        return record_in_slices(state, options, record, result, progress, None if direction else perf_counter)
 
     def _at(self, x: Vector) -> Any:
         """The desk of this thread, with x on it."""

@@ -15,22 +15,22 @@ FIRST_BUDGET = 16  # steps of the first slice
 OPTIONS = ("method", "max_steps", "rtol", "atol", "step", "first_step", "max_step")  # in the order of BAD_...
 
 
-def refused(culprit: int) -> ValueError:
+def invalid_call(culprit: int) -> ValueError:
     """Return the exception for a status INVALID of options or times."""
     if 0 <= culprit < len(OPTIONS):
         return ValueError(f"the option {OPTIONS[culprit]} is not valid here")
     return ValueError("the times must be finite and in order, from the initial time on")
 
 
-def recorded(
+def record_in_slices(
     state: Any,
     options: Options,
     record: Callable[[int, int], int],
-    told: Callable[[int], Trajectory],
+    result: Callable[[int], Trajectory],
     progress: Callable[[float], None] | None,
     clock: Callable[[], float] | None = None,
 ) -> Trajectory:
-    """Call `record(steps, max_steps)` until the trajectory ends, and return `told(status)`.
+    """Call `record(steps, max_steps)` until the trajectory ends, and return `result(status)`.
 
     `record` makes at most so many steps and returns a status; `state` has t, steps, rejected and culprit.
     KeyboardInterrupt ends the run with status INTERRUPTED.  With a `clock` in seconds, slices grow up to
@@ -53,10 +53,10 @@ def recorded(
                 budget *= 2
             if state.steps == look and status == INTERRUPTED:
                 look *= 2
-                if options.watch is not None and options.watch(told(INTERRUPTED)):
+                if options.watch is not None and options.watch(result(INTERRUPTED)):
                     status = MAX_STEPS
     except KeyboardInterrupt:
         status = INTERRUPTED
     if status == INVALID:
-        raise refused(state.culprit)
-    return told(status)
+        raise invalid_call(state.culprit)
+    return result(status)
