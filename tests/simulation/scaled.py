@@ -8,12 +8,12 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
-from lagc.semantics.names.values import Array, Scalar, Value
 
 from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Source
 from lagc.lowering.program import Program
 from lagc.semantics.declarations import bodies
+from lagc.semantics.names.scope import Array, Scalar, Value
 from lagc.semantics.units import Dimension, Unit, unit
 from lagc.semantics.values import evaluate
 from lagc.simulation.backends.c import CModel
