@@ -132,14 +132,13 @@ def _warnings(
     """Loads that may not do what they seem to; potentials always do."""
     if all(isinstance(action, Potential) for action in states.model.actions):
         return ()
-    from lagc.mechanics.lint.application_points import points_of_their_own
-    from lagc.mechanics.lint.dissipation_sign import feeding_dissipations  # loaded where there are loads
-    from lagc.mechanics.lint.load_direction import feeding_loads
+    from lagc.mechanics.lint.application_points import points_of_their_own  # loaded where there are loads
+    from lagc.mechanics.lint.passivity import feeding_dissipations, feeding_loads
 
     return (
         *points_of_their_own(states, rows),
         *feeding_dissipations(states, rows, contributions),
-        *feeding_loads(states, rows, contributions),
+        *feeding_loads(states, rows),
     )
 
 

@@ -15,7 +15,6 @@ import lagc
 from lagc.diagnostics.faults import Source
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.mechanics.lint import load_direction
 from lagc.semantics.model import Body, Coordinate, Model
 from lagc.semantics.resolve import resolve
 from lagc.symbolic.evaluate import evaluate
@@ -352,21 +351,17 @@ FEEDING = [
     "force F = -bad*velocity(disc) at disc;",
     "force F = -bad*der(y)*world.y at cart;",
     f"force F = -bad*velocity(disc, at = {UNDER}) on disc at {UNDER};",
-    "force F = -bad*norm(velocity(bob))*(velocity(bob) - velocity(cart))/(1 [m/s]) at bob; "
-    "force E = bad*norm(velocity(bob))*(velocity(bob) - velocity(cart))/(1 [m/s]) at cart;",
+    "force F = -bad*(velocity(bob) - velocity(cart)) at bob; "
+    "force E = bad*(velocity(bob) - velocity(cart)) at cart;",
     "torque T = -worse*(angular_velocity(arm) - angular_velocity(rod)) on arm from rod;",
     "dissipation D = 1/2*bad*der(y)^2;",
     "dissipation D = c*der(x)*der(y);",
     "dissipation D = 1/2*c*(der(x) - der(y))*(der(x) + 2*der(y));",
     "dissipation D = 1/2*c*(der(x)^2 + der(y)^2 + 2.001*der(x)*der(y));",
     "dissipation D = f*der(x);",
-    "dissipation D = -f*abs(der(x) - der(y));",
     "dissipation D = 1/2*c*der(x)^2 + f*der(y);",
     "dissipation D = 1/2*c*(der(x) - der(y))^2 + f*der(y);",
-    "dissipation D = c*der(x)^3/(1 [m/s]);",
     "dissipation D = 1/2*c*der(x)^2*((x/l)^2 - 1);",
-    "dissipation D = c*(der(x)^4/(4 [m2/s2]) - 1e-3*der(x)^2);",
-    "dissipation D = -c*(1 [m/s])*sqrt(der(x)^2 + der(y)^2);",
     "dissipation D = 1/2*c*der(y)^2 - 1e-9*c*der(h)^2;",
 ]
 
@@ -407,14 +402,13 @@ def test_both_readings_are_shown() -> None:
 
 
 def test_a_particle_has_no_other_points() -> None:
-    with pytest.raises(lagc.Refused, match="it is not at this point"):
+    with pytest.raises(lagc.Refused, match="is not at this point"):
         codes("force F = f*world.x on bob at G;")
     with pytest.raises(lagc.Refused, match="which has no place"):
         codes("force F = f*world.x on B at G;")
 
 
-def test_damping_in_joints_is_plain(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No motion is looked at for loads that are linear and take energy from every motion."""
+def test_damping_in_joints_is_plain() -> None:
     lines = ["coordinate Angle q0; frame F0 = rotate_x(world, q0);"]
     for i in range(1, 8):
         turn, before = "xyz"[i % 3], f"F{i - 1}"
@@ -422,9 +416,7 @@ def test_damping_in_joints_is_plain(monkeypatch: pytest.MonkeyPatch) -> None:
         lines.append(f"body b{i} = Solid(mass = 1, inertia = {{1, 1, 1.5}}, frame = F{i}, com = R*F{i}.y);")
         lines.append(f"torque T{i} = -d*der(q{i})*F{i}.{turn} on F{i} from {before};")
         lines.append(f"force E{i} = -c*velocity(b{i}, at = R*F{i}.x) on b{i} at R*F{i}.x;")
-    looked = []
-    monkeypatch.setattr(load_direction, "_brings", lambda *given: looked.append(given))
-    assert codes("\n".join(lines)) == [] and not looked
+    assert codes("\n".join(lines)) == []
 
 
 @pytest.mark.parametrize("seed", range(24))

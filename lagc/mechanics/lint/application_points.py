@@ -1,9 +1,9 @@
-"""Forces `at P` whose point is none of a body: warnings, the equations stay as written.
+"""Forces `at P` whose point is none of a body.  Warnings only.
 
-Such a force moves with the point P itself.  Where P is no point of a body at rest relative to it
-(where a disc touches the ground, where something slides along a rod), the material point of the
-body that is there has another velocity.  Velocities are compared at random motions, first of the
-bare coordinates, then of those that the constraints allow.
+Such a force moves with the point P itself.  Where P is no point of a body at rest relative to it (where a
+disc touches the ground, where something slides along a rod), the material point of the body that is there has
+another velocity.  Velocities are compared as linear maps of the speeds, first of all speeds, then of those
+that the constraints allow.
 """
 
 from __future__ import annotations
@@ -14,66 +14,41 @@ from itertools import chain
 from lagc.diagnostics.faults import Fault
 from lagc.mechanics.formulation.equations import Row
 from lagc.mechanics.formulation.states import States
-from lagc.mechanics.lint.random_motions import (
-    KEPT,
-    Motion,
-    Numbers,
-    State,
-    length,
-    random_motions,
-    turned,
-    values,
-)
+from lagc.mechanics.lint.velocity_maps import KEPT, LARGEST, Maps, Matrix, Posture, combined, postures
 from lagc.semantics.model import Body, Force, Frame
 from lagc.symbolic.derivative import tangent
+from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
-from lagc.symbolic.vectors import Vector, cross, sub
+from lagc.symbolic.vectors import Vector
 from lagc.symbolic.walk import symbols
 
-_EACH = 2  # motions from a place
 _MOST = 8  # bodies that a point is compared with
 
 
 def points_of_their_own(states: States, rows: Sequence[Row]) -> Iterator[Fault]:
-    """LAG0411 of forces at points that move relative to the body that they seem to be of, or not at all."""
+    """Yield LAG0411 of forces at points that move relative to the body that they seem to be of, or not."""
     bodies = states.model.bodies
     places = {body.position for body in bodies}
     forces = [x for x in states.model.actions if isinstance(x, Force) and x.at and x.at not in places]
-    if not forces:
+    if not forces or len(states.v) > LARGEST:
         return
     moved_by = [(body, _coordinates([*body.position, *_axes(body)])) for body in bodies]
-    free = list(random_motions(states, each=_EACH))
+    maps, free = Maps(states), postures(states)
+    bound = postures(states, rows) if rows else []
     for force in forces:
         assert force.at is not None
-        fault = _own_point(states, rows, force, force.at, _tied(force.at, moved_by), free)
-        if fault is not None:
-            yield fault
-
-
-def _own_point(
-    states: States,
-    rows: Sequence[Row],
-    force: Force,
-    at: Vector,
-    near: Sequence[Body],
-    free: Sequence[Motion],
-) -> Fault | None:
-    tied = [body for body in near if body.frame is not None]
-    if any(_carries(body, force, at, free) for body in near):
-        return None
-    if rows and near:
-        bound = list(random_motions(states, rows, each=_EACH))
-        if any(_carries(body, force, at, bound) for body in near):
-            return None
-    if all(length(m.change(lambda s: values(force.velocity, s))) == 0.0 for m in free):
-        return _unmoved(force, [body for body in states.model.bodies if body.frame is not None])
-    if not tied or _is_of_a_link(states, force, at, tied, free):
-        return None
-    return _two_readings(force, tied[0])
+        near = _tied(force.at, moved_by)
+        tied = [body for body in near if body.frame is not None]
+        if any(_carries(maps, body, force, force.at, at) for at in (free, bound) if at for body in near):
+            continue
+        if all(not any(map(any, maps.at(force.velocity, posture))) for posture in free):
+            yield _unmoved(force, [body for body in bodies if body.frame is not None])
+        elif tied and not _is_of_a_link(states, maps, force, force.at, tied, free):
+            yield _two_readings(force, tied[0])
 
 
 def _tied(at: Vector, moved_by: Sequence[tuple[Body, set[Node]]]) -> list[Body]:
-    """The bodies that move with coordinates of the point, some, the nearest relative first."""
+    """Return the bodies that move with coordinates of the point, some, the nearest relative first."""
     own = _coordinates(at)
     found = [(len(own - theirs), len(theirs - own), body) for body, theirs in moved_by if own & theirs]
     return [body for _, _, body in sorted(found, key=lambda x: x[:2])][:_MOST]
@@ -87,40 +62,50 @@ def _coordinates(nodes: Sequence[Node]) -> set[Node]:
     return {x for x in symbols(nodes) if x.record.kind == "coordinate"}
 
 
-def _carries(body: Body, force: Force, at: Vector, motions: Sequence[Motion]) -> bool:
-    """Whether the point moves like the material point of the body that is there."""
-
-    def slip(state: State) -> Numbers:
-        return sub(values(force.velocity, state), _material(body, at, state))
-
-    if body.frame is None:
-        return all(_vanishes(sub(values(at, m.state), values(body.position, m.state)),
-                             length(values(at, m.state))) for m in motions)  # fmt: skip
-    return bool(motions) and all(
-        _vanishes(
-            m.change(slip), length(_material(body, at, m.state)) + length(values(force.velocity, m.state))
-        )
-        for m in motions
-    )
+def _carries(maps: Maps, body: Body, force: Force, at: Vector, tried: Sequence[Posture]) -> bool:
+    """Return whether the point moves like the material point of the body that is there."""
+    for posture in tried:
+        if body.frame is None:
+            arm = _arm(at, body.position, posture)
+            if max(map(abs, arm)) > KEPT * max(map(abs, evaluate(at, posture.state))):
+                return False
+        elif not _turns_about(maps, body.frame, body.position, body.velocity, force, at, posture):
+            return False
+    return True
 
 
-def _material(body: Body, at: Vector, state: State) -> Numbers:
-    velocity = values(body.velocity, state)
-    if body.frame is None:
-        return velocity
-    arm = sub(values(at, state), values(body.position, state))
-    return sub(velocity, cross(arm, turned(body.frame, values(body.frame.angular_velocity, state), state)))
+def _turns_about(
+    maps: Maps, frame: Frame, place: Vector, velocity: Vector, force: Force, at: Vector, posture: Posture
+) -> bool:
+    """Return whether the point moves as if it were fixed in a frame that moves with a place."""
+    turning = _turning(maps, frame, _arm(at, place, posture), posture)
+    parts = [maps.at(force.velocity, posture), maps.at(velocity, posture), turning]
+    own, carried, turned = (posture.along(part) for part in parts)
+    slip = combined([(1.0, own), (-1.0, carried), (-1.0, turned)])
+    most = [max(abs(row[j]) for part in (own, carried, turned) for row in part) for j in range(len(own[0]))]
+    return not any(abs(x) > KEPT * size for row in slip for x, size in zip(row, most))
 
 
-def _vanishes(x: Numbers, size: float) -> bool:
-    return not length(x) > KEPT * size
+def _turning(maps: Maps, frame: Frame, arm: Sequence[float], posture: Posture) -> Matrix:
+    """Return the map of the velocity that the spin of a frame brings at the end of an arm."""
+    x, y, z = maps.at(frame.spin, posture)
+    a, b, c = arm
+    return [
+        [c * v - b * w for v, w in zip(y, z)],
+        [a * w - c * u for u, w in zip(x, z)],
+        [b * u - a * v for u, v in zip(x, y)],
+    ]
+
+
+def _arm(at: Vector, place: Vector, posture: Posture) -> list[float]:
+    return [a - b for a, b in zip(evaluate(at, posture.state), evaluate(place, posture.state))]
 
 
 def _is_of_a_link(
-    states: States, force: Force, at: Vector, tied: Sequence[Body], motions: Sequence[Motion]
+    states: States, maps: Maps, force: Force, at: Vector, tied: Sequence[Body], tried: Sequence[Posture]
 ) -> bool:
-    """Whether the point is fixed in a frame that turns it about a point of the model: on a link without
-    mass.  The frames that a solid beside it turns in (the lean of a rolling disc) are no links."""
+    """Return whether the point is fixed in a frame that turns it about a point of the model: on a massless
+    link.  The frames that a solid beside it turns in (the lean of a rolling disc) are no links."""
     parents = {frame.name: frame.parent for frame in states.model.frames}
     turned_in: set[str] = {"world"}
     for body in tied:
@@ -128,37 +113,18 @@ def _is_of_a_link(
         while name and name not in turned_in:
             turned_in.add(name)
             name = parents.get(name, "")
-    graph, model = states.graph, states.model
-    nodes = [(graph.zero,) * 3, *(p.position for p in model.points), *(b.position for b in model.bodies)]
-    hinges = [(place, tangent(graph, place, states.drift)) for place in dict.fromkeys(nodes)]
-    return any(
-        _turns_about(frame, place, velocity, force, at, motions)
-        for frame in model.frames
-        if frame.name not in turned_in
-        for place, velocity in hinges
-    )
-
-
-def _turns_about(
-    frame: Frame,
-    place: Sequence[Node],
-    velocity: Sequence[Node],
-    force: Force,
-    at: Vector,
-    motions: Sequence[Motion],
-) -> bool:
-    def turn(state: State) -> Numbers:
-        arm = sub(values(at, state), values(place, state))
-        return cross(turned(frame, values(frame.angular_velocity, state), state), arm)
-
-    def slip(state: State) -> Numbers:
-        relative = sub(values(force.velocity, state), values(velocity, state))
-        return sub(relative, turn(state))
-
-    sizes = [length(values(force.velocity, m.state)) for m in motions]
-    return all(_vanishes(m.change(slip), size) for m, size in zip(motions, sizes)) and not all(
-        _vanishes(m.change(turn), size) for m, size in zip(motions, sizes)
-    )
+    zero, model = states.graph.zero, states.model
+    origin: Vector = (zero, zero, zero)
+    places = dict.fromkeys([origin, *(p.position for p in model.points), *(b.position for b in model.bodies)])
+    for place in places:
+        x, y, z = tangent(states.graph, place, states.drift)
+        for frame in model.frames:
+            if frame.name in turned_in:
+                continue
+            turns = any(any(map(any, _turning(maps, frame, _arm(at, place, p), p))) for p in tried)
+            if turns and all(_turns_about(maps, frame, place, (x, y, z), force, at, p) for p in tried):
+                return True
+    return False
 
 
 def _two_readings(force: Force, body: Body) -> Fault:
