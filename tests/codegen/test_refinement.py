@@ -25,19 +25,23 @@ ALWAYS = "-1.0"  # a limit that every residual exceeds
 def _module(made: Program, limit: str) -> Any:
     """The generated module with another limit of rounding."""
     ((name, text),) = render(made).items()
-    assert text.count("ROUNDING = 1e-28") == 1
+    assert text.count("REFINED_RESIDUAL = 1e-28") == 1
     found = types.ModuleType(f"refined_{name[:-3]}")
     sys.modules[found.__name__] = found
-    exec(compile(text.replace("ROUNDING = 1e-28", f"ROUNDING = {limit}"), name, "exec"), found.__dict__)
+    exec(
+        compile(text.replace("REFINED_RESIDUAL = 1e-28", f"REFINED_RESIDUAL = {limit}"), name, "exec"),
+        found.__dict__,
+    )
     return found
 
 
 def _library(made: Program, folder: Path) -> tuple[ctypes.CDLL, str]:
     """The generated C, always refined."""
     texts = {
-        name: text.replace("_ROUNDING 1e-28", f"_ROUNDING {ALWAYS}") for name, text in render_c(made).items()
+        name: text.replace("_REFINED_RESIDUAL 1e-28", f"_REFINED_RESIDUAL {ALWAYS}")
+        for name, text in render_c(made).items()
     }
-    assert any(f"_ROUNDING {ALWAYS}" in text for text in texts.values())
+    assert any(f"_REFINED_RESIDUAL {ALWAYS}" in text for text in texts.values())
     files = write(texts, folder)
     flags = ["-std=c99", "-O0", "-ffp-contract=off", "-shared", "-fPIC"]
     call("gcc", *flags, files[".c"], "-o", folder / "made.so", "-lm")
