@@ -1,4 +1,4 @@
-"""What of a compiled model takes derivatives."""
+"""Derivatives of a compiled model: Jacobians, linear models and equilibria."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ if TYPE_CHECKING:
     from lagc.simulation.linearization.linearize import Linear
     from lagc.simulation.solution import Solution
 
-ACCURACY, COARSELY = 1e-9, 1e-4  # of a motion that is followed to where it is linearised; of one with a note
-MOST_TRIES = 1_000_000  # random postures: more find no more
+ACCURACY, COARSELY = 1e-9, 1e-4  # of the motion to a point of linearization; up to the second with a note
+MOST_TRIES = 1_000_000  # random initial states for equilibria
 ALONG = {"rates": "rate", "qdot": "qdot", "accelerations": "acceleration", "multipliers": "multiplier",
          "outputs": "output"}  # fmt: skip
-HELD = {"inertia": "inertia", "forces": "force", "rows": "row", "conditions": "condition", "start": "start",
+FIXED = {"inertia": "inertia", "forces": "force", "rows": "row", "conditions": "condition", "start": "start",
         "indicators": "indicator"}  # fmt: skip
 
 
 class Differentiable:
-    """A compiled model that can be differentiated; what it takes is compiled when it is first asked for."""
+    """A compiled model with derivatives, whose code is compiled when it is first needed."""
 
     _loaded: Loaded
     simulate: Callable[..., Solution]
@@ -40,7 +40,7 @@ class Differentiable:
         raise NotImplementedError
 
     def differentiated(self, parameters: Mapping[str, Any] | None = None) -> NumpySystem:
-        """The system with derivatives, bound to the parameters of this model, and to those given."""
+        """The system with derivatives and the parameters of this model, replaced by those given."""
         return self._loaded.differentiated.model.bind(self._bound(parameters))
 
     def jacobian(
@@ -54,18 +54,21 @@ class Differentiable:
         lam: Sequence[float] | None = None,
         parameters: Mapping[str, Any] | None = None,
     ) -> Array:
-        """The exact derivatives of `of` by `wrt` at (t, x), x = (q, v), as a matrix, SI.
+        """Return the exact derivatives of `of` by `wrt` at (t, x), x = (q, v), as a matrix in SI units.
 
-        `of`: "rates" (qdot, a), "qdot", "accelerations", "multipliers", "outputs", where a and lam follow
-        from the equations; "inertia" (M a), "forces" (tau - h + G^T lam), "rows" (G a - gamma), with `a` and
-        `lam` as they are given (else those of the motion); "conditions" of a start (phi, psi, the initial
-        section, stated rates); "start" (values of q, v, stated rates); "indicators" of zero crossings.
-        `wrt`: "time", "coordinates", "speeds", "state" (both), "parameters", "inputs", the name of one of
-        them, where a and lam are given also "accelerations", "multipliers"; or a sequence of such words.
-        Without x at the start values as they are written.  Where forces bend there it is that of the side on
-        which what they depend on is larger, with a RuntimeWarning.  Raises KeyError for another word,
-        ValueError where x, a or lam has another length, ArithmeticError where there is no finite value, or a
-        jump.
+        `of` is one of: "rates" (qdot, a), "qdot", "accelerations", "multipliers", "outputs", with a and lam
+        from the equations of motion; "inertia" (M a), "forces" (tau - h + G^T lam), "rows" (G a - gamma),
+        with `a` and `lam` as given or else those of the motion; "conditions", the initial equations (phi,
+        psi, the initial section, stated rates); "start", the initial values of q, v and stated rates;
+        "indicators", those of zero crossings.
+
+        `wrt` is "time", "coordinates", "speeds", "state" (both), "parameters", "inputs", the name of one of
+        them, or a sequence of these; with a and lam fixed also "accelerations" and "multipliers".
+
+        Without x, the state has the initial values as written.  If forces have a kink there, the derivative
+        is the one on the side of larger indicators, with a RuntimeWarning.  Raises KeyError for an unknown
+        word, ValueError if x, a or lam has a wrong length, ArithmeticError if a value is not finite or the
+        forces jump.
         """
         import numpy
 
@@ -75,10 +78,10 @@ class Differentiable:
         state = _entries("x", system.start() if x is None else x, system.nx)
         a = None if a is None else _entries("a", a, system.nv)
         lam = None if lam is None else _entries("lam", lam, system.nc)
-        if of not in ALONG and of not in HELD:
-            raise KeyError(f"{of!r} is none of {', '.join((*ALONG, *HELD))}")
+        if of not in ALONG and of not in FIXED:
+            raise KeyError(f"{of!r} is none of {', '.join((*ALONG, *FIXED))}")
         words = [wrt] if isinstance(wrt, str) else list(wrt)
-        with numpy.errstate(all="ignore"):  # what is not finite is refused
+        with numpy.errstate(all="ignore"):  # values that are not finite are refused
             point = Point(system, real("t", t), state, a, lam)
             found = numpy.hstack([self._columns(point, of, word) for word in words])
             if system.interface.switches:
@@ -88,7 +91,7 @@ class Differentiable:
         return found
 
     def _on_one_side(self, point: Point, of: str, words: Sequence[str], found: Array) -> Array:
-        """The derivatives at a state at which conditions change; says so where they are others beyond."""
+        """The derivatives at a state where modes change; warns if they differ on the other side."""
         import warnings
 
         import numpy
@@ -104,16 +107,20 @@ class Differentiable:
 
         def on(modes: Sequence[float]) -> tuple[Array, Array]:
             there = Point(system, point.t, point.x, point.a, point.lam, modes=modes)
-            values = there.value(HELD[of]) if of in HELD else numpy.zeros(0)
+            values = there.value(FIXED[of]) if of in FIXED else numpy.zeros(0)
             return numpy.hstack([self._columns(there, of, word) for word in words]), values
 
         found, values = on(own)
         for switch, modes in others:
             there, beyond = on(modes)
             if jumps(point, own, modes, sizes) if of in ALONG else differing(values, beyond):
-                raise ArithmeticError(f"forces jump there, where {switch}: {of} have no derivatives")
+                raise ArithmeticError(
+                    f"forces are discontinuous there, where {switch}: {of} have no derivatives"
+                )
             for i, j in differing(found, there)[:1]:
-                message = f"forces bend there, where {switch}: entry [{i}, {j}] is {found[i, j]:.6g}, and "
+                message = (
+                    f"forces have a kink there, where {switch}: entry [{i}, {j}] is {found[i, j]:.6g}, and "
+                )
                 message += f"{there[i, j]:.6g} on the other side"
                 warnings.warn(message, RuntimeWarning, stacklevel=3)
         return found
@@ -127,17 +134,20 @@ class Differentiable:
         starts: Mapping[str, Any] | None = None,
         progress: Callable[[float], None] | None = None,
     ) -> Linear:
-        """The linear model about x = (q, v), which meets the constraints, or about the motion from the start
-        at time t (s), of which `progress` is told as in a run.  Raises Refused where there is no start or
-        no such time, ValueError where x has another length, ArithmeticError where the motion does not get
-        to t or there are no finite derivatives."""
+        """Return the linear model about x = (q, v), which must satisfy the constraints, or about the motion
+        at the time t (s).
+
+        `progress` is called as in a run.  Raises Refused if there is no initial state or t is invalid,
+        ValueError if x has a wrong length, ArithmeticError if the motion does not reach t or derivatives
+        are not finite.
+        """
         from lagc.base.records import replace
         from lagc.diagnostics.faults import Fault, Refused
         from lagc.simulation.linearization.linearize import linearize
 
         t = real("t", t)
         if not 0.0 <= t < float("inf"):
-            fault = f"the time about which a motion is linearised is finite and not before its start: {t:g} s"
+            fault = f"the time of a linear model must be finite and not negative: {t:g} s"
             raise Refused([Fault("LAG0604", fault)])
         notes = tuple[str, ...]()
         if x is None:
@@ -154,18 +164,21 @@ class Differentiable:
         tries: int | None = None,
         seed: int = 0,
     ) -> list[Linear]:
-        """The linear models about the equilibria at t = 0 that are found from the start and from so many
-        random postures: the first is that which is found from the start, if one is, the others are in order
-        of their potential energy; of families of equilibria one each.  Some may have no linear model, or
-        be no rest as rows are solved, which a note of the first says; raises ArithmeticError where none has
-        a linear model."""
+        """Return the linear models about the equilibria at t = 0 that are found.
+
+        The search starts from the initial state and from `tries` random states.  The first result is the
+        equilibrium found from the initial state, if any; the others are ordered by potential energy.  A
+        family of equilibria gives one result.  A note of the first one tells if some have no linear model,
+        or are no rest because the constraints do not determine one.  Raises ArithmeticError if none has a
+        linear model.
+        """
         from lagc.base.records import replace
         from lagc.host.budgets import stage
         from lagc.simulation.linearization import equilibria
         from lagc.simulation.linearization.linearize import linearize
 
         if tries is not None and not 0 <= index(tries) <= MOST_TRIES:
-            raise ValueError(f"`tries` is from 0 to {MOST_TRIES:,}")
+            raise ValueError(f"`tries` must be from 0 to {MOST_TRIES:,}")
         system = self.differentiated(parameters)
         guess, _ = self._at(0.0, parameters, starts)
         most = equilibria.tries_for(system) if tries is None else tries
@@ -181,11 +194,11 @@ class Differentiable:
         if reasons and not linear:
             raise ArithmeticError(reasons[0])
         notes = [f"{len(reasons)} of {len(found)} found have no linear model: {r}" for r in reasons[:1]]
-        still = [one for one in linear if one.still] or linear  # else all change with time
-        if len(still) < len(linear):
-            left_out = f"{len(linear) - len(still)} of {len(found)} found are left out"
-            notes.append(f"{left_out}: forces balance there, but rows determine no rest")
-        return [replace(still[0], notes=(*still[0].notes, *notes)), *still[1:]] if notes else still
+        resting = [one for one in linear if one.equilibrium] or linear  # or else all change with time
+        if len(resting) < len(linear):
+            left_out = f"{len(linear) - len(resting)} of {len(found)} found are left out"
+            notes.append(f"{left_out}: forces balance there, but the constraints determine no rest")
+        return [replace(resting[0], notes=(*resting[0].notes, *notes)), *resting[1:]] if notes else resting
 
     def _at(
         self,
@@ -194,30 +207,30 @@ class Differentiable:
         starts: Mapping[str, Any] | None,
         progress: Callable[[float], None] | None = None,
     ) -> tuple[list[float], tuple[str, ...]]:
-        """The state there; and what is to be said of it."""
+        """The state at a time, and notes on its accuracy."""
         run = self.simulate(
             t, accuracy=ACCURACY, points=2, parameters=parameters, starts=starts, progress=progress
         )
         notes = tuple[str, ...]()
-        if run.interrupted:  # of half a motion nothing follows
+        if run.interrupted:
             raise Exhausted if reached() else KeyboardInterrupt
         if run.status == "failed":
             known = run.estimated or 0.0
             if not ACCURACY < known <= COARSELY or run.times[-1] != t:  # the motion is wrong, or not known
                 raise ArithmeticError(run.message)
-            told = f"the state at t = {t:g} s is known to {known:.1g} of the largest on the way"
-            notes = (f"{told}: {run.message}",)
+            error = f"the state at t = {t:g} s has a relative error of {known:.1g}"
+            notes = (f"{error}: {run.message}",)
         if run.times[-1] < t:
-            raise ArithmeticError(f"the motion does not come to t = {t:g} s: {run.message}")
+            raise ArithmeticError(f"the motion does not reach t = {t:g} s: {run.message}")
         return run.states[-1][: self.interface.nq + self.interface.nv], notes
 
     def _columns(self, point: Point, of: str, word: str) -> Array:
-        group, columns = self._places(word, held=of in HELD)
-        table = point.partial(HELD[of], group) if of in HELD else point.total(ALONG[of], group)
+        group, columns = self._places(word, fixed=of in FIXED)
+        table = point.partial(FIXED[of], group) if of in FIXED else point.total(ALONG[of], group)
         return table[:, columns]
 
-    def _places(self, word: str, held: bool) -> tuple[str, slice]:
-        """The group that has the columns of a word, and which they are."""
+    def _places(self, word: str, fixed: bool) -> tuple[str, slice]:
+        """The group of variables that contains a word, and its columns in the group."""
         interface = self.interface
         nq, nv, n = interface.nq, interface.nv, len(interface.parameters)
         groups = {
@@ -225,7 +238,7 @@ class Differentiable:
             "coordinates": ("state", slice(nq)), "speeds": ("state", slice(nq, None)),
             "parameters": ("parameter", slice(n)), "inputs": ("parameter", slice(n, None)),
         }  # fmt: skip
-        if held:
+        if fixed:
             groups["accelerations"] = "acceleration", slice(nv)
             groups["multipliers"] = "acceleration", slice(nv, None)
         if word in groups:
@@ -236,7 +249,7 @@ class Differentiable:
                 k = names.index(word)
                 return group, slice(k, k + 1)
         raise KeyError(
-            f"{word!r} is no coordinate, speed, parameter or input, nor one of {', '.join(groups)}"
+            f"{word!r} is not a coordinate, speed, parameter or input, and not one of {', '.join(groups)}"
         )
 
 

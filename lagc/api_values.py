@@ -1,4 +1,4 @@
-"""Values as Python gives them: numbers, pairs of a number and its unit, texts, points over time."""
+"""Values as Python users give them: numbers, pairs of a number and its unit, texts, points over time."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Input: TypeAlias = "Value | str | tuple[Sequence[float], Sequence[float]] | Poin
 def parted(
     given: Mapping[str, Input] | None,
 ) -> tuple[dict[str, float | Quantity], dict[str, Source | Points]]:
-    """Inputs that are numbers, and others."""
+    """Separate inputs that are numbers from all others."""
     numbers: dict[str, float | Quantity] = {}
     courses: dict[str, Source | Points] = {}
     for name, value in _named("inputs", given).items():
@@ -35,23 +35,24 @@ def parted(
 def _points(name: str, *given: Any) -> Points:
     try:
         times, values, *kind = given
-        (way,) = kind or ["linear"]
-        return tuple(map(float, times)), tuple(map(float, values)), str(way)
+        (method,) = kind or ["linear"]
+        return tuple(map(float, times)), tuple(map(float, values)), str(method)
     except (TypeError, ValueError, OverflowError):
-        message = f'`{name}` is given by a number, a text, or `(t, values)` or `(t, values, "cubic")`'
+        message = f'`{name}` must be a number, a text, or `(t, values)` or `(t, values, "cubic")`'
         raise Refused([Fault("LAG0602", message)]) from None
 
 
 def quantities(what: str, given: Mapping[str, Value] | None) -> dict[str, float | Quantity]:
+    """Values by their names; `what` names the argument in messages."""
     return {name: _quantity(name, value) for name, value in _named(what, given).items()}
 
 
 def _named(what: str, given: Any) -> Mapping[str, Any]:
-    """Values by their names; none where nothing is given.  Raises TypeError."""
+    """The mapping of values by name; empty for None.  Raises TypeError."""
     if given is None:
         return {}
     if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in given):
-        raise TypeError(f"`{what}` are values by their names, {{'name': value}}, not {given!r}")
+        raise TypeError(f"`{what}` must be values by name, {{'name': value}}, not {given!r}")
     return given
 
 
@@ -71,12 +72,12 @@ def _quantity(name: str, value: Value) -> float | Quantity:
 
 
 def real(name: str, value: object) -> float:
-    """Text is read as strictly as on the command line.  Raises ValueError, or TypeError."""
+    """A number; a text is read as strictly as on the command line.  Raises ValueError or TypeError."""
     if isinstance(value, SupportsFloat):
         try:
             return float(value)
-        except OverflowError:  # of an integer
-            raise ValueError(f"`{name}` is a larger number than there are") from None
+        except OverflowError:  # an integer
+            raise ValueError(f"`{name}` is too large") from None
     found = number(value) if isinstance(value, str) else None
     if found is None:
         kind = ValueError if isinstance(value, str) else TypeError
@@ -89,24 +90,24 @@ def reals(name: str, values: Sequence[float]) -> list[float]:
 
 
 def words(what: str, given: str | Sequence[str]) -> tuple[str, ...]:
-    """Names; a text is one.  Raises TypeError."""
+    """Names; a single text is one name.  Raises TypeError."""
     found = (given,) if isinstance(given, str) else tuple(given)
     if not all(isinstance(name, str) for name in found):
-        raise TypeError(f"`{what}` are names, not {given!r}")
+        raise TypeError(f"`{what}` must be names, not {given!r}")
     return found
 
 
 def word(what: str, given: str | None) -> str | None:
-    """A text, or none.  Raises TypeError."""
+    """A text or None.  Raises TypeError."""
     if not isinstance(given, str | None):
-        raise TypeError(f"`{what}` is a text, not {given!r}")
+        raise TypeError(f"`{what}` must be a text, not {given!r}")
     return given
 
 
 def condition(given: str | None) -> str | None:
-    """Of `until`.  Raises TypeError; Refused where the text is empty."""
+    """The condition `until`.  Raises TypeError, or Refused if the text is empty."""
     if word("until", given) is not None and not str(given).strip():
-        raise Refused([Fault("LAG0604", "`until` is given no condition, such as 'x > 3 [m]'")])
+        raise Refused([Fault("LAG0604", "`until` needs a condition, such as 'x > 3 [m]'")])
     return given
 
 

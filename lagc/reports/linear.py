@@ -19,9 +19,9 @@ SMALL = 1e-3  # of its largest: parts of a mode that are not shown
 def heading(linear: Linear) -> str:
     """What it is about, and what its eigenvalues say."""
     at, interface = f"t = {linear.t:g} s", linear.system.interface
-    if linear.still:
-        of_time = interface.timed or interface.driven
-        kind = "an equilibrium" + (f" at {at}" if of_time else "")
+    if linear.equilibrium:
+        time_dependent = interface.timed or interface.driven
+        kind = "an equilibrium" + (f" at {at}" if time_dependent else "")
         if linear.free:
             kind += f", one of many: it seems free in {linear.free} direction{'s' if linear.free > 1 else ''}"
     elif linear.steady:

@@ -1,4 +1,4 @@
-"""Request: what a run is asked for, and the parameters it is asked for with."""
+"""Requests: what a run is asked for, and the parameter values that it is given."""
 
 from __future__ import annotations
 
@@ -15,21 +15,22 @@ from lagc.kernels import METHODS
 from lagc.lowering.program import Field, Interface
 from lagc.simulation.system import System
 
-ACCURACY = 1e-6  # global relative error where nothing is said
+ACCURACY = 1e-6  # global relative error by default
 STOP = 10.0  # s
 _NUMBERS = ("stop", "accuracy", "rtol", "atol", "step", "max_step", "every", "points")
-POINTS = 501  # recorded where no grid is asked for
+POINTS = 501  # recorded points by default
 
 
 @dataclass(frozen=True)
 class Request:
-    """How long, how accurately and on which grid.  Times in s; None: the scene's value, else a default.
+    """End time, accuracy and recorded grid of a run.  Times are in s; None means the scene's value, or else
+    a default.
 
-    `accuracy` is the global relative error; with `method`, `rtol`, `atol` or `step` the run is
-    steered by hand instead.  `every` or `points` give the recorded grid, never the step.  No step is
-    longer than `max_step`; those of an `accuracy` are the shorter the finer the tolerance.
-    `starts` replaces start values of coordinates and speeds, by name, in SI.  `sensitivity` names the
-    parameters and starts by which the motion is differentiated.
+    `accuracy` is the global relative error.  With `method`, `rtol`, `atol` or `step` the run is controlled
+    by hand instead.  `every` or `points` give the recorded grid, and do not change the steps.  No step is
+    longer than `max_step`; with an `accuracy`, the longest step also decreases with the tolerance.
+    `starts` replaces initial values of coordinates and speeds by name, in SI units.  `sensitivity` names
+    the parameters and initial values by which the motion is differentiated.
     """
 
     stop: float | None = None
@@ -49,9 +50,9 @@ class Request:
         return any(x is not None for x in (self.method, self.rtol, self.atol, self.step))
 
     def completed(self, scene: Mapping[str, float]) -> Request:
-        """With the scene's `simulate(...)` values, then the defaults, where nothing was asked.
+        """Fill in the values of the scene's `simulate(...)`, then the defaults.
 
-        Raises Refused (LAG0604) where a number makes no sense.
+        Raises Refused (LAG0604) if a value is invalid.
         """
         values: dict[str, Any] = dict(self.__dict__)
         for name in _NUMBERS:
@@ -78,7 +79,7 @@ class Request:
         return done
 
     def check(self) -> None:
-        """Raises Refused, with all that is wrong."""
+        """Raise Refused with all invalid values."""
         faults = []
         for name in _NUMBERS:
             value = getattr(self, name)
@@ -98,17 +99,17 @@ class Request:
         if self.rtol is not None and isfinite(self.rtol) and self.rtol >= 1.0:
             faults.append(_request(f"`rtol` is a relative tolerance, below 1, not {self.rtol:g}"))
         if self.rtol is not None and 0.0 < self.rtol < FINEST:
-            faults.append(_request(f"`rtol` is below {FINEST:g}, where rounding is all that is left"))
+            faults.append(_request(f"`rtol` is below {FINEST:g}, the limit of double precision"))
         if self.rtol == 0.0 and not self.atol:
             faults.append(_request("one of `rtol` and `atol` must be positive"))
         if self.method is not None and self.method not in METHODS:
             faults.append(_request(f"`method` is one of {', '.join(METHODS)}, not {self.method!r}"))
         elif self.method is not None and self.step is None and not _adapts(self.method):
-            faults.append(_request(f"`{self.method}` has no estimate of its errors: give it a fixed `step`"))
+            faults.append(_request(f"`{self.method}` has no error estimate: give it a fixed `step`"))
         if self.step is not None and (self.rtol is not None or self.atol is not None):
             faults.append(_request("a fixed `step` has no tolerance: leave out `rtol` and `atol`"))
         if self.step is not None and self.max_step is not None:
-            faults.append(_request("a fixed `step` is as long as it is: leave out `max_step`"))
+            faults.append(_request("a fixed `step` excludes `max_step`: leave one out"))
         if self.every is not None and self.points is not None:
             faults.append(_request("`every` and `points` both give the grid: leave one out"))
         if self.every and self.stop and not faults and self.stop / self.every > MOST_POINTS:
@@ -119,7 +120,7 @@ class Request:
             raise Refused(faults)
 
     def size(self) -> int:
-        """How many times are recorded."""
+        """The number of recorded points."""
         stop = self.stop or 0.0
         if stop == 0.0:
             return 1
@@ -128,7 +129,7 @@ class Request:
         return self.points or POINTS
 
     def grid(self) -> list[float]:
-        """The recorded times, from 0 to `stop` (both included)."""
+        """The recorded times, from 0 to `stop` inclusive."""
         stop, n = self.stop or 0.0, self.size() - 1
         if self.every is not None:
             return [*(k * self.every for k in range(n)), stop]
@@ -139,7 +140,7 @@ class Request:
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number with the unit it was written with; None: SI, or a number."""
+    """A number with its unit; None: an SI unit, or none."""
 
     value: float
     unit: str | None = None
@@ -152,7 +153,7 @@ _COLUMN = r"""(?i)([^"]+\.csv)(?::([^"]+))?"""
 
 
 def expression(text: str) -> Source:
-    """What an input is given by: an expression of the language, or `drive.csv:u`, the column u over time."""
+    """The source text of an input: an expression, or `drive.csv:u` for the column u over time."""
     import re
 
     column = re.fullmatch(_COLUMN, text.strip())
@@ -166,11 +167,11 @@ def expression(text: str) -> Source:
 def bound_parameters(
     interface: Interface, given: Given, unused: Sequence[Field] = (), demanding: bool = True
 ) -> list[float]:
-    """The array p: the model's values with the `given` ones in their place, in SI; NaN for those
-    without a value where that is allowed (`demanding` False).
+    """Return the array p in SI units: the model's values, replaced by the `given` ones.
 
-    Raises Refused: LAG0601 unknown name, LAG0602 outside its bounds or not a number, LAG0603 no
-    value, LAG0605 wrong unit, LAG0617 a value of the model outside bounds.
+    Parameters without a value are NaN if `demanding` is False.  Raises Refused: LAG0601 unknown name,
+    LAG0602 out of its bounds or not a number, LAG0603 no value, LAG0605 wrong unit, LAG0617 a value of the
+    model out of bounds.
     """
     fields = [*interface.parameters, *interface.inputs]
     faults: list[Fault] = []
@@ -193,7 +194,7 @@ def bound_parameters(
 
 
 def given_values(given: Given, fields: Iterable[Field], faults: list[Fault]) -> dict[str, float]:
-    """Those that are right, in SI; what is wrong with the others goes to `faults`."""
+    """The valid values in SI units; errors are appended to `faults`."""
     known = {f.name: f for f in fields}
     values: dict[str, float] = {}
     for name, number in given.items():
@@ -208,7 +209,7 @@ def given_values(given: Given, fields: Iterable[Field], faults: list[Fault]) -> 
 
 
 def keep_limits(system: System) -> None:
-    """Raises Refused, LAG0617, where a value made of parameters is out of its bounds."""
+    """Raise Refused (LAG0617) if a value derived from parameters is out of its bounds."""
     limits = system.interface.limits
     if limits and not any(p != p for p in system.parameters):
         faults = [
@@ -219,7 +220,7 @@ def keep_limits(system: System) -> None:
 
 
 def bound_starts(interface: Interface, given: Given) -> dict[str, float]:
-    """Start values by name in SI.  Raises Refused: LAG0606 unknown name, LAG0602, LAG0605."""
+    """Return initial values by name in SI units.  Raises Refused: LAG0606 unknown name, LAG0602, LAG0605."""
     units = dict(zip(interface.state_names, interface.state_units))
     faults: list[Fault] = []
     found: dict[str, float] = {}
@@ -236,7 +237,7 @@ def bound_starts(interface: Interface, given: Given) -> dict[str, float]:
 
 
 def si(name: str, number: float | Quantity, unit: str, faults: list[Fault]) -> float | None:
-    """`number` in SI, where `unit` is the SI unit of `name`; None after adding a fault."""
+    """Return `number` in SI units, where `unit` is the SI unit of `name`; None after adding a fault."""
     if not isinstance(number, Quantity):
         value = float(number)
     elif number.unit is None:
@@ -256,6 +257,7 @@ def si(name: str, number: float | Quantity, unit: str, faults: list[Fault]) -> f
 
 
 def unknown(name: str, known: Iterable[str], what: str, code: str) -> Fault:
+    """The fault for an unknown name, with similar ones from `known`."""
     names = list(known)
     parts = [n for n in names if n.startswith((f"{name}[", f"{name}."))]
     remedy = did_you_mean(name, names)
@@ -271,7 +273,7 @@ def _bounds(field: Field, value: float, code: str = "LAG0602") -> list[Fault]:
         return []
     unit = f" {field.unit}" if field.unit else ""
     if value != value:
-        return [Fault(code, f"`{field.name}` is no number for these parameters ({field.place})")]
+        return [Fault(code, f"`{field.name}` is not a number for these parameters ({field.place})")]
     low = value < field.minimum
     bound = f"below its minimum, {field.minimum:g}" if low else f"above its maximum, {field.maximum:g}"
     return [Fault(code, f"`{field.name}` = {value:g}{unit} is {bound}{unit} ({field.place})")]
@@ -284,8 +286,7 @@ def _adapts(method: str) -> bool:
 
 
 def _plain(name: str, value: Any) -> float | int | None:
-    """Python's own number, whatever kind a caller has: what is computed and kept of it is of that kind.
-    Raises Refused where it is none."""
+    """The value as a Python number.  Raises Refused if it is not a number."""
     try:
         if value is None or name == "points":
             return None if value is None else index(value)

@@ -1,4 +1,4 @@
-"""Solution: a motion that was computed, and what it took."""
+"""The solution of a run: the motion, and what it cost."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Energy:
-    """The balance over the run, in J: `imbalance` = end - start - work of the non-conservative actions."""
+    """The energy balance of the run, in J: imbalance = end - start - work of the non-conservative forces."""
 
     start: float
     end: float
@@ -34,10 +34,10 @@ class Energy:
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """Of all integrations of the run together: the ones that verify the accuracy are a part of it.
+    """The cost of all integrations of a run, including those that verify its accuracy.
 
-    `operations` of one right-hand side; `compile_s`, `run_s` and, as a part of it, `start_s`, the
-    search for a start, in s of wall time; `run_s` of all backends that it was tried in.
+    `operations` is for one right-hand side.  `compile_s`, `run_s` and `start_s` are wall times in s;
+    `start_s`, the initialization, is part of `run_s`, which includes a run in another backend.
     """
 
     steps: int = 0
@@ -52,20 +52,23 @@ class Cost:
 
 @dataclass(frozen=True, slots=True)
 class Event:
+    """An event at the time t, in s."""
+
     t: float
     name: str
 
 
 @dataclass
 class Solution:
-    """States at the recorded times, and everything that can be computed from them.
+    """States at the recorded times, and everything that follows from them, in SI units.
 
     `run["theta"]` is an array over `run.t`: a coordinate, a speed, the rate `der(theta)` of a coordinate,
-    an output, or a sensitivity `d(theta)/d(l)`.  All in SI.  `status` is "ok", "terminated" or "failed";
-    what was computed before a failure is kept.  `system` holds the parameters of the run; nothing that is
-    done with the model since changes what is computed from it.  `accuracy` is the global relative asked
-    (None: by hand) and estimated (None: not verified); see `lagc.simulation.global_error.verified_run` for
-    its norm. `corners`: times of events, with the states before and behind, which need not be recorded."""
+    an output, or a sensitivity `d(theta)/d(l)`.  `status` is "ok", "terminated" or "failed"; a failed run
+    keeps the results so far, and `message` says what happened.  `asked` is the global relative error asked
+    for (None: by hand) and `estimated` its estimate (None: not verified); its norm is defined in
+    `lagc.simulation.global_error.verified_run`.  `corners` are the times of events with the states before
+    and after, which need not be recorded.  `system` has the parameters of the run.
+    """
 
     system: System
     times: list[float]
@@ -82,13 +85,13 @@ class Solution:
     velocity_drift: float
     energy: Energy
     cost: Cost
-    end: float  # the last time that was asked for
+    end: float  # the end time asked for
     notes: tuple[str, ...] = ()
     events: tuple[Event, ...] = ()
     corners: tuple[tuple[float, list[float], list[float]], ...] = ()
     interrupted: bool = False
-    backend_reason: str = ""  # why `auto` took this backend
-    sensitivities: Sensitivities | None = None  # where they were asked for
+    backend_reason: str = ""  # why `auto` chose this backend
+    sensitivities: Sensitivities | None = None
     _columns: dict[str, list[float]] = field(default_factory=dict, repr=False)
 
     def __repr__(self) -> str:
@@ -109,7 +112,7 @@ class Solution:
 
     @property
     def units(self) -> dict[str, str]:
-        """The SI unit of every name, "" for numbers."""
+        """The SI unit of every name; "" for numbers."""
         interface = self.system.interface
         found = dict(zip(self.state_names, interface.state_units))
         for name, unit in zip(interface.q_names, interface.q_units):
@@ -121,13 +124,15 @@ class Solution:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Every name that `run[...]` takes: states, rates, outputs, sensitivities."""
+        """Every name that `run[...]` accepts: states, rates, outputs, sensitivities."""
         return tuple(self.units)
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """The names that are saved and shown: states, rates of coordinates, outputs, sensitivities, without
-        the rates of quaternions (the body rates are there)."""
+        """The names that are saved and printed: states, rates of coordinates, outputs, sensitivities.
+
+        Rates of quaternions are left out, because the body rates are there.
+        """
         interface = self.system.interface
         parts = {derived(interface.q_names[k + i]) for k in interface.quaternions for i in range(4)}
         if self.sensitivities is not None:
@@ -136,14 +141,14 @@ class Solution:
 
     @property
     def t(self) -> Array:
-        """The recorded times, s."""
+        """The recorded times in s."""
         import numpy
 
         return numpy.array(self.times)
 
     @property
     def x(self) -> Array:
-        """The recorded states (len(t), nx): coordinates, speeds, work."""
+        """The recorded states, (len(t), nx): coordinates, speeds, work."""
         import numpy
 
         return numpy.array(self.states).reshape(len(self.times), self.system.nx)
@@ -160,9 +165,9 @@ class Solution:
         return len(self.times)
 
     def column(self, name: str) -> list[float]:
-        """The values of `name` over the recorded times.  Raises KeyError with the near names."""
+        """The values of `name` at the recorded times.  Raises KeyError with similar names."""
         if not isinstance(name, str):
-            raise TypeError(f"a column has a name, a text, not {name!r}")
+            raise TypeError(f"the name of a column must be a text, not {name!r}")
         found = self._columns.get(name)
         if found is not None:
             return found
@@ -182,7 +187,8 @@ class Solution:
         return self._columns[name]
 
     def sensitivity(self, name: str, by: str) -> Array:
-        """d(name)/d(by) over the recorded times, by a parameter or a start that the run was asked for."""
+        """d(name)/d(by) at the recorded times, by a parameter or an initial value that the run was asked
+        for."""
         return self[f"d({name})/d({by})"]
 
     @property
@@ -195,15 +201,16 @@ class Solution:
 
     @property
     def accuracy(self) -> dict[str, float | None]:
+        """The global relative error: "asked" and "estimated"."""
         return {"asked": self.asked, "estimated": self.estimated}
 
     @property
     def drift(self) -> dict[str, float]:
-        """The largest scaled residuals of the constraints over the accepted steps."""
+        """The largest scaled residuals of the constraints over all steps: "position" and "velocity"."""
         return {"position": self.position_drift, "velocity": self.velocity_drift}
 
     def metadata(self) -> dict[str, object]:
-        """What goes with the numbers into a file: plain data."""
+        """The metadata that a saved file contains, as plain data."""
         interface = self.system.interface
         fields = (*interface.parameters, *interface.inputs)
         return {
@@ -223,7 +230,7 @@ class Solution:
         return {} if self.sensitivities is None else {"sensitivity": self.sensitivities.told()}
 
     def to_dict(self) -> dict[str, object]:
-        """What `lagc sim --json` prints."""
+        """The object that `lagc sim --json` prints."""
         interface = self.system.interface
         cost, energy = self.cost, self.energy
         return {
@@ -242,8 +249,11 @@ class Solution:
         }  # fmt: skip
 
     def to_pandas(self) -> object:
-        """A pandas DataFrame, a column a quantity, indexed by time; metadata in `attrs`.
-        Raises ImportError where pandas is not installed."""
+        """Return a pandas DataFrame: one column for each quantity, indexed by time, with the metadata in
+        `attrs`.
+
+        Raises ImportError if pandas is not installed.
+        """
         import importlib
 
         try:

@@ -1,8 +1,8 @@
-"""System: all that runs know of a mechanical system.
+"""The interface between a compiled model and everything that runs it.
 
-A compiled model is one implementation (NumPy module or C library), a hand-written class in a
-test another.  States are plain lists of floats, x = (q, v, z); see `architecture` in the docs
-for the equation and its names.  Statuses, options and trajectories are those of generated modules.
+A compiled model (NumPy module or C library) implements `System`; so does a class in a test.  States are
+plain lists of floats, x = (q, v, z) with coordinates, speeds and the work integral; see `architecture` in
+the docs for the equations and their names.
 """
 
 from __future__ import annotations
@@ -55,11 +55,10 @@ Vector = Sequence[float]
 
 
 class System(Protocol):
-    """A compiled model with its parameters bound: functions, names, energies, outputs.
+    """A compiled model with its parameters: functions, names, energies, outputs.
 
-    Backends (`lagc.simulation.backends`): NumPy module, C library.  Nothing of it changes: its functions
-    depend on their arguments alone, any number of threads may call them, and it pickles.  Of `assemble`
-    then `solve`, and of `culprit`, each thread sees its own.
+    Immutable: its functions depend on their arguments alone, any number of threads may call them, and it
+    pickles.  The result of `assemble` for `solve`, and `culprit`, belong to the thread.
     """
 
     interface: Interface
@@ -85,8 +84,8 @@ class System(Protocol):
         ...
 
     def on(self, t: float, x: Vector) -> System:
-        """The same on the branch of (t, x), whatever the state that is asked: no condition of the equations
-        changes.  What it integrates is as usual."""
+        """The same system on the branch of (t, x): the modes of all relations stay fixed.  Its integrations
+        are as usual."""
         ...
 
     def integrate(
@@ -98,18 +97,20 @@ class System(Protocol):
         progress: Callable[[float], None] | None = None,
         direction: int = 0,
     ) -> Trajectory:
-        """From (t0, x0), consistent, to times[-1] exactly; states at `times` by dense output.  With a
-        `direction`, 1 or -1, arithmetic is rounded up in some slices of 16 steps and down in the others, or
-        the opposite.
+        """Integrate from the consistent state (t0, x0) to times[-1]; the states at `times` come from dense
+        output.
 
-        KeyboardInterrupt raised in `progress` ends it with what was computed (status INTERRUPTED).
+        With a `direction` of 1 or -1, arithmetic is rounded up in some slices of 16 steps and down in the
+        others, or the opposite.  KeyboardInterrupt raised in `progress` ends the run with the results so
+        far (status INTERRUPTED).
         """
         ...
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int: ...
 
     def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], direction: int) -> int | None:
-        """`rhs` with arithmetic rounded up (1) or down (-1), where that is one call of compiled code."""
+        """`rhs` with arithmetic rounded up (1) or down (-1); None if compiled code cannot do that in one
+        call."""
         ...
 
     def position(self, t: float, x: Vector) -> list[float]: ...
@@ -125,7 +126,7 @@ class System(Protocol):
     def displace(self, t: float, x: Vector, d: Vector) -> list[float]: ...
 
     def accelerations(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
-        """(a[nv], lam[nc])."""
+        """Return (a[nv], lam[nc])."""
         ...
 
     def energies(self, t: float, x: Vector) -> list[float]: ...
@@ -135,37 +136,40 @@ class System(Protocol):
     def start(self) -> list[float]: ...
 
     def conditions(self, t: float, x: Vector) -> tuple[list[float], list[float], list[float]]:
-        """c, J and sizes of a consistent start (see `Program`)."""
+        """Return c, J and the sizes of the initial equations (see `Program`)."""
         ...
 
     def some_conditions(self, t: float, x: Vector, c: list[float], jacobian: list[float], sizes: list[float],
                         first: int, last: int) -> None:  # fmt: skip
-        """Fills in what belongs to the pieces first..last-1 of the conditions (`interface.pieces`), and what
-        belongs to none.  The lists may be longer than need be."""
+        """Fill in the entries of the independent blocks first..last-1 (`interface.pieces`), and of
+        equations in no block.
+
+        The lists may be longer than needed.
+        """
         ...
 
     def limits(self) -> list[float]:
-        """Values made of parameters that have bounds (`interface.limits`)."""
+        """The derived values that have bounds (`interface.limits`)."""
         ...
 
     def measures(self) -> tuple[list[float], list[float]]:
-        """s and largest (see `Program`)."""
+        """Return s and the largest values (see `Program`)."""
         ...
 
 
 def arrived(run: Trajectory) -> bool:
-    """Whether it came to its end, which a clause `when` may have set."""
+    """Whether a run reached its end, or was terminated by a `when` clause."""
     return run.status in (OK, TERMINATED)
 
 
 def rates_at(system: System, t: float, x: Sequence[float]) -> list[float] | None:
-    """dx/dt at (t, x); None where it cannot be told."""
+    """Return dx/dt at (t, x), or None if it is not determined."""
     xdot, lam = [0.0] * system.nx, [0.0] * system.nc
     return None if system.rhs(t, x, xdot, lam) in FAILED else xdot
 
 
 def row_gradients(system: System, t: float, x: Sequence[float]) -> list[list[float]]:
-    """The gradients of all rows in the speeds, nc x nv."""
+    """The gradients of all constraints in the speeds, nc x nv."""
     interface, slopes = system.interface, system.conditions(t, x)[1]
     found = []
     for k in range(system.nh, system.nh + system.nc):
@@ -179,7 +183,7 @@ def row_gradients(system: System, t: float, x: Sequence[float]) -> list[list[flo
 
 
 class Counted:
-    """`system` with its functions, and how often rates or energies were asked of it."""
+    """`system` with a count of its evaluations outside of integrations, for the cost of a run."""
 
     def __init__(self, system: System):
         self.system, self._counts = system, [0]
@@ -189,11 +193,11 @@ class Counted:
         return self._counts[0]
 
     def bind(self, values: Sequence[float]) -> Counted:
-        """The system with other parameters; what it does counts here."""
+        """The system with other parameters and the same count."""
         return self._beside(self.system.bind(values))
 
     def on(self, t: float, x: Vector) -> Counted:
-        """The system on the branch of (t, x); what it does counts here."""
+        """The system on the branch of (t, x) with the same count."""
         return self._beside(self.system.on(t, x))
 
     def _beside(self, system: System) -> Counted:
@@ -219,7 +223,7 @@ class Counted:
 
 
 def state_name(system: System, k: int) -> str:
-    """State k, an index of x."""
+    """The name of state k (an index of x) for a message."""
     names = system.interface.state_names
     if 0 <= k < len(names):
         return f"`{names[k]}`"
@@ -237,11 +241,11 @@ def row_name(system: System, k: int) -> str:
 
 
 def more(parts: Sequence[object], most: int) -> str:
-    """What stands for those behind the first `most`."""
+    """ " and N more" if `parts` has more than `most` entries."""
     return f" and {len(parts) - most} more" if len(parts) > most else ""
 
 
 def event_names(system: System, k: int) -> tuple[str, ...]:
-    """Of a switch, or, behind these, of a clause `when`."""
+    """The names of an event: of a relation or, behind the relations, of a `when` clause."""
     switches = system.interface.switches
     return (switches[k],) if k < len(switches) else system.interface.whens[k - len(switches)].names

@@ -68,7 +68,7 @@ def test_no_search_without_end(tries: int, pendulum: Any) -> None:
 
 
 def test_no_condition_and_too_many_points(pendulum: Any) -> None:
-    with pytest.raises(Refused, match="LAG0604: `until` is given no condition"):
+    with pytest.raises(Refused, match="LAG0604: `until` needs a condition"):
         pendulum.simulate(until="")
     with pytest.raises(Refused, match="LAG0804"):
         pendulum.simulate(points=10**12)

@@ -181,13 +181,13 @@ def test_a_bend_is_told(tmp_path: Path, capsys: Capture) -> None:
     file = tmp_path / "m.lag"
     file.write_text(text)
     assert main(["linearize", str(file)]) == 0
-    assert "note: forces bend there" in capsys.readouterr().out
+    assert "note: forces have a kink there" in capsys.readouterr().out
     kept = tmp_path / "m.json"
     assert main(["linearize", str(file), "--json", "-o", str(kept)]) == 0
     assert json.loads(kept.read_text()) == json.loads(capsys.readouterr().out)
     file.write_text(text.replace("-4 [N/m]*max(x, 0 [m])", "-4 [N]*sign(x)"))
     assert main(["linearize", str(file)]) == 3
-    assert "forces jump there, where x passes 0" in capsys.readouterr().err
+    assert "forces are discontinuous there, where x passes 0" in capsys.readouterr().err
 
 
 def test_a_motion_that_ends_before_is_not_linearised_behind_its_end(tmp_path: Path, capsys: Capture) -> None:
@@ -200,7 +200,7 @@ def test_a_motion_that_ends_before_is_not_linearised_behind_its_end(tmp_path: Pa
     assert main(["linearize", str(path), "--at", "0.2"]) == 0
     capsys.readouterr()
     assert main(["linearize", str(path), "--at", "1"]) == 3
-    assert "does not come to t = 1 s" in capsys.readouterr().err
+    assert "does not reach t = 1 s" in capsys.readouterr().err
     for at in ("-1", "nan", "inf"):
         assert main(["linearize", str(path), f"--at={at}"]) == 2
         assert "linearised" in capsys.readouterr().err

@@ -44,7 +44,7 @@ def test_both_sides_of_a_bend_are_told(seed: int) -> None:
         slope = found.A[2, 0]
         assert sorted([-2.0 * slope, k + c + 2.0 * slope]) == pytest.approx(sorted([k, c]))
         (note,) = found.notes
-        assert "forces bend there" in note and "on the other side" in note
+        assert "forces have a kink there" in note and "on the other side" in note
         other = -(k + c) / 2.0 - slope
         assert f"d(der(der(x)))/d(x) is {slope:.6g}, and {other:.6g} on the other side" in note
         with pytest.warns(RuntimeWarning, match="on the other side"):
@@ -66,7 +66,7 @@ def test_what_is_smooth_there_is_no_bend() -> None:
 def test_where_forces_jump_there_is_no_linear_model() -> None:
     for force in ("-3 [N]*sign(der(x))", "-3 [N]*sign(x)", "(if x < 0 [m] then 0 [N] else 1 [N])"):
         model = line(force)
-        with pytest.raises(ArithmeticError, match=r"forces jump there, where (der\()?x\)? passes 0"):
+        with pytest.raises(ArithmeticError, match=r"forces are discontinuous there, where (der\()?x\)? passes 0"):
             model.linearize()
         with pytest.raises(ArithmeticError, match="forces jump"):
             model.jacobian("rates", "state")

@@ -94,6 +94,6 @@ def test_it_balances_itself_between_weave_and_capsize(
 def test_upright_at_rest_it_stands(bicycle: lagc.CompiledModel) -> None:
     """The wheels hold nothing along the way there: rows that are nothing but rounding weigh nothing."""
     (linear,) = bicycle.equilibria(parameters={"v": 0.0}, tries=0)
-    assert linear.still and linear.free == 5
+    assert linear.equilibrium and linear.free == 5
     found = [z for z in linear.eigenvalues.tolist() if z]
     assert found == pytest.approx(EIGENVALUES[0], rel=CLOSE)

@@ -121,7 +121,7 @@ def test_drag_without_a_slope_at_rest_leaves_it_as_it_is() -> None:
     for one, other in zip(found("course/simple_pendulum", "room"), found("course/simple_pendulum", "vacuum")):
         assert np.array_equal(one.A, other.A)
         assert (one.stability == "unstable") == (other.stability == "unstable")
-        assert not one.of_time and not one.linear
+        assert not one.time_dependent and not one.linear
 
 
 def test_on_a_string_it_does_the_same_and_the_string_pulls_or_pushes() -> None:
@@ -229,7 +229,7 @@ def test_a_governor_with_a_drive() -> None:
     theta = acos((m + mass) * G / (m * length * w**2))
     model = model_of("classic/watt_governor", "driven")
     linear = model.linearize(0.0, [theta, 0.0, 0.0, w])
-    assert linear.steady and not linear.still and linear.idle == ("phi",)
+    assert linear.steady and not linear.equilibrium and linear.idle == ("phi",)
     a = 2.0 * m * length**2 + 4.0 * mass * length**2 * sin(theta) ** 2
     b = 2.0 * m * length**2 * sin(theta) ** 2 + inertia
     slope = 2.0 * m * length**2 * cos(2 * theta) * w**2 - 2.0 * (m + mass) * G * length * cos(theta)
@@ -252,11 +252,11 @@ def test_where_slopes_vanish_for_a_moment_nothing_is_steady() -> None:
 def test_a_conical_pendulum() -> None:
     """Nutation about the cone: square phi'^2 (1 + 3 cos^2 theta)."""
     theta = 1.1
-    turning = sqrt(G / cos(theta))
+    varying = sqrt(G / cos(theta))
     model = model_of("classic/spherical_pendulum_angles", "lab")
-    linear = model.linearize(0.0, [theta, 0.4, 0.0, turning])
+    linear = model.linearize(0.0, [theta, 0.4, 0.0, varying])
     assert linear.steady and linear.idle == ("phi",)
-    assert_spectrum(linear, [0.0, 0.0, *pairs(-(turning**2) * (1.0 + 3.0 * cos(theta) ** 2))])
+    assert_spectrum(linear, [0.0, 0.0, *pairs(-(varying**2) * (1.0 + 3.0 * cos(theta) ** 2))])
 
 
 def test_a_disc_that_rolls_upright_leans_and_turns() -> None:
@@ -285,9 +285,9 @@ def test_a_ball_on_a_turntable_goes_in_circles() -> None:
     """At 2/7 of the turntable's rate, about any point (S. Earnshaw)."""
     linear = found("classic/sphere_on_turntable", "table")[0]
     omega = dict(zip([f.name for f in linear.system.interface.parameters], linear.system.parameters))
-    turning = 2.0 / 7.0 * next(value for name, value in omega.items() if name.lower() == "omega")
+    varying = 2.0 / 7.0 * next(value for name, value in omega.items() if name.lower() == "omega")
     values = [value for value in linear.eigenvalues if value]
-    assert sorted(value.imag for value in values) == pytest.approx([-turning, turning])
+    assert sorted(value.imag for value in values) == pytest.approx([-varying, varying])
     assert all(value.real == 0.0 for value in values)
 
 
@@ -336,7 +336,7 @@ def test_what_changes_with_time_is_of_the_moment() -> None:
     linear = found("classic/kapitza_pendulum", "shaken")[0]
     assert linear.momentary and linear.stability is None
     driven = model_of("classic/driven_oscillator", "resonance").linearize(0.3)
-    assert driven.linear and not driven.still and driven.stability == "asymptotically stable"
+    assert driven.linear and not driven.equilibrium and driven.stability == "asymptotically stable"
 
 
 SPRING = """model Spring
@@ -350,15 +350,15 @@ end Spring;
 
 
 @pytest.mark.parametrize(
-    "further, linear, of_time",
+    "further, linear, time_dependent",
     [("", True, False), ("+ x^4/l^2/4", False, False), ("- 0.3*x^2*sin(w*time)", False, True)],
 )
-def test_what_it_depends_on_does_not_depend_on_units(further: str, linear: bool, of_time: bool) -> None:
+def test_what_it_depends_on_does_not_depend_on_units(further: str, linear: bool, time_dependent: bool) -> None:
     model = lagc.loads(SPRING.replace("FURTHER", further)).compile(backend="numpy")
     for size in (1e-12, 1.0, 1e16):
         for pace in (1e-14, 1.0, 1e9):
             found = model.linearize(parameters={"l": size, "w": pace})
-            assert (found.linear, found.of_time) == (linear, of_time), (size, pace)
+            assert (found.linear, found.time_dependent) == (linear, time_dependent), (size, pace)
 
 
 FALLING = """model Falling
@@ -533,7 +533,7 @@ def test_a_panel_is_no_pair_of_pendulums(n: int) -> None:
     all_found = lagc.loads(PANELS).compile(parameters={"n": n}, backend="numpy").equilibria()
     assert len(all_found) == 2**n
     for linear in all_found:
-        assert linear.still and linear.halted and linear.notes
+        assert linear.equilibrium and linear.higher_order_rigid and linear.notes
         assert "undecided" in (linear.stability or "")
     hanging = [abs(z) for z in all_found[0].eigenvalues]
     for square in [1.0] if n == 1 else [2.0 - sqrt(2.0), 2.0 + sqrt(2.0)]:
@@ -555,7 +555,7 @@ def test_rows_that_are_redundant_everywhere_halt_nothing() -> None:
 end Platform;
 """
     linear = lagc.loads(text).compile(backend="numpy").equilibria()[0]
-    assert not linear.halted and linear.stability != "unstable"
+    assert not linear.higher_order_rigid and linear.stability != "unstable"
     assert_spectrum(linear, [1j * sqrt(G), -1j * sqrt(G)])
 
 

@@ -38,7 +38,7 @@ INERTIAL = """
 """
 
 
-def turning() -> lagc.CompiledModel:
+def varying() -> lagc.CompiledModel:
     return _compiled("rotate_z(world, w*time)", "")
 
 
@@ -49,8 +49,8 @@ def _compiled(table: str, forces: str) -> lagc.CompiledModel:
 @pytest.mark.full
 def test_it_is_that_of_inertial_forces_and_at_no_time_another() -> None:
     """What is rounding beside other derivatives does not depend on time."""
-    ours, theirs = (model.equilibria()[0] for model in (turning(), _compiled("world", INERTIAL)))
-    assert ours.still and not ours.of_time and not ours.linear and not ours.momentary
+    ours, theirs = (model.equilibria()[0] for model in (varying(), _compiled("world", INERTIAL)))
+    assert ours.equilibrium and not ours.time_dependent and not ours.linear and not ours.momentary
     assert ours.stability == theirs.stability and ours.stability is not None
     mine, others = (np.sort_complex(one.eigenvalues) for one in (ours, theirs))
     assert np.abs(mine - others).max() <= CLOSE * np.abs(others).max()
@@ -58,7 +58,7 @@ def test_it_is_that_of_inertial_forces_and_at_no_time_another() -> None:
 
 def test_derivatives_by_time_are_nothing() -> None:
     """Whatever the state: of a column by itself no size tells what is rounding."""
-    system, chance = turning().differentiated(), random.Random(1)
+    system, chance = varying().differentiated(), random.Random(1)
     for _ in range(60):
         x = [chance.uniform(-1.0, 1.0) for _ in range(system.nq + system.nv)]
         assert not Point(system, chance.uniform(0.1, 1.0), x, clean=True).by("time").any()

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 MOST = 12  # modes of a picture
 LEVEL = 6  # names that stand level below an axis
 NAMED = 30  # coordinates that are named: of more every second, or third, and so on
-STILL = 1e-9  # of the largest: what a mode leaves where it is
+AT_REST_RATE = 1e-9  # of the largest: what a mode leaves where it is
 
 
 def plot_modes(linear: Linear, title: str, path: str | None = None) -> Figure:
@@ -36,7 +36,7 @@ def plot_modes(linear: Linear, title: str, path: str | None = None) -> Figure:
         told = False
         for axis, k in zip(axes, shown):
             value, mode = complex(linear.eigenvalues[k]), linear.modes[:nq, k]
-            turned = abs(mode.imag).max(initial=0.0) > STILL
+            turned = abs(mode.imag).max(initial=0.0) > AT_REST_RATE
             aside = 0.2 if turned else 0.0
             axis.axhline(0.0, color="#7f7f7f", linewidth=0.8)
             axis.bar([i - aside for i in range(nq)], mode.real, width=0.4, color=COLORS[0], label="real part")

@@ -1,4 +1,4 @@
-"""Backends: from the generated code of a model to a System."""
+"""Backends: from the generated code of a model to a `System`."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from lagc.simulation.system import System
 def load(
     interface: Interface, sources: Mapping[str, str], backend: str, code: Sequence[CodeType] = ()
 ) -> System:
-    """The system that `sources` (file name -> text, as rendered for `backend`) describe, with the
-    model's own values; `bind` gives it others.
+    """Return the system that `sources` (file name -> text, for `backend`) define, with the model's own
+    values.
 
-    `code` is the compiled text of the NumPy module, where it is at hand.  Raises CannotCompile
-    (`lagc.simulation.backends.compile`) where the C compiler is missing or fails.
+    `bind` gives it other values.  `code` is the compiled text of the NumPy module, if it is known.  Raises
+    CannotCompile (`lagc.simulation.backends.compile`) if the C compiler is missing or fails.
     """
     if backend == "c":
         from lagc.simulation.backends.c import CModel
 
         library = CModel(interface, sources)
-        library.functions  # noqa: B018  compiled now
+        library.functions  # noqa: B018  compiles
         return library.bind(library.defaults())
     from lagc.simulation.backends.python import NumpyModel
 

@@ -1,4 +1,4 @@
-"""What the backends share: a compiled model without values, and the same with parameters bound."""
+"""The common part of the backends: a compiled model without values, and a system with parameters."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from lagc.base.records import RLock
 from lagc.lowering.program import Interface
 from lagc.simulation.system import System, Vector
 
-Branch: TypeAlias = Any  # its modes, as a backend keeps them
+Branch: TypeAlias = Any  # the modes of all relations, in the form of the backend
 
 
 class Compiled(ABC):
-    """A compiled model: nothing of it changes, and any number of threads may use it.
+    """A compiled model; immutable, for any number of threads.
 
-    It pickles as its interface and its text; what runs is loaded when it is first needed.
+    Pickles as its interface and its text.  The code is loaded when it is first needed.
     """
 
     def __init__(self, interface: Interface, sources: Mapping[str, str]):
@@ -26,10 +26,10 @@ class Compiled(ABC):
 
     @abstractmethod
     def bind(self, values: Sequence[float], branch: Branch | None = None) -> System:
-        """The system with the array p = `values`; with a `branch`, on that."""
+        """The system with the array p = `values`, on a fixed `branch` if one is given."""
 
     def defaults(self) -> list[float]:
-        """The model's own values of p; NaN where it gives none."""
+        """The model's own values of p; NaN for those without a value."""
         fields = (*self.interface.parameters, *self.interface.inputs)
         return [float("nan") if f.value is None else f.value for f in fields]
 
@@ -44,15 +44,16 @@ class Compiled(ABC):
 
 
 class CompiledSystem(ABC):
-    """A compiled model with its parameters, which never change.
+    """A compiled model with its parameters; immutable.
 
-    Every function is one of its arguments alone.  Any number of threads may call them: each has a
-    desk of its own, made when it first calls.  Of `assemble` then `solve`, and of `culprit`, a thread
-    sees its own.
+    Every function depends on its arguments alone.  Any number of threads may call them: each has a
+    workspace, created at its first call.  The results of `assemble` for `solve`, and `culprit`, belong to
+    the thread.
     """
 
     def __init__(
-        self, compiled: Compiled, values: Sequence[float], branch: Branch | None, desk: Callable[..., Any],
+        self, compiled: Compiled, values: Sequence[float], branch: Branch | None,
+        workspace: Callable[..., Any],
         *given: Any,
     ):  # fmt: skip
         interface = compiled.interface
@@ -65,7 +66,7 @@ class CompiledSystem(ABC):
         self._values = tuple(values)
         self.lock = RLock()
         self.branch = branch
-        self._own = _Own(desk, compiled, *given, self._hold)
+        self._thread = _PerThread(workspace, compiled, *given, self._apply_branch)
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -77,28 +78,27 @@ class CompiledSystem(ABC):
         return self.compiled.bind(values, self.branch)
 
     def on(self, t: float, x: Vector) -> System:
-        """The same on the branch of (t, x), whatever the state that is asked and however arithmetic is
-        rounded then."""
+        """The same system on the branch of (t, x): the modes of all relations stay fixed at other states."""
         if not self.interface.switches:
             return cast("System", self)
         return self.compiled.bind(self._values, self._branch(t, x))
 
-    def _hold(self, desk: Any) -> None:
-        """The branch for a desk that was made."""
+    def _apply_branch(self, workspace: Any) -> None:
+        """Set the branch of a new workspace."""
         if self.branch is not None:
-            self._held(desk, self.branch)
+            self._set_branch(workspace, self.branch)
 
     @abstractmethod
     def _branch(self, t: float, x: Vector) -> Branch:
-        """That of (t, x)."""
+        """The branch of (t, x)."""
 
     @abstractmethod
-    def _held(self, desk: Any, branch: Branch) -> None:
-        """`desk` evaluates on the branch from here on."""
+    def _set_branch(self, workspace: Any, branch: Branch) -> None:
+        """Fix the branch of a workspace."""
 
     @abstractmethod
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
-        """Fills xdot and lam; the status."""
+        """Fill xdot and lam; return the status."""
 
     def accelerations(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
         xdot, lam = [0.0] * self.nx, [0.0] * self.nc
@@ -147,12 +147,12 @@ class CompiledSystem(ABC):
 
     @abstractmethod
     def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:
-        """The arrays of these lengths that the function `name` of the Program gives, at (t, x) where
-        it depends on them."""
+        """The arrays of these lengths that the function `name` of the program computes, at (t, x) if it
+        depends on them."""
 
     @abstractmethod
     def _ask(self, name: str, length: int, t: float, x: Vector) -> list[float]:
-        """The array of `length` that the function `name` of the Program gives at (t, x)."""
+        """The array of `length` that the function `name` of the program computes at (t, x)."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _bound, (self.compiled, self._values, self.branch)
@@ -168,15 +168,15 @@ def _bound(compiled: Compiled, values: Sequence[float], branch: Branch | None) -
     return compiled.bind(values, branch)
 
 
-class _Own(_local):
-    """What a thread calls with: its `desk`, made when it first asks for it."""
+class _PerThread(_local):
+    """The workspace of a thread, created when it first asks for it."""
 
     def __init__(self, make: Callable[..., Any], *given: Any):
         self.make, (*self.given, self.made) = make, given
 
     def __getattr__(self, name: str) -> Any:
-        if name != "desk":
+        if name != "workspace":
             raise AttributeError(name)
-        self.desk = self.make(*self.given)
-        self.made(self.desk)
-        return self.desk
+        self.workspace = self.make(*self.given)
+        self.made(self.workspace)
+        return self.workspace

@@ -1,4 +1,4 @@
-"""The generated C, compiled to a shared library and called through ctypes, as a System."""
+"""The generated C code, compiled to a shared library and called through ctypes, as a `System`."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class _Options(ctypes.Structure):
     )  # fmt: skip
 
 
-# The functions of the header, where a model has them, and what they return.
+# The functions of the header and their result types; a model may lack some.
 _RESULTS: dict[str, Any] = {
     **dict.fromkeys(("rhs", "outputs", "assemble", "record"), c_int),
     **dict.fromkeys(("work_size", "state_size"), c_size_t),
@@ -40,11 +40,11 @@ _RESULTS: dict[str, Any] = {
 
 
 class CModel(Compiled):
-    """The library; compiled, where it is not in the cache, when it is first needed."""
+    """The shared library; compiled when it is first needed, unless it is in the cache."""
 
     @once
     def functions(self) -> dict[str, Any]:
-        """By their names in the header, without the prefix.  Raises CannotCompile."""
+        """The functions by their names in the header, without the prefix.  Raises CannotCompile."""
         compiled = library(self.sources)
         (own,) = [name.removesuffix(".c") for name in self.sources if name.endswith(".c")]
         found = {}
@@ -73,12 +73,12 @@ class CModel(Compiled):
         return CSystem(self, values, branch)
 
     def work(self) -> Any:
-        """A new workspace."""
+        """Return a new workspace."""
         return ctypes.create_string_buffer(self.functions["work_size"]())
 
 
-class _Desk:
-    """The workspace and arrays of one thread."""
+class _Workspace:
+    """The workspace and the arrays of one thread."""
 
     __slots__ = ("call", "conditions", "head", "lam", "rhs", "work", "x", "xdot")
 
@@ -100,7 +100,7 @@ class CSystem(CompiledSystem):
     backend = "c"
 
     def __init__(self, model: CModel, values: Sequence[float], branch: Branch | None = None):
-        super().__init__(model, values, branch, _Desk)
+        super().__init__(model, values, branch, _Workspace)
         self.model = model
 
     def _branch(self, t: float, x: Vector) -> Branch:
@@ -108,16 +108,17 @@ class CSystem(CompiledSystem):
         self.model.functions["hold"](self._p, c_double(t), (c_double * self.nx)(*x), work)
         return work.raw
 
-    def _held(self, desk: _Desk, branch: Branch) -> None:
-        desk.work[:] = branch
+    def _set_branch(self, workspace: _Workspace, branch: Branch) -> None:
+        workspace.work[:] = branch
 
     @once
     def _p(self) -> Any:
-        """lagc_params, bound."""
+        """The struct lagc_params with all derived values."""
         return self._bound(0)
 
     def _bound(self, direction: int) -> Any:
-        """The same with arithmetic rounded up or down."""
+        """The parameters, with derived values computed in arithmetic rounded up (1) or down (-1); 0: to
+        nearest."""
         p = (c_double * max(len(self._values) + self.interface.prepared, 1))(*self._values)
         if self.interface.prepared:
             bind = self.model.functions["bind"]
@@ -126,14 +127,16 @@ class CSystem(CompiledSystem):
 
     @property
     def culprit(self) -> int:
-        return int(self._own.desk.head.culprit)
+        return int(self._thread.workspace.head.culprit)
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
-        desk = self._own.desk
-        desk.x[:] = x
-        status: int = desk.rhs(self._p, c_double(t), desk.x, desk.xdot, desk.lam, desk.work)
-        xdot[:] = desk.xdot[:]
-        lam[:] = desk.lam[: self.nc]
+        workspace = self._thread.workspace
+        workspace.x[:] = x
+        status: int = workspace.rhs(
+            self._p, c_double(t), workspace.x, workspace.xdot, workspace.lam, workspace.work
+        )
+        xdot[:] = workspace.xdot[:]
+        lam[:] = workspace.lam[: self.nc]
         return status
 
     def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], direction: int) -> int | None:
@@ -141,19 +144,21 @@ class CSystem(CompiledSystem):
 
         if control() is None:
             return None
-        desk = self._at(x)
-        rhs = _rounded(desk.rhs, direction)
-        status: int = rhs(self._bound(direction), c_double(t), desk.x, desk.xdot, desk.lam, desk.work)
-        xdot[:] = desk.xdot[:]
-        lam[:] = desk.lam[: self.nc]
+        workspace = self._at(x)
+        rhs = _rounded(workspace.rhs, direction)
+        status: int = rhs(
+            self._bound(direction), c_double(t), workspace.x, workspace.xdot, workspace.lam, workspace.work
+        )
+        xdot[:] = workspace.xdot[:]
+        lam[:] = workspace.lam[: self.nc]
         return status
 
     def outputs(self, t: float, x: Vector) -> list[float]:
         n = len(self.interface.outputs)
         if n == 0:
             return []
-        y, desk = (c_double * n)(), self._at(x)
-        desk.call["outputs"](self._p, c_double(t), desk.x, y, desk.work)
+        y, workspace = (c_double * n)(), self._at(x)
+        workspace.call["outputs"](self._p, c_double(t), workspace.x, y, workspace.work)
         return y[:]
 
     def start(self) -> list[float]:
@@ -164,19 +169,19 @@ class CSystem(CompiledSystem):
     def displace(self, t: float, x: Vector, d: Vector) -> list[float]:
         if "displace" not in self.interface.functions:
             return list(d)
-        moved, desk = (c_double * self.nq)(), self._at(x)
-        desk.call["displace"](self._p, c_double(t), desk.x, (c_double * self.nv)(*d), moved)
+        moved, workspace = (c_double * self.nq)(), self._at(x)
+        workspace.call["displace"](self._p, c_double(t), workspace.x, (c_double * self.nv)(*d), moved)
         return moved[:]
 
     def assemble(self, t: float, x: Vector) -> int:
-        desk = self._at(x)
-        status: int = desk.call["assemble"](self._p, c_double(t), desk.x, desk.work)
+        workspace = self._at(x)
+        status: int = workspace.call["assemble"](self._p, c_double(t), workspace.x, workspace.work)
         return status
 
     def solve(self, r: Vector) -> list[float]:
-        n, desk = self.nv + self.nc, self._own.desk
+        n, workspace = self.nv + self.nc, self._thread.workspace
         s = (c_double * n)()
-        desk.call["solve"]((c_double * n)(*r), s, desk.work)
+        workspace.call["solve"]((c_double * n)(*r), s, workspace.work)
         return s[:]
 
     def integrate(
@@ -230,45 +235,53 @@ class CSystem(CompiledSystem):
             return status
 
         def result(status: int) -> Trajectory:
-            flat = states[: done.value * nx]
-            rows = head.redundant if self.nc else ()
-            return Trajectory(
-                times=list(times[: done.value]),
-                states=[flat[k : k + nx] for k in range(0, len(flat), nx)],
-                t=state.t, x=state.x[:], status=status, culprit=-1 if status == OK else state.culprit,
-                steps=state.steps, rejected=state.rejected, rhs=state.rhs,
-                step=state.t - state.t_old, fallbacks=head.fallbacks,
-                redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
-                position_drift=state.position_drift, velocity_drift=state.velocity_drift,
-                sizes=state.sizes[:],
-                event_roundoff=state.event_roundoff[:] if self.interface.switches else (),
-                events=events, jumps=jumps, corners=corners,
-                changes=state.changes if self.interface.switches else 0,
-            )  # fmt: skip
+            known = {"events": events, "jumps": jumps, "corners": corners}
+            return self._trajectory(
+                status, state, head, times[: done.value], states[: done.value * nx], known
+            )
 
         return record_in_slices(state, options, record, result, progress, None if direction else perf_counter)
 
+    def _trajectory(
+        self, status: int, state: Any, head: Any, times: Sequence[float], flat: list[float],
+        known: dict[str, Any],
+    ) -> Trajectory:  # fmt: skip
+        """The trajectory with the recorded states `flat`, and its events, jumps and corners `known`."""
+        nx, events = self.nx, bool(self.interface.switches)
+        rows = head.redundant if self.nc else ()
+        return Trajectory(
+            times=list(times),
+            states=[flat[k : k + nx] for k in range(0, len(flat), nx)],
+            t=state.t, x=state.x[:], status=status, culprit=-1 if status == OK else state.culprit,
+            steps=state.steps, rejected=state.rejected, rhs=state.rhs,
+            step=state.t - state.t_old, fallbacks=head.fallbacks,
+            redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
+            position_drift=state.position_drift, velocity_drift=state.velocity_drift,
+            sizes=state.sizes[:], event_roundoff=state.event_roundoff[:] if events else (),
+            changes=state.changes if events else 0, **known,
+        )  # fmt: skip
+
     def _at(self, x: Vector) -> Any:
-        """The desk of this thread, with x on it."""
-        desk = self._own.desk
-        desk.x[:] = x
-        return desk
+        """The workspace of this thread, with its x set."""
+        workspace = self._thread.workspace
+        workspace.x[:] = x
+        return workspace
 
     def _ask(self, name: str, length: int, t: float, x: Vector) -> list[float]:
         if length == 0:
             return []
-        values, desk = (c_double * length)(), self._at(x)
-        desk.call[name](self._p, c_double(t), desk.x, values)
+        values, workspace = (c_double * length)(), self._at(x)
+        workspace.call[name](self._p, c_double(t), workspace.x, values)
         return values[:]
 
     def some_conditions(self, t: float, x: Vector, c: list[float], jacobian: list[float], sizes: list[float],
                         first: int, last: int) -> None:  # fmt: skip
         asked, rows, entries = self.model.spans(first, last)
-        desk = self._own.desk
-        x_there, c_there, jacobian_there, sizes_there = room = desk.conditions
+        workspace = self._thread.workspace
+        x_there, c_there, jacobian_there, sizes_there = room = workspace.conditions
         for k in asked:
             x_there[k] = x[k]
-        desk.call["some_conditions"](self._p, c_double(t), *room, first, last)
+        workspace.call["some_conditions"](self._p, c_double(t), *room, first, last)
         for k in rows:
             c[k], sizes[k] = c_there[k], sizes_there[k]
         for k in entries:
@@ -283,7 +296,7 @@ class CSystem(CompiledSystem):
 
 
 def _rounded(function: Callable[..., int], direction: int) -> Callable[..., int]:
-    """Compiled code with arithmetic rounded up (1) or down (-1)."""
+    """Return `function` with arithmetic rounded up (1) or down (-1)."""
     from lagc.simulation.backends.directed_rounding import directed
 
     def call(*given: Any) -> int:
@@ -330,12 +343,16 @@ Found: TypeAlias = "tuple[list[slice], list[slice], list[slice]]"
 
 
 class Spans:
-    """Of pieces first..last-1: the unknowns in x; and with what belongs to none the conditions in c and
-    sizes, the derivatives in J."""
+    """The slices of the initial equations that belong to independent blocks.
+
+    Called with first and last, it returns, for the blocks first..last-1, slices of the unknowns in x, of
+    the equations in c and sizes, and of the derivatives in J.  Equations that belong to no block are
+    included.
+    """
 
     def __init__(self, interface: Interface):
         self.ends = interface.condition_ends
-        self.unknowns: dict[int, list[int]] = {}  # of each piece; -1: of none
+        self.unknowns: dict[int, list[int]] = {}  # by block; -1: in no block
         self.rows: dict[int, list[int]] = {}
         for j, piece in enumerate(interface.pieces):
             self.unknowns.setdefault(piece, []).append(j)
@@ -354,7 +371,7 @@ class Spans:
 
 
 def slices(numbers: Iterable[int]) -> list[slice]:
-    """Those that ascending numbers make where they follow each other."""
+    """The slices that ascending numbers form."""
     found: list[slice] = []
     begin = end = -1
     for k in numbers:

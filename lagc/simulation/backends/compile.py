@@ -1,4 +1,4 @@
-"""Compilers of C, and what they make of generated code."""
+"""C compilers, and shared libraries of generated code: from the cache, or compiled now."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ if TYPE_CHECKING:
 
 FLAGS = ("-O2", "-ffp-contract=off", "-fPIC", "-shared", "-std=c99")
 COMPILERS = ("cc", "gcc", "clang")
-NO_ROOM = {  # how compilers, linkers and the loader say so, besides the system's own words
+NO_ROOM = {  # messages of compilers, linkers and loaders, besides those of the system
     errno.ENOSPC: (),
     errno.ENOMEM: ("out of memory", "memory exhausted", "bad_alloc", "failed to map", "signal terminated"),
 }
-LONGEST = 600.0  # s that one compilation may take
+LONGEST = 600.0  # s for one compilation
 _loaded = count(1)
 SUFFIX = ".dll" if sys.platform == "win32" else ".so"
 
 
 class CannotCompile(Exception):
-    """There is no C compiler, or it does not take the generated code, or there is no room for that: on the
-    disk (`full`), or in memory (`starved`); the message says which."""
+    """There is no C compiler, or it fails, or disk (`full`) or memory (`starved`) is exhausted; the message
+    tells which."""
 
     def __init__(self, message: str, number: int | None = None):
         super().__init__(message)
@@ -42,8 +42,10 @@ class CannotCompile(Exception):
 
 @lru_cache(maxsize=1)
 def compiler() -> tuple[str, ...] | None:
-    """The words that call the C compiler: `LAGC_CC`, else cc, gcc or clang, else `zig cc` where
-    the package ziglang is installed.  None where there is none."""
+    """The command of the C compiler, or None.
+
+    `LAGC_CC` if it is set, or else cc, gcc or clang, or else `zig cc` if the package ziglang is installed.
+    """
     import shutil
 
     own = os.environ.get("LAGC_CC")
@@ -62,18 +64,18 @@ def compiler() -> tuple[str, ...] | None:
 
 
 def library_key(sources: Mapping[str, str]) -> str:
-    """Of the cache entry of the library made of `sources`: their content, flags and machine."""
+    """The cache key of the library of `sources`: their content, the flags and the machine."""
     words = [item for name in sorted(sources) for item in (name, sources[name])]
     return cache.key("1", sys.platform, _machine(), *FLAGS, os.environ.get("LAGC_CC", ""), *words)
 
 
 def cached_library(sources: Mapping[str, str]) -> bool:
-    """Whether the library was compiled before."""
+    """Whether the library is in the cache."""
     return cache.holds("library", library_key(sources))
 
 
 def build_library(sources: Mapping[str, str]) -> bytes:
-    """The shared library of `sources` (file name -> text), compiled now.  Raises CannotCompile."""
+    """Compile the shared library of `sources` (file name -> text).  Raises CannotCompile."""
     words = compiler()
     if words is None:
         raise CannotCompile("no C compiler was found (cc, gcc, clang, or the package `ziglang`)")
@@ -88,13 +90,16 @@ def build_library(sources: Mapping[str, str]) -> bytes:
         message = f"the C compiler could not be used: {error.strerror or error}"
         raise CannotCompile(message, error.errno) from None
     if not _is_whole(built):
-        raise CannotCompile(f"`{os.path.basename(words[0])}` left half a library behind")
+        raise CannotCompile(f"`{os.path.basename(words[0])}` wrote an incomplete library")
     return built
 
 
 def _is_whole(library: bytes) -> bool:
-    """Whether all that the system will map is there: it does not look, and the process dies where a page is
-    missing.  Of 64-bit ELF files, by their program headers; of others, whether there is anything."""
+    """Whether a library file is complete.
+
+    A process that maps an incomplete one dies at the first missing page.  Checks the program headers of
+    64-bit ELF files; other files must not be empty.
+    """
     if library[:6] != b"\x7fELF\x02\x01":
         return len(library) > 0
     import struct
@@ -133,8 +138,11 @@ def _compile(words: tuple[str, ...], sources: Mapping[str, str], folder: str) ->
 
 
 def _finished(command: Sequence[str], folder: str) -> CompletedProcess[str]:
-    """`command` run in `folder`, where it keeps its temporary files too.  It has a group of processes of
-    its own, which ends with us: a compiler is several.  Raises TimeoutExpired, OSError."""
+    """Run `command` in `folder`, which also holds its temporary files.
+
+    It has its own process group, which is killed if this process is interrupted.  Raises TimeoutExpired,
+    OSError.
+    """
     import signal
     import subprocess
 
@@ -146,7 +154,7 @@ def _finished(command: Sequence[str], folder: str) -> CompletedProcess[str]:
     try:
         out, err = process.communicate(timeout=LONGEST)
     except BaseException:
-        with suppress(OSError):  # it may have ended by itself
+        with suppress(OSError):  # it may have ended already
             if group:
                 os.killpg(process.pid, signal.SIGKILL)
             else:
@@ -161,8 +169,8 @@ def _machine() -> str:
 
 
 def library(sources: Mapping[str, str]) -> ctypes.CDLL:
-    """The library of `sources` (file name -> text), compiled where no whole one is in the cache.  Raises
-    CannotCompile."""
+    """Return the library of `sources` (file name -> text), compiled unless the cache has a valid one.
+    Raises CannotCompile."""
     key = library_key(sources)
     found = cache.load("library", key, load)
     if found is not None:
@@ -176,26 +184,29 @@ def library(sources: Mapping[str, str]) -> ctypes.CDLL:
 
 
 def load(data: bytes) -> ctypes.CDLL:
-    """The library whose file would be `data`.  It is mapped from memory that nobody can change or cut
-    off; where there is no such memory, from a copy of its own.  Raises OSError."""
+    """Load a library from its bytes.
+
+    It is mapped from sealed memory that no one can change, or from a private copy if the system has none.
+    Raises OSError.
+    """
     memory = _sealed(data)
     if memory is None:
         return _load_copy(data)
     import ctypes
 
     try:
-        # The loader takes what has the name of an earlier library for that one, and numbers of
-        # descriptors return: the name is made another one by `/.` in the places of a count's ones.
+        # The loader identifies libraries by name, and numbers of
+        # descriptors recur: `/.` for the ones of a binary counter makes each name unique.
         unlike = "".join("/." if digit == "1" else "/" for digit in f"{next(_loaded):b}")
         return ctypes.CDLL(f"/proc/self/fd{unlike}/{memory}")
-    except OSError:  # no /proc here, or nothing in memory may be executed
+    except OSError:  # no /proc, or memory files cannot be executed
         return _load_copy(data)
     finally:
         os.close(memory)
 
 
 def _sealed(data: bytes) -> int | None:
-    """A descriptor of memory that holds `data` for good (Linux)."""
+    """A descriptor of sealed memory that contains `data` (Linux), or None."""
     if not hasattr(os, "memfd_create"):
         return None
     import fcntl
@@ -227,7 +238,7 @@ def _load_copy(data: bytes) -> ctypes.CDLL:
         with open(path, "wb") as file:
             file.write(data)
         found = ctypes.CDLL(path)
-        if sys.platform == "win32":  # which keeps the file of a library as long as it is loaded
+        if sys.platform == "win32":  # a loaded library file cannot be deleted
             import atexit
             from _ctypes import FreeLibrary
 

@@ -1,4 +1,4 @@
-"""Arithmetic that is rounded up or down, where nothing else runs."""
+"""Arithmetic with directed rounding, in a thread of its own."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from functools import lru_cache
 from typing import Any, TypeVar
 from weakref import ref
 
-LOOK = 0.05  # s after which it is looked whether a thread has begun at all, and where it is
+LOOK = 0.05  # s between checks of the other thread
 T = TypeVar("T")
 Progress = Callable[[float], None]
 # FE_UPWARD and FE_DOWNWARD of <fenv.h>: x86, ARM, Microsoft's library, POWER and MIPS and s390, RISC-V
@@ -21,8 +21,11 @@ MODES = ((0x800, 0x400), (0x400000, 0x800000), (0x200, 0x100), (2, 3), (3, 2))
 
 @contextmanager
 def directed(direction: int) -> Iterator[Callable[[int], None]]:
-    """Arithmetic of this thread rounded up (1) or down (-1), as usual for 0 and where it cannot be; what it
-    gives turns it another direction.  All that runs meanwhile is rounded so: to be used `apart`."""
+    """A block with arithmetic of this thread rounded up (1), down (-1) or to nearest (0).
+
+    Yields a function that changes the direction.  Without support by the machine it does nothing.  All code
+    inside is affected: use it within `apart`.
+    """
     found = control()
 
     def turned(direction: int) -> None:
@@ -38,7 +41,7 @@ def directed(direction: int) -> Iterator[Callable[[int], None]]:
 
 
 def turns(direction: int) -> Iterator[int]:
-    """Ways of rounding, up and down without pattern; for -1 the opposite ones."""
+    """Yield rounding directions, up and down without a pattern; opposite ones for -1."""
     k = 0
     while True:
         yield -direction if k * k * 0x9E3779B1 & 0x100000 else direction
@@ -46,8 +49,8 @@ def turns(direction: int) -> Iterator[int]:
 
 
 def by_turns(run: Callable[[Progress], T], direction: int, progress: Progress | None) -> T:
-    """What `run(tell)` returns, apart, with arithmetic rounded another direction of `turns` after each time that it
-    tells."""
+    """Return `run(tell)`, run in another thread with a new rounding direction of `turns` after each call of
+    `tell`."""
 
     def work(tell: Progress) -> T:
         directions = turns(direction)
@@ -63,17 +66,18 @@ def by_turns(run: Callable[[Progress], T], direction: int, progress: Progress | 
 
 
 def apart(work: Callable[[], T]) -> T:
-    """What `work` returns, in a thread of its own: see `followed`."""
+    """Return `work()`, run in a thread of its own (see `followed`)."""
     return followed(lambda tell: work())
 
 
 def followed(work: Callable[[Progress], T], progress: Progress | None = None) -> T:
-    """What `work(tell)` returns, in a thread of its own, where neither signals are handled nor objects
-    finalised; the rounding mode is a thread's own.  In this thread where the machine gives no other.
+    """Return `work(tell)`, run in a thread of its own, where no signals are handled and no objects
+    finalized.
 
-    What it tells comes to `progress` here now and then.  What is raised here meanwhile, by a signal too, is
-    raised there when it tells next, and here in the end where it does not.  Raises MemoryError where the
-    other thread has not enough to begin.
+    The rounding mode belongs to a thread.  If no thread can be started, the work runs in this one.  Calls
+    of `tell` are passed on to `progress` from time to time.  An exception raised here meanwhile, also by a
+    signal, is raised there at the next call of `tell`, or here in the end.  Raises MemoryError if the other
+    thread cannot begin.
     """
     done: list[T] = []
     failed: list[BaseException] = []
@@ -123,7 +127,7 @@ def followed(work: Callable[[Progress], T], progress: Progress | None = None) ->
 
 @lru_cache(maxsize=1)
 def control() -> tuple[Callable[[int], Any], int, int] | None:
-    """fesetround of the C library and its modes for up and down; None where there is none that works."""
+    """Return fesetround of the C library and its modes for up and down, or None if it does not work."""
     try:
         turn = ctypes.CDLL("ucrtbase" if sys.platform == "win32" else None).fesetround
     except (OSError, AttributeError):

@@ -1,7 +1,7 @@
-"""The generated Python module as a System.
+"""The generated Python module as a `System`.
 
-One state at a time runs on Python floats, which NumPy would slow down; the module uses NumPy for
-many states at once.
+Single states are Python floats, which are faster than NumPy scalars; the module uses NumPy for many states
+at once.
 """
 
 from __future__ import annotations
@@ -18,12 +18,11 @@ from lagc.simulation.backends.base import Branch, Compiled, CompiledSystem
 from lagc.simulation.system import OK, Options, Trajectory, Vector
 
 _PART = 20_000  # characters
-_BETWEEN = "\n\n\n"  # between definitions of a module, and nowhere in them
+_BETWEEN = "\n\n\n"  # separates the definitions of a module
 
 
 def compiled(text: str, name: str) -> tuple[CodeType, ...]:
-    """The text of a module as code, which comes in parts: to compile them one by one takes half the room of
-    all at once, and three quarters of the time."""
+    """Compile the text of a module in parts, which takes half the memory and three quarters of the time."""
     parts, flags = [""], annotations.compiler_flag
     for definition in text.split(_BETWEEN):
         if len(parts[-1]) > _PART:
@@ -33,18 +32,20 @@ def compiled(text: str, name: str) -> tuple[CodeType, ...]:
 
 
 def executed(code: Sequence[CodeType]) -> dict[str, Any]:
-    """The namespace that a module makes."""
+    """Execute the code of a module and return its namespace."""
     space: dict[str, Any] = {"__name__": __name__}
     for part in code:
         exec(part, space)
     return space
 
 
-ROOM = 2**21  # operations that derivatives are made of at once, directions times those of a right-hand side
+ROOM = (
+    2**21
+)  # largest number of directions times operations of a right-hand side, for derivatives computed at once
 
 
 class NumpyModel(Compiled):
-    """The module; `code` is its compiled text, where it is at hand."""
+    """The generated module; `code` is its compiled text, if it is known."""
 
     def __init__(self, interface: Interface, sources: Mapping[str, str], code: Sequence[CodeType] = ()):
         super().__init__(interface, sources)
@@ -52,13 +53,13 @@ class NumpyModel(Compiled):
 
     @once
     def module(self) -> dict[str, Any]:
-        """The namespace that the text makes."""
+        """The namespace of the module."""
         ((name, text),) = self.sources.items()
         return executed(self.code or compiled(text, name))
 
     @once
     def rows(self) -> dict[str, range]:
-        """Those of each part of what is differentiated."""
+        """The rows of each part of the differentiated stack."""
         return self.interface.stack
 
     @once
@@ -73,8 +74,8 @@ class NumpyModel(Compiled):
         return NumpySystem(self, values, branch)
 
 
-class _Desk:
-    """The equations of one thread, and the functions of the Program with what they read."""
+class _Workspace:
+    """The equations of one thread, and the functions of the program with their argument names."""
 
     __slots__ = ("equations", "functions", "rhs")
 
@@ -88,55 +89,58 @@ class NumpySystem(CompiledSystem):
     backend = "numpy"
 
     def __init__(self, model: NumpyModel, values: Sequence[float], branch: Branch | None = None):
-        super().__init__(model, values, branch, _Desk, tuple(values))
+        super().__init__(model, values, branch, _Workspace, tuple(values))
         self.model = model
 
     def _branch(self, t: float, x: Vector) -> Branch:
         return tuple(self.modes(t, x))
 
-    def _held(self, desk: _Desk, branch: Branch) -> None:
-        work = desk.equations.work
+    def _set_branch(self, workspace: _Workspace, branch: Branch) -> None:
+        work = workspace.equations.work
         work.modes[:], work.modes_fixed = branch, True
 
     @once
     def _p(self) -> list[float]:
-        """The array p, bound."""
+        """The array p with all derived values."""
         p: list[float] = self.equations().p
         return p
 
     def equations(self) -> Any:
-        """The equations for one trajectory, which remember which rows depended on others."""
+        """New equations for one trajectory; they remember which constraints depended on others."""
         return self.model.module["Equations"](self._values)
 
     @property
     def culprit(self) -> int:
-        found: int = self._own.desk.equations.culprit
+        found: int = self._thread.workspace.equations.culprit
         return found
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
-        status: int = self._own.desk.rhs(t, x, xdot, lam)
+        status: int = self._thread.workspace.rhs(t, x, xdot, lam)
         return status
 
     def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], direction: int) -> int | None:
         return None
 
     def assemble(self, t: float, x: Vector) -> int:
-        work = self._own.desk.equations.work
+        work = self._thread.workspace.equations.work
         work.rank_deficient = False
         status: int = self.model.module["assemble_at"](self._p, t, x, work)
         return status
 
     def solve(self, r: Vector) -> list[float]:
         found = [0.0] * (self.nv + self.nc)
-        self.model.module["solve_at"](r, found, self._own.desk.equations.work)
+        self.model.module["solve_at"](r, found, self._thread.workspace.equations.work)
         return found
 
     def factors(self, t: float, x: Vector, modes: Vector | None = None) -> list[float] | None:
-        """Those of [M -G^T; G 0] at a state, of a program with derivatives; None where it has none, or none
-        that can be trusted.  Without `modes` on the branch of the state."""
+        """The factors of [M -G^T; G 0] at a state, for a program with derivatives; None if unavailable or
+        inaccurate.
+
+        Without `modes`, on the branch of the state.
+        """
         if "solve" not in self.interface.functions:
             return None
-        work = self._own.desk.equations.work
+        work = self._thread.workspace.equations.work
         on = () if not self.interface.switches else (self.modes(t, x) if modes is None else modes,)
         if not self.nc:
             module = self.model.module
@@ -149,8 +153,8 @@ class NumpySystem(CompiledSystem):
         return work.kkt_entries[:] if status == OK and work.fallbacks == safely else None
 
     def solved(self, factors: Vector, right: Any) -> Any:
-        """The columns s of M s1 - G^T s2 = r1, G s1 = r2 for those of `right`, with one step of refinement
-        where there are constraints."""
+        """Solve M s1 - G^T s2 = r1, G s1 = r2 for the columns of `right`, with one refinement step if there
+        are constraints."""
         import numpy
 
         module, found = self.model.module, [0.0] * len(right)
@@ -172,14 +176,14 @@ class NumpySystem(CompiledSystem):
         return dq
 
     def modes(self, t: float, x: Vector) -> list[float]:
-        """The branch of a state: the mode of each switch."""
+        """The branch of a state: the mode of each relation."""
         found = [0.0] * len(self.interface.switches)
         if found:
             self.model.module["fn_modes"](self._p, t, x, found)
         return found
 
     def holds(self, modes: Vector, t: float, x: Vector) -> list[float]:
-        """Of each clause `when`, 1 where its condition holds on a branch."""
+        """For each clause `when`, 1 if its condition holds on a branch."""
         found = [0.0] * len(self.interface.whens)
         if found:
             self.model.module["fn_holds_on"](self._p, t, x, modes, found)
@@ -192,19 +196,22 @@ class NumpySystem(CompiledSystem):
 
     @contextmanager
     def _on(self, modes: Vector = ()) -> Iterator[None]:
-        """What is asked within is asked on this branch, if one is given."""
+        """A block whose evaluations are on the branch `modes`, if it is not empty."""
         if not modes:
             yield
             return
-        work = self._own.desk.equations.work
+        work = self._thread.workspace.equations.work
         before, held = work.modes[:], work.modes_fixed
         work.modes[:], work.modes_fixed = modes, True
         yield
         work.modes[:], work.modes_fixed = before, held
 
     def stack(self, t: float, x: Vector, a: Vector, lam: Vector, modes: Vector | None = None) -> list[float]:
-        """What is differentiated (`lagc.lowering.jacobians`), of a program with derivatives; without
-        `modes` on the branch of the state."""
+        """The values of all differentiated expressions (`lagc.lowering.jacobians`), for a program with
+        derivatives.
+
+        Without `modes`, on the branch of the state.
+        """
         found = [0.0] * max([part.stop for part in self.interface.stack.values()])
         self._differentiated("stack", t, x, a, lam, modes, found)
         return found
@@ -212,7 +219,7 @@ class NumpySystem(CompiledSystem):
     def derivatives(
         self, group: str, t: float, x: Vector, a: Vector, lam: Vector, modes: Vector | None = None
     ) -> Any:
-        """Of the stack by one group, as a matrix."""
+        """The derivatives of the stack by one group of variables, as a matrix."""
         import numpy
 
         height, columns = max(rows.stop for rows in self.model.rows.values()), self.interface.groups[group]
@@ -232,7 +239,7 @@ class NumpySystem(CompiledSystem):
         return table
 
     def _seeds(self, directions: range) -> list[Any]:
-        """One after the other: an array an entry of a direction, 0 where all of them have that."""
+        """Unit directions, one array for each entry; 0 for entries that are zero in all directions."""
         import numpy
 
         found: list[Any] = [0.0] * max(group.stop for group in self.interface.groups.values())
@@ -275,14 +282,17 @@ class NumpySystem(CompiledSystem):
         return by_turns(run, direction, progress)
 
     def _ask(self, name: str, length: int, t: float, x: Vector) -> list[float]:
-        """The function `name` of the Program, with those of p t x e a lam that it reads."""
+        """Call the function `name` of the program with those of p t x e a lam that it reads."""
         result = [0.0] * length
         if length:
-            desk = self._own.desk
-            if name not in desk.functions:
+            workspace = self._thread.workspace
+            if name not in workspace.functions:
                 found = self.model.module[f"fn_{name}"]
-                desk.functions[name] = found, found.__code__.co_varnames[: found.__code__.co_argcount - 1]
-            function, names = desk.functions[name]
+                workspace.functions[name] = (
+                    found,
+                    found.__code__.co_varnames[: found.__code__.co_argcount - 1],
+                )
+            function, names = workspace.functions[name]
             given: dict[str, Any] = {"p": self._p, "t": t, "x": x}
             if "e" in names:
                 given["e"] = self.energies(t, x)

@@ -1,1 +1,2 @@
-"""Equilibria and linear models."""
+"""Linear models of a compiled model: derivatives, independent states, equilibria, eigenvalues and
+stability."""

@@ -1,7 +1,6 @@
-"""The derivatives of a compiled model at one state, as arrays, and those of the motion: of accelerations and
-multipliers, which the equations give implicitly.
+"""Derivatives of a compiled model at one state, as arrays, and those of accelerations and multipliers.
 
-    F(t, q, v, a, lam, p) = (M a - (tau - h + G^T lam); G a - gamma) = 0,      d(a, lam)/dy = -K^-1 dF/dy,
+F(t, q, v, a, lam, p) = (M a - (tau - h + G^T lam); G a - gamma) = 0,      d(a, lam)/dy = -K^-1 dF/dy,
 
 K = dF/d(a, lam) = [M, -G^T; G, 0].
 """
@@ -22,16 +21,16 @@ if TYPE_CHECKING:
 
 Array: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.float64]]"
 
-ROUNDING = 1e-13  # of its terms: what is rounding, and therefore zero
-LAST = 2.0**-50  # by which last places change
-SHARE = 0.1  # of an entry: a change that makes it rounding
-FEW, ENOUGH = 3, 12  # such changes; rounding of a few last places stays what it is under one in three
-TINY = 1e-60  # beside a state at which a derivative has no value, as that of norm(v) v at rest
-DEPENDENT = 1e-11  # singular values beside the largest: rows that depend on each other
+ROUNDING = 1e-13  # relative to its terms: smaller values are round-off, and set to zero
+LAST = 2.0**-50  # relative perturbation of a few units in the last place
+SHARE = 0.1  # of an entry: a change by more than this makes it round-off
+FEW, ENOUGH = 3, 12  # such perturbations; one in three leaves round-off unchanged
+TINY = 1e-60  # offset from a state at which a derivative has no value, such as that of norm(v) v at rest
+DEPENDENT = 1e-11  # relative to the largest singular value: constraints that depend on each other
 
 
-class _Shake:
-    """Gives numbers other last places, by chance."""
+class _Perturbation:
+    """Random perturbations of numbers by a few units in the last place."""
 
     def __init__(self, seed: int) -> None:
         self.chance = random.Random(seed)
@@ -41,10 +40,12 @@ class _Shake:
 
 
 class Point:
-    """A compiled model with derivatives at (t, x), x = (q, v), with the accelerations and multipliers of the
-    motion there or those that are given.  `clean`: an entry that changes by as much as it is where all that
-    it is made of changes in its last places is rounding, and 0.  `modes`: of the branch, where it is not that
-    of the state."""
+    """A compiled model with derivatives at (t, x), x = (q, v).
+
+    Accelerations and multipliers are those given, or else those of the motion.  `clean`: entries that
+    change by their own size under perturbations in the last place are round-off, and set to 0.  `modes`:
+    the branch, if it is not that of the state.
+    """
 
     def __init__(
         self,
@@ -72,7 +73,7 @@ class Point:
     def _rates_at(
         self, system: NumpySystem, t: float, x: Sequence[float]
     ) -> tuple[list[float] | None, list[float]]:
-        """xdot, None where the motion is not determined, and the multipliers."""
+        """Return xdot (None if the motion is not determined) and the multipliers."""
         xdot, lam = [0.0] * system.nx, [0.0] * system.nc
         if self.modes is None:
             status = system.rhs(t, x, xdot, lam)
@@ -81,11 +82,10 @@ class Point:
         return (None if status in FAILED else xdot), lam
 
     def _is_rounding(self, values: Sequence[float], which: int) -> Array:
-        """Which of the rates (0) or multipliers (1) are rounding: where last places change, they change as
-        much as they are."""
+        """Which of the rates (0) or multipliers (1) are round-off."""
         here = np.array(values)
         found = np.zeros(len(here), dtype=bool)
-        for system, t, x in self._shaken[:FEW]:
+        for system, t, x in self._perturbed[:FEW]:
             rates, lam = self._rates_at(system, t, x)
             if rates is not None:
                 there = np.array((rates, lam)[which][: len(here)])
@@ -94,15 +94,16 @@ class Point:
 
     @cached_property
     def stack(self) -> Array:
-        """The values of all that is differentiated."""
+        """The values of all differentiated expressions."""
         return np.array(self.system.stack(self.t, self.x, self.a, self.lam, self.modes))
 
     def value(self, part: str) -> Array:
+        """The values of one part of the stack."""
         rows = self.system.model.rows[part]
         return self.stack[rows.start : rows.stop]
 
     def by(self, group: str) -> Array:
-        """All of them by a group as a matrix, where a and lam are held."""
+        """The derivatives of the stack by a group of variables, with a and lam fixed."""
         if group not in self._groups:
             entries = self._entries(group)
             for k, other in enumerate(self.beside if self.clean else ()):
@@ -114,7 +115,7 @@ class Point:
         return self._groups[group]
 
     def _entries(self, group: str) -> Array:
-        """The derivatives or, where one has no value, what it is on both sides, if that is the same."""
+        """The derivatives; an entry without a value has the common value of both sides, if they agree."""
 
         def at(side: float) -> Array:
             x = [value + side for value in self.x]
@@ -131,23 +132,26 @@ class Point:
         return entries
 
     def rounding_rates(self) -> Array:
-        """Which of the rates of q and v are rounding."""
+        """Which of the rates of q and v are round-off."""
         return self._is_rounding([*self.value("qdot"), *self.a], 0)
 
     @cached_property
-    def _shaken(self) -> list[tuple[NumpySystem, float, list[float]]]:
-        """Parameters, time and state with other last places."""
-        shake, bind, p = _Shake(0), self.system.model.bind, self.system.parameters
-        return [(bind(shake(p)), shake([self.t])[0], shake(self.x)) for _ in range(ENOUGH)]
+    def _perturbed(self) -> list[tuple[NumpySystem, float, list[float]]]:
+        """Systems, times and states perturbed in the last place."""
+        perturb, bind, p = _Perturbation(0), self.system.model.bind, self.system.parameters
+        return [(bind(perturb(p)), perturb([self.t])[0], perturb(self.x)) for _ in range(ENOUGH)]
 
     @cached_property
     def beside(self) -> list[Point]:
-        """All with other last places."""
-        shake = _Shake(1)
-        return [Point(s, t, x, shake(self.a), shake(self.lam), modes=self.modes) for s, t, x in self._shaken]
+        """This point with all numbers perturbed in the last place."""
+        perturb = _Perturbation(1)
+        return [
+            Point(s, t, x, perturb(self.a), perturb(self.lam), modes=self.modes)
+            for s, t, x in self._perturbed
+        ]
 
     def partial(self, part: str, group: str) -> Array:
-        """Of one part of the stack, where a and lam are held."""
+        """The derivatives of one part of the stack, with a and lam fixed."""
         rows = self.system.model.rows[part]
         return self.by(group)[rows.start : rows.stop]
 
@@ -159,8 +163,8 @@ class Point:
 
     @cached_property
     def scales(self) -> tuple[Array, Array]:
-        """What makes K free of units: of speeds, 1/sqrt(M_jj); of rows, one over the length of the gradient
-        in that metric."""
+        """Scales that make K dimensionless: 1/sqrt(M_jj) for speeds, and for constraints the inverse length
+        of the gradient in that metric."""
         nv, k = self.system.nv, self.residual("acceleration")
         mass = np.abs(np.diagonal(k)[:nv])
         known = mass[mass > 0.0]
@@ -171,12 +175,12 @@ class Point:
 
     @cached_property
     def inverse(self) -> Array:
-        """K^-1; where rows depend on each other, that of least multipliers."""
+        """K^-1; with dependent constraints, that of the smallest multipliers."""
         return self.solved(np.eye(self.system.nv + self.system.nc))
 
     def solved(self, right: Array) -> Array:
-        """K^-1 `right`: by the factors of the model itself, which know what it is made of, so that of long
-        chains fewer digits are lost than the condition of K tells."""
+        """K^-1 `right`, by the factors of the compiled model: for long chains they lose fewer digits than
+        the condition of K suggests."""
         if self._factors is not None:
             found: Array = self.system.solved(self._factors, right)
             return found
@@ -189,7 +193,7 @@ class Point:
 
     @cached_property
     def _dense(self) -> Array:
-        """K^-1 as a matrix has it."""
+        """K^-1 from the dense matrix."""
         d, k = np.concatenate(self.scales), self.residual("acceleration")
         scaled = d[:, None] * k * d
         if not np.isfinite(scaled).all():
@@ -198,19 +202,22 @@ class Point:
         return found
 
     def motion(self, group: str) -> Array:
-        """d(a, lam)/d(group) along motions."""
+        """d(a, lam)/d(group) along the motion."""
         if group not in self._motion:
             self._motion[group] = -self.solved(self.residual(group))
         return self._motion[group]
 
     def sizes(self, group: str) -> Array:
-        """What the terms of d(a, lam)/d(group) add up to."""
+        """The sums of magnitudes of the terms of d(a, lam)/d(group)."""
         found: Array = np.abs(self.inverse) @ self.parts(group)
         return found
 
     def unsure(self, group: str) -> Array:
-        """What rounding of d(a, lam)/d(group) is a share of: of long chains far less than its terms, as what
-        it changes by where last places change tells."""
+        """The sizes that round-off of d(a, lam)/d(group) is relative to.
+
+        For long chains they are far smaller than the sums of terms, as perturbations in the last place
+        show.
+        """
         found, terms = np.abs(self.motion(group)), self.sizes(group)
         changes = np.zeros_like(found)
         for k, other in enumerate(self.beside):
@@ -220,32 +227,31 @@ class Point:
         return np.minimum(terms, found + changes / (SHARE * ROUNDING))
 
     def parts(self, group: str) -> Array:
-        """What the terms of dF/d(group) add up to."""
+        """The sums of magnitudes of the terms of dF/d(group)."""
         inertia, force, row = (np.abs(self.partial(part, group)) for part in ("inertia", "force", "row"))
         return np.vstack([inertia + force, row])
 
     def reach(self, group: str) -> Array:
-        """What rounding of d(rate)/d(group) is a share of: all its terms, and what they act on but for
-        rounding of the solve, in the metric of the mass matrix."""
+        """The sizes that round-off of d(rate)/d(group) is relative to: all its terms, and all entries that
+        the solve connects, in the metric of the mass matrix."""
         d = np.concatenate(self.scales)
         solve = np.abs(self.inverse) / np.outer(d, d)
         solve = d[:, None] * np.where(solve > 0.0, solve.max(initial=0.0), 0.0) * d
         return np.vstack([np.abs(self.partial("qdot", group)), (solve @ self.parts(group))[: self.system.nv]])
 
     def rate_sizes(self, group: str, of_motion: Array | None = None) -> Array:
-        """The same of d(rate)/d(group), where that of d(a, lam)/d(group) is `sizes` or what is given."""
+        """The sizes of d(rate)/d(group), with those of d(a, lam)/d(group) from `sizes` or as given."""
         of_motion = self.sizes(group) if of_motion is None else of_motion
         return np.vstack([np.abs(self.partial("qdot", group)), of_motion[: self.system.nv]])
 
     def by_parameters(self) -> Array:
-        """d(rate)/d(parameter), with 0 for what is rounding of its terms: of a motion that does not depend on
-        a mass."""
+        """d(rate)/d(parameter), with 0 for round-off, as for a motion that does not depend on a mass."""
         own = rounded(self.motion("parameter"), self.sizes("parameter"))[: self.system.nv]
         return np.vstack([self.partial("qdot", "parameter"), own])
 
     def total(self, part: str, group: str) -> Array:
-        """Of qdot, acceleration, multiplier, rate = (qdot, acceleration) or output, where a and lam follow
-        from the equations."""
+        """The derivatives of qdot, acceleration, multiplier, rate = (qdot, acceleration) or output, along
+        the motion."""
         nv = self.system.nv
         if part in ("acceleration", "multiplier"):
             return self.motion(group)[:nv] if part == "acceleration" else self.motion(group)[nv:]
@@ -258,22 +264,23 @@ class Point:
 
 
 def _doubtful(entries: Array) -> Any:
-    """Which entries may be rounding, beside the largest of their rows or columns; of one column all."""
+    """Which entries may be round-off relative to the largest of their rows or columns; all of a single
+    column."""
     sizes = np.abs(entries)
     return (sizes > 0.0) & ((sizes <= ROUNDING * largest_beside(entries)) | (entries.shape[1] == 1))
 
 
 def largest_beside(entries: Array) -> Any:
-    """The size of the largest in the row or the column of each."""
+    """The largest magnitude in the row or the column of each entry."""
     sizes = np.abs(entries)
     return np.maximum(sizes.max(axis=0, initial=0.0), sizes.max(axis=1, initial=0.0, keepdims=True))
 
 
 def _inverse(table: Array) -> Any:
-    """Of least norm where rows depend on each other."""
+    """The inverse, or the pseudo-inverse if rows depend on each other."""
     try:
         found = np.linalg.inv(table)
-        if np.linalg.norm(table) * np.linalg.norm(found) * DEPENDENT < 1.0:  # a bound of the condition
+        if np.linalg.norm(table) * np.linalg.norm(found) * DEPENDENT < 1.0:  # bounds the condition
             return found
     except np.linalg.LinAlgError:
         pass
@@ -287,5 +294,5 @@ def _inverse(table: Array) -> Any:
 
 
 def rounded(found: Array, terms: Array | float) -> Array:
-    """`found` with 0 for what is rounding of its terms."""
+    """`found` with 0 for values that are round-off of their terms."""
     return np.where(np.abs(found) <= ROUNDING * terms, 0.0, found)

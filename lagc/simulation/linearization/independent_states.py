@@ -1,12 +1,12 @@
-"""Independent coordinates and speeds of a constrained system at one state, and what all others change by.
+"""Independent coordinates and speeds of a constrained system at one state.
 
-The constraints leave of a change of the state d(q, v) what
+The constraints allow changes d(q, v) of the state with
 
-    phi_q dq + phi_u du = 0,      psi_q dq + psi_v dv + psi_u du = 0
+phi_q dq + phi_u du = 0,      psi_q dq + psi_v dv + psi_u du = 0,
 
-allow (quaternions keep their length, too).  Elimination with the pivots chosen tells which entries depend on
-the others: where there is a choice those that change in the motion itself, so that steady motions have
-constant coefficients, and of these the last that were declared.
+and keep the length of quaternions.  Elimination with full pivoting tells which entries depend on the
+others.  Entries that change in the motion are chosen as dependent first, so that steady motions have
+constant coefficients; among equal ones, the last declared.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ import numpy as np
 
 from lagc.simulation.linearization.derivatives import Array, Point, rounded
 
-GOOD = 0.3  # of the largest pivot: one that will do
-SHY = 1e-3  # as much smaller a pivot may be, of one that changes
-LEAST = 1e-9  # of a row: less is rounding, and the row follows from others
+GOOD = 0.3  # of the largest pivot: a pivot that is accepted
+SHY = 1e-3  # factor on pivots of entries that do not change in the motion
+LEAST = 1e-9  # of a row: smaller entries are round-off, and the row depends on others
 
 
 class Independent(NamedTuple):
@@ -32,7 +32,10 @@ class Independent(NamedTuple):
 
 
 def independent(point: Point, changing: Sequence[bool]) -> Independent:
-    """`changing`: which of x change in the motion.  Raises ArithmeticError where an entry is not finite."""
+    """Choose the independent entries; `changing` tells which of x change in the motion.
+
+    Raises ArithmeticError if an entry is not finite.
+    """
     interface = point.system.interface
     nq, nv, nh, nc = interface.nq, interface.nv, interface.nh, interface.nc
     rows, given = point.partial("condition", "state"), point.partial("condition", "parameter")
@@ -60,8 +63,10 @@ def independent(point: Point, changing: Sequence[bool]) -> Independent:
 
 
 def _solved(table: Array, right: Array, scales: Array, liked: Array, first: int) -> tuple[list[int], Array]:
-    """Which unknowns of `table` x + `right` y = 0 are free, and x as a matrix on these, then y.  The
-    `first` rows choose before the others."""
+    """Which unknowns of `table` x + `right` y = 0 are free, and x as a matrix on these, then on y.
+
+    The `first` rows choose their pivots before the others.
+    """
     with np.errstate(over="ignore"):
         scaled = table * scales
     if not (np.isfinite(scaled).all() and np.isfinite(table).all() and np.isfinite(right).all()):
@@ -104,14 +109,15 @@ def _pivots(table: Array, liked: Array, first: int) -> tuple[list[int], list[int
     return rows, columns
 
 
-STEP = 1e-4  # of the sizes: a motion bends away from its tangent by as little of that, or does not go on
-AWAY = 0.1  # of the step, by which it is left where the motion does not go on
-DEPENDENT = 1e-6  # rows as near as that to others beside the posture follow from them; STEP is not so near
-TURNS = 6  # of Gauss and Newton
+STEP = 1e-4  # of the sizes: the length of a trial motion along its tangent
+AWAY = 0.1  # of the step: larger corrections mean that the motion does not continue
+DEPENDENT = 1e-6  # relative distance of constraints that depend on each other
+TURNS = 6  # Gauss-Newton steps
 
 
-def is_halted(point: Point, chosen: Independent, sizes: Array) -> bool:
-    """Whether that is so of one of the `chosen` motions of coordinates, as `sizes` measure them."""
+def is_higher_order_rigid(point: Point, chosen: Independent, sizes: Array) -> bool:
+    """Whether the constraints allow one of the `chosen` motions of coordinates only to first order (R.
+    Connelly, W. Whiteley, SIAM J. Discrete Math. 9, 1996)."""
     system = point.system
     nq, nh = system.nq, system.nh
     free = [k for k, i in enumerate(chosen.indices) if i < nq]
@@ -130,7 +136,7 @@ def is_halted(point: Point, chosen: Independent, sizes: Array) -> bool:
 
 
 def _put_back(point: Point, x: Array, sizes: Array) -> Array | None:
-    """x on its constraints, by steps of least norm; None where there are no numbers."""
+    """Return x projected onto its constraints by steps of least norm; None if a value is not finite."""
     system = point.system
     nq, nh = system.nq, system.nh
     x = x.copy()

@@ -1,11 +1,12 @@
-"""A linear model of a compiled one about a state of its motion.
+"""A linear model of a compiled model about a state of its motion.
 
-With y the independent ones of the state x = (q, v) (see `independent`), x' = f(x, u) along the constraints:
+With y the independent entries of the state x = (q, v) (see `independent`), and x' = f(x, u) along the
+constraints:
 
-    dy' = A dy + B du,      d(output) = C dy + D du,      A = S (df/dx) X,
+dy' = A dy + B du,      d(output) = C dy + D du,      A = S (df/dx) X,
 
-X what x changes by with y, S the choice of y: multipliers and what constraint forces change by are in df/dx.
-Eigenvalues of A are those of the constrained system, and no others.
+X is the derivative of x by y, and S selects y; df/dx includes the multipliers and the changes of constraint
+forces.  The eigenvalues of A are exactly those of the constrained system.
 """
 
 from __future__ import annotations
@@ -20,23 +21,33 @@ import numpy as np
 
 from lagc.base.records import dataclass, replace
 from lagc.simulation.linearization.derivatives import ROUNDING, Array, Point, largest_beside, rounded
-from lagc.simulation.linearization.independent_states import independent, is_halted
-from lagc.simulation.linearization.stability import Spectrum, is_least, spectrum
+from lagc.simulation.linearization.independent_states import independent, is_higher_order_rigid
+from lagc.simulation.linearization.stability import Spectrum, is_energy_minimum, spectrum
 from lagc.simulation.system import OK, Options
 
 if TYPE_CHECKING:
     from lagc.simulation.backends.python import NumpySystem
 
-STILL = 1e-9  # of what moves the state by its size: rates of an equilibrium
-FURTHER = 0.3  # of the size of a state: how far a motion is followed
-CLOSELY, MANY = 1e-10, 1000  # its tolerance and steps
-AT_REST = 1e-8  # of what a mode moves: coordinates that it leaves where they are
-HALTED = "some motions that constraints allow there to first order go no further; they have eigenvalues, too"
+AT_REST_RATE = 1e-9  # relative rate of a state at an equilibrium
+FURTHER = 0.3  # of the size of a state: the length of motion to compare with
+CLOSELY, MANY = 1e-10, 1000  # tolerance and number of steps of that motion
+AT_REST = 1e-8  # of a mode's largest entry: coordinates that it does not move
+RIGID = "the constraints allow some motions there only to first order; these have eigenvalues, too"
 
 
 @dataclass(frozen=True)
 class Linear:
-    """`states` are the names of the entries of y; `x` is the state (q, v) at time `t`."""
+    """A linear model about the state `x` = (q, v) at the time `t` (s), in SI units.
+
+    A, B, C and D belong to the independent `states` y (`indices` into x), `inputs` and `outputs`.
+    `motions` is dx/dy, `lam` are the multipliers, `scales` the sizes of the entries of y.  `changing` tells
+    which entries of y change in the motion itself.  `time_dependent`: the derivatives seem to depend on
+    time itself.  `linear`: they seem to depend on parameters only.  `energy_minimum`: an equilibrium of a
+    conservative system at a strict minimum of the potential energy.  `free`: for an equilibrium, the number
+    of directions in which it is one of a family.  `higher_order_rigid`: the constraints allow some of the
+    motions only to first order.  `varying`: A changes along the motion, although no state that changes now
+    acts on others.
+    """
 
     system: NumpySystem
     t: float
@@ -48,15 +59,15 @@ class Linear:
     B: Array
     C: Array
     D: Array
-    scales: Array  # sizes of the entries of y, alike in time
-    changing: list[bool]  # of the entries of y, whether they change in the motion itself
-    of_time: bool  # whether derivatives seem to depend on time itself
-    linear: bool  # whether they seem to depend on nothing but parameters
-    notes: tuple[str, ...] = ()  # where it is one of those of several sides
-    least: bool = False  # it is an equilibrium at which energy, which is kept, has a strict minimum
-    free: int = 0  # of an equilibrium: directions in which it seems to be one of many
-    halted: bool = False  # some of the motions that constraints allow there are ones to first order only
-    turning: bool = False  # A is another as the motion goes on, though what changes acts on nothing else now
+    scales: Array
+    changing: list[bool]
+    time_dependent: bool
+    linear: bool
+    notes: tuple[str, ...] = ()
+    energy_minimum: bool = False
+    free: int = 0
+    higher_order_rigid: bool = False
+    varying: bool = False
 
     def __repr__(self) -> str:
         sizes = f"{len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs"
@@ -64,37 +75,40 @@ class Linear:
 
     @property
     def states(self) -> tuple[str, ...]:
+        """The names of the independent states y."""
         names = self.system.interface.state_names
         return tuple([names[i] for i in self.indices])
 
     @property
     def inputs(self) -> tuple[str, ...]:
+        """The names of the inputs u."""
         return tuple([f.name for f in self.system.interface.inputs])
 
     @property
     def outputs(self) -> tuple[str, ...]:
+        """The names of the outputs."""
         return tuple([f.name for f in self.system.interface.outputs])
 
     @property
-    def still(self) -> bool:
-        """Whether it is an equilibrium: all rates are rounding."""
+    def equilibrium(self) -> bool:
+        """Whether x is an equilibrium: all rates are round-off."""
         return not any(self.changing)
 
     @property
     def steady(self) -> bool:
-        """Whether what changes in the motion acts on nothing else, so that in the rest A stays what it is."""
-        return not self.turning and not any(self.changing[k] for k in self._acting[0])
+        """Whether the states that change in the motion act on no others, so that A stays constant."""
+        return not self.varying and not any(self.changing[k] for k in self._acting[0])
 
     @property
     def idle(self) -> tuple[str, ...]:
-        """The states that act on nothing but one another: each brings an eigenvalue 0."""
+        """The states that act only on one another; each gives an eigenvalue 0."""
         return tuple([self.states[k] for k in sorted(self._acting[1])])
 
     @cached_property
     def _acting(self) -> tuple[list[int], list[int]]:
-        """The states that act on others in the end, and those that act on none but ones before them."""
+        """The states that act on others, and those that act on none."""
         kept, idle = list(range(len(self.A))), list[int]()
-        while not self.turning:
+        while not self.varying:
             found = [k for k in kept if not self.A[kept, k].any()]
             if not found:
                 return kept, idle
@@ -104,7 +118,7 @@ class Linear:
 
     @cached_property
     def _own(self) -> Spectrum:
-        """Of the states that act."""
+        """The spectrum of the states that act."""
         kept, _ = self._acting
         return spectrum(self.A[np.ix_(kept, kept)], self.scales[kept])
 
@@ -114,7 +128,7 @@ class Linear:
         n = len(self.A)
         values, vectors = np.zeros(n, dtype=complex), np.zeros((n, n), dtype=complex)
         values[: len(kept)], vectors[kept, : len(kept)] = self._own
-        for k in reversed(idle):  # they follow: value times entry = row of A
+        for k in reversed(idle):  # eigenvalue times entry = row of A times vector
             for j in np.flatnonzero(values):
                 vectors[k, j] = self.A[k] @ vectors[:, j] / values[j]
         vectors[idle, range(len(kept), n)] = 1.0
@@ -123,13 +137,16 @@ class Linear:
 
     @property
     def eigenvalues(self) -> Any:
-        """Of A, 1/s: the fastest growing first, of a pair that with the positive imaginary part."""
+        """The eigenvalues of A in 1/s: the fastest growing first; of a pair, the one with positive
+        imaginary part first."""
         return self._spectrum[0]
 
     @cached_property
     def modes(self) -> Any:
-        """What x = (q, v) moves by, a column an eigenvalue: of the coordinates, or where none moves of the
-        speeds, the largest is 1."""
+        """The changes of x = (q, v), one column for each eigenvalue.
+
+        The largest entry of the coordinates is 1, or of the speeds if no coordinate moves.
+        """
         found = self.motions @ self._spectrum[1]
         for k in range(found.shape[1]):
             q = found[: self.system.nq, k]
@@ -139,35 +156,34 @@ class Linear:
 
     @property
     def momentary(self) -> bool:
-        """Whether A changes in the motion, so that its eigenvalues are those of a moment and tell not what
-        grows."""
-        return not self.linear and (self.of_time or not self.steady)
+        """Whether A changes in the motion, so that its eigenvalues do not tell what grows."""
+        return not self.linear and (self.time_dependent or not self.steady)
 
     @property
     def stability(self) -> str | None:
-        """What the eigenvalues say of an equilibrium or steady motion, `idle` states aside; None where they
-        say nothing."""
+        """The stability of an equilibrium or steady motion by the eigenvalues, `idle` states aside; None if
+        they do not tell."""
         if self.momentary or not self.states:
             return None
-        if self.halted:
+        if self.higher_order_rigid:
             return "undecided: constraints are singular there"
         growth = max(self._own.values.real, default=0.0)
         if growth > 0.0:
             return "unstable"
         if growth < 0.0:
             return "asymptotically stable"
-        least = self.least and not self.free
+        least = self.energy_minimum and not self.free
         return "stable: energy is least there" if least else "neutral: the linear model does not decide"
 
     def to_dict(self) -> dict[str, Any]:
-        """Numbers in SI."""
+        """The linear model as plain data for JSON, in SI units."""
         interface = self.system.interface
         names = interface.state_names
         return {
             "t": self.t,
             "x": dict(zip(names, self.x)),
             "multipliers": dict(zip(interface.row_labels, self.lam)),
-            "equilibrium": self.still, "steady": self.steady, "momentary": self.momentary,
+            "equilibrium": self.equilibrium, "steady": self.steady, "momentary": self.momentary,
             "stability": self.stability,
             "free": self.free,
             "states": list(self.states), "idle": list(self.idle),
@@ -183,24 +199,27 @@ class Linear:
 
 
 def frequency(value: complex) -> float:
-    """Hz, of the oscillation; 0 where there is none."""
+    """The frequency of the oscillation in Hz; 0 for a real eigenvalue."""
     return abs(value.imag) / (2.0 * pi)
 
 
 def damping(value: complex) -> float | None:
-    """The damping ratio -Re/|.|; None of the eigenvalue 0."""
+    """The damping ratio -Re/|.|; None for the eigenvalue 0."""
     return -value.real / abs(value) if value else None
 
 
 def linearize(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
-    """About the state x = (q, v), which meets the constraints; where forces bend there, on the side on which
-    what they depend on is larger, with a note.  Raises ArithmeticError where the motion is not determined
-    there, forces jump, or derivatives of rates are not finite; those of outputs are nan then, with a note."""
-    with np.errstate(all="ignore"):  # what is not finite is refused
+    """Return the linear model about the state x = (q, v), which must satisfy the constraints.
+
+    If forces have a kink there, it is the model on the side of larger indicators, with a note.  Raises
+    ArithmeticError if the accelerations are not determined, forces jump, or derivatives of rates are not
+    finite.  Derivatives of outputs that are not finite are NaN, with a note.
+    """
+    with np.errstate(all="ignore"):  # values that are not finite are refused
         try:
             found = _on_all_sides(system, t, x) if system.interface.switches else _linearized(system, t, x)
-            if found.steady and not found.still and not found.linear and _turns(found):
-                found = replace(found, turning=True)
+            if found.steady and not found.equilibrium and not found.linear and _varies(found):
+                found = replace(found, varying=True)
             found.modes  # noqa: B018  with its eigenvalues
         except np.linalg.LinAlgError:
             raise ArithmeticError("numbers there are too large or too small for a linear model") from None
@@ -208,6 +227,7 @@ def linearize(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
 
 
 def _on_all_sides(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
+    """The linear model at a state where modes may change, with notes on the other sides."""
     from lagc.simulation.linearization.nonsmooth_points import branches, jumps
 
     point, sizes = Point(system, t, x), size_of_states(system)
@@ -216,18 +236,18 @@ def _on_all_sides(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
         return _linearized(system, t, x)
     for words, modes in others:
         if jumps(point, own, modes, np.maximum(np.abs(point.x), sizes)):
-            raise ArithmeticError(f"forces jump there, where {words}: no linear model tells what they do")
+            raise ArithmeticError(f"forces are discontinuous there, where {words}: there is no linear model")
     found = _linearized(system, t, x, own)
     notes = [_bent(words, found, _linearized(system, t, x, modes)) for words, modes in others]
     return replace(found, notes=(*found.notes, *[note for note in notes if note]))
 
 
 def _bent(words: str, one: Linear, two: Linear) -> str:
-    """What is another on the other side; nothing where nothing is."""
+    """A note on the entries that differ on the other side, or ""."""
     from lagc.simulation.linearization.nonsmooth_points import differing
 
     if one.indices != two.indices:
-        return f"forces bend there, where {words}: on the other side the model has other states"
+        return f"forces have a kink there, where {words}: on the other side the model has other states"
     rates, outputs = [f"der({name})" for name in one.states], list(one.outputs)
     found = []
     for above, below, here, there in (
@@ -237,13 +257,13 @@ def _bent(words: str, one: Linear, two: Linear) -> str:
         found += [f"d({above[i]})/d({below[j]}) is {here[i, j]:.6g}, and {there[i, j]:.6g} on the other side"
                   for i, j in differing(here, there)]  # fmt: skip
     more = f"; {len(found) - 1} more entries differ" if len(found) > 1 else ""
-    return f"forces bend there, where {words}: {found[0]}{more}" if found else ""
+    return f"forces have a kink there, where {words}: {found[0]}{more}" if found else ""
 
 
 def _linearized(
     system: NumpySystem, t: float, x: Sequence[float], modes: Sequence[float] | None = None
 ) -> Linear:
-    """On a branch, where it is not that of the state."""
+    """The linear model on the branch `modes`, or on that of the state."""
     point = Point(system, t, x, clean=True, modes=modes)
     first = len(system.interface.parameters)
     by_x, by_u = point.unsure("state"), point.unsure("parameter")
@@ -267,55 +287,58 @@ def _linearized(
     lost = _without_value(c, d)
     c[lost], d[lost] = np.nan, np.nan
     notes = [f"the output `{interface.outputs[k].name}` has no derivatives there" for k in lost]
-    halted = is_halted(point, chosen, size_of_states(system))
-    if halted:
-        notes.append(HALTED)
+    rigid = is_higher_order_rigid(point, chosen, size_of_states(system))
+    if rigid:
+        notes.append(RIGID)
     moving = changing[chosen.indices].tolist()
     scales = _scales(point, chosen.indices, a)
     pace, far = np.linalg.norm(a * scales / scales[:, None]), _far(point)
     time = 1.0 / float(pace) if pace else 1.0
-    least = not any(moving) and _keeps_energy(system, chosen.indices, a) and is_least(point, chosen, a)
+    least = (
+        not any(moving) and _keeps_energy(system, chosen.indices, a) and is_energy_minimum(point, chosen, a)
+    )
     return Linear(system, t, point.x, point.lam, chosen.indices, chosen.motions, a, b, c, d, scales, moving,
                   _differs(point, time, 0.0 * far), not _differs(point, time, far), tuple(notes),
-                  least=least and not halted, halted=halted)  # fmt: skip
+                  energy_minimum=least and not rigid, higher_order_rigid=rigid)  # fmt: skip
 
 
 def _without_value(*tables: Array) -> list[int]:
-    """The lines in which something is not finite."""
+    """The rows in which a value is not finite."""
     finite = np.isfinite(np.hstack(tables)).all(axis=1)
     return np.flatnonzero(~finite).tolist()
 
 
 def _keeps_energy(system: NumpySystem, indices: Sequence[int], a: Array) -> bool:
-    """Whether energy is kept, of which speeds have their own part and no other force: then all motions about
-    an equilibrium oscillate where it is least, and there alone, which is stable (G. Lejeune Dirichlet,
-    *J. reine angew. Math.* 32, 1846)."""
+    """Whether energy is conserved, with quadratic kinetic energy and no other forces.
+
+    Then all motions about an equilibrium oscillate if and only if the potential energy has a minimum there,
+    which is stable (G. Lejeune Dirichlet, J. reine angew. Math. 32, 1846).
+    """
     interface, speeds = system.interface, np.array(indices) >= system.nq
     kept = interface.conservative and not (interface.doubtful or interface.switches or interface.whens)
     return bool(kept and 0 < 2 * speeds.sum() == len(a) and not a[np.ix_(speeds, speeds)].any())
 
 
 def _changing(point: Point, rates: Array, sizes: Array) -> Array:
-    """Which entries of x change in the motion, now or by their second derivative."""
+    """Which entries of x change in the motion, by their first or second derivative."""
     far = _far(point)
     once = np.array([*point.value("qdot"), *point.a])
-    once[(np.abs(once) <= STILL * (sizes @ far)) | point.rounding_rates()] = 0.0
+    once[(np.abs(once) <= AT_REST_RATE * (sizes @ far)) | point.rounding_rates()] = 0.0
     twice = rates @ once + point.total("rate", "time")[:, 0]
     terms = sizes @ np.abs(once) + point.rate_sizes("time")[:, 0]
-    changes: Array = (once != 0.0) | (np.abs(twice) > STILL * terms)
+    changes: Array = (once != 0.0) | (np.abs(twice) > AT_REST_RATE * terms)
     return changes
 
 
 def _far(point: Point) -> Array:
-    """What is no small part of the state."""
+    """The size of each state, at least its value."""
     return np.maximum(np.abs(point.x), size_of_states(point.system))
 
 
 def _differs(point: Point, time: float, sizes: Array) -> bool:
-    """Whether derivatives of the equations by the state, a or lam are others up to so much later, at states
-    that are up to `sizes` off."""
+    """Whether derivatives of the equations change within `time`, or at states up to `sizes` away."""
     system, chance = point.system, random.Random(0)
-    own = Point(system, point.t, point.x, point.a, point.lam)  # on the branch of each state
+    own = Point(system, point.t, point.x, point.a, point.lam)
     outputs = system.interface.stack["start"].start
     for _ in range(3):
         t = point.t + time * chance.uniform(0.1, 1.0)
@@ -329,10 +352,12 @@ def _differs(point: Point, time: float, sizes: Array) -> bool:
     return False
 
 
-def _turns(now: Linear) -> bool:
-    """Whether other states act, or act otherwise, where one that changes has moved by a share of its size, as
-    of a pendulum that sets out from the horizontal, where gravity has no slope.  False where the motion goes
-    on with other states, or not at all."""
+def _varies(now: Linear) -> bool:
+    """Whether A changes when the state has moved by a share of its size.
+
+    An example is a pendulum that starts from the horizontal, where gravity has no slope.  False if the
+    motion continues with other states, or not at all.
+    """
     system, point = now.system, Point(now.system, now.t, now.x)
     sizes, once = size_of_states(system), np.array([*point.value("qdot"), *point.a])
     twice = point.total("rate", "state") @ once + point.total("rate", "time")[:, 0]
@@ -354,8 +379,8 @@ def _turns(now: Linear) -> bool:
 
 
 def _scales(point: Point, indices: Sequence[int], a: Array) -> Array:
-    """Sizes of coordinates, and of speeds what changes these by as much in the time in which both act
-    alike on each other."""
+    """Sizes of coordinates; sizes of speeds are those that change the coordinates by as much, in the time
+    in which both act alike on each other."""
     nq, sizes = point.system.nq, size_of_states(point.system)
     reach = np.abs(point.partial("qdot", "state")[:, nq:]) / sizes[:nq, None]
     sizes[nq:] = 1.0 / np.where(reach.any(axis=0), reach.max(axis=0, initial=0.0), 1.0)
@@ -368,8 +393,11 @@ def _scales(point: Point, indices: Sequence[int], a: Array) -> Array:
 
 
 def size_of_states(system: NumpySystem) -> Array:
-    """What is not small for each coordinate and speed: 1 rad, 1 for what has no unit, else the largest
-    parameter or start value of the unit, else 1."""
+    """A typical size of each coordinate and speed.
+
+    It is 1 rad for angles, 1 for numbers without unit, or else the largest parameter or initial value of
+    the same unit, or else 1.
+    """
     interface = system.interface
     known: dict[str, float] = {}
     units = interface.state_units

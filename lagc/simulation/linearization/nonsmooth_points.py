@@ -1,4 +1,4 @@
-"""A state at which conditions change: the branches that meet there, and whether forces jump or bend."""
+"""States at which modes change: the branches that meet there, and whether forces jump or have a kink."""
 
 from __future__ import annotations
 
@@ -10,23 +10,25 @@ import numpy as np
 from lagc.simulation.linearization.derivatives import Array, Point
 from lagc.simulation.system import FAILED
 
-AT = 16.0  # times what last places change a side by: it is at its change
-BESIDE = 1e-6  # of the sizes of states: on which side they are
-JUMP = 1e-9  # of the terms of rates: less is none
-ALIKE = 1e-12  # of entries: less is rounding
+AT = 16.0  # times the round-off of an event indicator: it is at its crossing
+BESIDE = 1e-6  # of the sizes of states: the distance of points on either side
+JUMP = 1e-9  # of the terms of rates: smaller differences are none
+ALIKE = 1e-12  # of entries: smaller differences are round-off
 
 
 class Branch(NamedTuple):
-    """Beyond one switch."""
+    """The branch beyond one event indicator."""
 
     words: str
     modes: list[float]
 
 
 def branches(point: Point, sizes: Array) -> tuple[list[float] | None, list[Branch]]:
-    """The modes where all sides that change at the state are beyond their change, and the branch on the other
-    side of each; None where nothing changes there.  `sizes` of states.  Switches that time changes are none:
-    it goes on."""
+    """The modes with all indicators that change at the state on their larger side, and the branch beyond
+    each of them.
+
+    None if no mode changes there.  `sizes` are those of states.  Indicators of time alone do not count.
+    """
     system = point.system
     at = _changing(point)
     if not at:
@@ -51,7 +53,7 @@ def branches(point: Point, sizes: Array) -> tuple[list[float] | None, list[Branc
 
 
 def _changing(point: Point) -> list[int]:
-    """The switches that are at their change, but for last places."""
+    """The relations whose indicators are at their crossing, to round-off."""
     system, interface = point.system, point.system.interface
     if not interface.switches:
         return []
@@ -73,7 +75,7 @@ def _changing(point: Point) -> list[int]:
 
 
 def jumps(point: Point, one: Sequence[float], two: Sequence[float], far: Array) -> bool:
-    """Whether rates are others on both branches; `far` are sizes of states."""
+    """Whether rates differ between two branches; `far` are sizes of states."""
     found = []
     for modes in (one, two):
         rates, lam = [0.0] * point.system.nx, [0.0] * point.system.nc
@@ -85,7 +87,7 @@ def jumps(point: Point, one: Sequence[float], two: Sequence[float], far: Array) 
 
 
 def differing(one: Array, two: Array) -> list[tuple[int, ...]]:
-    """The places of entries that are others, that by the largest share first."""
+    """The indices of entries that differ, the largest relative difference first."""
     sizes = np.abs(one) + np.abs(two)
     share = np.divide(np.abs(one - two), sizes, out=np.zeros_like(sizes), where=sizes > 0.0)
     places = [tuple(map(int, place)) for place in np.argwhere(share > ALIKE)]

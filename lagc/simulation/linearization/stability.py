@@ -1,11 +1,12 @@
-"""Whether potential energy has a strict minimum at an equilibrium.
+"""Eigenvalues, and whether the potential energy has a strict minimum at an equilibrium.
 
-Of the independent entries y_q = X dq, y_v = X dv of the state, dy_q' = T dy_v, power is left where
+With the independent entries y_q = X dq, y_v = X dv of the state and dy_q' = T dy_v, the second derivatives
+of the energy along motions are
 
-    C = X_v^T K X_q T,      K = d(M a - tau + h - G^T lam)/dq,
+C = X_v^T K X_q T,      K = d(M a - tau + h - G^T lam)/dq.
 
-is positive definite: the second derivatives of energy along motions.  Decided with C brought to 1 on its
-diagonal, so that stiff springs say nothing of soft ones.
+The energy has a strict minimum if C is positive definite.  C is scaled to a unit diagonal, so that stiff
+springs do not hide soft ones.
 """
 
 from __future__ import annotations
@@ -20,13 +21,13 @@ from lagc.simulation.linearization.derivatives import ROUNDING, Array, Point
 from lagc.simulation.linearization.independent_states import Independent
 from lagc.simulation.system import FAILED
 
-BEYOND = 4.0  # Newton steps: the equilibrium is within as many, up to a root of that order
+BEYOND = 4.0  # Newton steps: the equilibrium is within this distance, up to a root of that order
 TRIALS = 3
 
 
-def is_least(point: Point, chosen: Independent, a: Array) -> bool:
-    """Whether C is positive definite beyond doubt: whatever rounding changes, and wherever about the state
-    the equilibrium is, as at the flat place of q^3."""
+def is_energy_minimum(point: Point, chosen: Independent, a: Array) -> bool:
+    """Return True if C is positive definite beyond round-off, also at points near the state, as at the flat
+    minimum of q^4."""
     nq, nv = point.system.nq, point.system.nv
     speeds = np.array(chosen.indices) >= nq
     back, there = chosen.motions[nq:, speeds].T, chosen.motions[:nq, ~speeds]
@@ -58,8 +59,7 @@ def is_least(point: Point, chosen: Independent, a: Array) -> bool:
 
 
 def _left(point: Point, indices: Sequence[int]) -> Array:
-    """Accelerations of the independent speeds, which are 0 but for rounding, and what last places change
-    them by."""
+    """The accelerations of the independent speeds, which are 0 up to round-off, and their round-off."""
     nq, nc = point.system.nq, point.system.nc
     here = np.array(point.a)
     found = np.abs(here)
@@ -72,8 +72,8 @@ def _left(point: Point, indices: Sequence[int]) -> Array:
 
 
 UNKNOWN = 1e-14  # of the norm of a matrix: the error of its entries
-NEAR = 1e-7  # its root: what an eigenvalue that is one of two is not known to
-SWEEPS = 20  # of balancing: most are done after a few
+NEAR = 1e-7  # its root: the error of a double eigenvalue
+SWEEPS = 20  # largest number of balancing sweeps
 
 
 class Spectrum(NamedTuple):
@@ -82,12 +82,11 @@ class Spectrum(NamedTuple):
 
 
 def spectrum(a: Array, scales: Array) -> Spectrum:
-    """Of `a`, where `scales` are what its unknowns are measured by, brought to rows as long as their columns:
-    so a slow motion is not lost beside a fast one that it has little to do with.
+    """The eigenvalues and eigenvectors of `a`, balanced, with unknowns measured by `scales`.
 
-    An eigenvalue is told to the rounding of the norm over the cosine between its right and its left vector,
-    a row of the inverse of the right ones (G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed.,
-    7.2.2), or to the root of that where vectors fall together.
+    An eigenvalue is accurate to the round-off of the norm over the cosine between its right and left
+    vectors (G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 7.2.2), or to the root of that if
+    vectors coincide.
     """
     if not len(a):
         return Spectrum(np.zeros(0, complex), np.zeros((0, 0), complex))
@@ -103,7 +102,7 @@ def spectrum(a: Array, scales: Array) -> Spectrum:
 
 
 def _balanced(a: Array, scales: Array) -> Array:
-    """`scales` times powers of two by which no row is far longer than its column (B. N. Parlett, C. Reinsch,
+    """`scales` times powers of two that make rows and columns of similar length (B. N. Parlett, C. Reinsch,
     Numer. Math. 13, 1969)."""
     found = np.array(scales, float)
     for _ in range(SWEEPS):

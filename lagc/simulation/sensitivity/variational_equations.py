@@ -280,8 +280,8 @@ class Variation:
     def _listen(self, s: Any, first: Slopes, now: Array) -> Array:
         """What the rates of S change by with last places of the states: differences of what is large."""
         x, modes = np.array(s.x_old), list(s.modes_old) if self.system.interface.switches else None
-        shake = np.where(np.arange(len(x)) % 2 == 0, 1.0 + SHAKEN, 1.0 - SHAKEN)
-        beside = self._slopes(self._point(s.t_old, x * shake, np.array(s.k[0]), modes))
+        perturb = np.where(np.arange(len(x)) % 2 == 0, 1.0 + SHAKEN, 1.0 - SHAKEN)
+        beside = self._slopes(self._point(s.t_old, x * perturb, np.array(s.k[0]), modes))
         return self._largest(beside.rates(now) - first.rates(now))
 
     def _stages(self, s: Any, now: Array) -> tuple[Array, Array, Slopes, Slopes]:
