@@ -353,7 +353,9 @@ end Spring;
     "further, linear, time_dependent",
     [("", True, False), ("+ x^4/l^2/4", False, False), ("- 0.3*x^2*sin(w*time)", False, True)],
 )
-def test_what_it_depends_on_does_not_depend_on_units(further: str, linear: bool, time_dependent: bool) -> None:
+def test_what_it_depends_on_does_not_depend_on_units(
+    further: str, linear: bool, time_dependent: bool
+) -> None:
     model = lagc.loads(SPRING.replace("FURTHER", further)).compile(backend="numpy")
     for size in (1e-12, 1.0, 1e16):
         for pace in (1e-14, 1.0, 1e9):

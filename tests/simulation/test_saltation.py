@@ -160,7 +160,7 @@ def test_a_start_on_a_change_that_moves_nothing_has_them(force: str, more: str, 
     end M;"""
     model = lagc.loads(text).compile(backend="numpy")
     run = model.simulate(1.0, points=2, accuracy=1e-8, sensitivity=["start(x)"])
-    assert ("at the start itself" not in run.message) == same
+    assert ("at the initial state itself" not in run.message) == same
     if same:
         two = [
             model.simulate(1.0, points=2, accuracy=1e-11, starts={"x": way * 1e-4})["x"][-1]

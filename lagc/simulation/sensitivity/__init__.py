@@ -1,1 +1,1 @@
-"""Derivatives of a run by parameters and initial conditions."""
+"""Sensitivities of a motion to parameters, inputs and initial values."""

@@ -19,13 +19,14 @@ from lagc.symbolic.leaves import derived
 if TYPE_CHECKING:
     from lagc.simulation.backends.python import NumpySystem
 
-CLEAR = 10.0  # times what rounding may be: a sensitivity that counts
-FAINT = 1e-14  # of the terms of its rates: what of S is rounding
+CLEAR = 10.0  # times the round-off: a sensitivity that is significant
+FAINT = 1e-14  # of the terms of its rates: round-off of S
 
 
 @dataclass(frozen=True, slots=True)
 class Direction:
-    """`parameter`: its place in p, or `state`: in x; neither, where it reaches nothing."""
+    """A parameter or initial value: its index in p (`parameter`) or x (`state`), or neither if it has no
+    effect."""
 
     name: str
     unit: str
@@ -36,8 +37,10 @@ class Direction:
 def directions(
     interface: Interface, names: Sequence[str], unused: Sequence[Field], built_in: Collection[str]
 ) -> tuple[Direction, ...]:
-    """`l`, `start(theta)`, `start(der(theta))`, each once; of an array all its entries.  Raises Refused:
-    LAG0601, LAG0606 where a name is unknown, LAG0607 what is built into the compiled model."""
+    """The directions named `l`, `start(theta)` or `start(der(theta))`, each once; all entries of an array.
+
+    Raises Refused: LAG0601, LAG0606 for an unknown name, LAG0607 for a parameter that is part of the code.
+    """
     fields = [*interface.parameters, *interface.inputs]
     given = {f.name: Direction(f.name, f.unit, parameter=k) for k, f in enumerate(fields)}
     given.update((f.name, Direction(f.name, f.unit)) for f in unused)
@@ -55,7 +58,7 @@ def directions(
         elif meant:
             found.update((d.name, d) for d in meant)
         elif not (name if at is None else at):
-            faults.append(Fault("LAG0601", "one of the names that a run is to be differentiated by is empty"))
+            faults.append(Fault("LAG0601", "a name of `sensitivity` is empty"))
         elif at is not None:
             faults.append(unknown(at, starts, "coordinate or speed", "LAG0606"))
         elif name in starts:
@@ -78,11 +81,14 @@ def _meant(name: str, known: Mapping[str, Direction]) -> list[Direction]:
 
 @dataclass
 class Sensitivities:
-    """`values`: d(q, v)/dtheta at the recorded times, (times, nq + nv, directions), SI; NaN where there are
-    none.  `estimated`: the largest error over all times, relative to the largest sensitivity of the same kind
-    of states to the same theta; None where it is not known.  `doubts`, (nq + nv, directions): what `values`
-    may be off by, as is estimated or by rounding.  `message` says why they end early, or are not as good as
-    asked; the cost is that of all integrations."""
+    """The sensitivities of a run.
+
+    `values` is d(q, v)/dtheta at the recorded times, (times, nq + nv, directions), in SI units; NaN without
+    a value.  `estimated` is the largest error over all times, relative to the largest sensitivity of the
+    same scaling group to the same theta; None if unknown.  `doubts`, (nq + nv, directions), is the error of
+    `values` by the estimate or by round-off.  `message` tells why they end early or miss the accuracy.  The
+    cost is that of all integrations.
+    """
 
     system: NumpySystem
     directions: tuple[Direction, ...]
@@ -108,25 +114,25 @@ class Sensitivities:
                 f"derivatives in {self.integrations} integrations, run {self.run_s:.3g} s")  # fmt: skip
 
     def named(self, quantities: Iterable[str]) -> dict[str, tuple[str, Direction]]:
-        """The columns of these quantities, and what they are of: `d(theta)/d(l)`."""
+        """The columns of these quantities, such as `d(theta)/d(l)`, with quantity and direction."""
         return {f"d({name})/d({d.name})": (name, d) for name in quantities for d in self.directions}
 
     def units(self, units: Mapping[str, str]) -> dict[str, str]:
-        """Of the columns of quantities with these units."""
+        """The units of the columns, from those of the quantities."""
         return {column: _quotient(units[name], d.unit) for column, (name, d) in self.named(units).items()}
 
     def __contains__(self, column: str) -> bool:
         return column in self._names
 
     def column(self, column: str) -> list[float]:
-        """Of a state, the rate of a coordinate or an output, over the recorded times."""
+        """The sensitivity of a state, the rate of a coordinate or an output, at the recorded times."""
         name, direction = self._names[column]
         self._fill()
         found: list[float] = self._columns[name][:, self.directions.index(direction)].tolist()
         return found
 
     def doubt(self, column: str) -> float:
-        """What a column may be off by: nothing within it tells of the motion."""
+        """The error of a column; a smaller value is not significant."""
         name, direction = self._names[column]
         self._fill()
         return float(self._doubts[name][self.directions.index(direction)])
@@ -139,7 +145,7 @@ class Sensitivities:
         return self.named([*interface.state_names, *rates, *outputs])
 
     def last(self) -> Sensitivities:
-        """At the last recorded time alone."""
+        """The sensitivities at the last recorded time only."""
         end = slice(-1, None)
         return replace(
             self, times=self.times[end], states=self.states[end], values=self.values[end], _columns={},
@@ -147,7 +153,7 @@ class Sensitivities:
         )  # fmt: skip
 
     def told(self) -> dict[str, Any]:
-        """For JSON."""
+        """The summary for JSON."""
         return {
             "of": [d.name for d in self.directions],
             "estimated": self.estimated,
@@ -157,7 +163,7 @@ class Sensitivities:
         }  # fmt: skip
 
     def _fill(self) -> None:
-        """The columns of rates and outputs follow from those of the states, and so do their doubts."""
+        """Compute the columns of rates and outputs, and their errors, from those of the states."""
         if self._columns:
             return
         interface = self.system.interface
@@ -195,5 +201,5 @@ class Sensitivities:
 def _quotient(above: str, below: str) -> str:
     try:
         return quotient(above, below)
-    except UnknownUnit:  # a root has none that could be read
+    except UnknownUnit:  # a root of a unit has no name
         return f"({above or '1'})/({below})"

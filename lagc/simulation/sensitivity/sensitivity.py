@@ -1,4 +1,4 @@
-"""Sensitivities of a run: what its quantities change by with parameters and starts."""
+"""Compute the sensitivities of a run to parameters and initial values, with an estimate of their error."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from lagc.simulation.backends.python import NumpySystem
     from lagc.simulation.solution import Solution
 
-TOLERANCE = 1e-7  # of a run at rest, which has none
+TOLERANCE = 1e-7  # of a run at rest, which has no tolerance
 ATTEMPTS = 4
-MORE, MOST = 100, 10_000  # steps that an integration takes, of those of the motion, and besides
+MORE, MOST = 100, 10_000  # steps of an integration: a multiple of those of the motion, plus a constant
 
 Progress = Callable[[float], None]
 
@@ -37,15 +37,18 @@ def sensitivities(
     directions: tuple[Direction, ...],
     progress: Progress | None = None,
 ) -> None:
-    """Gives `run`, which `request` (complete) asked for, its sensitivities, by the system with derivatives.
-    Where they are not as asked it has failed, and says why."""
+    """Add sensitivities to `run`, the result of the complete `request`, computed by the system with
+    derivatives.
+
+    If they fail or miss the accuracy, the run fails, and its message says why.
+    """
     began = perf_counter()
     shape = (len(run.times), system.nq + system.nv, len(directions))
     values, doubts = np.full(shape, np.nan), np.zeros(shape[1:])
     found = Sensitivities(
         system, directions, run.times, run.states, values, doubts, None, "", False, 0, 0, 0, 0, 0.0
     )
-    with np.errstate(all="ignore"):  # what is not finite is found
+    with np.errstate(all="ignore"):  # values that are not finite are detected
         try:
             if run.interrupted or not run.times:
                 raise ArithmeticError("the motion was interrupted")
@@ -77,9 +80,11 @@ def _verified(
     start: tuple[Array, Array],
     progress: Progress | None,
 ) -> list[int]:
-    """Fills `found` by the directions `kept`: by hand one integration, else those that tell the error; every
-    second one begins as far from the start slopes as these may be off.  Which of them end before others
-    do."""
+    """Fill `found` in the directions `kept`, and return those of them that end early.
+
+    A request by hand takes one integration, others as many as the error estimate needs.  Every second one
+    starts from initial sensitivities changed by their error.
+    """
     n, directions = len(start[0]), [found.directions[k] for k in kept]
     rests = len(run.times) > 1 and all(x[:n] == run.states[0][:n] for x in run.states)
 
@@ -108,7 +113,7 @@ def _verified(
         if done.message or tol <= FINEST:
             break
         if found.estimated is not None and is_tied(done.steps, done.passed[-1]):
-            again = at(tol, False)  # most steps are those of a finer one
+            again = at(tol, False)  # events determine most steps
             if again.message:
                 break
             done = again
@@ -132,8 +137,11 @@ def _verified(
 
 
 def _apart(one: Followed, two: Followed, kinds: Sequence[int]) -> float:
-    """The largest difference, relative to the largest of its kind and direction, or of the terms that cancel
-    in it at a change, where that is no rounding.  Times behind a change in one alone do not count."""
+    """The largest difference of two results, relative to the largest in its scaling group and direction, or
+    to the terms that cancel at events.
+
+    Values within round-off, and times between the events of the two, do not count.
+    """
     end = min(one.reached, two.reached)
     alike = np.flatnonzero(one.passed[:end] == two.passed[:end])
     far, sizes = np.abs(one.values[alike] - two.values[alike]), np.abs(two.values[:end])
@@ -149,9 +157,9 @@ def _apart(one: Followed, two: Followed, kinds: Sequence[int]) -> float:
 
 
 def _doubts(done: Followed, estimated: float, kinds: Sequence[int]) -> Array:
-    """Of each state, by directions: the error that is estimated of its kind, or what rounding may be."""
+    """The error of each state by directions: the estimated error of its scaling group, or its round-off."""
     place = np.searchsorted(sorted(set(kinds)), kinds)
-    sizes = np.array(  # nothing where no value is known
+    sizes = np.array(
         [np.fmax.reduce(np.abs(done.values[:, place == k]), axis=(0, 1), initial=0.0)
          for k in range(len(done.terms))]
     )  # fmt: skip

@@ -1,13 +1,13 @@
-"""What a motion changes by when parameters and starts do: S = dx/dtheta along its steps.
+"""Sensitivities S = dx/dtheta of a motion, along its steps.
 
-    S' = f_x S + f_theta,      S(0) = dx0/dtheta
+S' = f_x S + f_theta,      S(0) = dx0/dtheta
 
-on the stages of each step of the motion, by the same method: the derivative of the steps themselves (H. G.
-Bock, Numerical treatment of inverse problems in chemical reaction kinetics, 1981; Hairer, Norsett, Wanner,
-*Solving Ordinary Differential Equations I*, section II.6).  The error of S is estimated as that of the
-motion is, and a step that is too long for S is made again, shorter.  After each, S is put back on the
-tangents of the constraints.  Where a switch changes at a time that depends on theta S jumps, by
-(f- - f+) dt/dtheta.
+The equations are integrated on the stages of each step of the motion by the same method, which gives the
+derivative of the steps themselves (H. G. Bock, Numerical treatment of inverse problems in chemical reaction
+kinetics, 1981; Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.6).  The
+error of S is estimated as that of the motion, and a step that is too long for S is repeated with a shorter
+one.  After each step, S is projected onto the tangents of the constraints.  At an event whose time depends
+on theta, S jumps by (f- - f+) dt/dtheta.
 """
 
 from __future__ import annotations
@@ -33,8 +33,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Tableau:
-    """k_i = f(t + c_i h, x + h sum a_ij k_j), x1 = x + h sum b_i k_i.  Rows go over the stages, the rate at
-    the new state and the stages of dense output, see `lagc.kernels.integrators.tableaus`."""
+    """A Runge-Kutta method: k_i = f(t + c_i h, x + h sum a_ij k_j), x1 = x + h sum b_i k_i.
+
+    Rows range over the stages, the rate at the new state, and the stages of dense output; see
+    `lagc.kernels.integrators.tableaus`.
+    """
 
     order: int
     c: Array
@@ -50,7 +53,7 @@ class Tableau:
         return len(self.c)
 
     def error_of(self, table: Array, h: float) -> Array:
-        """The error of a step, entry by entry; `table` are the rates at stages and new state."""
+        """The error of a step, by entries; `table` has the rates at the stages and at the new state."""
         first, *others = (h * combined(row, table) for row in self.error)
         if not others:
             return np.abs(first)
@@ -58,14 +61,20 @@ class Tableau:
         return np.divide(np.square(first), size, out=np.zeros_like(size), where=size > 0.0)
 
     def coefficients(self, old: Array, new: Array, table: Array, h: float) -> list[Array]:
-        """Of dense output of a step, `table` with the stages for it."""
-        way, first, last = new - old, table[0], table[self.stages]
-        bend = h * first - way
-        return [old, way, bend, way - h * last - bend, *(h * combined(row, table) for row in self.dense)]
+        """The coefficients of dense output of a step; `table` includes its stages."""
+        change, first, last = new - old, table[0], table[self.stages]
+        bend = h * first - change
+        return [
+            old,
+            change,
+            bend,
+            change - h * last - bend,
+            *(h * combined(row, table) for row in self.dense),
+        ]
 
 
 def within(coefficients: Sequence[Array], part: float) -> Array:
-    """Dense output at this part of a step."""
+    """The dense output at this part of a step."""
     *lower, value = coefficients
     for j in range(len(lower) - 1, -1, -1):
         value = lower[j] + (part if j % 2 == 0 else 1.0 - part) * value
@@ -73,12 +82,14 @@ def within(coefficients: Sequence[Array], part: float) -> Array:
 
 
 def combined(row: Array, table: Array) -> Array:
+    """The sum of the rows of `table` with the weights `row`."""
     found: Array = np.tensordot(row, table[: len(row)], 1)
     return found
 
 
 @cache
 def tableau(method: str) -> Tableau:
+    """The tableau of a method."""
     m: Any = import_module(f"lagc.kernels.integrators.tableaus.{method}")
     n = len(m.C)
     full = n + 1 + len(m.EXTRA_C)
@@ -100,21 +111,23 @@ def _row(entries: Mapping[int, str], length: int) -> Array:
     return found
 
 
-SHORTEST = 1e-12  # of the time of the run: of a step that is made again
-SHAKEN = 9e-16  # of a state: four units of its last place
-FADING = 0.9  # from step to step, of the rounding that was heard
-STEEPEST = 20.0  # power of the time by which S departs from zero
-SAME = 1e-6  # of the time of a run: where two of its integrations end
+SHORTEST = 1e-12  # of the time of the run: a repeated step
+PERTURBED = 9e-16  # relative perturbation of a state: four units in the last place
+FADING = 0.9  # from step to step, of the round-off estimate
+STEEPEST = 20.0  # power of the time by which S leaves zero
+SAME = 1e-6  # of the time of a run: difference of the ends of two integrations
 
 Progress = Callable[[float], None]
 
 
 @dataclass
 class Followed:
-    """S at the recorded times, (times, nq + nv, directions), NaN behind `reached`; in each kind of states,
-    by directions, `rounding`: what it may add up to, `terms`: the largest of what is added up at changes;
-    `passed`: the changes so far at the recorded times.  Of the directions `lost`, where there are any, the
-    others could go on."""
+    """S at the recorded times, (times, nq + nv, directions), NaN from `reached` on.
+
+    By scaling groups and directions: `rounding` is the accumulated round-off, and `terms` the largest terms
+    added at events.  `passed` is the number of events before each recorded time.  If directions are `lost`,
+    the others could continue.
+    """
 
     values: Array
     rounding: Array
@@ -130,11 +143,11 @@ class Followed:
 
 
 class Slopes(NamedTuple):
-    """The equations of S at one place."""
+    """The coefficients of the equations of S at one point."""
 
     point: Point
     by_state: Array
-    by_parameter: Array  # of each direction
+    by_parameter: Array  # by direction
 
     def rates(self, own: Array) -> Array:
         found: Array = self.by_state @ own + self.by_parameter
@@ -142,6 +155,8 @@ class Slopes(NamedTuple):
 
 
 class Variation:
+    """The integration of S along a motion."""
+
     def __init__(
         self,
         system: NumpySystem,
@@ -151,28 +166,29 @@ class Variation:
         rests: bool,
         most: int,
     ):
-        """`start`: S(0), by the directions; `rests`: the motion stays where it starts; `most`: so many
-        steps are made."""
+        """`start` is S(0) by directions, `rests` tells that the motion stays at its initial state, and
+        `most` limits the number of steps."""
         self.system, self.rests, self.start, self.most = system, rests, start, most
-        self.options = Options(**vars(options))  # its own: the longest step changes
+        self.options = Options(**vars(options))  # a copy, because the longest step changes
         self.by_p = [k for k, d in enumerate(directions) if d.parameter is not None]
         self.columns = [d.parameter for d in directions if d.parameter is not None]
         self.table, self.longest = tableau(options.method), options.max_step
         kinds = system.interface.kinds
-        self.of_kind = np.array([[kind == k for kind in kinds] for k in sorted(set(kinds))])
-        self.kind = np.argmax(self.of_kind, axis=0)
+        self.in_group = np.array([[kind == k for kind in kinds] for k in sorted(set(kinds))])
+        self.group = np.argmax(self.in_group, axis=0)
         self.evaluations = 0
 
     def along(self, x0: Sequence[float], times: Sequence[float], progress: Progress | None) -> Followed:
+        """Integrate the motion from `x0` again, and S with it."""
         s = self.system.model.module["Integrator"](self.system.equations(), self.options, times[0], list(x0))
         n, m = self.start.shape
-        values, of_kind = np.full((len(times), n, m), np.nan), np.zeros((len(self.of_kind), m))
-        found = Followed(values, of_kind, of_kind.copy(), np.zeros(len(times), dtype=int), 1, 0, 0, 0)
+        values, in_group = np.full((len(times), n, m), np.nan), np.zeros((len(self.in_group), m))
+        found = Followed(values, in_group, in_group.copy(), np.zeros(len(times), dtype=int), 1, 0, 0, 0)
         self.sizes, self.faint = self._largest(self.start), np.zeros_like(found.rounding)
-        self.pace = inf  # what S lets a step be
-        self.heard = np.zeros_like(self.sizes)  # what rounding of states changes its rates by
+        self.pace = inf  # the longest step for S
+        self.roundoff = np.zeros_like(self.sizes)  # what rounding of states changes its rates by
         found.values[0] = now = self.start
-        self.last: Slopes | None = None  # where the next step begins
+        self.last: Slopes | None = None  # at the begin of the next step
         modes = list(s.modes) if self.system.interface.switches else []
         whens = bool(self.system.interface.whens)
         changes = Changes(self.system, self.by_p, self.columns)
@@ -186,7 +202,7 @@ class Variation:
                 steps, old, jumps = s.steps, now, s.jumps if whens else 0
                 status, now, table = self._step(s, now, times[-1], found)
                 if status not in (OK, TERMINATED):
-                    raise Stopped("the motion could not be followed there once more")
+                    raise Stopped("the repeated motion fails there")
                 if s.steps > steps:
                     found.steps += 1
                     self._record(s, old, now, table, times, found)
@@ -200,7 +216,7 @@ class Variation:
                         self.last, (now, terms) = None, changes.beyond(s, now, before, jumped)
                         self._add_up(terms, found)
                         found.passed[found.reached :] += 1
-                        if times[found.reached - 1] == s.t:  # what is recorded is behind all that is done
+                        if times[found.reached - 1] == s.t:  # the recorded state is the one after the event
                             found.values[found.reached - 1] = now
                             found.passed[found.reached - 1] += 1
                 if self.rests:
@@ -208,7 +224,7 @@ class Variation:
                 if progress is not None:
                     progress(s.t)
                 if found.steps + found.rejected > self.most:
-                    raise Stopped("they ask for far more steps than the motion")
+                    raise Stopped("they need far more steps than the motion")
         except Stopped as reason:
             found.message, found.lost = f"at t = {s.t:.6g} s: {reason}", reason.lost
         except ArithmeticError as error:
@@ -219,7 +235,7 @@ class Variation:
         return found
 
     def _add_up(self, terms: Array, found: Followed) -> None:
-        """What the terms of S at a change bring to what it is judged by."""
+        """Add the terms of S at an event to the sizes and the round-off."""
         largest = self._largest(terms)
         found.terms, self.sizes = np.maximum(found.terms, largest), np.maximum(self.sizes, largest)
         self.faint += FAINT * largest
@@ -228,8 +244,9 @@ class Variation:
     # -- one step --
 
     def _step(self, s: Any, now: Array, stop: float, found: Followed) -> tuple[int, Array, Array]:
-        """One step of the motion that is not too long for S: S behind it, and its rates at the stages."""
-        kept, grown, listened = _kept(s), np.zeros_like(self.sizes), False
+        """Make one step of the motion that is not too long for S; return the status, S after it, and its
+        rates at the stages."""
+        kept, grown, estimated = _kept(s), np.zeros_like(self.sizes), False
         while True:
             limit = min(self.longest or inf, self.pace)
             s.options.max_step = limit if limit < inf else 0.0
@@ -243,10 +260,10 @@ class Variation:
                 break
             terms = h * np.maximum(self._terms(first, now), self._terms(last, new))
             errors = self.table.error_of(table, h)
-            faint = FAINT * (terms + self._tied(last.point, new)) + h * self.heard
-            faint += h * self._largest(np.abs(first.by_state) @ (self.faint + faint)[self.kind])
+            faint = FAINT * (terms + self._tied(last.point, new)) + h * self.roundoff
+            faint += h * self._largest(np.abs(first.by_state) @ (self.faint + faint)[self.group])
             grown = np.maximum(grown, self._known(new, errors, terms))
-            error = _norm(errors, (self._scale(np.maximum(terms, grown), new) + faint)[self.kind])
+            error = _norm(errors, (self._scale(np.maximum(terms, grown), new) + faint)[self.group])
             part = 0.9 * error ** (-1.0 / self.table.order) if error > 0.0 else inf
             if error <= 1.0:
                 self.pace = h * min(max(part, 0.5), 5.0) if part < inf else inf
@@ -257,36 +274,43 @@ class Variation:
             if not h > SHORTEST * stop:
                 raise Stopped("its derivatives grow without bound")
             self.pace = h * (max(part, 0.1) if part == part else 0.1)
-            if not listened:
-                listened, self.heard = True, np.maximum(FADING * self.heard, self._listen(s, first, now))
+            if not estimated:
+                estimated, self.roundoff = (
+                    True,
+                    np.maximum(FADING * self.roundoff, self._roundoff(s, first, now)),
+                )
             found.rejected += 1
             _restore(s, kept)
         self.last = last
         return status, new, table
 
     def _scale(self, terms: Array, new: Array) -> Array:
-        """What errors are judged by: the largest so far, or what the step changes that by; of what was zero,
-        what it is then."""
+        """The scale of errors: the largest value so far, or the change in the step; for groups that were
+        zero, their new value."""
         sizes = np.maximum(self.sizes, terms)
         return self.options.rtol * np.where(sizes > 0.0, sizes, self._largest(new))
 
     def _known(self, new: Array, errors: Array, terms: Array) -> Array:
-        """How large S is at the end of a step, of each kind, where it is known to half of that and grows as
-        a power does.  What departs from zero by one that no method follows, as behind the kink of Hertz'
-        contact, is as wrong in every short step, by its own size then: it is judged by what it comes to."""
+        """The size of S at the end of a step, by scaling groups, if it is known to a half and grows like a
+        power of the time.
+
+        Behind a kink such as that of Hertz' contact, S leaves zero by a power that no method resolves, and
+        its relative error stays large in every short step.  Such a step is judged by the size that S
+        reaches.
+        """
         sizes = self._largest(new)
         return np.where((2.0 * self._largest(errors) < sizes) & (terms <= STEEPEST * sizes), sizes, 0.0)
 
-    def _listen(self, s: Any, first: Slopes, now: Array) -> Array:
-        """What the rates of S change by with last places of the states: differences of what is large."""
+    def _roundoff(self, s: Any, first: Slopes, now: Array) -> Array:
+        """The round-off of the rates of S, from a perturbation of the states in the last place."""
         x, modes = np.array(s.x_old), list(s.modes_old) if self.system.interface.switches else None
-        perturb = np.where(np.arange(len(x)) % 2 == 0, 1.0 + SHAKEN, 1.0 - SHAKEN)
+        perturb = np.where(np.arange(len(x)) % 2 == 0, 1.0 + PERTURBED, 1.0 - PERTURBED)
         beside = self._slopes(self._point(s.t_old, x * perturb, np.array(s.k[0]), modes))
         return self._largest(beside.rates(now) - first.rates(now))
 
     def _stages(self, s: Any, now: Array) -> tuple[Array, Array, Slopes, Slopes]:
-        """S behind the last step, on the constraints, and its rates at the stages and there; the equations of
-        S where the step begins and ends."""
+        """Compute S at the end of the last step, on the constraints, its rates at the stages and there, and
+        the coefficients at both ends."""
         rates, table, t, h, x = np.array(s.k), self.table, s.t_old, s.h_old, np.array(s.x_old)
         modes = list(s.modes_old) if self.system.interface.switches else None
         found = np.empty((table.stages + 1 + len(table.extra_c), *now.shape))
@@ -318,19 +342,21 @@ class Variation:
         return Slopes(point, by_state, by_parameter)
 
     def _terms(self, slopes: Slopes, own: Array) -> Array:
-        """What the terms of the rates of S add up to, the largest of each kind, with entries that cancel as
-        large as others of the kind."""
+        """The sum of magnitudes of the terms of the rates of S, the largest of each scaling group.
+
+        Entries that cancel count like others of the group.
+        """
         table = slopes.point.reach("state")
         found = np.zeros_like(own)
-        for mask in self.of_kind:
+        for mask in self.in_group:
             found += table[:, mask].max(axis=1)[:, None] * np.abs(own[mask]).sum(axis=0)
         if self.columns:
             found[:, self.by_p] += slopes.point.reach("parameter")[:, self.columns]
         return self._largest(found)
 
     def _tangent(self, point: Point, own: Array) -> Array:
-        """S with phi_q S_q + phi_theta = 0, and the same of psi, by the shortest way in the metric of the
-        mass matrix; of quaternions no change of length."""
+        """Project S so that phi_q S_q + phi_theta = 0, and the same for psi, by the smallest change in the
+        metric of the mass matrix; quaternions keep their length."""
         system = self.system
         nq, nv, nh, nc = system.nq, system.nv, system.nh, system.nc
         if not (nc or system.quaternions):
@@ -351,11 +377,11 @@ class Variation:
         return own
 
     def _tied(self, point: Point, own: Array) -> Array:
-        """What the terms of these conditions move S by, the largest of each kind."""
+        """The effect of the terms of these conditions on S, the largest of each scaling group."""
         system = self.system
         nq, nv, nh, nc = system.nq, system.nv, system.nh, system.nc
         if not nc:
-            return np.zeros((len(self.of_kind), own.shape[1]))
+            return np.zeros((len(self.in_group), own.shape[1]))
         terms = np.abs(point.partial("condition", "state")[: nh + nc]) @ np.abs(own)
         if self.columns:
             terms[:, self.by_p] += np.abs(point.partial("condition", "parameter")[: nh + nc, self.columns])
@@ -368,7 +394,7 @@ class Variation:
     def _record(
         self, s: Any, old: Array, new: Array, table: Array, times: Sequence[float], found: Followed
     ) -> None:
-        """S at the times of the last step."""
+        """Record S at the times within the last step."""
         coefficients: list[Array] = []
         while found.reached < len(times) and times[found.reached] <= s.t:
             t = times[found.reached]
@@ -384,15 +410,15 @@ class Variation:
             found.reached += 1
 
     def _ended(self, s: Any, now: Array, times: Sequence[float], found: Followed) -> None:
-        """S at the last time, where the run ends by itself, but for what its time is off by."""
+        """Record S at the end of a run that a `when` clause terminates."""
         if found.reached == len(times) - 1 and times[-1] - s.t <= SAME * s.t:
             found.values[-1] = now
             found.reached += 1
         if found.reached < len(times):
-            raise Stopped("the motion ends earlier once more")
+            raise Stopped("the repeated motion ends earlier")
 
     def _coefficients(self, s: Any, old: Array, new: Array, table: Array) -> list[Array]:
-        """Of dense output of S, at the further stages that dense output of the motion has."""
+        """The coefficients of dense output of S, with the additional stages of that of the motion."""
         rates, own, h = np.array(s.k), self.table, s.h_old
         modes = list(s.modes_old) if self.system.interface.switches else None
         for j, (c, row) in enumerate(zip(own.extra_c, own.extra_a)):
@@ -403,19 +429,20 @@ class Variation:
         return own.coefficients(old, new, table, h)
 
     def _largest(self, values: Array) -> Array:
-        """Of each kind of states, by directions."""
+        """The largest magnitude of each scaling group, by directions."""
         sizes = np.abs(values)
-        return np.array([sizes[mask].max(axis=0, initial=0.0) for mask in self.of_kind])
+        return np.array([sizes[mask].max(axis=0, initial=0.0) for mask in self.in_group])
 
 
 def _norm(errors: Array, weights: Array) -> float:
-    """Root mean square over the states, the largest of all directions; what has no weight does not count."""
+    """The root mean square over the states, the largest of all directions; entries without a weight do not
+    count."""
     parts = np.divide(errors, weights, out=np.zeros_like(errors), where=weights > 0.0)
     return float(np.sqrt(np.square(parts).mean(axis=0)).max(initial=0.0))
 
 
 def _kept(s: Any) -> dict[str, Any]:
-    """All of a state on its way."""
+    """A copy of the whole integrator state."""
     names: tuple[str, ...] = vars(type(s).__base__)["__slots__"]
     return {name: _copied(getattr(s, name)) for name in names}
 
