@@ -135,6 +135,8 @@ def unexpected(events: list[Any], folder: Path, generated: str = "") -> list[Any
             )
         if event == "ctypes.dlopen":
             return a[0] is None or a[0].startswith("/proc/self/fd/") or "libm" in a[0]
+        if event.startswith("glob.glob"):
+            return within(a[0], *OURS)  # the kernels of lagc
         return event in QUIET or event == "open"
 
     return [event for event in events if not fine(*event)]
