@@ -71,8 +71,7 @@ def _doubts(solution: Solution) -> dict[str, float]:
 def _still(solution: Solution, run: Trajectory) -> Iterator[str]:
     """The states that rounding alone moves."""
     from lagc.simulation.error_measure import sizes
-    from lagc.simulation.global_error.noise_groups import find_noise_groups
-    from lagc.simulation.global_error.rounding import quick_estimate
+    from lagc.simulation.global_error.rounding import find_noise_groups, quick_estimate
 
     system, names = solution.system, solution.state_names
     groups = sizes(run, system.interface)

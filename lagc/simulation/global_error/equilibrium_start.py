@@ -6,9 +6,9 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from lagc.simulation.global_error.rounding import ULP, rounded_rates
 from lagc.simulation.system import FAILED, OK, System, Trajectory, rates_at, row_gradients
 
+ULP = 2.0**-52
 DIRECTIONS = 8  # combinations of signs by which time, state and parameters are perturbed
 CLEAR = (
     2.0**26
@@ -79,6 +79,8 @@ def _last_places(system: System, t: float, x: Sequence[float], plain: Sequence[f
 
 def _other_rounding(system: System, t: float, x: Sequence[float], plain: Sequence[float]) -> list[float]:
     """The round-off of each acceleration, from arithmetic rounded up and down."""
+    from lagc.simulation.global_error.rounding import rounded_rates
+
     return _changes(
         system, [r for direction in (1, -1) for r in rounded_rates([system], [t], [x], direction)], plain
     )

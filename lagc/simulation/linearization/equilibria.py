@@ -1,8 +1,9 @@
-"""Equilibria of a constrained system: states at which nothing moves, and the constraint forces there.
+"""Equilibria of a constrained system: states at rest, and the constraint forces there.
 
-    qdot(q, v) = 0,    tau - h + G^T lam = 0,    phi(q) = 0,    psi(q, v) = 0
+qdot(q, v) = 0,    tau - h + G^T lam = 0,    phi(q) = 0,    psi(q, v) = 0
 
-in q, v and lam, by Gauss-Newton steps of least norm from the start and from random postures around it.
+The unknowns are q, v and lam.  Gauss-Newton steps of least norm start from the initial state and from
+random states around it.
 """
 
 from __future__ import annotations
@@ -21,42 +22,47 @@ from lagc.simulation.linearization.linearize import size_of_states
 if TYPE_CHECKING:
     from lagc.simulation.backends.python import NumpySystem
 
-TRIES, FEWEST = 64, 4  # random postures
-MOST_WORK = 5e10  # operations of matrices: beyond it there are fewer
+TRIES, FEWEST = 64, 4  # random states: the usual number and the smallest
+MOST_WORK = 5e10  # operations of matrices; above it there are fewer tries
 STEPS = 60
-LATE = 12  # steps in which they halve, or lead nowhere
+LATE = 12  # steps in which the step length must halve
 HALVINGS = 10
 CLOSE = 1e-12  # of the sizes: a last step
-MET = 1e-9  # of what the sizes change a row by: a residual that is met
-DEPENDENT = 1e-10  # of the largest: singular values of directions in which nothing changes
-SAME = 1e-6  # of the sizes: one equilibrium found twice
-MASSLESS = 1e-14  # of the inertia elsewhere: a motion that has none, as at the cusp of a chart or curve
-BETWEEN = (0.5, 0.236, 0.854)  # of the line between two: where it is looked at
-ROUNDED = 1e-12  # of what forces and sizes make: energies that are 0
+MET = 1e-9  # of the change of an equation by the sizes: a residual that is zero
+DEPENDENT = 1e-10  # of the largest singular value: directions in which nothing changes
+SAME = 1e-6  # of the sizes: two results are one equilibrium
+MASSLESS = 1e-14  # of the inertia elsewhere: a motion without inertia, as at the cusp of a chart or curve
+BETWEEN = (0.5, 0.236, 0.854)  # points of the line between two equilibria that are tested
+ROUNDED = 1e-12  # of forces times sizes: energies that are 0
 
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """`x` = (q, v) and the multipliers; `free`: how many directions there are, as far as linear equations
-    tell, in which it is an equilibrium too."""
+    """An equilibrium: `x` = (q, v), the multipliers, and the potential energy.
+
+    `free` is the number of directions in which it is one of a family, by the linear equations.  `scale` is
+    the scale of energies.
+    """
 
     x: list[float]
     lam: list[float]
     energy: float
     free: int
-    scale: float  # of energies
+    scale: float
 
 
 def equilibria(
     system: NumpySystem, start: Sequence[float], t: float = 0.0, tries: int = TRIES, seed: int = 0
 ) -> list[Equilibrium]:
-    """Those found: that which the steps from `start` lead to first, the others by their potential energy.  Of
-    families of equilibria the nearest one each, as far as energies tell them apart.  Raises ArithmeticError
-    where all lie at singular postures."""
+    """Return the equilibria found: first that from `start`, then the others by their potential energy.
+
+    A family gives one result, the nearest to `start`, if energies tell families apart.  Raises
+    ArithmeticError if all lie at singular states.
+    """
     search = _Search(system, t)
     found: list[Equilibrium] = []
     first: list[Equilibrium] = []
-    with np.errstate(all="ignore"):  # what is not finite is given up
+    with np.errstate(all="ignore"):  # values that are not finite are detected
         for k, guess in enumerate(search.guesses(start, tries, seed)):
             reached = search.reach(guess)
             if reached is None:
@@ -72,28 +78,33 @@ def equilibria(
                 found[known[0]] = reached
     kept = [e for e in first + sorted(found[len(first) :], key=lambda e: e.energy) if search.stays(e)]
     if found and not kept:
-        raise ArithmeticError("what was found lies where some motion has no inertia, as where coordinates or "
-                              "a curve are singular: other coordinates may tell")  # fmt: skip
+        raise ArithmeticError("some motion has no inertia at the equilibria found, as where coordinates or "
+                              "a curve are singular: try other coordinates")  # fmt: skip
     return kept
 
 
 def tries_for(system: NumpySystem) -> int:
-    """Random postures that are worth their time: fewer of large systems, by the operations of their singular
-    values (G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed. 2013, section 8.6.3)."""
+    """The number of random states: fewer for large systems, by the operations of their singular values (G.
+    H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 2013, 8.6.3)."""
     states = system.nq + system.nv
     rows, columns = states + system.nh + system.nc, states + system.nc
     return max(FEWEST, min(TRIES, int(MOST_WORK / (LATE * (4.0 * rows * columns**2 + 22.0 * columns**3)))))
 
 
 class _Search:
+    """The search for equilibria at the time t."""
+
     def __init__(self, system: NumpySystem, t: float):
         self.system, self.t = system, t
         self.sizes = size_of_states(system)
         self.inertias: list[Array] = []  # along each speed, at the guesses
 
     def guesses(self, start: Sequence[float], tries: int, seed: int) -> Iterator[list[float]]:
-        """The start at rest, then random postures: angles over a whole turn, others within twice their size
-        about the start or what lies opposite, every other time from a tenth to a thousand times that."""
+        """The initial state at rest, then random states.
+
+        Angles cover a whole turn.  Other coordinates are within twice their size around the initial value
+        or its opposite; in every other state, within a tenth to a thousand times that.
+        """
         system, chance = self.system, random.Random(seed)
         rest = [0.0] * system.nv
         yield [*start[: system.nq], *rest]
@@ -111,7 +122,7 @@ class _Search:
             yield [*q, *rest]
 
     def reach(self, guess: list[float]) -> Equilibrium | None:
-        """The equilibrium that the steps lead to; None where they end elsewhere, or nowhere."""
+        """The equilibrium that the steps reach from `guess`, or None."""
         try:
             self.inertias.append(np.abs(np.diag(self._mass(guess))))
             return self._reached(np.array([*guess, *[0.0] * self.system.nc]))
@@ -134,10 +145,10 @@ class _Search:
         return Equilibrium(x, z[n:].tolist(), self.system.energies(self.t, x)[1], int(moving), scale)
 
     def stays(self, one: Equilibrium) -> bool:
-        """Whether nothing moves there: where some motion has no inertia, no force need hold it."""
+        """Whether all motions have inertia there: without inertia, no force need balance."""
         system = self.system
         n = system.nq + system.nv
-        usual = np.nanmedian(self.inertias, axis=0)  # far away it may be any number
+        usual = np.nanmedian(self.inertias, axis=0)
         scale = np.sqrt(np.where(usual > 0.0, usual, 1.0))
         mass = self._mass(one.x) / np.outer(scale, scale)
         point = Point(system, self.t, one.x[:n], [0.0] * system.nv, one.lam)
@@ -147,20 +158,23 @@ class _Search:
         return not free.size or bool(np.linalg.eigvalsh(free.T @ mass @ free)[0] > MASSLESS)
 
     def _mass(self, x: Sequence[float]) -> Array:
-        """M, (nv, nv)."""
+        """The mass matrix M, (nv, nv)."""
         system = self.system
         point = Point(system, self.t, x[: system.nq + system.nv], [0.0] * system.nv, [0.0] * system.nc)
         found: Array = point.residual("acceleration")[: system.nv, : system.nv]
         return found
 
     def far(self, one: Equilibrium, start: Sequence[float]) -> float:
-        """How far its coordinates are from the start, beside the sizes."""
+        """The distance of its coordinates from the start, relative to the sizes."""
         nq = self.system.nq
         return float(np.abs((np.array(one.x[:nq]) - start[:nq]) / self.sizes[:nq]).max(initial=0.0))
 
     def same(self, one: Equilibrium, other: Equilibrium) -> bool:
-        """Whether they are one, or seem to be of one family: energies are the same all along it, or, where
-        constraints of speeds hold against forces, the line between them is of it."""
+        """Whether two results are one equilibrium, or of one family.
+
+        A family has the same energy throughout.  If velocity constraints carry forces, the line between two
+        members belongs to the family.
+        """
         if not one.free or one.free != other.free:
             return bool((np.abs(np.array(one.x) - other.x) <= SAME * self.sizes).all())
         largest, scale = (max(a) for a in zip(*((abs(e.energy), e.scale) for e in (one, other))))
@@ -169,15 +183,17 @@ class _Search:
         return self.system.nc > self.system.nh and all(self._between(one, other, share) for share in BETWEEN)
 
     def _between(self, one: Equilibrium, other: Equilibrium, share: float) -> bool:
-        """Whether it is an equilibrium, that far from one to the other."""
+        """Whether the point at this share of the way from one to the other is an equilibrium."""
         z = (1.0 - share) * np.array([*one.x, *one.lam]) + share * np.array([*other.x, *other.lam])
         for first in self.system.quaternions:
             z[first : first + 4] /= np.linalg.norm(z[first : first + 4]) or 1.0
         return self._balances(z)
 
     def _rounded(self, z: Array) -> Array:
-        """The same with 0 for what is nothing beside the sizes, where that is an equilibrium as well: where
-        rows are singular steps end as far from one as the roots of rounding."""
+        """Set values to 0 that are negligible beside the sizes, if the result is an equilibrium too.
+
+        At singular constraints, steps end as far from it as a root of round-off.
+        """
         n = self.system.nq + self.system.nv
         for close in (SAME, CLOSE):
             found = np.where(np.abs(z) <= close * np.concatenate([self.sizes, z[n:] * 0.0]), 0.0, z)
@@ -186,7 +202,7 @@ class _Search:
         return z
 
     def _balances(self, z: Array) -> bool:
-        """Whether it is an equilibrium with some multipliers, which are put into it."""
+        """Whether z is an equilibrium with some multipliers, which are stored in z."""
         try:
             self._balance(z)
             return self._met(z)
@@ -194,7 +210,7 @@ class _Search:
             return False
 
     def _balance(self, z: Array) -> None:
-        """The multipliers that leave the least of the forces, in place."""
+        """Store the multipliers that leave the smallest forces in z."""
         n = self.system.nq + self.system.nv
         z[n:] = 0.0
         residual, table, columns, rows = self._rows(z)
@@ -202,15 +218,15 @@ class _Search:
         z[n:] = -columns[n:] * np.linalg.lstsq(scaled, residual / rows, rcond=DEPENDENT)[0]
 
     def _usual(self, z: Array) -> Array:
-        """The same with angles within half a turn, where that is an equilibrium as well, and quaternions with
-        a positive first part."""
+        """Reduce angles to within half a turn, if the result is an equilibrium too, and make the first part
+        of quaternions positive."""
         interface, found = self.system.interface, z.copy()
         for first in interface.quaternions:
             part = found[first : first + 4]
             if part[np.flatnonzero(np.abs(part) > SAME)[0]] < 0.0:
                 found[first : first + 4] = -part
         wound = [i for i in interface.angles if _turns(found[i])]
-        if wound and self._met(_unwound(found, wound)):  # all at once, or one after the other
+        if wound and self._met(_unwound(found, wound)):  # all together, or one by one below
             return _unwound(found, wound)
         for i in wound:
             turned = _unwound(found, [i])
@@ -242,24 +258,25 @@ class _Search:
         return z if self._met(z) else None
 
     def _moved(self, z: Array, step: Array, columns: Array, inverse: Array, share: float) -> Array:
-        """As far along the step as it makes the next one shorter, by the same derivatives (P. Deuflhard,
-        *Newton Methods for Nonlinear Problems*, Springer 2011, section 3.3)."""
-        moved = self._still(z + share * step * columns)
+        """Step as far as the next step, with the same derivatives, becomes shorter (P. Deuflhard, Newton
+        Methods for Nonlinear Problems, 2011, 3.3)."""
+        moved = self._without_tiny_speeds(z + share * step * columns)
         for _ in range(HALVINGS):
             if np.linalg.norm(inverse @ self._residual(moved)) < np.linalg.norm(step):
                 break
             share /= 2.0
-            moved = self._still(z + share * step * columns)
+            moved = self._without_tiny_speeds(z + share * step * columns)
         return moved
 
-    def _still(self, z: Array) -> Array:
-        """Speeds that are nothing beside their sizes are 0: dry friction acts on the least of them."""
+    def _without_tiny_speeds(self, z: Array) -> Array:
+        """Set speeds to 0 that are negligible beside their sizes, because dry friction acts on the smallest
+        ones."""
         speeds = slice(self.system.nq, self.system.nq + self.system.nv)
         z[speeds][np.abs(z[speeds]) <= CLOSE * self.sizes[speeds]] = 0.0
         return z
 
     def _rows(self, z: Array) -> tuple[Array, Array, Array, Array]:
-        """The residuals, their derivatives, and sizes: of the unknowns, and what these change each row by."""
+        """The residuals, their derivatives, the sizes of the unknowns, and those of the equations."""
         system = self.system
         interface, nq, nv, nc = system.interface, system.nq, system.nv, system.nc
         n = nq + nv
@@ -283,12 +300,12 @@ class _Search:
         columns[n:] = 1.0 / np.where(forces.any(axis=0), forces.max(axis=0, initial=0.0), 1.0)
         rows += np.abs(table[:, n:]) @ columns[n:]
         reach = (np.abs(table[:nq, nq:n]) / self.sizes[:nq, None]).max(axis=0, initial=0.0)
-        works = rows[nq:n] / np.where(reach > 0.0, reach, 1.0)  # of a force along what its speed changes by
+        works = rows[nq:n] / np.where(reach > 0.0, reach, 1.0)  # work of a force along its speed
         rows[nq:n] *= np.maximum(1.0, DEPENDENT * works.max(initial=0.0) / np.where(works > 0.0, works, inf))
         return residual, table, columns, np.where(rows > 0.0, rows, 1.0)
 
     def _residual(self, z: Array) -> Array:
-        """Raises ArithmeticError where it is not finite."""
+        """The residuals.  Raises ArithmeticError if a value is not finite."""
         system = self.system
         n, stack = system.nq + system.nv, system.interface.stack
         values = np.array(system.stack(self.t, z[:n].tolist(), [0.0] * system.nv, z[n:].tolist()))
@@ -308,12 +325,12 @@ class _Search:
 
 
 def _turns(angle: float) -> int:
-    """Whole turns, which may be taken off."""
+    """The whole turns of an angle."""
     return round((angle - SAME) / (2.0 * pi))
 
 
 def _unwound(z: Array, angles: Sequence[int]) -> Array:
-    """The same without whole turns of these."""
+    """z without the whole turns of these angles."""
     found = z.copy()
     for i in angles:
         found[i] -= 2.0 * pi * _turns(z[i])
@@ -321,8 +338,8 @@ def _unwound(z: Array, angles: Sequence[int]) -> Array:
 
 
 def _inverse(table: Array) -> Any:
-    """The pseudo-inverse; where no singular value is too small, which the norms tell (of Frobenius: they are
-    no less than those of the largest), the inverse of a square one, in a tenth of the time."""
+    """The pseudo-inverse; the inverse of a square matrix whose condition, by Frobenius norms, is small, in
+    a tenth of the time."""
     if table.shape[0] == table.shape[1]:
         try:
             found = np.linalg.inv(table)
