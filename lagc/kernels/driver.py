@@ -147,6 +147,7 @@ def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
     s.steps += 1
     s.t_old = s.t
     s.h_old = a.h
+    s.rate_roundoff[:] = w.rate_roundoff
     s.t = a.t_new
     s.x_old[:] = s.x
     s.x[:] = s.x_new
@@ -303,6 +304,7 @@ def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w
         else:
             cause = OK
             reduce_step(p, s, t1, o, a, w)
+        w.rate_roundoff[:] = s.rate_roundoff  # that of a longer step does not count
         a.rejected += 1
         s.rejected += 1
 

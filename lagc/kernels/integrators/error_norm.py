@@ -33,7 +33,7 @@ def extend_groups_at_rest(s: State, h: Real, w: Work, sizes: Vec[NGROUP]) -> Non
 
 def set_error_weights(s: State, o: Options, h: Real, w: Work) -> None:
     """Set w.error_weights for a step over h, and w.trial_sizes. An error is scaled by atol + rtol * size
-    of its group + round-off, s.rate_roundoff and w.coordinate_roundoff over ten steps. An angle that winds
+    of its group + round-off, w.rate_roundoff and w.coordinate_roundoff over ten steps. An angle that winds
     is scaled by its own magnitude, so that it does not weaken others."""
     sizes = vector(NGROUP)
     for k in range(NGROUP):
@@ -52,7 +52,7 @@ def set_error_weights(s: State, o: Options, h: Real, w: Work) -> None:
         size = sizes[scaling_group[i]]
         if scaling_group[i] == 0 and size > 1.0:
             size = fabs(s.x_new[i]) if fabs(s.x_new[i]) > 1.0 else 1.0
-        weight = atol + rtol * size + blur * (s.rate_roundoff[i] + w.coordinate_roundoff[i])
+        weight = atol + rtol * size + blur * (w.rate_roundoff[i] + w.coordinate_roundoff[i])
         w.error_weights[i] = weight if weight > TINY else TINY
 
 

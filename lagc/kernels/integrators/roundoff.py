@@ -53,15 +53,33 @@ def perturb_inputs(p: Params, s: State, x: Vec[NX], other: Params) -> Real:
     return s.t * perturbation_factor(turn)
 
 
-def estimate_rate_roundoff(p: Params, s: State, w: Work) -> None:
-    """Raise s.rate_roundoff to the change of the rates s.k[0] when time, state and parameters are
-    perturbed. Costs one evaluation."""
+def estimate_rate_roundoff(p: Params, s: State, h: Real, w: Work) -> None:
+    """Raise w.rate_roundoff to the change of the rates when time, state and parameters are perturbed: at the
+    accepted state, and one explicit Euler step over h from it, where the state also moves by what the
+    first change brings to it. At one state alone the round-off of a small difference may happen to
+    cancel. Costs three evaluations."""
     x = vector(NX)
     other = params()
     t = perturb_inputs(p, s, x, other)
     s.rhs += 1
-    if not failed(rhs_at(other, t, x, w.xdot, w.lam, w)):
-        enlarge_differences(w.xdot, s.k[0], s.rate_roundoff)
+    if failed(rhs_at(other, t, x, w.xdot, w.lam, w)):
+        return
+    change = vector(NX)
+    for i in range(NX):
+        change[i] = 0.0
+    enlarge_differences(w.xdot, s.k[0], change)
+    moved = vector(NX)
+    for i in range(NX):
+        moved[i] = s.x[i] + h * s.k[0][i]
+        x[i] += h * (s.k[0][i] + change[i])
+    rates = vector(NX)
+    s.rhs += 2
+    if not failed(rhs_at(p, s.t + h, moved, rates, w.lam, w)):
+        if not failed(rhs_at(other, t + h, x, w.xdot, w.lam, w)):
+            enlarge_differences(w.xdot, rates, change)
+    for i in range(NX):
+        if change[i] > w.rate_roundoff[i]:
+            w.rate_roundoff[i] = change[i]
 
 
 def norm_of_error(h: Real, parts: Mat[TWO, NX], w: Work) -> Real:
@@ -149,6 +167,7 @@ def fade_roundoff(s: State, w: Work) -> None:
         s.roundoff_memory = 0.0
     for i in range(NX):
         s.rate_roundoff[i] = left * s.rate_roundoff[i] if s.roundoff_memory > 0.0 else 0.0
+        w.rate_roundoff[i] = s.rate_roundoff[i]
     for i in range(NX):
         w.coordinate_roundoff[i] = 0.0
 
@@ -166,7 +185,7 @@ def error_without_roundoff(p: Params, s: State, t: Real, h: Real, o: Options, be
         if is_nearly_dependent(p, s, h, w):
             looked = o.project and has_two_estimates(o.method)
             return error_along_constraints(p, s, t, h, before, o.method, w) if looked else before
-    estimate_rate_roundoff(p, s, w)
+    estimate_rate_roundoff(p, s, h, w)
     error = weighted_error(s, o, h, w)
     if error <= 1.0 or error < 0.5 * before:
         s.roundoff_memory = 1.0

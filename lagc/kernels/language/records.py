@@ -148,6 +148,7 @@ class Work:
     trial_sizes: Vec[NGROUP]  # s->sizes, with the new state included
     error_weights: Vec[NX]
     longest_step: Real  # over which groups at rest are extrapolated; 0: they are not
+    rate_roundoff: Vec[NX]  # round-off of the rates in the error weights of this attempt
     coordinate_roundoff: Vec[NX]  # residual of the projection of coordinates, divided by the step size
     if NH > 0:
         error_parts: Mat[TWO, NX]  # the two error estimates of the step
@@ -269,7 +270,7 @@ class State:
     # Round-off
     roundoff_estimated: bool  # the error of the last step was compared with its round-off
     roundoff_memory: Real  # 1 when round-off decided on a step; fades with the distance from it to 0
-    rate_roundoff: Vec[NX]  # estimated round-off of the rates
+    rate_roundoff: Vec[NX]  # remembered from accepted steps
     if NC > 0:
         rank_deficient: bool  # constraint rows are known to depend on others
     if NMODE > 0:
