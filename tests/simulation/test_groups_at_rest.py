@@ -67,7 +67,7 @@ def column(run: Run, name: str) -> Any:
 @pytest.mark.parametrize("make", [carts, springs])
 def test_what_is_zero_but_for_rounding_is_no_motion(make: Callable[[Random], Pair], backend: str) -> None:
     chance = Random(make.__name__)
-    spent = needed = 0
+    dear = []
     for _ in range(10 if backend == "numpy" else 2):
         text, reduced, same = make(chance)
         accuracy = chance.choice((1e-4, 1e-6, 1e-8))
@@ -81,9 +81,8 @@ def test_what_is_zero_but_for_rounding_is_no_motion(make: Callable[[Random], Pai
         moved = abs(run["x"]).max()
         assert moved < 1e-12
         assert moved == 0.0 or any("`x` (up to" in note for note in run.to_dict()["notes"])
-        spent += run.cost.rhs
-        needed += alone.simulate(3.0, accuracy=accuracy, points=31).cost.rhs
-    assert spent <= 3 * needed or backend == "c"  # the same runs as those of the other, but few
+        dear.append(run.cost.rhs > 3 * alone.simulate(3.0, accuracy=accuracy, points=31).cost.rhs)
+    assert 2 * sum(dear) <= len(dear)  # round-off that happens to cancel at a state costs steps
 
 
 def cart(more_mass: float, stiffness: float) -> str:
