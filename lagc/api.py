@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from lagc.compiler.artifact import Artifact
     from lagc.lowering.program import Interface, Program
     from lagc.mechanics.formulation.equations import EquationsOfMotion
-    from lagc.reports.equations.matrices import Matrices
+    from lagc.reports.equations.script import Matrices
     from lagc.semantics.model import Model
     from lagc.semantics.scenes.choice import Inputs
     from lagc.simulation.solution import Array
@@ -131,7 +131,7 @@ class Run(Solution):
         save(self, path, units)
 
     def _repr_html_(self) -> str:
-        from lagc.reports.plots.html import solution_html
+        from lagc.reports.plots.plot import solution_html
 
         return solution_html(self)
 
@@ -393,7 +393,7 @@ class CompiledModel(Differentiable):
 
     def matrices(self) -> Matrices:
         """Return M, h, tau, G, gamma and qdot as SymPy matrices.  Raises ImportError without SymPy."""
-        from lagc.reports.equations.matrices import matrices
+        from lagc.reports.equations.script import matrices
 
         with self.compilation.lock:
             return matrices(self.equations)

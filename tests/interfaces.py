@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from lagc.lowering.kinds import kinds
+from lagc.lowering.interface import kinds
 from lagc.lowering.program import Field, Interface
 
 

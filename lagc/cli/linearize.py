@@ -165,7 +165,7 @@ def _deliver(found: list[Linear], facts: dict[str, Any], options: argparse.Names
             say(f"written to {path}", options.quiet or options.json)
     if options.plot is not None:
         from lagc.reports.linear import heading
-        from lagc.reports.plots.mode_shapes import plot_modes
+        from lagc.reports.plots.plot import plot_modes
 
         interface = found[0].system.interface
         wanted = _picture(interface, options.plot)

@@ -6,8 +6,8 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from lagc.base.records import replace
-from lagc.lowering.initial_equations import condition_rows, start_units
-from lagc.lowering.kinds import kinds, rates
+from lagc.lowering.interface import kinds, rates
+from lagc.lowering.jacobians import condition_rows, start_units
 from lagc.lowering.kkt.solve import row_comments
 from lagc.lowering.magnitudes import gradient_bounds, gradient_magnitudes, magnitudes, terms
 from lagc.lowering.program import Function

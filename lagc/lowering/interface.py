@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import accumulate
+from math import inf
 
 from lagc.base.records import names, replace
 from lagc.diagnostics.faults import Fault, Span
 from lagc.host import cache
-from lagc.lowering.kinds import kinds
 from lagc.lowering.modes import Switch
 from lagc.lowering.program import Clause, Field, Function, Interface
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.semantics.model import Input, Lagrangian, Limit, Model, Parameter
+from lagc.semantics.units import NONE, Dimension, S, over, unit
 from lagc.symbolic.derivative import Slopes
+from lagc.symbolic.enclosures import intervals
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix
 from lagc.symbolic.walk import depends, symbols
@@ -231,3 +233,65 @@ def _digest(interface: Interface, functions: Mapping[str, Function]) -> str:
         texts.append("\n".join([f"{o.op}{o.operands}{o.payload!r}" for o in function.operations]))
         texts.append("\n".join([f"{s.array}[{s.index}]={s.value}" for s in function.stores]))
     return cache.key(*texts)
+
+
+def kinds(q_units: Sequence[str], v_units: Sequence[str]) -> tuple[int, ...]:
+    """The kind of each coordinate, then of each speed; those of coordinates come first."""
+    known: dict[tuple[str, Dimension], int] = {("q", NONE): 0}
+    states = [("q", _dimension(u)) for u in q_units] + [("v", _dimension(u)) for u in v_units]
+    return tuple([known.setdefault(state, len(known)) for state in states])
+
+
+def rates(q_units: Sequence[str], v_units: Sequence[str]) -> dict[int, int]:
+    """The kinds of coordinates, each with the kind of speeds that are its rates, where there is one."""
+    states = kinds(q_units, v_units)
+    speeds = {_dimension(u): kind for u, kind in zip(v_units, states[len(q_units) :])}
+    pairs = {kind: speeds.get(over(_dimension(u), S)) for u, kind in zip(q_units, states)}
+    return {kind: speed for kind, speed in pairs.items() if speed is not None}
+
+
+def _dimension(text: str) -> Dimension:
+    return unit(text or "1").dimension
+
+
+FLAT = 1.0 + 1e-9  # rounding of a flat body's moments, of which one is the sum of the others
+
+
+def bounded(model: Model) -> Model:
+    """`model` with the bounds that its bodies ask for: neither a mass nor a moment of inertia is negative,
+    and no moment is more than the two others together, as each is a sum of squares of two coordinates.
+    Where declared bounds see to that already, there are none."""
+    asked = list(_inertias(model))
+    direct = {limit.value for limit in asked}
+    parameters = tuple([
+        replace(p, minimum=0.0) if p.symbol in direct and p.minimum < 0.0 else p for p in model.parameters
+    ])  # fmt: skip
+    known = {p.symbol: (p.minimum, p.maximum) for p in parameters}
+    least = intervals([limit.value for limit in asked], known)
+    found = [
+        limit
+        for limit in asked
+        if limit.value not in known and not least[limit.value][0] >= 0.0
+        and symbols([limit.value]) <= known.keys()
+    ]  # fmt: skip
+    return replace(model, parameters=parameters, limits=(*model.limits, *found))
+
+
+def _inertias(model: Model) -> Iterator[Limit]:
+    for body in model.bodies:
+        yield Limit(f"mass of {body.name}", body.mass, "kg", 0.0, inf, body.span)
+        for k, row in enumerate(body.inertia or ()):
+            yield Limit(f"moment of inertia {k + 1} of {body.name}", row[k], "kg.m2", 0.0, inf, body.span)
+        if body.inertia is not None:
+            moments = [row[k] for k, row in enumerate(body.inertia)]
+            for k, a in enumerate(moments):
+                b, c = moments[k - 2], moments[k - 1]
+                room = (b + c) * FLAT - a
+                if not any(_part(room) is _part(x) for x in moments):  # that it is not negative is asked
+                    name = f"the sum of the other moments of inertia of {body.name} less number {k + 1}"
+                    yield Limit(name, room, "kg.m2", 0.0, inf, body.span)
+
+
+def _part(x: Node) -> Node:
+    """What `x` is a positive multiple of."""
+    return x.args[0] if x.op == "scale" and x.value > 0.0 else x

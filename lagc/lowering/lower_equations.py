@@ -6,23 +6,17 @@ from collections.abc import Mapping, Sequence
 
 from lagc.base.records import replace
 from lagc.lowering import functions
-from lagc.lowering.hybrid.event_functions import in_boxes, switching
-from lagc.lowering.hybrid.poles import poles
-from lagc.lowering.hybrid.step_guards import features
-from lagc.lowering.hybrid.whens import changing, whens
-from lagc.lowering.initial_equations import condition_slopes
-from lagc.lowering.interface import interface, used_parameters
-from lagc.lowering.jacobians import derivatives
+from lagc.lowering.hybrid.event_functions import changing, in_boxes, switching, whens
+from lagc.lowering.hybrid.step_guards import features, poles
+from lagc.lowering.interface import bounded, interface, used_parameters
+from lagc.lowering.jacobians import condition_slopes, derivatives
 from lagc.lowering.kkt import solve as kkt
 from lagc.lowering.kkt.articulated_body import plain
-from lagc.lowering.kkt.form_choice import forms_matrix, solvers
-from lagc.lowering.kkt.massless import with_pivots
-from lagc.lowering.kkt.prune import independent, prune, sources
-from lagc.lowering.kkt.solve import Solver
+from lagc.lowering.kkt.prune import independent, prune, sources, with_pivots
+from lagc.lowering.kkt.solve import Solver, forms_matrix, solvers
 from lagc.lowering.loops.independent_blocks import in_pieces
 from lagc.lowering.loops.loop_rolling import rolled
 from lagc.lowering.modes import Switch, frozen
-from lagc.lowering.parameter_bounds import bounded
 from lagc.lowering.program import Function, Program
 from lagc.lowering.scalar.parameter_hoisting import Preparation
 from lagc.lowering.scalar.scheduling import balanced

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from lagc.diagnostics.faults import Fault
+from lagc.diagnostics.faults import Fault, Refused
 from lagc.mechanics.balance.energy import energies
 from lagc.mechanics.balance.generalized_forces import Acting, act
 from lagc.mechanics.balance.outputs import output_equations
@@ -15,7 +15,6 @@ from lagc.mechanics.formulation.euler_lagrange import free_terms, with_rates
 from lagc.mechanics.formulation.inertia import inertial_loads, moving_parts
 from lagc.mechanics.formulation.jacobian import added
 from lagc.mechanics.formulation.states import States, build_states
-from lagc.mechanics.whens import when_equations
 from lagc.semantics.model import Model, Potential
 from lagc.symbolic.derivative import seeds
 from lagc.symbolic.graph import Node
@@ -151,3 +150,27 @@ def _loads(
     found = seeds(states.graph, [*given, *((node, -weight) for node, weight in asked)])
     moving = depends(found, states.v)
     return {node: weight for node, weight in found.items() if node in moving}
+
+
+def when_equations(states: States) -> tuple[WhenEquations, ...]:
+    """Raises Refused (LAG0427) where a new value is given to what is no state."""
+    known, faults, found = {*states.q, *states.v}, [], []
+    for clause in states.model.whens:
+        for symbol, _ in clause.changes:
+            if symbol not in known:
+                given = ", ".join([f"`{v.record.name}`" for v in states.v])
+                faults.append(
+                    Fault(
+                        "LAG0427",
+                        f"`{symbol.record.name}` is no state of its own, as speeds are declared",
+                        clause.span,
+                        remedy=f"give new values to the speeds: {given}",
+                    )
+                )
+        (condition,) = states.in_speeds([clause.condition])
+        values = states.in_speeds([value for _, value in clause.changes])
+        changes = tuple(zip([symbol for symbol, _ in clause.changes], values))
+        found.append(WhenEquations(clause, condition, changes))
+    if faults:
+        raise Refused(faults)
+    return tuple(found)

@@ -10,9 +10,8 @@ from lagc.diagnostics.report import as_json
 from lagc.lowering.program import Interface, Program
 from lagc.mechanics.analysis.analysis import RowKind, analyse
 from lagc.mechanics.formulation.equations import EquationsOfMotion, StartValue, WhenEquations
-from lagc.reports.equations.expression import Expressions
-from lagc.reports.names import where
-from lagc.reports.ranges import ranged
+from lagc.reports.equations.equations import Expressions
+from lagc.reports.names import ranged, where
 from lagc.semantics.model import UNSTATED, Lagrangian
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node

@@ -7,7 +7,7 @@ import random
 import mpmath as mp
 import pytest
 
-from lagc.lowering.initial_equations import condition_rows
+from lagc.lowering.jacobians import condition_rows
 from lagc.lowering.lower_equations import optimize
 from tests.lowering.interpret import ask
 from tests.oracle.lagrange import Expressions

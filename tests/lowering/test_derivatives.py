@@ -13,8 +13,7 @@ import pytest
 
 import lagc
 from lagc.lowering.jacobians import groups, motion_by_sweeps, stack
-from lagc.lowering.kkt.massless import with_pivots
-from lagc.lowering.kkt.prune import prune
+from lagc.lowering.kkt.prune import prune, with_pivots
 from lagc.lowering.modes import frozen
 from lagc.lowering.storage import places
 from lagc.mechanics.formulation.equations import EquationsOfMotion

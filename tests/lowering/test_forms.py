@@ -6,7 +6,7 @@ import pytest
 
 from lagc.compiler.pipeline import Choice, Compilation
 from lagc.diagnostics.faults import Source
-from lagc.lowering.kkt.form_choice import solvers
+from lagc.lowering.kkt.solve import solvers
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 
 NET = """

@@ -12,8 +12,7 @@ import lagc
 from lagc.base.records import replace
 from lagc.lowering.kkt.articulated_body import lifted
 from lagc.lowering.kkt.fill_ordering import eliminate
-from lagc.lowering.kkt.form_choice import solvers
-from lagc.lowering.kkt.solve import Solver
+from lagc.lowering.kkt.solve import Solver, solvers
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from tests.lowering import large

@@ -18,8 +18,7 @@ from lagc.diagnostics.faults import Refused
 from lagc.lowering.kkt import solve as kkt
 from lagc.lowering.kkt.articulated_body import lifted
 from lagc.lowering.kkt.fill_ordering import eliminate
-from lagc.lowering.kkt.form_choice import solvers
-from lagc.lowering.kkt.solve import Solver
+from lagc.lowering.kkt.solve import Solver, solvers
 from lagc.lowering.program import Function
 from lagc.lowering.storage import places
 from lagc.mechanics.derive import derive

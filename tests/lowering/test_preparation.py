@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 import lagc
 from lagc.lowering.program import Function, Operation
-from lagc.lowering.scalar.coefficients import Coefficients
 from lagc.lowering.scalar.emit import Lowering
+from lagc.lowering.scalar.expand import Coefficients
 from lagc.lowering.scalar.parameter_hoisting import Preparation
 from lagc.lowering.scalar.value_numbering import Block
 from lagc.lowering.storage import Places, lower

@@ -11,7 +11,7 @@ import pytest
 
 from lagc.mechanics.analysis.analysis import Analysis, analyse
 from lagc.mechanics.derive import derive
-from lagc.mechanics.numeric.finite_field_linear import Echelon
+from lagc.mechanics.numeric.dense_linear import Echelon
 from lagc.symbolic.derivative import gradient
 from lagc.symbolic.graph import Node
 from tests.mechanics.builder import Builder

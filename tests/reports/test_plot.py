@@ -12,9 +12,7 @@ import pytest
 import lagc
 from lagc.api import Run
 from lagc.reports.plots.curves import is_constant
-from lagc.reports.plots.html import solution_html, table
-from lagc.reports.plots.mode_shapes import plot_modes
-from lagc.reports.plots.plot import by_unit, plot, show
+from lagc.reports.plots.plot import by_unit, plot, plot_modes, show, solution_html, table
 from tests.reports.models import MODELS
 
 pytest.importorskip("matplotlib")

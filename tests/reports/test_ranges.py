@@ -6,7 +6,7 @@ import pytest
 
 import lagc
 from lagc.reports.explain import explanation
-from lagc.reports.ranges import ranged
+from lagc.reports.names import ranged
 
 
 @pytest.mark.parametrize(

@@ -21,9 +21,8 @@ from lagc.compiler import pipeline
 from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Source
 from lagc.host.model_library import read as read_model
-from lagc.lowering.kkt import form_choice
-from lagc.lowering.kkt.massless import with_pivots
-from lagc.lowering.kkt.prune import prune
+from lagc.lowering.kkt import solve as kkt
+from lagc.lowering.kkt.prune import prune, with_pivots
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion, Row
 from lagc.mechanics.formulation.states import build_states
@@ -58,7 +57,7 @@ State = Mapping[Node, float]
 
 @pytest.fixture(autouse=True)
 def _without_dense_matrices(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(form_choice, "_MOST_UNKNOWNS", 0)
+    monkeypatch.setattr(kkt, "_MOST_UNKNOWNS", 0)
 
 
 def equations(text: str, **parameters: int) -> EquationsOfMotion:

@@ -9,7 +9,7 @@ import lagc
 from lagc.compiler import pipeline
 from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Source
-from lagc.lowering.initial_equations import condition_slopes
+from lagc.lowering.jacobians import condition_slopes
 from lagc.simulation.backends.python import NumpySystem
 from lagc.simulation.initialization.initialize import consistent_start
 

@@ -11,9 +11,8 @@ from collections.abc import Mapping, Sequence
 from itertools import chain
 
 from lagc.base.records import dataclass, replace
-from lagc.mechanics.analysis.integrability import Integrable, integrable_rows
+from lagc.mechanics.analysis.integrability import Integrable, integrable_rows, rate_coefficients
 from lagc.mechanics.analysis.mobility import Mobility, mobility
-from lagc.mechanics.analysis.pfaffian_forms import rate_coefficients
 from lagc.mechanics.balance.energy import WHOLE
 from lagc.mechanics.balance.outputs import Quantities, momenta
 from lagc.mechanics.formulation.equations import EquationsOfMotion, Row

@@ -18,15 +18,175 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 
 from lagc.base.records import dataclass, field
-from lagc.mechanics.analysis.lie_brackets import LARGEST, TooLong, reachable_directions
-from lagc.mechanics.analysis.pfaffian_forms import Form, exact_form, places, spelt, unit_forms, velocity_form
 from lagc.mechanics.formulation.equations import Row
-from lagc.mechanics.formulation.states import States
+from lagc.mechanics.formulation.speeds import solve_rows
+from lagc.mechanics.formulation.states import States, quaternion_rate, rate_symbols
 from lagc.mechanics.identities.sampling_domains import on_rows
 from lagc.mechanics.identities.zero_test import Judge, Truths
-from lagc.mechanics.numeric.finite_field_linear import Echelon, Entries
+from lagc.mechanics.numeric.dense_linear import Echelon, Entries
+from lagc.mechanics.numeric.piecewise_branches import spelt_out
+from lagc.semantics.model import Coordinate
+from lagc.symbolic.derivative import gradient, seeds, tangent
 from lagc.symbolic.finite_field import P, Point, Undefined
-from lagc.symbolic.graph import Node
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import reachable, substitute, symbols
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """sum of coefficients[x] dx over positions x and time, and d(coefficients[x])/dy, by (x, y)."""
+
+    coefficients: dict[Node, Node]
+    slopes: dict[tuple[Node, Node], Node]
+    is_unit: bool = False  # of the length of a quaternion
+
+    @property
+    def nodes(self) -> list[Node]:
+        return [*self.coefficients.values(), *self.slopes.values()]
+
+
+def spelt(graph: Graph, form: Form) -> Form:
+    """Comparisons in the place of abs, sign, min, max."""
+    nodes = iter(spelt_out(graph, form.nodes))
+    coefficients = {x: next(nodes) for x in form.coefficients}
+    return Form(coefficients, {pair: next(nodes) for pair in form.slopes}, form.is_unit)
+
+
+def rate_coefficients(states: States, forces: Mapping[int, Node]) -> dict[Node, Node]:
+    """Weights on the speeds, carried to the rates: rate -> sum of forces[j] dv_j/d(rate)."""
+    spelt = states.in_rates([states.v[j] for j in forces])
+    pairs = list(zip(spelt, forces.values()))
+    return gradient(states.graph, seeds(states.graph, pairs), list(states.rates))
+
+
+def velocity_form(states: States, row: Row) -> Form:
+    """The form of an affine velocity row."""
+    graph = states.graph
+    weights = rate_coefficients(states, row.jacobian)
+    coefficients: dict[Node, Node] = {}
+    for c in states.model.coordinates:
+        on_rates = [weights.get(rate, graph.zero) for rate in rate_symbols(c)]
+        if isinstance(c, Coordinate):
+            coefficients[c.symbol] = on_rates[0]
+        else:
+            turned = quaternion_rate(c.symbols, on_rates)
+            coefficients.update(zip(c.symbols, [4.0 * x for x in turned]))
+    coefficients[states.model.time] = substitute(graph, [row.rate], states.rest)[0]
+    return _with_slopes({x: node for x, node in coefficients.items() if not node.is_zero})
+
+
+def exact_form(states: States, position: Node) -> Form:
+    """d(position)."""
+    where = [*states.q, states.model.time]
+    return Form(gradient(states.graph, {position: states.graph.one}, where), {})
+
+
+def unit_forms(states: States) -> list[Form]:
+    """d|e|^2 of each quaternion."""
+    graph = states.graph
+    norms = [graph.sum(states.q[i + k] ** 2 for k in range(4)) for i in states.quaternions]
+    return [Form(exact_form(states, norm).coefficients, {}, is_unit=True) for norm in norms]
+
+
+def places(forms: Sequence[Form]) -> list[Node]:
+    """The positions (and time) that the forms speak of, in order."""
+    met = {x for form in forms for x in form.coefficients}
+    met |= {y for form in forms for _, y in form.slopes}
+    return sorted(met, key=lambda x: x.index)
+
+
+def _with_slopes(coefficients: dict[Node, Node]) -> Form:
+    slopes: dict[tuple[Node, Node], Node] = {}
+    for x, node in coefficients.items():
+        leaves = [s for s in symbols([node]) if s.record.kind in ("coordinate", "time")]
+        for y in sorted(leaves, key=lambda s: s.index):
+            slope = tangent(node.graph, [node], {y: node.graph.one})[0]
+            if not slope.is_zero:
+                slopes[x, y] = slope
+    return Form(coefficients, slopes)
+
+
+LARGEST = 16  # positions; the brackets of more become long
+LONGEST = 10_000  # nodes of fields whose brackets are formed
+
+Field = dict[Node, Node]
+
+
+class TooLong(Exception):
+    """Brackets are too long to be formed."""
+
+
+def reachable_directions(
+    graph: Graph, forms: Sequence[Form], where: Sequence[Node], point: Point, truths: Truths
+) -> list[Entries]:
+    """A basis, at `point`, of the directions of all motions that the forms leave: by place in `where`.
+
+    Raises Undefined where something has no value at this point, TooLong where fields or brackets on the way
+    are.
+    """
+    span = _Span(where, point, truths)
+    fields = [x for x in _fields(graph, forms, where, point, truths) if span.grows(x)]
+    latest = fields
+    while latest and span.size < len(where):
+        if len(reachable([node for x in latest for node in x.values()])) > LONGEST:
+            raise TooLong
+        brackets = (_bracket(graph, x, y) for x in fields for y in latest)
+        latest = [z for z in brackets if span.grows(z)]
+    return span.directions
+
+
+def _fields(
+    graph: Graph, forms: Sequence[Form], where: Sequence[Node], point: Point, truths: Truths
+) -> list[Field]:
+    """A field for each position that is free, the others solved for."""
+    column = {x: k for k, x in enumerate(where)}
+    rows: list[dict[int, Node]] = []
+    reduced = Echelon()
+    for form in forms:
+        values = point.values(list(form.coefficients.values()), truths)
+        if reduced.grows({column[x]: value for x, value in zip(form.coefficients, values)}):
+            rows.append({column[x]: node for x, node in form.coefficients.items()})
+    pivots = list(reduced.rows)
+    found: list[Field] = []
+    for k, x in enumerate(where):
+        if k not in pivots:
+            right = [-row.get(k, graph.zero) for row in rows]
+            solved = solve_rows(graph, rows, right, pivots)
+            field = {where[j]: node for j, node in solved.items() if not node.is_zero}
+            found.append({**field, x: graph.one})
+    return found
+
+
+def _bracket(graph: Graph, x: Field, y: Field) -> Field:
+    """[x, y] = dy.x - dx.y"""
+    ahead = dict(zip(y, tangent(graph, list(y.values()), x)))
+    back = dict(zip(x, tangent(graph, list(x.values()), y)))
+    zero = graph.zero
+    found = {k: ahead.get(k, zero) - back.get(k, zero) for k in {**ahead, **back}}
+    return {k: node for k, node in found.items() if not node.is_zero}
+
+
+class _Span:
+    """The directions met so far at a point."""
+
+    def __init__(self, where: Sequence[Node], point: Point, truths: Truths):
+        self._column = {x: k for k, x in enumerate(where)}
+        self._point, self._truths = point, truths
+        self._rows = Echelon()
+        self.directions: list[Entries] = []
+
+    @property
+    def size(self) -> int:
+        return len(self.directions)
+
+    def grows(self, field: Field) -> bool:
+        """Take the field's direction in; False where it is none that is new."""
+        values = self._point.values(list(field.values()), self._truths)
+        row = {self._column[x]: value for x, value in zip(field, values)}
+        if not self._rows.grows(row):
+            return False
+        self.directions.append(row)
+        return True
 
 
 @dataclass(frozen=True, slots=True)

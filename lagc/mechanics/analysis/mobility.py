@@ -18,8 +18,7 @@ from lagc.mechanics.formulation.states import States
 from lagc.mechanics.identities.constraint_manifold import Consistent, jacobian, scales
 from lagc.mechanics.identities.sampling_domains import at_defaults, on_rows
 from lagc.mechanics.identities.zero_test import Ground, Judge, Placed
-from lagc.mechanics.numeric.dense_linear import Span
-from lagc.mechanics.numeric.finite_field_linear import Echelon
+from lagc.mechanics.numeric.dense_linear import Echelon, Span
 from lagc.mechanics.numeric.piecewise_branches import spelt_out
 from lagc.mechanics.numeric.samples import samples
 from lagc.symbolic.finite_field import Undefined

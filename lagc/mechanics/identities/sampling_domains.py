@@ -23,9 +23,7 @@ from lagc.mechanics.formulation.states import States
 from lagc.mechanics.identities.constraint_manifold import dense
 from lagc.mechanics.identities.zero_test import Ground, State, Truths, defaults
 from lagc.mechanics.numeric.cancellation import VANISHES, magnitudes
-from lagc.mechanics.numeric.dense_linear import Span, solve
-from lagc.mechanics.numeric.finite_field_linear import RIGHT
-from lagc.mechanics.numeric.finite_field_linear import solve as solve_exactly
+from lagc.mechanics.numeric.dense_linear import RIGHT, Span, solve, solve_exactly
 from lagc.mechanics.numeric.piecewise_branches import spelt_out
 from lagc.mechanics.numeric.samples import samples
 from lagc.symbolic.derivative import gradient, tangent

@@ -12,12 +12,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
-from lagc.base.records import dataclass
+from lagc.base.records import dataclass, replace
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.mechanics.formulation.constraints import Classified
 from lagc.mechanics.formulation.equations import Row
 from lagc.mechanics.formulation.states import States
+from lagc.mechanics.identities.constraint_manifold import onto
 from lagc.mechanics.numeric.cancellation import VANISHES, magnitudes
+from lagc.mechanics.numeric.dense_linear import RIGHT, Echelon
+from lagc.mechanics.numeric.samples import samples
 from lagc.mechanics.redundancy.row_reduction import Reduced, tables
 from lagc.semantics.model import Output
 from lagc.symbolic.graph import Node
@@ -129,10 +132,6 @@ def drop_redundant(
         elif x.row.holonomic or (not others and _sided(x.row.jacobian.values())):
             continue
         else:
-            from lagc.mechanics.redundancy.following import (
-                follows,  # what proves is loaded where there is a question
-            )
-
             if not follows(states, x.row, independent):
                 continue
             dropped[redundant.row] = _dropped(x.row, [y.row for y in others])
@@ -243,3 +242,36 @@ def _contradiction(x: Classified, others: Sequence[Classified]) -> Fault:
 
 def _labels(rows: Sequence[Row]) -> str:
     return ", ".join(f"`{row.label}`" for row in rows)
+
+
+def follows(states: States, row: Row, others: Sequence[Row]) -> bool:
+    """It is proved, where positions are on the constraints: rate and Jacobian of `row` are one combination of
+    those of `others`, with numbers that are the same for all postures, speeds and parameters and
+    whatever comparisons say, of parameters too, which a run may give other values."""
+    from lagc.mechanics.identities.sampling_domains import on_rows  # loaded where there is a question
+    from lagc.mechanics.identities.zero_test import Judge
+    from lagc.mechanics.numeric.piecewise_branches import spelt_out
+    from lagc.symbolic.finite_field import Undefined
+
+    rows = [*others, row]
+    flat = [x for r in rows for x in (r.rate, *r.jacobian.values())]
+    spelt = spelt_out(states.graph, flat)
+    met = map(onto(states, others), samples(states.model, _STATES, vary=False))
+    tries = [state for state in met if state is not None]
+    ground = replace(on_rows(states, [r for r in others if r.holonomic], tries), values={})
+    beside: list[dict[int, int]] = [{} for _ in rows]  # all points beside each other: one combination for all
+    width, count = len(states.v) + 1, 0
+    for placed, truths in Judge(ground).points(spelt):
+        for x in placed:
+            x.point.place({v: x.point.draw() for v in states.v})
+            try:
+                values = iter(x.point.values(spelt, truths))
+            except Undefined:
+                continue
+            for r, entries in zip(rows, beside):
+                entries.update((count * width + 1 + j, next(values)) for j in (RIGHT, *r.jacobian))
+            count += 1
+    taken = Echelon()
+    for entries in beside[:-1]:
+        taken.grows(entries)
+    return count > 1 and not taken.reduce(beside[-1])

@@ -18,6 +18,7 @@ from lagc.reports.equations.formulas import (
     ZERO,
     Formula,
     Formulas,
+    SharedAlgebra,
     collector_of,
     conditions,
     everything,
@@ -28,7 +29,6 @@ from lagc.reports.equations.formulas import (
     tidy,
     with_long_sums,
 )
-from lagc.reports.equations.naming import SharedAlgebra
 from lagc.reports.names import Name, Names, names, taken
 from lagc.reports.patterns.formula_trees import Former, Line, indices
 from lagc.reports.patterns.index_rules import ruled, summed
