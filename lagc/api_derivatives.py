@@ -111,15 +111,15 @@ class Differentiable:
             return numpy.hstack([self._columns(there, of, word) for word in words]), values
 
         found, values = on(own)
-        for switch, modes in others:
+        for relation, modes in others:
             there, beyond = on(modes)
             if jumps(point, own, modes, sizes) if of in ALONG else differing(values, beyond):
                 raise ArithmeticError(
-                    f"forces are discontinuous there, where {switch}: {of} have no derivatives"
+                    f"forces are discontinuous there, where {relation}: {of} have no derivatives"
                 )
             for i, j in differing(found, there)[:1]:
                 message = (
-                    f"forces have a kink there, where {switch}: entry [{i}, {j}] is {found[i, j]:.6g}, and "
+                    f"forces have a kink there, where {relation}: entry [{i}, {j}] is {found[i, j]:.6g}, and "
                 )
                 message += f"{there[i, j]:.6g} on the other side"
                 warnings.warn(message, RuntimeWarning, stacklevel=3)
@@ -194,11 +194,11 @@ class Differentiable:
         if reasons and not linear:
             raise ArithmeticError(reasons[0])
         notes = [f"{len(reasons)} of {len(found)} found have no linear model: {r}" for r in reasons[:1]]
-        resting = [one for one in linear if one.equilibrium] or linear  # or else all change with time
-        if len(resting) < len(linear):
-            left_out = f"{len(linear) - len(resting)} of {len(found)} found are left out"
+        rests = [one for one in linear if one.equilibrium] or linear  # or else all change with time
+        if len(rests) < len(linear):
+            left_out = f"{len(linear) - len(rests)} of {len(found)} found are left out"
             notes.append(f"{left_out}: forces balance there, but the constraints determine no rest")
-        return [replace(resting[0], notes=(*resting[0].notes, *notes)), *resting[1:]] if notes else resting
+        return [replace(rests[0], notes=(*rests[0].notes, *notes)), *rests[1:]] if notes else rests
 
     def _at(
         self,

@@ -73,7 +73,6 @@ UNFINISHED: dict[str, tuple[str, ...]] = {
         "resting",
         "switch",
     ),
-    "lagc/cli": ("What, Who",),
     "lagc/codegen": (
         "What, Who",
         "of which",
@@ -121,15 +120,7 @@ UNFINISHED: dict[str, tuple[str, ...]] = {
         "switch",
         "what is left of",
     ),
-    "lagc/simulation": (
-        "What, Who",
-        "home",
-        "judge",
-        "last places",
-        "resting",
-        "still",
-        "switch",
-    ),
+    "lagc/simulation": ("What, Who", "home"),
     "tests": ("last places",),
 }
 

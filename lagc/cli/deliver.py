@@ -51,7 +51,7 @@ def deliver(found: Run, options: argparse.Namespace) -> int:
 
 
 def beside(path: str | None) -> AbstractContextManager[object]:
-    """What is printed within goes to standard error where the file `path` is standard output."""
+    """A block whose output goes to standard error if the file `path` is standard output."""
     return redirect_stdout(sys.stderr) if path and output(path) == 1 else nullcontext()
 
 

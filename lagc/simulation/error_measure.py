@@ -77,7 +77,7 @@ def difference(
     """The largest scaled difference over the common times, and the last time until which it stays below
     `target`.
 
-    The time is None if that is the end.  It is judged by the sizes until then, so that later growth does
+    The time is None if that is the end.  It is relative to the sizes until then, so that later growth does
     not hide earlier errors.  `noise` is the round-off of some groups by number; a group within its noise is
     not compared.
     """

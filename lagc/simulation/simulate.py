@@ -8,7 +8,7 @@ from typing import Any
 
 from lagc.base.records import dataclass
 from lagc.simulation.error_measure import ComparisonGrid
-from lagc.simulation.global_error.equilibrium_start import locked, resting, rests
+from lagc.simulation.global_error.equilibrium_start import locked, rests, trajectory_at_rest
 from lagc.simulation.global_error.verified_run import verified_run
 from lagc.simulation.initialization.initialize import begin, demand, strange_outputs
 from lagc.simulation.initialization.result import Start
@@ -24,11 +24,11 @@ from lagc.simulation.system import (
     event_names,
     rates_at,
 )
-from lagc.simulation.verdict import Verdict, fixed_step_verdict, judge, redundancy, verdict
+from lagc.simulation.verdict import Verdict, fixed_step_verdict, redundancy, verdict, verified_verdict
 
 Progress = Callable[[float], None]
 RTOL = 1e-9  # relative tolerance of a manual run without one
-ROUNDING = 2.0**-49  # relative: round-off of a coordinate at rest, several units in the last place
+ROUNDING = 2.0**-49  # relative: round-off of a coordinate at rest, several rounding units
 RESTS = ("the initial state is an equilibrium, to round-off, and the system stays there; whether "
          "the equilibrium is stable was not examined")  # fmt: skip
 LOCKED = "the constraints leave no motion from the initial state: the system stays there"
@@ -101,13 +101,13 @@ def _integrate(
         return _Done(Verdict(*outcome, run, None), options, [run], [])
     rest = None if system.interface.whens and system.interface.timed else _rest(system, x, times)
     if rest is not None:
-        run = resting(rest[0], times)
+        run = trajectory_at_rest(rest[0], times)
         return _Done(Verdict(*verdict(system, run, end), run, ROUNDING), Options(), [run], [rest[1]])
     assert request.accuracy is not None
     grid = ComparisonGrid(times)
     found = verified_run(system, x, grid.times, request.accuracy, progress, request.max_step)
     demand(system, found.tried[0])
-    result = judge(system, found, request.accuracy, end)
+    result = verified_verdict(system, found, request.accuracy, end)
     run, notes = grid.recorded(result.trajectory), list[str]()
     if found.noise:
         from lagc.simulation.global_error.rounding import noise_note

@@ -58,7 +58,7 @@ class Verdict:
     estimated: float | None
 
 
-def judge(system: System, found: Verified, asked: float, stop: float) -> Verdict:
+def verified_verdict(system: System, found: Verified, asked: float, stop: float) -> Verdict:
     """The verdict on a verified run to `stop` that was asked for the accuracy `asked`."""
     run, estimated = found.trajectory, found.estimated
     status, message = verdict(system, run, stop)

@@ -12,7 +12,7 @@ from lagc.api import Run
 from lagc.host.model_library import library_models
 from lagc.simulation.diagnosis import losing_rank
 from lagc.simulation.error_measure import difference, sizes
-from lagc.simulation.global_error.equilibrium_start import resting
+from lagc.simulation.global_error.equilibrium_start import trajectory_at_rest
 from lagc.simulation.system import MAX_STEPS, OK, STEP_UNDERFLOW, Options, Trajectory
 from lagc.simulation.verdict import verdict
 
@@ -142,7 +142,7 @@ def test_posture_that_loses_rank_is_named() -> None:
     model = lagc.load("classic/n_four_bar").compile(backend="numpy")
     system = model.load("numpy")
     upright = system.start()
-    run = resting(upright, [0.0])
+    run = trajectory_at_rest(upright, [0.0])
     assert losing_rank(system, run, 0.0, upright) == ""
     for away in (1e-6, 0.0):
         flat = [pi / 2.0 + away, pi / 2.0 + away, *upright[2:]]
@@ -168,7 +168,7 @@ def test_no_size_loses_rank(size: float) -> None:
         text = CIRCLES.format(size=size, beside=beside)
         system = lagc.loads(text).compile(backend="numpy").load("numpy")
         x = system.start()
-        found = losing_rank(system, resting(x, [0.0]), 0.0, x)
+        found = losing_rank(system, trajectory_at_rest(x, [0.0]), 0.0, x)
         assert ("`one`" in found or "`two`" in found) == told and "`arm`" not in found, (size, found)
 
 

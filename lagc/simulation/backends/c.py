@@ -205,7 +205,11 @@ class CSystem(CompiledSystem):
         events: list[tuple[float, int]] = []
         jumps: list[float] = []
         corners: list[tuple[float, list[float], list[float]]] = []
-        switches, whens, noted = len(self.interface.switches), len(self.interface.whens), self.interface.noted
+        relations, whens, noted = (
+            len(self.interface.switches),
+            len(self.interface.whens),
+            self.interface.noted,
+        )
         grid, states, done = (c_double * n)(*times), (c_double * (n * nx))(), c_size_t(0)
         head = self.model.head.from_buffer(work)
         p = self._p
@@ -229,7 +233,7 @@ class CSystem(CompiledSystem):
                     jumped = whens and state.jumps > len(jumps)
                     corners.append((state.t, state.x_before_event[:] if jumped else x, x))
                 if whens:
-                    events.extend((state.t, switches + k) for k in state.acted[: state.acts])
+                    events.extend((state.t, relations + k) for k in state.acted[: state.acts])
                     jumps.extend([state.t] * (state.jumps - len(jumps)))
                 asked.report = len(events) < MOST_EVENTS
             return status
@@ -306,7 +310,7 @@ def _rounded(function: Callable[..., int], direction: int) -> Callable[..., int]
     return call
 
 
-def _state_type(nx: int, kinds: int, switches: int, acts: int) -> type[Any]:
+def _state_type(nx: int, kinds: int, relations: int, acts: int) -> type[Any]:
     """The first members of lagc_state."""
 
     class State(ctypes.Structure):
@@ -315,8 +319,8 @@ def _state_type(nx: int, kinds: int, switches: int, acts: int) -> type[Any]:
             ("velocity_drift", c_double), ("steps", c_long), ("rejected", c_long), ("rhs", c_long),
             ("culprit", c_int), ("sizes", c_double * kinds),
             *(
-                (("changes", c_long), ("changed", c_int * switches), ("event_roundoff", c_double * nx))
-                if switches
+                (("changes", c_long), ("changed", c_int * relations), ("event_roundoff", c_double * nx))
+                if relations
                 else ()
             ),
             *(

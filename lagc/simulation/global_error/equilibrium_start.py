@@ -14,14 +14,14 @@ CLEAR = (
     2.0**26
 )  # ratio of a rate to its round-off estimate: a rate with half its digits correct is not round-off
 SEVERAL = 2.0  # ratio of a rate to its round-off estimate: it is round-off
-NORMAL = sys.float_info.min  # a unit in the last place of smaller numbers may be all of the number
+NORMAL = sys.float_info.min  # a rounding unit of smaller numbers may be all of the number
 MET = 1e-13  # scaled residual: with a larger one, a mechanism near a singular posture may seem locked
 
 
 def rests(system: System, x: Sequence[float], times: Sequence[float]) -> bool:
     """Return True if only round-off moves the state x during `times`.
 
-    No coordinate changes by one unit in the last place of its scaling group over the whole time, and each
+    No coordinate changes by one rounding unit of its scaling group over the whole time, and each
     acceleration is no larger than its round-off estimate.
     """
     if system.interface.timed or any(0.0 < abs(p) < NORMAL for p in system.parameters):
@@ -51,22 +51,22 @@ def locked(system: System, x: Sequence[float], t: float) -> bool:
     nq, nv = system.nq, system.nv
     if system.nc < nv or system.interface.driven:
         return False
-    still = [*x[:nq], *[0.0] * (len(x) - nq)]
-    if any(system.velocity(t, still)) or system.assemble(t, still) in FAILED:
+    at_rest = [*x[:nq], *[0.0] * (len(x) - nq)]
+    if any(system.velocity(t, at_rest)) or system.assemble(t, at_rest) in FAILED:
         return False
-    if any(abs(a) > MET * size for a, size in zip(system.position(t, still), system.scales(t, still))):
+    if any(abs(a) > MET * size for a, size in zip(system.position(t, at_rest), system.scales(t, at_rest))):
         return False
-    columns = zip(*row_gradients(system, t, still))
+    columns = zip(*row_gradients(system, t, at_rest))
     return sum(system.solve([*[0.0] * nv, *column])[j] for j, column in enumerate(columns)) > nv - 0.5
 
 
-def resting(x: Sequence[float], times: Sequence[float]) -> Trajectory:
+def trajectory_at_rest(x: Sequence[float], times: Sequence[float]) -> Trajectory:
     """The trajectory of a system that stays at x."""
     return Trajectory(list(times), [list(x) for _ in times], times[-1], list(x), OK)
 
 
 def _last_places(system: System, t: float, x: Sequence[float], plain: Sequence[float]) -> list[float]:
-    """The round-off of each acceleration, from perturbations of all numbers by one unit in the last place."""
+    """The round-off of each acceleration, from perturbations of all numbers by one rounding unit."""
     p, others = system.parameters, []
     for direction in range(DIRECTIONS):
         last = [

@@ -82,8 +82,7 @@ def quick_bound(system: System, trajectory: Trajectory, groups: Sizes, changes: 
 
 
 def event_shift(system: System, trajectory: Trajectory, groups: Sizes) -> float:
-    """What is due to times at which switches changed being told to their last place, relative to the sizes of
-    the states: in speeds, and in coordinates by these over the time."""
+    """How far the round-off of event times moves the states, relative to their sizes."""
     jolts, nq = trajectory.event_roundoff, system.nq
     if not any(jolts):
         return 0.0
@@ -122,7 +121,7 @@ def rounded_rates(
 
 
 def _shifted(x: Sequence[float], k: int) -> list[float]:
-    """Every state changed by one unit in the last place, with signs that have no pattern and depend on k."""
+    """Every state changed by one rounding unit, with signs that have no pattern and depend on k."""
     return [a * (1.0 + (ULP if (i * 0x9E3779B1 + k * 0x85EBCA6B) & 0x4000 else -ULP))
             for i, a in enumerate(x)]  # fmt: skip
 
@@ -272,7 +271,7 @@ def _limits(
 ) -> list[float]:
     """The round-off of each rate.
 
-    State perturbations are one unit in the last place, and the accumulated round-off of the speeds, and of
+    State perturbations are one rounding unit, and the accumulated round-off of the speeds, and of
     the coordinates through the speeds.
     """
     nq, n, found = system.nq, system.nq + system.nv, list(changes)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Array: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.float64]]"
 
 ROUNDING = 1e-13  # relative to its terms: smaller values are round-off, and set to zero
-LAST = 2.0**-50  # relative perturbation of a few units in the last place
+LAST = 2.0**-50  # relative perturbation of a few rounding units
 SHARE = 0.1  # of an entry: a change by more than this makes it round-off
 FEW, ENOUGH = 3, 12  # such perturbations; one in three leaves round-off unchanged
 TINY = 1e-60  # offset from a state at which a derivative has no value, such as that of norm(v) v at rest
@@ -30,7 +30,7 @@ DEPENDENT = 1e-11  # relative to the largest singular value: constraints that de
 
 
 class _Perturbation:
-    """Random perturbations of numbers by a few units in the last place."""
+    """Random perturbations of numbers by a few rounding units."""
 
     def __init__(self, seed: int) -> None:
         self.chance = random.Random(seed)
@@ -43,7 +43,7 @@ class Point:
     """A compiled model with derivatives at (t, x), x = (q, v).
 
     Accelerations and multipliers are those given, or else those of the motion.  `clean`: entries that
-    change by their own size under perturbations in the last place are round-off, and set to 0.  `modes`:
+    change by their own size under perturbations by rounding units are round-off, and set to 0.  `modes`:
     the branch, if it is not that of the state.
     """
 
@@ -137,13 +137,13 @@ class Point:
 
     @cached_property
     def _perturbed(self) -> list[tuple[NumpySystem, float, list[float]]]:
-        """Systems, times and states perturbed in the last place."""
+        """Systems, times and states perturbed by rounding units."""
         perturb, bind, p = _Perturbation(0), self.system.model.bind, self.system.parameters
         return [(bind(perturb(p)), perturb([self.t])[0], perturb(self.x)) for _ in range(ENOUGH)]
 
     @cached_property
     def beside(self) -> list[Point]:
-        """This point with all numbers perturbed in the last place."""
+        """This point with all numbers perturbed by rounding units."""
         perturb = _Perturbation(1)
         return [
             Point(s, t, x, perturb(self.a), perturb(self.lam), modes=self.modes)
@@ -215,7 +215,7 @@ class Point:
     def unsure(self, group: str) -> Array:
         """The sizes that round-off of d(a, lam)/d(group) is relative to.
 
-        For long chains they are far smaller than the sums of terms, as perturbations in the last place
+        For long chains they are far smaller than the sums of terms, as perturbations by rounding units
         show.
         """
         found, terms = np.abs(self.motion(group)), self.sizes(group)

@@ -72,7 +72,7 @@ def directions(
 
 
 def _meant(name: str, known: Mapping[str, Direction]) -> list[Direction]:
-    """What is known by a name, or as entries of an array."""
+    """The directions of a name: its own, or those of the entries of an array."""
     if name in known:
         return [known[name]]
     stem, closed = (name[:-1], "])") if name.startswith("der(") else (name, "]")

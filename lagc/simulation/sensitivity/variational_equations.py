@@ -112,7 +112,7 @@ def _row(entries: Mapping[int, str], length: int) -> Array:
 
 
 SHORTEST = 1e-12  # of the time of the run: a repeated step
-PERTURBED = 9e-16  # relative perturbation of a state: four units in the last place
+PERTURBED = 9e-16  # relative perturbation of a state: four rounding units
 FADING = 0.9  # from step to step, of the round-off estimate
 STEEPEST = 20.0  # power of the time by which S leaves zero
 SAME = 1e-6  # of the time of a run: difference of the ends of two integrations
@@ -295,14 +295,14 @@ class Variation:
         power of the time.
 
         Behind a kink such as that of Hertz' contact, S leaves zero by a power that no method resolves, and
-        its relative error stays large in every short step.  Such a step is judged by the size that S
+        its relative error stays large in every short step.  Such a step is compared with the size that S
         reaches.
         """
         sizes = self._largest(new)
         return np.where((2.0 * self._largest(errors) < sizes) & (terms <= STEEPEST * sizes), sizes, 0.0)
 
     def _roundoff(self, s: Any, first: Slopes, now: Array) -> Array:
-        """The round-off of the rates of S, from a perturbation of the states in the last place."""
+        """The round-off of the rates of S, from a perturbation of the states by rounding units."""
         x, modes = np.array(s.x_old), list(s.modes_old) if self.system.interface.switches else None
         perturb = np.where(np.arange(len(x)) % 2 == 0, 1.0 + PERTURBED, 1.0 - PERTURBED)
         beside = self._slopes(self._point(s.t_old, x * perturb, np.array(s.k[0]), modes))
@@ -404,8 +404,8 @@ class Variation:
                 coefficients = coefficients or self._coefficients(s, old, new, table)
                 value = within(coefficients, (t - s.t_old) / s.h_old)
                 if self.system.nc or self.system.quaternions:
-                    still = [0.0] * self.system.nv, [0.0] * self.system.nc
-                    value = self._tangent(Point(self.system, t, x, *still), value)
+                    fixed = [0.0] * self.system.nv, [0.0] * self.system.nc
+                    value = self._tangent(Point(self.system, t, x, *fixed), value)
             found.values[found.reached] = value
             found.reached += 1
 
