@@ -190,6 +190,15 @@ def perturb_off_constraints(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], 
     return True
 
 
+def assemble_once(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
+    """Factor [M G^T; G 0] at (t, x), unless this projection has factors."""
+    if w.is_assembled:
+        return OK
+    status = assemble_at(p, t, x, w)
+    w.is_assembled = not failed(status)
+    return status
+
+
 def project_positions(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     """Project the coordinates by simplified Newton iterations: M d = G^T mu, G d = -phi, dq = N d."""
     fn_position(p, t, x, w.row_values)
@@ -197,11 +206,9 @@ def project_positions(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     for n in range(MOST_ITERATIONS):
         if w.position_residual <= (UNPROJECTED_RESIDUAL if n == 0 else ROUNDOFF_RESIDUAL):
             break
-        if not w.is_assembled:
-            status = assemble_at(p, t, x, w)
-            if failed(status):
-                return status
-            w.is_assembled = True
+        status = assemble_once(p, t, x, w)
+        if failed(status):
+            return status
         for i in range(NC):
             w.kkt_rhs[NV + i] = 0.0
         for i in range(NH):
@@ -230,11 +237,9 @@ def project_speeds(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     for n in range(MOST_ITERATIONS):
         if w.velocity_residual <= (UNPROJECTED_RESIDUAL if n == 0 else ROUNDOFF_RESIDUAL):
             break
-        if not w.is_assembled:
-            status = assemble_at(p, t, x, w)
-            if failed(status):
-                return status
-            w.is_assembled = True
+        status = assemble_once(p, t, x, w)
+        if failed(status):
+            return status
         for i in range(NC):
             w.kkt_rhs[NV + i] = -w.row_values[i]
         solve_at(w.kkt_rhs, w.kkt_solution, w)
