@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import accumulate
 from math import inf
+from typing import Any
 
 from lagc.base.records import names, replace
 from lagc.diagnostics.faults import Fault, Span
@@ -53,83 +54,97 @@ def interface(
     derivatives: Mapping[str, tuple[tuple[int, int], ...]],
     switches: tuple[Switch, ...] = (),
 ) -> Interface:
-    """What the run needs to know of `functions`, the functions of the model of `equations`, and of `slopes`,
-    those of the conditions of a start.
-    `dropped` are the names that `equations` are without, `remarks` go to the notes."""
+    """Return the interface of `functions`, and of `slopes`, the derivatives of the initial equations.
+
+    `dropped` are the names that `equations` are without, `remarks` go to the notes.
+    """
     model = equations.model
     kept = {p.name for p in parameters}
     notes = [f"parameter `{p.name}` reaches nothing" for p in model.parameters if p.name not in kept]
-    places = [span for _, span in equations.initial_conditions]
-    bind = functions.get("bind")
-    columns = slopes.columns
-    parts = (*slopes.rows, *slopes.sums) if slopes.sums else ()
     flowing = _timed(functions["system" if "system" in functions else "rhs"])
     found = Interface(
         model=model.name,
         scene=model.scene,
-        source_name=_source_name(equations),
         model_hash="",
-        nq=len(equations.q),
-        nv=len(equations.v),
         nz=1 if work else 0,
-        nc=len(equations.rows),
-        nh=sum(1 for row in equations.rows if row.holonomic),
-        q_names=equations.q_names,
-        v_names=equations.v_names,
-        q_units=equations.q_units,
-        v_units=equations.v_units,
-        kinds=kinds(equations.q_units, equations.v_units),
-        row_labels=tuple([row.label for row in equations.rows]),
-        row_units=tuple([row.unit for row in equations.rows]),
-        quaternions=equations.quaternions,
+        **_of_equations(equations),
+        **_of_functions(functions, slopes),
         parameters=tuple([parameter_field(p) for p in parameters]),
         inputs=tuple([input_field(u) for u in model.inputs]),
-        outputs=_outputs(equations),
         limits=tuple([_limit(x) for x in model.limits]),
-        rate_names=tuple([s.name for s in equations.stated_rates]),
-        rate_units=tuple([s.unit for s in equations.stated_rates]),
-        start_levels=tuple([s.stated.level for s in equations.starts]),
-        start_places=tuple([place(s.stated.span) for s in equations.starts]),
-        row_places=tuple([place(row.span) for row in equations.rows]),
-        initial_places=tuple([place(span) for span in places]),
-        condition_ends=tuple(accumulate([len(own) for own in columns])),
-        condition_columns=tuple([k for own in columns for k in own]),
-        part_ends=tuple(accumulate([len(own) for own in parts])),
-        part_columns=tuple([k for own in parts for k in own]),
-        pieces=functions["conditions"].pieces if "conditions" in functions else (),
-        row_pieces=functions["conditions"].row_pieces if "conditions" in functions else (),
         solve="straight" if straight else "looped",
         work_size=work_size,
         health=health,
         operations=operations,
-        written=sum([function.written for function in functions.values()]),
         lifted=lifted,
-        preparation=bind.cost if bind else 0,
-        prepared=bind.outputs[0][1] if bind else 0,
         read=read,
-        functions=tuple(functions),
         effects=tuple([e.name for e in model.effects if e.used]),
         simulate=dict(model.simulate),
         notes=(*model.notes, *notes, *equations.dropped, *remarks),
-        warnings=tuple([_warning(fault) for fault in equations.warnings]),
         dropped=dropped,
         switches=tuple([switch.words for switch in switches]),
         counted_switches=tuple([int(switch.edges is not None) for switch in switches]),
         timed_switches=sum(1 for switch in switches if switch.slope is not None),
         switches_aside=tuple([int(switch.aside) for switch in switches]),
-        whens=_clauses(equations),
-        features=dict(functions["features"].outputs)["e"] if "features" in functions else 0,
-        poles=dict(functions["poles"].outputs)["e"] if "poles" in functions else 0,
         timed=flowing or ("indicators" in functions and _timed(functions["indicators"])),
         flowing=flowing,
         doubtful=_doubtful(model),
-        conservative=equations.power.is_zero and all([row.holonomic for row in equations.rows]),
-        balance=equations.balance,
-        driven=bool(depends([row.rate for row in equations.rows], [equations.time])),
         derivatives=dict(derivatives),
     )
     digest = _digest(found, functions)
     return replace(found, model_hash=digest)
+
+
+def _of_equations(equations: EquationsOfMotion) -> dict[str, Any]:
+    """Return sizes, names, units and places of states, rows and outputs."""
+    return {
+        "source_name": _source_name(equations),
+        "nq": len(equations.q),
+        "nv": len(equations.v),
+        "nc": len(equations.rows),
+        "nh": sum(1 for row in equations.rows if row.holonomic),
+        "q_names": equations.q_names,
+        "v_names": equations.v_names,
+        "q_units": equations.q_units,
+        "v_units": equations.v_units,
+        "kinds": kinds(equations.q_units, equations.v_units),
+        "row_labels": tuple([row.label for row in equations.rows]),
+        "row_units": tuple([row.unit for row in equations.rows]),
+        "quaternions": equations.quaternions,
+        "outputs": _outputs(equations),
+        "rate_names": tuple([s.name for s in equations.stated_rates]),
+        "rate_units": tuple([s.unit for s in equations.stated_rates]),
+        "start_levels": tuple([s.stated.level for s in equations.starts]),
+        "start_places": tuple([place(s.stated.span) for s in equations.starts]),
+        "row_places": tuple([place(row.span) for row in equations.rows]),
+        "initial_places": tuple([place(span) for _, span in equations.initial_conditions]),
+        "warnings": tuple([_warning(fault) for fault in equations.warnings]),
+        "whens": _clauses(equations),
+        "conservative": equations.power.is_zero and all([row.holonomic for row in equations.rows]),
+        "balance": equations.balance,
+        "driven": bool(depends([row.rate for row in equations.rows], [equations.time])),
+    }
+
+
+def _of_functions(functions: Mapping[str, Function], slopes: Slopes) -> dict[str, Any]:
+    """Return what the functions and the derivatives of the initial equations tell of themselves."""
+    bind, conditions = functions.get("bind"), functions.get("conditions")
+    columns = slopes.columns
+    parts = (*slopes.rows, *slopes.sums) if slopes.sums else ()
+    return {
+        "condition_ends": tuple(accumulate([len(own) for own in columns])),
+        "condition_columns": tuple([k for own in columns for k in own]),
+        "part_ends": tuple(accumulate([len(own) for own in parts])),
+        "part_columns": tuple([k for own in parts for k in own]),
+        "pieces": conditions.pieces if conditions else (),
+        "row_pieces": conditions.row_pieces if conditions else (),
+        "written": sum([function.written for function in functions.values()]),
+        "preparation": bind.cost if bind else 0,
+        "prepared": bind.outputs[0][1] if bind else 0,
+        "functions": tuple(functions),
+        "features": dict(functions["features"].outputs)["e"] if "features" in functions else 0,
+        "poles": dict(functions["poles"].outputs)["e"] if "poles" in functions else 0,
+    }
 
 
 def _timed(function: Function) -> bool:

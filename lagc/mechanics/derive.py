@@ -43,6 +43,7 @@ def derive(model: Model) -> EquationsOfMotion:
     inertial = inertial_loads(states, parts)
     bias = added(graph, [states.to_speeds(inertial), free.bias])
     given = added(graph, [x.contribution.forces for x in acting])
+    initial = [c.residual for c in model.initial_conditions]
     zero = graph.zero
     kept = tuple([x.row for x in classified])
     contributions = tuple([x.contribution for x in acting])
@@ -72,12 +73,7 @@ def derive(model: Model) -> EquationsOfMotion:
         starts_q=states.starts_q,
         starts_v=states.starts_v,
         stated_rates=states.stated_rates,
-        initial_conditions=tuple(
-            zip(
-                states.in_speeds([c.residual for c in model.initial_conditions]),
-                [c.span for c in model.initial_conditions],
-            )
-        ),
+        initial_conditions=tuple(zip(states.in_speeds(initial), [c.span for c in model.initial_conditions])),
         whens=(*when_equations(states), *stops),
         outputs=output_equations(states, parts, acting, free, totals, [x.label for x in dropped]),
         rates=states.rates,

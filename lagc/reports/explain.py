@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from typing import Any
 
 from lagc.diagnostics.report import as_json
-from lagc.lowering.program import Interface, Program
-from lagc.mechanics.analysis.analysis import RowKind, analyse
-from lagc.mechanics.formulation.equations import EquationsOfMotion, StartValue, WhenEquations
+from lagc.lowering.program import Field, Interface, Program
+from lagc.mechanics.analysis.analysis import RowKind, Seems, analyse
+from lagc.mechanics.formulation.equations import Contribution, EquationsOfMotion, StartValue, WhenEquations
 from lagc.reports.equations.equations import Expressions
 from lagc.reports.names import ranged, where
 from lagc.semantics.model import UNSTATED, Lagrangian
@@ -43,10 +43,7 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
         },
         "coordinates": _coordinates(equations),
         "speeds": [{"name": n, "unit": u} for n, u in zip(equations.v_names, equations.v_units)],
-        "parameters": [
-            {"name": p.name, "unit": p.unit, "value": p.value, "description": p.description}
-            for p in interface.parameters
-        ],
+        "parameters": [_parameter(p) for p in interface.parameters],
         "inputs": [{"name": i.name, "unit": i.unit, "default": i.value} for i in interface.inputs],
         "constraints": [_constraint(equations, kind) for kind in analysis.constraints],
         "redundant": list(analysis.redundant),
@@ -56,10 +53,7 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
         "degrees_of_freedom": analysis.degrees_of_freedom - idle,
         "positional_freedom": analysis.positional_freedom - idle,
         "more_at_start": analysis.more_at_start,
-        "actions": [
-            {"name": c.name, "kind": c.kind, "effect": c.effect, "conservative": c.conservative}
-            for c in equations.contributions
-        ],
+        "actions": [_action(c) for c in equations.contributions],
         "cyclic": [name for name in analysis.cyclic if name not in interface.dropped],
         "conserved": [
             {
@@ -73,31 +67,15 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
             for c in analysis.conserved
             if not c.expression.is_zero
         ],
-        "seems": {
-            "cyclic": list(analysis.seems.cyclic),
-            "redundant": list(analysis.seems.redundant),
-            "degrees_of_freedom": analysis.seems.degrees_of_freedom,
-            "positional_freedom": analysis.seems.positional_freedom,
-        },
+        "seems": _seems(analysis.seems),
         "not_examined": list(analysis.not_examined),
         "kinetic": kinetic,
         "potential": potential,
         **({"energy_parts": energy_parts} if energy_parts else {}),
         "pruned": _pruned(equations, program),
-        "switches": [
-            {"condition": words, "known": k < interface.timed_switches}
-            for k, words in enumerate(interface.switches)
-            if interface.drives(k)
-        ],
+        "switches": _switches(interface),
         "whens": [_when(when, written) for when in equations.whens],
-        "operations": {
-            "right_hand_side": interface.operations,
-            "watching": program.functions["watch"].cost if "watch" in program.functions else 0,
-            "preparation": interface.preparation,
-            "solve": interface.solve,
-            "lifted": interface.lifted,
-            "functions": {name: function.cost for name, function in program.functions.items()},
-        },
+        "operations": _operations(program),
         "notes": list(model.notes),
         "warnings": as_json(equations.warnings),
     }
@@ -112,6 +90,43 @@ def _energy(equations: EquationsOfMotion, node: Node, kinetic: Facts | None, pot
         return ""
     text = "K2" + (" - K0" if kinetic["K0"] != "0" else "")
     return text + (" + V" if potential != "0" else "")
+
+
+def _parameter(p: Field) -> Facts:
+    return {"name": p.name, "unit": p.unit, "value": p.value, "description": p.description}
+
+
+def _action(c: Contribution) -> Facts:
+    return {"name": c.name, "kind": c.kind, "effect": c.effect, "conservative": c.conservative}
+
+
+def _seems(seems: Seems) -> Facts:
+    return {
+        "cyclic": list(seems.cyclic),
+        "redundant": list(seems.redundant),
+        "degrees_of_freedom": seems.degrees_of_freedom,
+        "positional_freedom": seems.positional_freedom,
+    }
+
+
+def _switches(interface: Interface) -> list[Facts]:
+    return [
+        {"condition": words, "known": k < interface.timed_switches}
+        for k, words in enumerate(interface.switches)
+        if interface.drives(k)
+    ]
+
+
+def _operations(program: Program) -> Facts:
+    interface, functions = program.interface, program.functions
+    return {
+        "right_hand_side": interface.operations,
+        "watching": functions["watch"].cost if "watch" in functions else 0,
+        "preparation": interface.preparation,
+        "solve": interface.solve,
+        "lifted": interface.lifted,
+        "functions": {name: function.cost for name, function in functions.items()},
+    }
 
 
 def _effect(name: str, description: str) -> Facts:
