@@ -194,8 +194,7 @@ class CSystem(CompiledSystem):
         direction: int = 0,
     ) -> Trajectory:
         options.check()
-        nx, n, call = self.nx, len(times), self.model.functions
-        work = self.model.work()
+        nx, n, call, work = self.nx, len(times), self.model.functions, self.model.work()
         room = ctypes.create_string_buffer(call["state_size"]())
         state = self.model.state.from_buffer(room)
         call["begin"](ctypes.byref(state), c_double(t0), (c_double * nx)(*x0))

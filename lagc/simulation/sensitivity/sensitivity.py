@@ -80,11 +80,8 @@ def _verified(
     start: tuple[Array, Array],
     progress: Progress | None,
 ) -> list[int]:
-    """Fill `found` in the directions `kept`, and return those of them that end early.
-
-    A request by hand takes one integration, others as many as the error estimate needs.  Every second one
-    starts from initial sensitivities changed by their error.
-    """
+    """Fill `found` in the directions `kept` and return those that end early; every second run starts
+    displaced."""
     n, directions = len(start[0]), [found.directions[k] for k in kept]
     rests = len(run.times) > 1 and all(x[:n] == run.states[0][:n] for x in run.states)
 
@@ -112,8 +109,8 @@ def _verified(
     for _ in range(ATTEMPTS):
         if done.message or tol <= FINEST:
             break
-        if found.estimated is not None and is_tied(done.steps, done.passed[-1]):
-            again = at(tol, False)  # events determine most steps
+        if found.estimated is not None and is_tied(done.steps, done.passed[-1]):  # events end most steps
+            again = at(tol, False)
             if again.message:
                 break
             done = again

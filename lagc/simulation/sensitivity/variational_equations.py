@@ -33,11 +33,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Tableau:
-    """A Runge-Kutta method: k_i = f(t + c_i h, x + h sum a_ij k_j), x1 = x + h sum b_i k_i.
-
-    Rows range over the stages, the rate at the new state, and the stages of dense output; see
-    `lagc.kernels.integrators.tableaus`.
-    """
+    """A Runge-Kutta method, k_i = f(t + c_i h, x + h sum a_ij k_j), x1 = x + h sum b_i k_i."""
 
     order: int
     c: Array
@@ -124,9 +120,9 @@ Progress = Callable[[float], None]
 class Followed:
     """S at the recorded times, (times, nq + nv, directions), NaN from `reached` on.
 
-    By scaling groups and directions: `rounding` is the accumulated round-off, and `terms` the largest terms
-    added at events.  `passed` is the number of events before each recorded time.  If directions are `lost`,
-    the others could continue.
+    `rounding` is the accumulated round-off and `terms` the largest terms at events, by scaling groups and
+    directions; `passed` counts the events before each recorded time.  If directions are `lost`, the others
+    could continue.
     """
 
     values: Array
@@ -291,13 +287,9 @@ class Variation:
         return self.options.rtol * np.where(sizes > 0.0, sizes, self._largest(new))
 
     def _known(self, new: Array, errors: Array, terms: Array) -> Array:
-        """The size of S at the end of a step, by scaling groups, if it is known to a half and grows like a
-        power of the time.
-
-        Behind a kink such as that of Hertz' contact, S leaves zero by a power that no method resolves, and
-        its relative error stays large in every short step.  Such a step is compared with the size that S
-        reaches.
-        """
+        """The size of S at the end of a step, by scaling groups, if S is known to a half and grows like a
+        power of the time, as behind the kink of Hertz' contact, where no short step has a small relative
+        error."""
         sizes = self._largest(new)
         return np.where((2.0 * self._largest(errors) < sizes) & (terms <= STEEPEST * sizes), sizes, 0.0)
 
@@ -342,10 +334,7 @@ class Variation:
         return Slopes(point, by_state, by_parameter)
 
     def _terms(self, slopes: Slopes, own: Array) -> Array:
-        """The sum of magnitudes of the terms of the rates of S, the largest of each scaling group.
-
-        Entries that cancel count like others of the group.
-        """
+        """The sums of magnitudes of the terms of the rates of S, the largest of each scaling group."""
         table = slopes.point.reach("state")
         found = np.zeros_like(own)
         for mask in self.in_group:
