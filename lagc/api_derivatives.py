@@ -84,7 +84,7 @@ class Differentiable:
         with numpy.errstate(all="ignore"):  # values that are not finite are refused
             point = Point(system, real("t", t), state, a, lam)
             found = numpy.hstack([self._columns(point, of, word) for word in words])
-            if system.interface.switches:
+            if system.interface.relations:
                 found = self._on_one_side(point, of, words, found)
         if not numpy.isfinite(found).all():
             raise ArithmeticError(f"the derivatives of {of} have no finite value there")

@@ -109,8 +109,8 @@ def scales(places: Places) -> Function:
 
 
 def _beside_others(places: Places, rows: Sequence[Row], sizes: Sequence[Node]) -> list[Node]:
-    """`sizes`, where all terms of a row may vanish at least a share of the largest of its unit: what holds
-    a point at the origin is judged by more than the rounding it is left with."""
+    """Return `sizes`, at least a share of the largest of its unit where all terms of a row may vanish: the
+    round-off of a point at the origin is not a measure of its row."""
     graph, found = places.graph, list(sizes)
     moving = {*places.equations.q, *places.equations.v}
     largest: dict[str, Node] = {}

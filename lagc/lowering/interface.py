@@ -10,7 +10,7 @@ from typing import Any
 from lagc.base.records import names, replace
 from lagc.diagnostics.faults import Fault, Span
 from lagc.host import cache
-from lagc.lowering.modes import Switch
+from lagc.lowering.modes import EventRelation
 from lagc.lowering.program import Clause, Field, Function, Interface
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.semantics.model import Input, Lagrangian, Limit, Model, Parameter
@@ -25,7 +25,7 @@ _DEFINITE = 1e-12  # of the product of the moments: minors that may be rounding
 # Of no bearing on the numbers.
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
-    "initial_places", "switches", "timed", "flowing", "driven", "doubtful", "derivatives",
+    "initial_places", "relations", "timed", "flowing", "driven", "doubtful", "derivatives",
     "part_ends", "part_columns", "pieces", "row_pieces", "written", "conservative",
 )  # fmt: skip
 
@@ -48,11 +48,11 @@ def interface(
     work_size: int,
     health: int,
     operations: int,
-    lifted: int,
+    velocity_unknowns: int,
     dropped: tuple[str, ...] = (),
     remarks: tuple[str, ...] = (),
     derivatives: Mapping[str, tuple[tuple[int, int], ...]],
-    switches: tuple[Switch, ...] = (),
+    relations: tuple[EventRelation, ...] = (),
 ) -> Interface:
     """Return the interface of `functions`, and of `slopes`, the derivatives of the initial equations.
 
@@ -76,16 +76,16 @@ def interface(
         work_size=work_size,
         health=health,
         operations=operations,
-        lifted=lifted,
+        velocity_unknowns=velocity_unknowns,
         read=read,
         effects=tuple([e.name for e in model.effects if e.used]),
         simulate=dict(model.simulate),
         notes=(*model.notes, *notes, *equations.dropped, *remarks),
         dropped=dropped,
-        switches=tuple([switch.words for switch in switches]),
-        counted_switches=tuple([int(switch.edges is not None) for switch in switches]),
-        timed_switches=sum(1 for switch in switches if switch.slope is not None),
-        switches_aside=tuple([int(switch.aside) for switch in switches]),
+        relations=tuple([relation.words for relation in relations]),
+        counted_relations=tuple([int(relation.edges is not None) for relation in relations]),
+        timed_relations=sum(1 for relation in relations if relation.slope is not None),
+        relations_aside=tuple([int(relation.aside) for relation in relations]),
         timed=flowing or ("indicators" in functions and _timed(functions["indicators"])),
         flowing=flowing,
         doubtful=_doubtful(model),

@@ -22,7 +22,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from lagc.base.records import replace
-from lagc.lowering.modes import Switch
+from lagc.lowering.modes import EventRelation
 from lagc.lowering.program import Function
 from lagc.lowering.scalar.value_numbering import Block
 from lagc.lowering.storage import Places, cheapest, lower
@@ -90,7 +90,7 @@ def motion_by_sweeps(equations: EquationsOfMotion) -> dict[str, list[Node]]:
 
 def stack(
     equations: EquationsOfMotion,
-    switches: Sequence[Switch] = (),
+    relations: Sequence[EventRelation] = (),
     motion: Callable[[EquationsOfMotion], dict[str, list[Node]]] = motion_by_entries,
 ) -> dict[str, list[Node]]:
     """What is differentiated, block by block."""
@@ -100,7 +100,7 @@ def stack(
         "condition": condition_rows(equations),
         "start": [s.value for s in equations.starts],
         "output": [o.expression for o in equations.outputs],
-        "indicator": [switch.side for switch in switches],
+        "indicator": [relation.side for relation in relations],
         "reinit": [value for when in equations.whens for _, value in when.changes],
     }
 
@@ -117,15 +117,15 @@ def groups(places: Places) -> dict[str, list[Node]]:
     }
 
 
-def derivatives(places: Places, switches: Sequence[Switch]) -> Derivatives:
+def derivatives(places: Places, relations: Sequence[EventRelation]) -> Derivatives:
     """By the names of `groups`, one reverse sweep a row of the stack; or along a direction d in all of them,
     one forward sweep."""
     equations, by = places.equations, groups(places)
     every = [symbol for symbols in by.values() for symbol in symbols]
-    swept = _rows(stack(equations, switches, motion_by_sweeps))
+    swept = _rows(stack(equations, relations, motion_by_sweeps))
     if _entangled(swept, every):
         return Derivatives(_values(places, swept), {}, _along(places, swept, every))
-    rows = _rows(stack(equations, switches))
+    rows = _rows(stack(equations, relations))
     slopes = [gradient(places.graph, {node: places.graph.one}, every) for node in rows]
     found = {}
     for name, symbols in by.items():

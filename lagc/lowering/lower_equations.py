@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from lagc.base.records import replace
 from lagc.lowering import functions
-from lagc.lowering.hybrid.event_functions import changing, in_boxes, switching, whens
+from lagc.lowering.hybrid.event_functions import changing, in_boxes, relation_functions, whens
 from lagc.lowering.hybrid.step_guards import features, poles
 from lagc.lowering.interface import bounded, interface, used_parameters
 from lagc.lowering.jacobians import condition_slopes, derivatives
@@ -15,8 +15,8 @@ from lagc.lowering.kkt.articulated_body import plain
 from lagc.lowering.kkt.prune import independent, prune, sources, with_pivots
 from lagc.lowering.kkt.solve import Solver, forms_matrix, solvers
 from lagc.lowering.loops.independent_blocks import in_pieces
-from lagc.lowering.loops.loop_rolling import rolled
-from lagc.lowering.modes import Switch, frozen
+from lagc.lowering.loops.loop_rolling import rerolled
+from lagc.lowering.modes import EventRelation, frozen
 from lagc.lowering.program import Function, Program
 from lagc.lowering.scalar.parameter_hoisting import Preparation
 from lagc.lowering.scalar.scheduling import balanced
@@ -38,20 +38,20 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
     equations, left_out = prune(equations)
     equations = with_pivots(equations)
     equations = replace(equations, model=bounded(equations.model))
-    moving, switches = frozen(equations)
-    equations, moving = changing(equations, moving, switches)
+    moving, relations = frozen(equations)
+    equations, moving = changing(equations, moving, relations)
     jumps = any(when.changes for when in equations.whens)
     work = work and (jumps or not equations.power.is_zero)
     parameters = used_parameters(equations, _roots(equations))
     at = places(equations, parameters)
-    along = places(moving, parameters, [switch.mode for switch in switches])
+    along = places(moving, parameters, [relation.mode for relation in relations])
     solver, solving = _solver(along, work)
     system = solver.system if solver else plain(equations)
     preparation = Preparation(len(parameters), len(parameters) + len(equations.model.inputs))
     dense = solver is None or forms_matrix(equations)
-    made, slopes = _functions(at, along, switches, solver, solving, work, dense, preparation)
+    made, slopes = _functions(at, along, relations, solver, solving, work, dense, preparation)
     factored = solver if equations.rows or differentiate else None
-    differentiated = derivatives(along, switches) if differentiate else None
+    differentiated = derivatives(along, relations) if differentiate else None
     if differentiated:
         own = _factored(along, solver, False) if solver and not equations.rows else []
         made.update((f.name, preparation.separated(f)) for f in (*own, *differentiated.functions))
@@ -59,7 +59,7 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
     found = {
         name: in_pieces(function)
         if name == "conditions" and not slopes.sums  # their derivatives are put together from all
-        else rolled(function, often=name in OFTEN)
+        else rerolled(function, often=name in OFTEN)
         for name, function in found.items()
     }
     return Program(
@@ -74,11 +74,11 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
             work_size=kkt.work_size(factored, bool(equations.rows) and not dense) if factored else 0,
             health=dict(found["rhs"].outputs)["health"] if solver else 0,
             operations=_operations(equations, found),
-            lifted=len(system.structure.definitions),
+            velocity_unknowns=len(system.structure.definitions),
             dropped=left_out,
             remarks=independent(equations, system),
             derivatives=differentiated.patterns if differentiated else {},
-            switches=switches,
+            relations=relations,
         ),
         found,
     )
@@ -102,7 +102,7 @@ def _solver(at: Places, work: bool) -> tuple[Solver | None, list[Function]]:
 def _functions(
     at: Places,
     along: Places,
-    switches: Sequence[Switch],
+    relations: Sequence[EventRelation],
     solver: Solver | None,
     solving: Sequence[Function],
     work: bool,
@@ -128,7 +128,7 @@ def _functions(
     made.append(functions.start(at, work))
     slopes = condition_slopes(at.equations)
     made += [functions.conditions(at, slopes), functions.measures(at)]
-    made += [functions.limits(at), *switching(at, along, switches)]
+    made += [functions.limits(at), *relation_functions(at, along, relations)]
     made += whens(at, along)
     made += in_boxes(along, features(along.equations), "feature", "terms that may be narrow")
     made += in_boxes(along, poles(along.equations), "pole", "divisors that may come near zero")

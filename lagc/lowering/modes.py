@@ -26,14 +26,14 @@ from lagc.symbolic.text import Texts, brief
 from lagc.symbolic.vectors import Matrix, Vector
 from lagc.symbolic.walk import depends, missing, symbols, union
 
-_SWITCHING = smooth_as(CORNER, STEP)
+_RELATIONS = smooth_as(CORNER, STEP)
 _COUNTING = ("floor", "piece")
 _POWERS = ("pow", "sqrt")  # of which there are none below zero
-_TIME, _MOVES, _LOOSE = 1, 2, 4  # time; what states move; modes of switches without a slope
+_TIME, _MOVES, _MODES = 1, 2, 4  # time; what states move; modes of switches without a slope
 
 
 @dataclass(frozen=True, slots=True)
-class Switch:
+class EventRelation:
     """A condition that a motion may change.  `side`: g, on the branches that the modes of others tell, and
     `own` its mode there; `natural` as a function of the state alone.  `edges`: between which the side of one
     that counts is, by its mode; None of a sign.  `slope`: dg/dt, where g is affine in time and nothing else
@@ -49,51 +49,55 @@ class Switch:
     aside: bool = False  # clauses `when` alone ask for it
 
 
-def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[Switch, ...]]:
+def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[EventRelation, ...]]:
     """The equations as they are along a step, and their switches, those with a slope first; each depends on
     the modes of switches before it, among those with a slope and all."""
     changing = [equations.time, *equations.q, *equations.v]
     conditions = [when.condition for when in equations.whens]
     moved = depends([*deciding(equations), *conditions], changing)
-    switching = sorted((node for node in moved if node.op in _SWITCHING), key=lambda node: node.index)
-    if not switching:
+    relation_functions = sorted(
+        (node for node in moved if node.op in _RELATIONS), key=lambda node: node.index
+    )
+    if not relation_functions:
         return equations, ()
-    made = _Freezing(equations.graph, frozenset(changing), equations.time, switching)
+    made = _Freezing(equations.graph, frozenset(changing), equations.time, relation_functions)
     found = _with(equations, made)
     whens = [replace(x, condition=node) for x, node in zip(equations.whens, made.all(conditions))]
     found = replace(found, whens=tuple(whens))
-    return found, tuple(sorted(_used(found, made.switches), key=lambda switch: switch.slope is None))
+    return found, tuple(sorted(_used(found, made.relations), key=lambda relation: relation.slope is None))
 
 
-def _used(equations: EquationsOfMotion, switches: Sequence[Switch]) -> list[Switch]:
+def _used(equations: EquationsOfMotion, relations: Sequence[EventRelation]) -> list[EventRelation]:
     """Those that `equations` depend on: what loads on bodies depend on may cancel in the forces on speeds."""
     moving = [*equations.qdot, *sources(replace(equations, whens=()))]
     reached = symbols([*moving, *formed_of([row.jacobian for row in equations.rows])])
     asked = symbols([when.condition for when in equations.whens])
     found = []
-    for switch in reversed(switches):  # each depends on others before it
-        aside = switch.mode not in reached
-        if not aside or switch.mode in asked:
-            found.append(replace(switch, aside=aside))
-            (asked if aside else reached).update(symbols([switch.side, switch.own, *(switch.edges or ())]))
+    for relation in reversed(relations):  # each depends on others before it
+        aside = relation.mode not in reached
+        if not aside or relation.mode in asked:
+            found.append(replace(relation, aside=aside))
+            (asked if aside else reached).update(
+                symbols([relation.side, relation.own, *(relation.edges or ())])
+            )
     return found[::-1]
 
 
 class _Freezing:
     def __init__(
-        self, graph: Graph, changing: frozenset[Node], time: Node, switching: Sequence[Node]
+        self, graph: Graph, changing: frozenset[Node], time: Node, relation_functions: Sequence[Node]
     ) -> None:
         self.graph = graph
         self.known: dict[Node, Node] = {}
         self.modes: dict[Node, Node] = {}  # by what they stand for
-        self.switches: list[Switch] = []
+        self.relations: list[EventRelation] = []
         self._kinds = dict.fromkeys(changing, _MOVES)  # of what nodes are made of
         self._kinds[time] = _TIME
         self._time = time
         self._ranges: dict[Node, Interval] = {}
         self._texts: Texts = {}
         self._asked: dict[Node, Node] = {}  # by what the sign of is asked for, who does first
-        for node in switching:
+        for node in relation_functions:
             for side in self._sides(node):
                 self._asked.setdefault(side, node)
 
@@ -101,8 +105,8 @@ class _Freezing:
         known = self.known
         for node in missing(nodes, known):
             args = tuple([known[a] for a in node.args])
-            if node.op in _SWITCHING:
-                known[node] = self._switching(node, args)
+            if node.op in _RELATIONS:
+                known[node] = self._relation(node, args)
             elif node.op in _POWERS:
                 known[node] = self.graph.rebuild(node, (self._base(node.args[0]), *args[1:]))
             else:
@@ -119,7 +123,7 @@ class _Freezing:
     def one(self, node: Node) -> Node:
         return self.all([node])[0]
 
-    def _switching(self, node: Node, args: tuple[Node, ...]) -> Node:
+    def _relation(self, node: Node, args: tuple[Node, ...]) -> Node:
         graph, op = self.graph, node.op
         if not any(self._kind(a) & (_TIME | _MOVES) for a in args):
             return node if args == node.args else graph.rebuild(node, args)
@@ -182,7 +186,7 @@ class _Freezing:
                 knots = [*node.value][1:]
                 ends = (Table([-FARTHEST, *knots]), Table([*knots, FARTHEST]))
                 edges = (graph.looked_up("entry", ends[0], mode), graph.looked_up("entry", ends[1], mode))
-            self._found(Switch(mode, side, own, node, edges, self._slope(side), self._words(node)))
+            self._found(EventRelation(mode, side, own, node, edges, self._slope(side), self._words(node)))
         return self.modes[own]
 
     def _sign(self, side: Node, plain: Node, node: Node) -> Node:
@@ -200,16 +204,16 @@ class _Freezing:
         own = graph.unary("sign", side)
         if own not in self.modes:
             natural, slope = graph.unary("sign", plain), self._slope(side)
-            self._found(Switch(self._symbol(), side, own, natural, None, slope, self._words(node)))
+            self._found(EventRelation(self._symbol(), side, own, natural, None, slope, self._words(node)))
         return self.modes[own]
 
     def _symbol(self) -> Node:
-        return self.graph.symbol("mode", str(len(self.switches)))
+        return self.graph.symbol("mode", str(len(self.relations)))
 
-    def _found(self, switch: Switch) -> None:
-        self.modes[switch.own] = switch.mode
-        self.switches.append(switch)
-        self._kinds[switch.mode] = _LOOSE if switch.slope is None else 0
+    def _found(self, relation: EventRelation) -> None:
+        self.modes[relation.own] = relation.mode
+        self.relations.append(relation)
+        self._kinds[relation.mode] = _MODES if relation.slope is None else 0
 
     def _slope(self, side: Node) -> Node | None:
         """Of what is affine in time, and moved by nothing else but modes of which that is true too."""

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from lagc.base.records import dataclass, field, replace
 
-FARTHEST = 1.7e308  # in tables: an end that no number comes to
+FARTHEST = 1.7e308  # in tables: an end that no number reaches
 
 if TYPE_CHECKING:
     from lagc.symbolic.leaves import Table
@@ -227,13 +227,13 @@ class Interface:
     notes: tuple[str, ...]
     warnings: tuple[str, ...]  # what may not be meant as it is written
     dropped: tuple[str, ...]  # coordinates and speeds on which nothing depends
-    switches: tuple[str, ...] = ()  # conditions that a motion may change: what changes, in words
-    counted_switches: tuple[int, ...] = ()  # 1: at the edges of its mode, which counts, else at zero
-    switches_aside: tuple[int, ...] = ()  # 1: clauses `when` alone ask for it
+    relations: tuple[str, ...] = ()  # conditions that a motion may change: what changes, in words
+    counted_relations: tuple[int, ...] = ()  # 1: at the edges of its mode, which counts, else at zero
+    relations_aside: tuple[int, ...] = ()  # 1: clauses `when` alone ask for it
     whens: tuple[Clause, ...] = ()
     features: int = 0  # terms that may be narrow
     poles: int = 0  # divisors that may come near zero
-    timed_switches: int = 0  # the first ones, which time alone changes, when is known
+    timed_relations: int = 0  # the first ones, which time alone changes, when is known
     timed: bool = False  # the rates, or when they change, depend on time itself
     flowing: bool = False  # the rates do between changes
     doubtful: bool = (
@@ -242,7 +242,7 @@ class Interface:
     driven: bool = False  # and so do constraints
     balance: str = "K + V"  # the energy of it, as it is written
     conservative: bool = False  # no action and no constraint does work, and all constraints are holonomic
-    lifted: int = 0  # velocities that are unknowns of the linear solve beside the speeds
+    velocity_unknowns: int = 0  # velocities that are unknowns of the linear solve beside the speeds
     limits: tuple[Field, ...] = ()  # values made of parameters that have bounds
     preparation: int = 0  # operations of `bind`
     prepared: int = 0  # numbers that it makes
@@ -294,19 +294,19 @@ class Interface:
         sizes = {
             "qdot": self.nq, "inertia": self.nv, "force": self.nv, "row": self.nc,
             "condition": len(self.condition_ends), "start": self.nq + self.nv + len(self.rate_names),
-            "output": len(self.outputs), "indicator": len(self.switches),
+            "output": len(self.outputs), "indicator": len(self.relations),
             "reinit": sum(len(clause.states) for clause in self.whens),
         }  # fmt: skip
         return _ranges(sizes)
 
-    def drives(self, switch: int) -> bool:
+    def drives(self, relation: int) -> bool:
         """Whether the equations depend on it: a place behind all switches is that of a clause `when`."""
-        return switch < len(self.switches) and not self.switches_aside[switch]
+        return relation < len(self.relations) and not self.relations_aside[relation]
 
     @property
     def noted(self) -> tuple[int, ...]:
         """The switches whose changes are events: those that clauses `when` alone ask for are none."""
-        return tuple([k for k, aside in enumerate(self.switches_aside) if not aside])
+        return tuple([k for k, aside in enumerate(self.relations_aside) if not aside])
 
     @property
     def angles(self) -> tuple[int, ...]:

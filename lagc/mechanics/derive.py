@@ -128,12 +128,12 @@ def _warnings(
     if all(isinstance(action, Potential) for action in states.model.actions):
         return ()
     from lagc.mechanics.lint.application_points import points_of_their_own  # loaded where there are loads
-    from lagc.mechanics.lint.passivity import feeding_dissipations, feeding_loads
+    from lagc.mechanics.lint.passivity import active_dissipations, active_loads
 
     return (
         *points_of_their_own(states, rows),
-        *feeding_dissipations(states, rows, contributions),
-        *feeding_loads(states, rows),
+        *active_dissipations(states, rows, contributions),
+        *active_loads(states, rows),
     )
 
 

@@ -73,7 +73,7 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
         "potential": potential,
         **({"energy_parts": energy_parts} if energy_parts else {}),
         "pruned": _pruned(equations, program),
-        "switches": _switches(interface),
+        "switches": _relations(interface),
         "whens": [_when(when, written) for when in equations.whens],
         "operations": _operations(program),
         "notes": list(model.notes),
@@ -109,10 +109,10 @@ def _seems(seems: Seems) -> Facts:
     }
 
 
-def _switches(interface: Interface) -> list[Facts]:
+def _relations(interface: Interface) -> list[Facts]:
     return [
-        {"condition": words, "known": k < interface.timed_switches}
-        for k, words in enumerate(interface.switches)
+        {"condition": words, "known": k < interface.timed_relations}
+        for k, words in enumerate(interface.relations)
         if interface.drives(k)
     ]
 
@@ -124,7 +124,7 @@ def _operations(program: Program) -> Facts:
         "watching": functions["watch"].cost if "watch" in functions else 0,
         "preparation": interface.preparation,
         "solve": interface.solve,
-        "lifted": interface.lifted,
+        "lifted": interface.velocity_unknowns,
         "functions": {name: function.cost for name, function in functions.items()},
     }
 
@@ -221,7 +221,7 @@ def text(facts: Facts, verbose: bool = False) -> str:
         _energies_text(facts),
         _section("not examined", facts["not_examined"], verbose),
         _section("when", map(_when_line, facts["whens"]), verbose),
-        _section("switches", map(_switch_line, facts["switches"]), verbose),
+        _section("switches", map(_relation_line, facts["switches"]), verbose),
         _section("pruned", facts["pruned"] or ["nothing"], verbose),
         _operations_text(facts, verbose),
         _short_names_text(facts),
@@ -314,7 +314,7 @@ def _count_text(facts: Facts) -> list[str]:
     if facts["dropped"]:
         lines.append(f"dropped, as nothing depends on them: {', '.join(facts['dropped'])}")
     if facts["more_at_start"]:
-        lines.append(f"at the start's posture: {facts['more_at_start']} more")
+        lines.append(f"at the initial posture: {facts['more_at_start']} more")
     if facts["redundant"]:
         how = "redundant rows, it seems" if seems["redundant"] else "redundant rows"
         lines.append(f"{how}: {', '.join(facts['redundant'])}; their multipliers are not unique")
@@ -339,7 +339,7 @@ def _energies_text(facts: Facts) -> list[str]:
     return _section("energy", lines)
 
 
-def _switch_line(fact: Facts) -> str:
+def _relation_line(fact: Facts) -> str:
     return f"{fact['condition']}: {'at times that are known' if fact['known'] else 'found along the motion'}"
 
 
@@ -369,8 +369,8 @@ def _operations_text(facts: Facts, verbose: bool) -> list[str]:
     if operations["watching"]:
         lines.append(f"{operations['watching']} more, to see what the solve leaves, where a pivot is small")
     if operations["lifted"]:
-        lifted = f"{operations['lifted']} velocities that others are made of are unknowns of the solve"
-        lines.append(f"{lifted}: fewer operations than with the mass matrix")
+        unknowns = f"{operations['lifted']} velocities that others are made of are unknowns of the solve"
+        lines.append(f"{unknowns}: fewer operations than with the mass matrix")
     if operations["preparation"]:
         lines.append(f"once, of the parameters alone: {operations['preparation']}")
     if verbose:

@@ -247,5 +247,5 @@ def more(parts: Sequence[object], most: int) -> str:
 
 def event_names(system: System, k: int) -> tuple[str, ...]:
     """The names of an event: of a relation or, behind the relations, of a `when` clause."""
-    relations = system.interface.switches
+    relations = system.interface.relations
     return (relations[k],) if k < len(relations) else system.interface.whens[k - len(relations)].names

@@ -118,7 +118,7 @@ def _at_event(system: System, run: Trajectory) -> str:
         return (f"the new values that `when {clause.words}` gives are not finite, or do not "
                 f"meet the constraints{_left_out(system, clause)}")  # fmt: skip
     if run.status == CHATTERING and interface.drives(k) and not _accumulates(run):
-        return (f"{interface.switches[k]}, and the forces on both sides drive the motion back to it: the "
+        return (f"{interface.relations[k]}, and the forces on both sides drive the motion back to it: the "
                 "state sticks there, as with dry friction. Use a smooth law, such as tanh(v/v0) instead of "
                 "sign(v), or a constraint")  # fmt: skip
     what = event_names(system, k if run.status == CHATTERING else run.events[-1][1])[0]

@@ -101,7 +101,7 @@ def test_sides_of_switches() -> None:
     model = lagc.loads(text).compile(backend="numpy")
     t, x, a, e = 0.5, 0.9, 3.0, 0.01
     found = model.jacobian("indicators", ("time", "state", "a", "e"), t, [x, 0.0])
-    order = ["whole number" in name for name in model.interface.switches]
+    order = ["whole number" in name for name in model.interface.relations]
     sign, steps = found[order.index(False)], found[order.index(True)]
     sense = sign[1]  # which of both sides is that of which the expression counts is free
     assert abs(sense) == 1.0

@@ -13,7 +13,7 @@ import pytest
 import lagc
 from lagc.base.records import replace
 from lagc.codegen.python.functions import ARITHMETIC, function_text
-from lagc.lowering.loops.loop_rolling import local, rolled
+from lagc.lowering.loops.loop_rolling import local, rerolled
 from lagc.lowering.program import LEAVES, Function, uses
 from tests.codegen.programs import Builder, repeated_function
 from tests.codegen.test_functions import both, build, needs_gcc
@@ -51,7 +51,7 @@ def short(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_random_repetitions(longest: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("lagc.codegen.c.functions.LONGEST", longest)
     made = [sorted_leaves(repeated_function(seed, f"f{seed}")) for seed in range(16)]
-    functions = [rolled(local(f) if k % 2 else f) for k, f in enumerate(made)]
+    functions = [rerolled(local(f) if k % 2 else f) for k, f in enumerate(made)]
     assert all([f.runs and any([run.count > 1 for run in f.runs]) for f in functions])
     python, library = build(functions, tmp_path)
     rng = random.Random(3)
@@ -74,7 +74,7 @@ def test_an_array_read_and_written_is_read_before_it_is_written() -> None:
         made.store("x", k, value)
     for k, value in enumerate(products):
         made.store("y", k, value)
-    f = rolled(made.function())
+    f = rerolled(made.function())
     assert [run.count > 1 for run in f.runs] == [True, False, True]
     python: dict[str, Any] = {}
     exec(ARITHMETIC + function_text(f, {}), python)
@@ -95,7 +95,7 @@ def test_what_stands_before_a_loop_ends_where_it_begins(tmp_path: Path) -> None:
     values = [first, *(made.op("cos", entry) for entry in x), made.op("add", first, x[0])]
     for k, value in enumerate(values):
         made.store("y", k, value)
-    f = rolled(made.function())
+    f = rerolled(made.function())
     loop = next(run.first for run in f.runs if run.count > 1)
     assert [f.operations[loop - 1].op, f.operations[loop].op] == ["sin", "cos"]
     python, library = build([f], tmp_path)
@@ -127,7 +127,7 @@ def test_loops_over_numbers_divide_by_zero_as_c_does(tmp_path: Path) -> None:
     values = [made.op("div", number, made.op("sub", entry, entry)) for entry, number in zip(x, numbers)]
     for k, value in enumerate(values):
         made.store("y", k, value)
-    f = rolled(made.function())
+    f = rerolled(made.function())
     assert [run for run in f.runs if run.count > 1]
     python, library = build([f], tmp_path)
     ours, theirs = both(python, library, "over", [0.0, 1.0, 9.81], 0.0, [0.5] * 64, 64)

@@ -10,7 +10,7 @@ import pytest
 
 import lagc
 from lagc.base.records import replace
-from lagc.lowering.kkt.articulated_body import lifted
+from lagc.lowering.kkt.articulated_body import articulated_body
 from lagc.lowering.kkt.fill_ordering import eliminate
 from lagc.lowering.kkt.solve import Solver, solvers
 from lagc.mechanics.derive import derive
@@ -45,7 +45,7 @@ BESIDE = """
 
 def keeping(e: EquationsOfMotion) -> Solver | None:
     """All velocities of bodies that can be kept are; None where there are none."""
-    system = lifted(e)
+    system = articulated_body(e)
     if system is None or not system.heavy:
         return None
     plan = eliminate(replace(system.structure, kept=system.heavy))
@@ -129,5 +129,7 @@ def test_a_speed_that_rows_alone_give_a_mass_is_watched(n: int) -> None:
 
 
 def test_what_has_no_mass_is_not_kept() -> None:
-    system = lifted(large.equations(large.LADDER.replace("(min = 0) = 1 [kg]", "(min = 0) = 0 [kg]"), 4))
+    system = articulated_body(
+        large.equations(large.LADDER.replace("(min = 0) = 1 [kg]", "(min = 0) = 0 [kg]"), 4)
+    )
     assert system is not None and not system.heavy

@@ -16,7 +16,7 @@ import lagc
 from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Refused
 from lagc.lowering.kkt import solve as kkt
-from lagc.lowering.kkt.articulated_body import lifted
+from lagc.lowering.kkt.articulated_body import articulated_body
 from lagc.lowering.kkt.fill_ordering import eliminate
 from lagc.lowering.kkt.solve import Solver, solvers
 from lagc.lowering.program import Function
@@ -35,7 +35,7 @@ DIGITS = 50
 
 
 def lifted_alone(e: EquationsOfMotion) -> Solver:
-    system = lifted(e)
+    system = articulated_body(e)
     assert system is not None
     plan = eliminate(system.structure)
     assert plan is not None

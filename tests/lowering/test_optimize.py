@@ -303,5 +303,5 @@ def test_what_acts_on_what_no_speed_moves_is_nothing(place: str) -> None:
                   if b < x then 1 [N] else 2 [N]}} at o;
     end M;"""
     model = lagc.loads(text).compile(backend="numpy")
-    assert "b" not in [p.name for p in model.interface.parameters] and not model.interface.switches
+    assert "b" not in [p.name for p in model.interface.parameters] and not model.interface.relations
     assert model.simulate(1.0, points=2)["x"][-1] == pytest.approx(0.4)

@@ -12,7 +12,7 @@ from lagc.codegen.c.emit import render
 from lagc.codegen.loop_segments import segments
 from lagc.compiler.pipeline import Choice, derive, parse, resolve
 from lagc.host import model_library
-from lagc.lowering.loops.loop_rolling import local, rolled
+from lagc.lowering.loops.loop_rolling import local, rerolled
 from lagc.lowering.lower_equations import optimize
 from lagc.lowering.program import LEAVES, Function, Program
 from lagc.lowering.scalar.value_numbering import ordered
@@ -88,7 +88,7 @@ def test_the_order_of_long_functions_changes_no_value(seed: int, monkeypatch: py
     rng = random.Random(seed)
     given = {"p": [0.3, 1.0, 9.81], "t": [0.7], "x": [rng.uniform(-1.0, 1.0) for _ in range(60)]}
     wanted = interpret(f, given)
-    assert interpret(rolled(f), given) == wanted
+    assert interpret(rerolled(f), given) == wanted
     for order in (ordered, local):
         back = order(f)
         back.verify()
@@ -104,4 +104,4 @@ def test_an_entry_that_is_read_and_changed_keeps_a_function_straight(monkeypatch
     f = sorted_leaves(repeated_function(1, "f"))
     for behind, has_runs in ((0, False), (60, True)):  # of 60 entries that are read
         stores = tuple([replace(store, array="x", index=store.index + behind) for store in f.stores])
-        assert bool(rolled(replace(f, outputs=(("x", 124),), stores=stores)).runs) == has_runs
+        assert bool(rerolled(replace(f, outputs=(("x", 124),), stores=stores)).runs) == has_runs

@@ -250,6 +250,6 @@ def test_a_relation_in_a_force_without_power_is_no_event(force: str) -> None:
 end M;
 """
     model = lagc.loads(text).compile(backend="numpy")
-    assert model.interface.switches_aside == (1,)
+    assert model.interface.relations_aside == (1,)
     run = model.simulate(stop=1, accuracy=1e-8)
     assert len(run.events) == 1

@@ -63,9 +63,9 @@ def public_functions(program: Program, real: Arithmetic = DOUBLE) -> list[Public
     if interface.nc and "scales" in functions:
         found += _linear()
     if interface.differentiated:
-        found.append(_stack(len(interface.switches)))
+        found.append(_stack(len(interface.relations)))
     for group, pattern in interface.derivatives.items():
-        found += _derivatives(group, pattern, len(interface.switches))
+        found += _derivatives(group, pattern, len(interface.relations))
     if "along" in interface.functions:
         found.append(_along(interface))
     return found
@@ -266,7 +266,7 @@ def _along(interface: Interface) -> PublicFunction:
         " * lambda, the parameters, then the inputs, in the order of the struct.",
         f"void lagc_along({_POINT}, const lagc_real *a, const lagc_real *lambda, const lagc_real *d,\n"
         "    lagc_real *s)",
-        _in_own_modes("along", "d, s", len(interface.switches)))  # fmt: skip
+        _in_own_modes("along", "d, s", len(interface.relations)))  # fmt: skip
 
 
 _COLUMNS = {

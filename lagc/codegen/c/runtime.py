@@ -42,7 +42,7 @@ class Runtime:
         self.searches = complete and interface.needs_consistency
         roots = [name for name in ROOTS if complete or name != "check"]
         roots += ["bind"] if interface.prepared else []
-        roots += ["hold"] if interface.switches else []
+        roots += ["hold"] if interface.relations else []
         roots += ["consistent"] if self.searches else []
         roots += [name for name in CALLED[:2] if name != "system_at" or "system" in functions]
         roots += CALLED[2:] if interface.nc and "scales" in functions else []
@@ -206,7 +206,7 @@ def _work(program: Program) -> str:
         return ""
     power = program.functions.get("power")
     used = power.inputs if power is not None else ()
-    modes = ("modes",) if program.interface.switches else ()
+    modes = ("modes",) if program.interface.relations else ()
     given = ("p", "t", "x", *modes, "a", "lam")
     unused = "".join(f"    (void){name};\n" for name in given if name not in used)
     body = "    e[0] = 0.0;\n"

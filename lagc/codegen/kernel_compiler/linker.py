@@ -125,13 +125,13 @@ def sizes_of(interface: Interface) -> dict[str, int]:
                            interface.condition_columns, interface.quaternions,
                            interface.row_pieces)  # fmt: skip
     sums = max(len(interface.part_ends) - len(interface.condition_ends), 0)
-    switches, free = len(interface.switches), len(interface.switches) - interface.timed_switches
+    switches, free = len(interface.relations), len(interface.relations) - interface.timed_relations
     own = {
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NC": interface.nc, "NH": interface.nh,
         "NP": len(fields), "NGROUP": max(interface.kinds, default=0) + 1, "NWORK": interface.work_size,
         "NHEALTH": max(interface.health, 2),
         "NBOUNDED": sum(isfinite(f.minimum) or isfinite(f.maximum) for f in fields),
-        "NMODE": switches, "NTIMED": interface.timed_switches, "NFREE": free, "NENDS": 2 * free,
+        "NMODE": switches, "NTIMED": interface.timed_relations, "NFREE": free, "NENDS": 2 * free,
         "NWHEN": len(interface.whens), "NJUMP": sum(len(c.states) for c in interface.whens),
         "NACTS": MOST_ACTS * len(interface.whens),
         "NFEAT": interface.features, "NBOUNDS": 2 * interface.features,
@@ -199,7 +199,7 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "angle": [int(i in angles) for i in range(len(interface.start_levels))],
         "ends": ends, "stretch_begins": begins, "stretch_ends": stops,
         "part_ends": interface.part_ends, "part_column": interface.part_columns,
-        "has_edges": interface.counted_switches,
+        "has_edges": interface.counted_relations,
         "terminates": [int(c.reason is not None) for c in interface.whens],
         "reinit_clause": [k for k, c in enumerate(interface.whens) for _ in c.states],
         "reinit_target": [state for c in interface.whens for state in c.states],

@@ -290,7 +290,7 @@ def public_functions(program: Program, complete: bool) -> list[str]:
         found.append(_CONSTRAINTS)
     if program.interface.differentiated:
         found.append(_stacked(program.interface))
-    rhs = _ON_BRANCHES if program.interface.switches else _PLAIN
+    rhs = _ON_BRANCHES if program.interface.relations else _PLAIN
     watch = _WATCH if "watch" in program.functions else ""
     many = _MANY.replace("@RHS@", rhs).replace("@WATCH@", watch)
     many = many.replace("@HEALTH@", str(max(program.interface.health, 2) - 1))
@@ -307,7 +307,7 @@ def _outputs(program: Program) -> str:
 def _stacked(interface: Interface) -> str:
     """Return `stack` and its derivatives, by groups or along directions."""
     parts = [f"    {name!r}: {part!r},\n" for name, part in interface.stack.items()]
-    on = "_on" if interface.switches else ""
+    on = "_on" if interface.relations else ""
     text = "".join(["STACK = {  # rows of the derivatives\n", *parts, "}\n", _DERIVATIVES])
     text += _by_groups(interface.derivatives) if interface.derivatives else _ALONG
     return text.replace("@CALL@", _ON_BRANCH if on else _AT_STATE).replace("@ON@", on)

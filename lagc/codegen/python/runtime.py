@@ -44,7 +44,7 @@ def evaluation(program: Program, given: frozenset[str]) -> list[str]:
 
 def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chosen:
     more = (*(OF_ROWS if interface.nc else ()), *(("bind",) if interface.prepared else ()))
-    more += ("hold",) if interface.switches else ()
+    more += ("hold",) if interface.relations else ()
     more += ("put_together",) if interface.part_ends else ()
     dense = "system" in interface.functions
     without = {*(() if dense else OF_SYSTEM), *(() if dense or interface.nc else OF_ANY_RANK)}
@@ -65,7 +65,7 @@ def _constants(interface: Interface, use: Chosen, given: frozenset[str]) -> str:
     sizes = {**sizes_of(interface), "NY": len(interface.outputs)}
     text = "".join(f"{name} = {value}\n" for name, value in sizes.items() if name in used)
     text += f"STRAIGHT = {interface.solve == 'straight'}\n"
-    text += f"NOTED = {interface.noted!r}\n" if interface.switches else ""
+    text += f"NOTED = {interface.noted!r}\n" if interface.relations else ""
     text += "".join(f"{name} = {tuple(v)!r}\n" for name, v in tables_of(interface).items() if name in used)
     return text + f"METHODS = {METHODS!r}\n" + numbers(used)
 
@@ -123,5 +123,5 @@ def _work(program: Program) -> str:
         return ""
     power = program.functions.get("power")
     body = f"fn_{power.spelled}({', '.join(power.inputs)}, e)" if power is not None else "e[0] = 0.0"
-    name, modes = ("work_on", "modes, ") if program.interface.switches else ("work", "")
+    name, modes = ("work_on", "modes, ") if program.interface.relations else ("work", "")
     return f"def fn_{name}(p, t, x, {modes}a, lam, e):\n    {body}\n"

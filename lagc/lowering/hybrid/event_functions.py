@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from lagc.base.records import replace
 from lagc.lowering.functions import made
-from lagc.lowering.modes import Switch
+from lagc.lowering.modes import EventRelation
 from lagc.lowering.program import Function
 from lagc.lowering.storage import STATE, Places
 from lagc.mechanics.formulation.equations import EquationsOfMotion
@@ -16,18 +16,18 @@ from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import symbols
 
 
-def switching(natural: Places, along: Places, switches: Sequence[Switch]) -> list[Function]:
+def relation_functions(natural: Places, along: Places, relations: Sequence[EventRelation]) -> list[Function]:
     """`modes` by the state alone; `indicators`, `own_modes` and `indicator_rates` on the branches that modes tell;
     `edges` of those that count, `slopes` of those that time alone moves; `enclosure` of the others.  None
     where there are no switches."""
-    if not switches:
+    if not relations:
         return []
-    found = [_modes(natural, switches), _indicators(along, switches), _own(along, switches)]
-    found.append(_rates(along, switches))
-    if any(switch.edges for switch in switches):
-        found.append(_edges(along, switches))
-    timed = [switch for switch in switches if switch.slope is not None]
-    others = switches[len(timed) :]
+    found = [_modes(natural, relations), _indicators(along, relations), _own(along, relations)]
+    found.append(_rates(along, relations))
+    if any(relation.edges for relation in relations):
+        found.append(_edges(along, relations))
+    timed = [relation for relation in relations if relation.slope is not None]
+    others = relations[len(timed) :]
     return [
         *found,
         *([_slopes(along, timed)] if timed else []),
@@ -35,38 +35,38 @@ def switching(natural: Places, along: Places, switches: Sequence[Switch]) -> lis
     ]
 
 
-def _modes(natural: Places, switches: Sequence[Switch]) -> Function:
-    values = [switch.natural for switch in switches]
-    words = [switch.words for switch in switches]
+def _modes(natural: Places, relations: Sequence[EventRelation]) -> Function:
+    values = [relation.natural for relation in relations]
+    words = [relation.words for relation in relations]
     return made(natural, "modes", STATE, (("modes", values),), "mode of each relation", words)
 
 
-def _indicators(along: Places, switches: Sequence[Switch]) -> Function:
-    values = [switch.side for switch in switches]
+def _indicators(along: Places, relations: Sequence[EventRelation]) -> Function:
+    values = [relation.side for relation in relations]
     return made(along, "indicators", along.state, (("e", values),), "event indicators", seldom=True)
 
 
-def _own(along: Places, switches: Sequence[Switch]) -> Function:
-    values = [switch.own for switch in switches]
+def _own(along: Places, relations: Sequence[EventRelation]) -> Function:
+    values = [relation.own for relation in relations]
     return made(
         along, "own_modes", along.state, (("e", values),), "the mode that each indicator gives", seldom=True
     )
 
 
-def _edges(along: Places, switches: Sequence[Switch]) -> Function:
+def _edges(along: Places, relations: Sequence[EventRelation]) -> Function:
     """Of those that count; else zeros."""
     zero = along.graph.zero
-    values = [end for switch in switches for end in switch.edges or (zero, zero)]
+    values = [end for relation in relations for end in relation.edges or (zero, zero)]
     return made(along, "edges", ("modes",), (("e", values),), "edges of the modes", seldom=True)
 
 
-def _rates(along: Places, switches: Sequence[Switch]) -> Function:
+def _rates(along: Places, relations: Sequence[EventRelation]) -> Function:
     """de/dt with the rates of the state given."""
     equations, graph = along.equations, along.graph
     states = [*equations.q, *equations.v]
     rates = [graph.symbol("change", str(k)) for k in range(len(states))]
     seeds = {**dict(zip(states, rates)), equations.time: graph.one}
-    values = tangent(graph, [switch.side for switch in switches], seeds)
+    values = tangent(graph, [relation.side for relation in relations], seeds)
     more = replace(along, arrays={**along.arrays, **{node: ("d", k) for k, node in enumerate(rates)}})
     inputs = (*along.state, "d")
     return made(
@@ -74,18 +74,18 @@ def _rates(along: Places, switches: Sequence[Switch]) -> Function:
     )
 
 
-def _slopes(along: Places, timed: Sequence[Switch]) -> Function:
-    values = [switch.slope for switch in timed if switch.slope is not None]
+def _slopes(along: Places, timed: Sequence[EventRelation]) -> Function:
+    values = [relation.slope for relation in timed if relation.slope is not None]
     return made(
         along, "slopes", ("p", "modes"), (("e", values),), "slopes of indicators of time alone", seldom=True
     )
 
 
-def _enclosure(along: Places, others: Sequence[Switch]) -> Function:
+def _enclosure(along: Places, others: Sequence[EventRelation]) -> Function:
     """The least and the largest value of each while time and state keep to a box: the least of time and
     states, then the largest."""
     more, boxes = boxed(along)
-    ends = enclosures(along.graph, [switch.side for switch in others], boxes)
+    ends = enclosures(along.graph, [relation.side for relation in others], boxes)
     values = [end for pair in ends for end in pair]
     inputs = ("p", "modes", "box")
     return made(more, "enclosure", inputs, (("e", values),), "bounds of indicators in a box", seldom=True)
@@ -119,11 +119,11 @@ def in_boxes(along: Places, found: Sequence[Node], name: str, about: str) -> lis
 
 
 def changing(
-    equations: EquationsOfMotion, moving: EquationsOfMotion, switches: Sequence[Switch]
+    equations: EquationsOfMotion, moving: EquationsOfMotion, relations: Sequence[EventRelation]
 ) -> tuple[EquationsOfMotion, EquationsOfMotion]:
-    """Both without the clauses that no motion comes to, as inputs alone decide them, and without new values
+    """Both without the clauses that no motion reaches, as inputs alone decide them, and without new values
     of states that were left out; `moving` are the frozen equations."""
-    modes, states = {switch.mode for switch in switches}, {*equations.q, *equations.v}
+    modes, states = {relation.mode for relation in relations}, {*equations.q, *equations.v}
     pairs = [
         [replace(when, changes=tuple([pair for pair in when.changes if pair[0] in states])) for when in both]
         for both in zip(equations.whens, moving.whens)

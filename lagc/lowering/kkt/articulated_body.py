@@ -33,7 +33,7 @@ _Slopes = dict[int, Node]  # by unknown
 
 
 @dataclass(frozen=True)
-class Lifted:
+class ArticulatedBody:
     """The matrix [A G^T; G 0] and the definitions, as nodes.
 
     Unknowns: the speeds, the multipliers, the lifted velocities.
@@ -46,7 +46,7 @@ class Lifted:
     heavy: tuple[int, ...] = ()  # lifted velocities that bodies with mass move with
 
 
-def plain(equations: EquationsOfMotion) -> Lifted:
+def plain(equations: EquationsOfMotion) -> ArticulatedBody:
     """Nothing is lifted: [M G^T; G 0], and tau - h."""
     found = {at: node for at, node in equations.mass_matrix.items() if not node.is_zero}
     n = len(equations.v)
@@ -54,10 +54,10 @@ def plain(equations: EquationsOfMotion) -> Lifted:
         found.update(((n + k, j), node) for j, node in row.jacobian.items() if not node.is_zero)
     entries = dict(sorted(found.items()))
     structure = Structure(n, len(equations.rows), tuple(entries))
-    return Lifted(structure, entries, {}, [*equations.applied_forces, *_gammas(equations)])
+    return ArticulatedBody(structure, entries, {}, [*equations.applied_forces, *_gammas(equations)])
 
 
-def together(equations: EquationsOfMotion, system: Lifted) -> Lifted:
+def together(equations: EquationsOfMotion, system: ArticulatedBody) -> ArticulatedBody:
     """The plain `system` with given forces and those of inertia taken to the speeds in one sweep."""
     weights = gradient(equations.graph, equations.loads, equations.v)
     r = [weights.get(v, equations.graph.zero) for v in equations.v]
@@ -68,7 +68,7 @@ def _gammas(equations: EquationsOfMotion) -> list[Node]:
     return [row.gamma for row in equations.rows]
 
 
-def lifted(equations: EquationsOfMotion) -> Lifted | None:
+def articulated_body(equations: EquationsOfMotion) -> ArticulatedBody | None:
     """The lifted form; None where no velocity is shared."""
     sums = _Sums(equations)
     return sums.system() if sums.definitions else None
@@ -108,7 +108,7 @@ class _Sums:
                 made_of[node] = frozenset([group.get(node, node)])
         return found
 
-    def system(self) -> Lifted:
+    def system(self) -> ArticulatedBody:
         n, graph = len(self.equations.v), self.equations.graph
         entries = _Entries(graph)
         for (i, j), node in self.equations.further_inertia.items():
@@ -127,7 +127,7 @@ class _Sums:
         right = [acting.get(u, graph.zero) for u in range(structure.moving)]
         right[n : structure.size] = _gammas(self.equations)
         heavy = sorted(self._heavy()) if self.rates else ()
-        return Lifted(structure, kept, coefficients, right, tuple(heavy))
+        return ArticulatedBody(structure, kept, coefficients, right, tuple(heavy))
 
     def _heavy(self) -> set[int]:
         """Unknowns that masses move with, which are positive, with parameters as they are given."""

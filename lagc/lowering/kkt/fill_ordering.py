@@ -182,7 +182,7 @@ class _Search:
             return None
         near, structure = self.near[k], self.structure
         if structure.is_row(k):
-            holds = self._is_lifted if k >= structure.moving else self._holds
+            holds = self._is_defined if k >= structure.moving else self._holds
             if not self.massive[k] or any(not structure.is_row(j) and holds(j) for j in near):
                 return None
             return 1 if structure.kept else 0, len(near) * (len(near) + 1) // 2, -k
@@ -200,7 +200,7 @@ class _Search:
         """Whether a row waits for j: for all but speeds that only rows can give a pivot."""
         return j in self.definitions or self.waits[j] > 0 or self.massive[j]
 
-    def _is_lifted(self, j: int) -> bool:
+    def _is_defined(self, j: int) -> bool:
         """Whether a row that defines what is kept waits for j: speeds in it have their pivots from it."""
         return j >= self.structure.size
 

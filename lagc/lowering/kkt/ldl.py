@@ -237,11 +237,11 @@ def residual(
     right: Sequence[int],
     x: Sequence[int],
 ) -> tuple[list[int], int]:
-    """What `x` leaves of `right`, and the square of its size relative to that of the right side.
+    """Return the residual of `x` for `right`, and the square of its size relative to that of the right side.
 
     Sizes are in the norm of the inverse pivots, sum of r_k^2 / |D_k|, in which forces and
     constraints are alike (it is the energy that an impulse r brings).  The terms M_kk a_k count for
-    the right side, so that what is driven by constraints alone is not judged by rounding errors.
+    the right side, so that what is driven by constraints alone is not measured by round-off.
     Where `x` has more than speeds and multipliers, what is kept and its definitions are looked at, too.
     """
     structure = plan.structure

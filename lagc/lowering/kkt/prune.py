@@ -8,7 +8,7 @@ from itertools import chain
 
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Refused, Span
-from lagc.lowering.kkt.articulated_body import Lifted, plain
+from lagc.lowering.kkt.articulated_body import ArticulatedBody, plain
 from lagc.lowering.kkt.fill_ordering import eliminate
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.formulation.jacobian import with_places
@@ -119,7 +119,7 @@ def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]
     )
 
 
-def independent(equations: EquationsOfMotion, system: Lifted) -> tuple[str, ...]:
+def independent(equations: EquationsOfMotion, system: ArticulatedBody) -> tuple[str, ...]:
     """A note where the motion falls into parts that no inertia, force, constraint or event ties; `system` are
     its equations in any form."""
     parts = _Parts(system.structure.unknowns)
@@ -197,19 +197,19 @@ def with_pivots(equations: EquationsOfMotion) -> EquationsOfMotion:
     if not bare or eliminate(plain(equations).structure) is not None:
         return equations
     tied = _tied(equations, [j for j in range(len(equations.v)) if j not in bare])
-    loose = [j for j in bare if j not in tied]
-    found = _with_units(equations, loose)
+    free = [j for j in bare if j not in tied]
+    found = _with_units(equations, free)
     if eliminate(plain(found).structure) is not None:
         return found
-    culprits = [j for j in loose if j not in found.massive] or bare
+    culprits = [j for j in free if j not in found.massive] or bare
     raise Refused([_fault(equations, j) for j in culprits])
 
 
-def _with_units(equations: EquationsOfMotion, loose: Sequence[int]) -> EquationsOfMotion:
+def _with_units(equations: EquationsOfMotion, free: Sequence[int]) -> EquationsOfMotion:
     matrix, given = dict(equations.further_inertia), list(equations.given_forces)
     loads = dict(equations.loads)
     forces, one = equations.applied_forces, equations.graph.one
-    for j in loose:
+    for j in free:
         rows = [row for row in equations.rows if j in row.jacobian]
         if len(rows) == 1 and forces[j].is_zero:
             slope = rows[0].jacobian[j]
@@ -224,11 +224,11 @@ def _tied(equations: EquationsOfMotion, massive: list[int]) -> set[int]:
     found = set(massive)
     left = [set(row.jacobian) for row in equations.rows]
     while True:
-        touching = [columns for columns in left if not found.isdisjoint(columns)]
-        if not touching:
+        adjacent = [columns for columns in left if not found.isdisjoint(columns)]
+        if not adjacent:
             return found
         left = [columns for columns in left if found.isdisjoint(columns)]
-        for columns in touching:
+        for columns in adjacent:
             found |= columns
 
 

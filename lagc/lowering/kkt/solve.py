@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from lagc.base.records import dataclass, replace
 from lagc.lowering.interface import place
-from lagc.lowering.kkt.articulated_body import Lifted, lifted, plain, together
+from lagc.lowering.kkt.articulated_body import ArticulatedBody, articulated_body, plain, together
 from lagc.lowering.kkt.fill_ordering import Elimination, Structure, eliminate
 from lagc.lowering.kkt.ldl import (
     Factors,
@@ -37,7 +37,7 @@ from lagc.symbolic.walk import symbols
 class Solver:
     """The equations in one form, and how they are solved."""
 
-    system: Lifted
+    system: ArticulatedBody
     plan: Elimination
 
     @property
@@ -251,7 +251,7 @@ def solvers(equations: EquationsOfMotion) -> Iterator[Solver]:
                 return
 
 
-def _plan(system: Lifted) -> Elimination | None:
+def _plan(system: ArticulatedBody) -> Elimination | None:
     """All lifted velocities substituted, which loses no digits, or bodies' own kept where that is cheaper
     by far, as with many loops."""
     structure, kept = system.structure, None
@@ -270,9 +270,9 @@ def _most(structure: Structure) -> int:
     return max(LARGEST, SPARSE * structure.size, min(LARGEST_SPARSE, dense // DENSE))
 
 
-def _forms(equations: EquationsOfMotion) -> Iterator[Lifted]:
+def _forms(equations: EquationsOfMotion) -> Iterator[ArticulatedBody]:
     known = symbols(sources(equations))
-    raised = lifted(equations)
+    raised = articulated_body(equations)
     if raised is not None and _is_made_of(known, raised):
         yield raised
         if not (equations.rows or forms_matrix(equations)):
@@ -284,7 +284,7 @@ def _forms(equations: EquationsOfMotion) -> Iterator[Lifted]:
         yield one
 
 
-def _is_made_of(known: set[Node], system: Lifted) -> bool:
+def _is_made_of(known: set[Node], system: ArticulatedBody) -> bool:
     """Whether `system` reads nothing but those symbols: what cancels where forces are put together, as those
     inside a body do, may not where they are not, and parameters and coordinates may be for nothing else."""
     return symbols([*system.entries.values(), *system.coefficients.values(), *system.right]) <= known

@@ -9,7 +9,7 @@ from itertools import accumulate
 from typing import Any, TypeAlias
 
 from lagc.base.records import replace
-from lagc.lowering.loops.loop_rolling import Letter, lettered, rolled, rolled_between
+from lagc.lowering.loops.loop_rolling import Letter, lettered, rerolled, rerolled_between
 from lagc.lowering.program import LEAVES, Function, Run
 from lagc.lowering.scalar.value_numbering import STRAIGHT, reordered
 
@@ -21,10 +21,10 @@ _Piece: TypeAlias = "tuple[list[int], list[int]]"  # operations and stores
 def in_pieces(function: Function) -> Function:
     """`function` rolled; with its `pieces`, where it is long and there are such."""
     if function.cleared or len(function.operations) + len(function.stores) <= STRAIGHT:
-        return rolled(function)
+        return rerolled(function)
     common, pieces = _apart(function)
     if len(pieces) < _LEAST:
-        return rolled(function)
+        return rerolled(function)
     function, letters = lettered(function)
     alike = _alike(function, letters, pieces)
     ordered = _in_order(function, [common, *(piece for group in alike for piece in group)])
@@ -32,7 +32,7 @@ def in_pieces(function: Function) -> Function:
     parts = [piece for group in alike for piece in group]
     rows = _of_rows(function, parts)
     if not {*range(len(parts))} <= {*rows}:  # nobody would ask for the others
-        return rolled(function)
+        return rerolled(function)
     return replace(ordered, runs=runs, pieces=_of_unknowns(function, parts), row_pieces=rows)
 
 
@@ -105,7 +105,7 @@ def _runs(function: Function, common: _Piece, alike: Sequence[Sequence[_Piece]])
             blocks.append((piece, at, size, len(group)))
             at += size * len(group)
     starts = [at + size * n for _, at, size, count in blocks for n in range(count if size else 0)]
-    inner = deque(rolled_between(function, starts))
+    inner = deque(rerolled_between(function, starts))
     found: list[Run] = []
     for piece, at, size, count in blocks:
         own: list[Run] = []

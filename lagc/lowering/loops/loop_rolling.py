@@ -37,7 +37,7 @@ _COMMUTE = ("add", "mul")
 Letter: TypeAlias = "tuple[str, ...]"
 
 
-def rolled(function: Function, often: bool = False) -> Function:
+def rerolled(function: Function, often: bool = False) -> Function:
     """`function` with its `runs` where it is long and loops cost less, else in the order of `ordered`.
     Where it is called `often` time counts, and another order is tried; else room."""
     straight = len(function.operations) + len(function.stores)
@@ -71,7 +71,7 @@ def lettered(function: Function) -> tuple[Function, list[Letter]]:
     return replace(function, operations=operations), letters
 
 
-def rolled_between(function: Function, starts: Sequence[int]) -> list[Run]:
+def rerolled_between(function: Function, starts: Sequence[int]) -> list[Run]:
     """The runs of a function whose leaves come first, of which none goes across a place in `starts`."""
     function, letters = lettered(function)
     for k in starts:

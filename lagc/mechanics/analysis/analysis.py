@@ -1,6 +1,6 @@
-"""What the equations of motion tell of a system before it moves: for people to read.
+"""Properties of a system that follow from its equations of motion, for people to read.
 
-Every claim is proved, by exact values on every branch of its expressions (`judge`) or by a rank that
+Every claim is proved, by exact values on every branch of its expressions (`zero_test`) or by a rank that
 cannot be larger (`mobility`), or it *seems* to hold: on all states tried that meet the constraints.
 """
 
@@ -22,7 +22,7 @@ from lagc.mechanics.formulation.mass_matrix import triples
 from lagc.mechanics.formulation.states import States, build_states
 from lagc.mechanics.identities.constraint_manifold import Consistent, onto, walk
 from lagc.mechanics.identities.sampling_domains import LARGEST, along, anywhere, far_away, on_rows
-from lagc.mechanics.identities.zero_test import Judge
+from lagc.mechanics.identities.zero_test import ZeroTest
 from lagc.mechanics.numeric.samples import samples
 from lagc.semantics.model import Coordinate, Lagrangian, Potential
 from lagc.symbolic.derivative import gradient, tangent
@@ -85,7 +85,7 @@ class Analysis:
     unseen: tuple[str, ...]  # labels of rows that do not, though double precision cannot tell
     degrees_of_freedom: int  # of the velocities: n less the rank of the rows where they hold
     positional_freedom: int  # degrees of freedom of the positions: integrable rows count
-    more_at_start: int  # degrees of freedom that the start's posture alone adds
+    more_at_start: int  # degrees of freedom that the initial posture alone adds
     kinetic_parts: tuple[Node, Node, Node] | None
     cyclic: tuple[str, ...]
     conserved: tuple[Conserved, ...]
@@ -182,8 +182,8 @@ def _kinetic_parts(equations: EquationsOfMotion) -> tuple[Node, Node, Node] | No
     one = graph.sum(x * slope for x, slope in zip(slopes, rest))
     entries = equations.further_inertia.items()
     terms = [graph.scale(0.5 if i == j else 1.0, m * v[i] * v[j]) for (i, j), m in entries]
-    for part, still in zip(parts, triples(rest[len(slopes) :])):
-        own = sub(part.velocity, still)
+    for part, velocity_at_rest in zip(parts, triples(rest[len(slopes) :])):
+        own = sub(part.velocity, velocity_at_rest)
         terms.append(graph.scale(0.5, dot(own, part.momentum(own))))
     return graph.sum(terms), one, at_rest
 
@@ -194,7 +194,7 @@ def _cyclic(states: States) -> dict[str, bool]:
     scalars = [c for c in states.model.coordinates if isinstance(c, Coordinate)]
     slopes = gradient(states.graph, {lagrangian: states.graph.one}, [c.symbol for c in scalars])
     asked = [[slopes[c.symbol]] if c.symbol in slopes else [] for c in scalars]
-    verdicts = zip(scalars, Judge(anywhere(states)).vanish_each(asked))
+    verdicts = zip(scalars, ZeroTest(anywhere(states)).vanish_each(asked))
     return {c.name: verdict for c, verdict in verdicts if verdict is not None}
 
 
@@ -224,8 +224,8 @@ def _conserved(
     free = free_terms(states, with_rates(states))
     found: list[Conserved] = []
     positions = on_rows(states, kept, tries)
-    motion = Judge(along(equations, states, rows, tries) if small else positions)
-    at_rows = Judge(positions)
+    motion = ZeroTest(along(equations, states, rows, tries) if small else positions)
+    at_rows = ZeroTest(positions)
     fed = small or symbols([equations.power]).isdisjoint([*equations.a, *equations.lam])
     steady = motion.vanish([equations.power]) if fed else None
     if steady is not None:
@@ -255,7 +255,7 @@ def _conserved(
     return [_with_cuts(states, c, at_rows) for c in found], left
 
 
-def _with_cuts(states: States, c: Conserved, at_rows: Judge) -> Conserved:
+def _with_cuts(states: States, c: Conserved, at_rows: ZeroTest) -> Conserved:
     """Its slopes do not show that an angle jumps by a full turn where `atan2` has its cut."""
     graph, node = states.graph, c.expression
     moving = depends([node], states.q)
@@ -288,7 +288,7 @@ def _along_rates(equations: EquationsOfMotion, states: States) -> dict[Node, lis
 
 
 def _totals(
-    states: States, quantities: Quantities, motion: Judge, at_rows: Judge, sure: bool
+    states: States, quantities: Quantities, motion: ZeroTest, at_rows: ZeroTest, sure: bool
 ) -> list[Conserved]:
     """Components of the total momenta that are constant along the motion, where they are not zero."""
     found: list[Conserved] = []

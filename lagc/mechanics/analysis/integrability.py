@@ -22,7 +22,7 @@ from lagc.mechanics.formulation.equations import Row
 from lagc.mechanics.formulation.speeds import solve_rows
 from lagc.mechanics.formulation.states import States, quaternion_rate, rate_symbols
 from lagc.mechanics.identities.sampling_domains import on_rows
-from lagc.mechanics.identities.zero_test import Judge, Truths
+from lagc.mechanics.identities.zero_test import Truths, ZeroTest
 from lagc.mechanics.numeric.dense_linear import Echelon, Entries
 from lagc.mechanics.numeric.piecewise_branches import spelt_out
 from lagc.semantics.model import Coordinate
@@ -226,11 +226,11 @@ def integrable_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping
     forms = {row.label: spelt(graph, velocity_form(states, row)) for row in asked}
     holonomic = [spelt(graph, exact_form(states, row.residual)) for row in rows if row.holonomic]
     given = [*unit_forms(states), *holonomic]
-    judge = Judge(on_rows(states, [row for row in rows if row.linear], tries))
+    zero_test = ZeroTest(on_rows(states, [row for row in rows if row.linear], tries))
     found: list[Integrable] = []
     for labels, beside in _parts(forms, given):
         part = _Part({x: forms[x] for x in labels}, beside, bool(holonomic))
-        found.append(part.answer(judge))
+        found.append(part.answer(zero_test))
     integrable = {label: why for x in found for label, why in x.rows.items()}
     return Integrable(
         {label: integrable[label] for label in forms if label in integrable},
@@ -266,12 +266,12 @@ class _Part:
         self.where = places([*forms.values(), *given])
         self.column = {x: k for k, x in enumerate(self.where)}
 
-    def answer(self, judge: Judge) -> Integrable:
+    def answer(self, zero_test: ZeroTest) -> Integrable:
         """Integrable on each branch; the fewest relations of all branches."""
         nodes = [x for form in (*self.forms.values(), *self.given) for x in form.nodes]
         verdicts: list[tuple[dict[str, str], int, int]] = []
         proved = True
-        for placed, truths in judge.points(nodes):
+        for placed, truths in zero_test.points(nodes):
             tried = 0
             for x in placed:
                 try:

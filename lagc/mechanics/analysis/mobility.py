@@ -17,7 +17,7 @@ from lagc.mechanics.formulation.equations import Row
 from lagc.mechanics.formulation.states import States
 from lagc.mechanics.identities.constraint_manifold import Consistent, jacobian, scales
 from lagc.mechanics.identities.sampling_domains import at_defaults, on_rows
-from lagc.mechanics.identities.zero_test import Ground, Judge, Placed
+from lagc.mechanics.identities.zero_test import Ground, Placed, ZeroTest
 from lagc.mechanics.numeric.dense_linear import Echelon, Span
 from lagc.mechanics.numeric.piecewise_branches import spelt_out
 from lagc.mechanics.numeric.samples import samples
@@ -96,7 +96,7 @@ def _exactly(states: States, rows: Sequence[Row], ground: Ground) -> frozenset[i
 def _in_field(states: States, rows: Sequence[Row], ground: Ground) -> Iterator[tuple[Placed, frozenset[int]]]:
     """Points of the field on all branches, and the first rows that span all there."""
     flat = spelt_out(states.graph, [node for row in rows for node in row.jacobian.values()])
-    for placed, truths in Judge(ground).points(flat):
+    for placed, truths in ZeroTest(ground).points(flat):
         for x in placed:
             try:
                 values = iter(x.point.values(flat, truths))

@@ -79,6 +79,6 @@ def _vanishes(states: States, node: Node) -> bool:
     from lagc.mechanics.identities.sampling_domains import (
         anywhere,  # what proves is loaded where there is a question
     )
-    from lagc.mechanics.identities.zero_test import Judge
+    from lagc.mechanics.identities.zero_test import ZeroTest
 
-    return bool(Judge(anywhere(states)).vanish([node]))
+    return bool(ZeroTest(anywhere(states)).vanish([node]))

@@ -120,13 +120,13 @@ def _load(states: States, action: Action) -> _Load | None:
 def _working(states: States, loads: Sequence[_Load]) -> list[Acting]:
     graph = states.graph
     velocities = [x for load in loads for x in load.velocities]
-    moving, resting = iter(states.in_speeds(velocities)), iter(states.at_rest(velocities))
+    moving, drives_at_rest = iter(states.in_speeds(velocities)), iter(states.at_rest(velocities))
     moved = [[next(moving) for _ in load.velocities] for load in loads]
-    still = [[next(resting) for _ in load.velocities] for load in loads]
+    at_rest = [[next(drives_at_rest) for _ in load.velocities] for load in loads]
     on_speeds = [seeds(graph, zip(own, load.weights)) for own, load in zip(moved, loads)]
     found: list[Acting] = []
     for load, own, drives, weights, forces in zip(
-        loads, moved, still, on_speeds, weighted(graph, on_speeds, states.place_of_v)
+        loads, moved, at_rest, on_speeds, weighted(graph, on_speeds, states.place_of_v)
     ):
         power = graph.sum(w * x for w, x in zip(load.weights, own))
         drive = graph.sum(w * x for w, x in zip(load.weights, drives))

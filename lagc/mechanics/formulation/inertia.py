@@ -45,9 +45,10 @@ def moving_parts(states: States) -> list[Moving]:
     flat = [x for vector in raw for x in vector]
     by_time = tangent(states.graph, flat, {states.model.time: states.graph.one})
     moved = triples(states.in_speeds([*flat, *by_time]))
-    still = triples(states.at_rest(flat))
+    at_rest = triples(states.at_rest(flat))
     return [
-        Moving(body, v, r, e, mass) for (body, mass), v, r, e in zip(masses, moved, still, moved[len(raw) :])
+        Moving(body, v, r, e, mass)
+        for (body, mass), v, r, e in zip(masses, moved, at_rest, moved[len(raw) :])
     ]
 
 

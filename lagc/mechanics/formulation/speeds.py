@@ -53,8 +53,8 @@ def choose_speeds(model: Model, rates: Sequence[Node]) -> ChosenSpeeds:
     ]
     if faults:
         raise Refused(faults)
-    still = dict.fromkeys(rates, graph.zero)
-    offsets = substitute(graph, [s.expression for s in declared], still)
+    at_rest = dict.fromkeys(rates, graph.zero)
+    offsets = substitute(graph, [s.expression for s in declared], at_rest)
     pivots = _pivots(model, rows)
     held = set(pivots)
     right: list[Node] = []

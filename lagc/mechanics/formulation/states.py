@@ -95,10 +95,10 @@ class States:
     @cached_property
     def rest(self) -> dict[Node, Node]:
         """Every rate and declared speed -> 0, in expressions that still hold rates."""
-        still: dict[Node, Node] = dict.fromkeys(self.rates, self.graph.zero)
+        at_rest: dict[Node, Node] = dict.fromkeys(self.rates, self.graph.zero)
         for speed in self.model.speeds:  # one may be declared in terms of those before it
-            still[speed.symbol] = substitute(self.graph, [speed.expression], still)[0]
-        return still
+            at_rest[speed.symbol] = substitute(self.graph, [speed.expression], at_rest)[0]
+        return at_rest
 
     @cached_property
     def spelt(self) -> dict[Node, Node]:

@@ -71,7 +71,7 @@ def walk(states: States, rows: Sequence[Row]) -> Consistent:
         beside = list(manifold.steps(start, _NEAR, 1 if few else 2, restart=True))
         turning = any(manifold.turns(state) for state in (start, *beside))
         freedom = None
-        if manifold.touching or turning:
+        if manifold.tangential or turning:
             freedom = _Manifold(states, [row for row in rows if row.holonomic]).freedom(start)
         return Consistent(start, beside, list(manifold.steps(start, _FAR, 1 if few else _STEPS)), freedom)
     found = (manifold.met(s) for s in samples(states.model, _STEPS, vary=False))
@@ -114,28 +114,28 @@ class _Manifold:
         norms = [graph.sum(states.q[i + k] ** 2 for k in range(4)) - 1.0 for i in states.quaternions]
         self.positions = [*(row.residual for row in rows if row.holonomic), *norms]
         self.slopes = [gradient(graph, {x: graph.one}, states.q) for x in self.positions]
-        self.touching = False  # positions were met so slowly as those of surfaces that touch
+        self.tangential = False  # positions were met so slowly as those of surfaces that touch
 
     def start(self, given: Mapping[Node, float]) -> State | None:
         """`given` on the rows, with what was stated where it is, if that can be: from guesses of what nobody
         stated, or beside them, where they lead to a posture that is met as slowly as where surfaces touch."""
         states = self.states
-        loose = [x for x, s in zip(states.q, states.starts_q) if s.stated.level == UNSTATED]
+        free = [x for x, s in zip(states.q, states.starts_q) if s.stated.level == UNSTATED]
         slowly: State | None = None
-        for moving in (loose, list(states.q)):
+        for moving in (free, list(states.q)):
             for spread in _SPREADS[: 1 if len(self.rows) > _MANY else None] if moving else ():
                 beside = {x: given[x] + spread * self.scales[x] * self.chance.draw() for x in moving}
-                self.touching = False
+                self.tangential = False
                 state = self.met({**given, **beside}, moving)
-                if state is not None and not self.touching:
+                if state is not None and not self.tangential:
                     return state
                 slowly = slowly or state
-        self.touching = slowly is not None
+        self.tangential = slowly is not None
         return slowly
 
-    def met(self, given: Mapping[Node, float], loose: Sequence[Node] | None = None) -> State | None:
+    def met(self, given: Mapping[Node, float], free: Sequence[Node] | None = None) -> State | None:
         """`given` moved onto the rows, by the coordinates `loose` or all."""
-        state, moving = dict(given), loose or self.states.q
+        state, moving = dict(given), free or self.states.q
         if len(self.rows) > LARGEST or not self._solve(self.positions, self.slopes, moving, state):
             return None
         slopes = [{self.states.v[j]: node for j, node in row.jacobian.items()} for row in self.rows]
@@ -217,7 +217,7 @@ class _Manifold:
                 for r, far, (_, size) in zip(wanted, reach, values)
             ):
                 slow = len(lengths) > _QUICK and lengths[-1] > _SLOW**_QUICK * lengths[-1 - _QUICK]
-                self.touching = self.touching or slow
+                self.tangential = self.tangential or slow
                 return True
             step = least_norm(matrix, wanted)
             lengths.append(max(map(abs, step)))

@@ -54,7 +54,7 @@ class Placed:
     met: bool
 
 
-class Judge:
+class ZeroTest:
     """Answers for one ground; points are made once for each branch."""
 
     def __init__(self, ground: Ground):

@@ -196,9 +196,9 @@ def _of_product(e: tree.Expression) -> list[str] | None:
     factors = _factors(e)
     words = [_words(x) for x in factors]
     twice = [x for x, word in zip(factors, words) if words.count(word) > 1]
-    touching = [found for found in map(_parts, factors) if found is not None]
-    if touching:
-        return touching[0] if all(found == touching[0] for found in touching) else None
+    parts = [found for found in map(_parts, factors) if found is not None]
+    if parts:
+        return parts[0] if all(found == parts[0] for found in parts) else None
     return _vanishes(twice[0]) if twice and len(set(words)) == len(words) - len(twice) + 1 else None
 
 

@@ -100,7 +100,7 @@ class _Forms:
         return not has_minimum(form) and not has_minimum(combined([(-1.0, form)]))
 
 
-def feeding_loads(states: States, rows: Sequence[Row]) -> Iterator[Fault]:
+def active_loads(states: States, rows: Sequence[Row]) -> Iterator[Fault]:
     """Yield LAG0412 of loads that oppose another velocity than that which they act on, or that which they act
     on in some directions and not in others, or that a negative parameter turns into a drive."""
     loads = _moved(states)[:_MOST]
@@ -278,7 +278,7 @@ def _opposes_another(pair: _Pair, opposed: _Velocity) -> Fault:
 # -- dissipations ------------------------------------------------------------------------------
 
 
-def feeding_dissipations(
+def active_dissipations(
     states: States, rows: Sequence[Row], contributions: Sequence[Contribution]
 ) -> Iterator[Fault]:
     """Yield LAG0412 of quadratic dissipations whose form is negative, or that fall without end, in a motion.

@@ -61,10 +61,12 @@ def drop_idle(states: States, classified: Sequence[Classified]) -> tuple[list[Cl
     from lagc.mechanics.identities.sampling_domains import (
         anywhere,  # what proves is loaded where there is a question
     )
-    from lagc.mechanics.identities.zero_test import Judge
+    from lagc.mechanics.identities.zero_test import ZeroTest
 
-    judge = Judge(anywhere(states))
-    faults = [_motionless(row) for row in idle if _sided([row.residual]) or not judge.vanish([row.residual])]
+    zero_test = ZeroTest(anywhere(states))
+    faults = [
+        _motionless(row) for row in idle if _sided([row.residual]) or not zero_test.vanish([row.residual])
+    ]
     if faults:
         raise Refused(faults)
     return [x for x in classified if x.row.jacobian], [_dropped(row, ()) for row in idle]
@@ -249,7 +251,7 @@ def follows(states: States, row: Row, others: Sequence[Row]) -> bool:
     those of `others`, with numbers that are the same for all postures, speeds and parameters and
     whatever comparisons say, of parameters too, which a run may give other values."""
     from lagc.mechanics.identities.sampling_domains import on_rows  # loaded where there is a question
-    from lagc.mechanics.identities.zero_test import Judge
+    from lagc.mechanics.identities.zero_test import ZeroTest
     from lagc.mechanics.numeric.piecewise_branches import spelt_out
     from lagc.symbolic.finite_field import Undefined
 
@@ -261,7 +263,7 @@ def follows(states: States, row: Row, others: Sequence[Row]) -> bool:
     ground = replace(on_rows(states, [r for r in others if r.holonomic], tries), values={})
     beside: list[dict[int, int]] = [{} for _ in rows]  # all points beside each other: one combination for all
     width, count = len(states.v) + 1, 0
-    for placed, truths in Judge(ground).points(spelt):
+    for placed, truths in ZeroTest(ground).points(spelt):
         for x in placed:
             x.point.place({v: x.point.draw() for v in states.v})
             try:

@@ -23,7 +23,7 @@ class Scales:
     """What is rounding: all of what is `still`, changes of outputs beside their `sizes`, and of sensitivities
     within their `doubts`."""
 
-    still: frozenset[str]
+    constant: frozenset[str]
     sizes: dict[str, float]
     doubts: dict[str, float]
 
@@ -31,7 +31,7 @@ class Scales:
         """Whether what is shown of `name`, in SI, is a constant."""
         share = CONSTANT if unit == "J" else ROUNDING
         least = max(share * self.sizes.get(name, 0.0), 2.0 * self.doubts.get(name, 0.0))
-        return name in self.still or is_constant(values, least)
+        return name in self.constant or is_constant(values, least)
 
 
 def is_constant(values: Sequence[float], least: float = 0.0) -> bool:
@@ -60,7 +60,7 @@ def scales(solution: Solution) -> Scales:
     run = Trajectory(times, states, times[-1], states[-1], steps=solution.cost.steps)
     doubts = _doubts(solution)
     zero = [name for name, doubt in doubts.items() if all(abs(x) <= doubt for x in solution.column(name))]
-    return Scales(frozenset([*_still(solution, run), *zero]), _sizes(solution, run), doubts)
+    return Scales(frozenset([*_constant(solution, run), *zero]), _sizes(solution, run), doubts)
 
 
 def _doubts(solution: Solution) -> dict[str, float]:
@@ -68,7 +68,7 @@ def _doubts(solution: Solution) -> dict[str, float]:
     return {} if varied is None else {n: varied.doubt(n) for n in solution.names if n in varied}
 
 
-def _still(solution: Solution, run: Trajectory) -> Iterator[str]:
+def _constant(solution: Solution, run: Trajectory) -> Iterator[str]:
     """The states that rounding alone moves."""
     from lagc.simulation.error_measure import sizes
     from lagc.simulation.global_error.rounding import find_noise_groups, quick_estimate

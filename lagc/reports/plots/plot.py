@@ -197,12 +197,12 @@ def _draw_group(
     axis: Axes, solution: Solution, drawn: Solution, known: Scales, unit: str, names: list[str]
 ) -> None:
     factor = 180.0 / math.pi if "deg" in unit and not unit.startswith("orientation") else 1.0
-    ends, flat, size = [0.0] if known.still.issuperset(names) else [], True, 0.0
+    ends, flat, size = [0.0] if known.constant.issuperset(names) else [], True, 0.0
     for number, name in enumerate(names):
         run = solution if solution.sensitivities and name in solution.sensitivities else drawn
         values = run.column(name)
         finite = [x for x in values if math.isfinite(x)]
-        if finite and name not in known.still:
+        if finite and name not in known.constant:
             ends += [factor * min(finite), factor * max(finite)]
             size = max(size, factor * known.sizes.get(name, 0.0))
             flat = flat and known.is_flat(name, finite, unit)

@@ -79,7 +79,7 @@ class CompiledSystem(ABC):
 
     def on(self, t: float, x: Vector) -> System:
         """The same system on the branch of (t, x): the modes of all relations stay fixed at other states."""
-        if not self.interface.switches:
+        if not self.interface.relations:
             return cast("System", self)
         return self.compiled.bind(self._values, self._branch(t, x))
 

@@ -59,7 +59,7 @@ class CModel(Compiled):
     def state(self) -> type[Any]:
         interface = self.interface
         kinds = max(interface.kinds, default=0) + 1
-        return _state_type(interface.nx, kinds, len(interface.switches), MOST_ACTS * len(interface.whens))
+        return _state_type(interface.nx, kinds, len(interface.relations), MOST_ACTS * len(interface.whens))
 
     @once
     def head(self) -> type[Any]:
@@ -205,7 +205,7 @@ class CSystem(CompiledSystem):
         jumps: list[float] = []
         corners: list[tuple[float, list[float], list[float]]] = []
         relations, whens, noted = (
-            len(self.interface.switches),
+            len(self.interface.relations),
             len(self.interface.whens),
             self.interface.noted,
         )
@@ -220,12 +220,12 @@ class CSystem(CompiledSystem):
         def record(steps: int, max_steps: int) -> int:
             asked.max_steps = max_steps
             kernel = _rounded(call["record"], next(directions)) if direction else call["record"]
-            seen = state.changes if self.interface.switches else 0
+            seen = state.changes if self.interface.relations else 0
             status: int = kernel(
                 p, ctypes.byref(state), ctypes.byref(asked), grid, c_size_t(n), states,
                 ctypes.byref(done), c_long(steps), work,
             )  # fmt: skip
-            if self.interface.switches and asked.report and state.changes > seen:
+            if self.interface.relations and asked.report and state.changes > seen:
                 events.extend((state.t, k) for k in noted if state.changed[k])
                 if len(corners) < MOST_CORNERS:
                     x = state.x[:]
@@ -250,7 +250,7 @@ class CSystem(CompiledSystem):
         known: dict[str, Any],
     ) -> Trajectory:  # fmt: skip
         """The trajectory with the recorded states `flat`, and its events, jumps and corners `known`."""
-        nx, events = self.nx, bool(self.interface.switches)
+        nx, events = self.nx, bool(self.interface.relations)
         rows = head.redundant if self.nc else ()
         return Trajectory(
             times=list(times),

@@ -141,7 +141,7 @@ class NumpySystem(CompiledSystem):
         if "solve" not in self.interface.functions:
             return None
         work = self._thread.workspace.equations.work
-        on = () if not self.interface.switches else (self.modes(t, x) if modes is None else modes,)
+        on = () if not self.interface.relations else (self.modes(t, x) if modes is None else modes,)
         if not self.nc:
             module = self.model.module
             module["fn_assemble_on" if on else "fn_assemble"](self._p, t, x, *on, work.kkt_entries)
@@ -177,7 +177,7 @@ class NumpySystem(CompiledSystem):
 
     def modes(self, t: float, x: Vector) -> list[float]:
         """The branch of a state: the mode of each relation."""
-        found = [0.0] * len(self.interface.switches)
+        found = [0.0] * len(self.interface.relations)
         if found:
             self.model.module["fn_modes"](self._p, t, x, found)
         return found
@@ -250,7 +250,7 @@ class NumpySystem(CompiledSystem):
         self, name: str, t: float, x: Vector, a: Vector, lam: Vector, modes: Vector | None, *last: list[Any]
     ) -> None:
         module = self.model.module
-        if not self.interface.switches:
+        if not self.interface.relations:
             module[f"fn_{name}"](self._p, t, x, a, lam, *last)
         else:
             on = self.modes(t, x) if modes is None else modes

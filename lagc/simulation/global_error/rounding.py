@@ -66,7 +66,7 @@ def quick_estimate(system: System, trajectory: Trajectory, groups: Sizes) -> Qui
 
 def _least(system: System) -> float:
     """The smallest relative round-off of a rate: that of a step, if the model has relations."""
-    return STEP if system.interface.switches else 0.0
+    return STEP if system.interface.relations else 0.0
 
 
 def quick_bound(system: System, trajectory: Trajectory, groups: Sizes, changes: Sequence[float]) -> float:

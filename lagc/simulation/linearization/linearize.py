@@ -217,7 +217,7 @@ def linearize(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
     """
     with np.errstate(all="ignore"):  # values that are not finite are refused
         try:
-            found = _on_all_sides(system, t, x) if system.interface.switches else _linearized(system, t, x)
+            found = _on_all_sides(system, t, x) if system.interface.relations else _linearized(system, t, x)
             if found.steady and not found.equilibrium and not found.linear and _varies(found):
                 found = replace(found, varying=True)
             found.modes  # noqa: B018  with its eigenvalues
@@ -315,7 +315,7 @@ def _keeps_energy(system: NumpySystem, indices: Sequence[int], a: Array) -> bool
     which is stable (G. Lejeune Dirichlet, J. reine angew. Math. 32, 1846).
     """
     interface, speeds = system.interface, np.array(indices) >= system.nq
-    kept = interface.conservative and not (interface.doubtful or interface.switches or interface.whens)
+    kept = interface.conservative and not (interface.doubtful or interface.relations or interface.whens)
     return bool(kept and 0 < 2 * speeds.sum() == len(a) and not a[np.ix_(speeds, speeds)].any())
 
 

@@ -48,27 +48,27 @@ def branches(point: Point, sizes: Array) -> tuple[list[float] | None, list[Branc
         return [there[k] if k in at else mode for k, mode in enumerate(own)]
 
     everywhere = dict.fromkeys(directions, 1.0)
-    others = [Branch(system.interface.switches[k], beyond({**everywhere, k: -1.0})) for k in directions]
+    others = [Branch(system.interface.relations[k], beyond({**everywhere, k: -1.0})) for k in directions]
     return beyond(everywhere), others
 
 
 def _changing(point: Point) -> list[int]:
     """The relations whose indicators are at their crossing, to round-off."""
     system, interface = point.system, point.system.interface
-    if not interface.switches:
+    if not interface.relations:
         return []
     sides, modes = point.value("indicator"), system.modes(point.t, point.x)
-    rows, n = interface.stack["indicator"], len(interface.switches)
+    rows, n = interface.stack["indicator"], len(interface.relations)
     doubt = np.zeros(n)
     for other in point.beside:
         there = other.system.stack(other.t, other.x, other.a, other.lam, modes)[rows.start : rows.stop]
         doubt = np.maximum(doubt, np.abs(np.array(there) - sides))
     edges = [0.0] * (2 * n)
-    if any(interface.counted_switches):
+    if any(interface.counted_relations):
         system.model.module["fn_edges_on"](modes, edges)
     found = []
-    for k in range(interface.timed_switches, n):
-        places = edges[2 * k : 2 * k + 2] if interface.counted_switches[k] else [0.0]
+    for k in range(interface.timed_relations, n):
+        places = edges[2 * k : 2 * k + 2] if interface.counted_relations[k] else [0.0]
         if k in interface.noted and min(abs(sides[k] - place) for place in places) <= AT * doubt[k]:
             found.append(k)
     return found

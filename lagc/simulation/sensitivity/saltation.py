@@ -66,11 +66,11 @@ class Changes:
         terms = np.abs(by_x) @ np.abs(np.array(point.x)) + np.abs(by_t * point.t)
         terms += np.abs(point.partial("indicator", "parameter")) @ np.abs(np.array(self.system.parameters))
         moved, sizes = self._moved(point, now)
-        for k, counted in enumerate(interface.counted_switches):
+        for k, counted in enumerate(interface.counted_relations):
             touches = not counted and abs(indicators[k]) <= ROUNDED * terms[k]
             lost = np.flatnonzero(np.abs(moved[k]) > ALIKE * sizes[k])
             if touches and lost.size and self._matters(point, k):
-                words = interface.switches[k]
+                words = interface.relations[k]
                 raise Stopped(
                     f"`{words}` at the initial state itself: the derivatives differ on both sides", lost
                 )
@@ -103,7 +103,7 @@ class Changes:
         by_x, by_t = point.partial("indicator", "state"), point.partial("indicator", "time")[:, 0]
         moved, sizes = self._moved(point, now)
         own = self._causes(point, by_x @ rates + by_t, s)
-        names, shifts, spans = [interface.switches[k] for k in own], [], []
+        names, shifts, spans = [interface.relations[k] for k in own], [], []
         for k in own:
             rate, terms = by_x[k] @ rates + by_t[k], np.abs(by_x[k]) @ np.abs(rates) + abs(by_t[k])
             if not abs(rate) > SLOWEST * terms:
@@ -125,7 +125,7 @@ class Changes:
         """The relations that changed by themselves; others jump with them, or with new values."""
         work, indicators = s.problem.work, point.value("indicator")
         late = LOCATED * abs(s.h_old) * np.abs(rates)
-        counted = self.system.interface.counted_switches
+        counted = self.system.interface.counted_relations
         return [
             k
             for k, crossed in enumerate(work.crossed)

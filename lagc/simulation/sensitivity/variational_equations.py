@@ -185,7 +185,7 @@ class Variation:
         self.roundoff = np.zeros_like(self.sizes)  # what rounding of states changes its rates by
         found.values[0] = now = self.start
         self.last: Slopes | None = None  # at the begin of the next step
-        modes = list(s.modes) if self.system.interface.switches else []
+        modes = list(s.modes) if self.system.interface.relations else []
         whens = bool(self.system.interface.whens)
         changes = Changes(self.system, self.by_p, self.columns)
         try:
@@ -295,7 +295,7 @@ class Variation:
 
     def _roundoff(self, s: Any, first: Slopes, now: Array) -> Array:
         """The round-off of the rates of S, from a perturbation of the states by rounding units."""
-        x, modes = np.array(s.x_old), list(s.modes_old) if self.system.interface.switches else None
+        x, modes = np.array(s.x_old), list(s.modes_old) if self.system.interface.relations else None
         perturb = np.where(np.arange(len(x)) % 2 == 0, 1.0 + PERTURBED, 1.0 - PERTURBED)
         beside = self._slopes(self._point(s.t_old, x * perturb, np.array(s.k[0]), modes))
         return self._largest(beside.rates(now) - first.rates(now))
@@ -304,7 +304,7 @@ class Variation:
         """Compute S at the end of the last step, on the constraints, its rates at the stages and there, and
         the coefficients at both ends."""
         rates, table, t, h, x = np.array(s.k), self.table, s.t_old, s.h_old, np.array(s.x_old)
-        modes = list(s.modes_old) if self.system.interface.switches else None
+        modes = list(s.modes_old) if self.system.interface.relations else None
         found = np.empty((table.stages + 1 + len(table.extra_c), *now.shape))
         first = self.last or self._slopes(self._point(t, x, rates[0], modes))
         found[0] = first.rates(now)
@@ -409,7 +409,7 @@ class Variation:
     def _coefficients(self, s: Any, old: Array, new: Array, table: Array) -> list[Array]:
         """The coefficients of dense output of S, with the additional stages of that of the motion."""
         rates, own, h = np.array(s.k), self.table, s.h_old
-        modes = list(s.modes_old) if self.system.interface.switches else None
+        modes = list(s.modes_old) if self.system.interface.relations else None
         for j, (c, row) in enumerate(zip(own.extra_c, own.extra_a)):
             k = own.stages + 1 + j
             at = np.array(s.x_old) + h * combined(row, rates)
