@@ -88,20 +88,6 @@ UNFINISHED: dict[str, tuple[str, ...]] = {
         "still",
         "what is left of",
     ),
-    "lagc/lowering": (
-        "What, Who",
-        "of which",
-    ),
-    "lagc/mechanics": (
-        "What, Who",
-        "of which",
-        "what is left of",
-    ),
-    "lagc/reports": (
-        "What, Who",
-        "of which",
-        "what is left of",
-    ),
     "lagc/simulation": ("What, Who", "home"),
     "tests": ("last places",),
 }

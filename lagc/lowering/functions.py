@@ -124,8 +124,8 @@ def _beside_others(places: Places, rows: Sequence[Row], sizes: Sequence[Node]) -
 
 
 def gamma_sizes(places: Places) -> Function:
-    """What the terms of each row's gamma add up to: where the row's gradient vanishes nothing else
-    tells whether gamma is more than rounding."""
+    """Return the sum of the absolute terms of each row's gamma: where the row's gradient vanishes nothing
+    else tells whether gamma is more than round-off."""
     graph, speeds = places.graph, places.equations.v
     gammas = [row.gamma for row in places.equations.rows]
     slopes = gradient_magnitudes(graph, gammas, dict(zip(speeds, speeds)))
@@ -135,8 +135,8 @@ def gamma_sizes(places: Places) -> Function:
 
 
 def gradient_sizes(places: Places) -> Function:
-    """What the terms of each row's gradient add up to, over its entries: beside that, a gradient that
-    all but vanishes is rounding."""
+    """Return the sum of the absolute terms of each row's gradient, over its entries: a gradient that is far
+    less is round-off."""
     graph, equations = places.graph, places.equations
     ones = dict.fromkeys(equations.v, graph.one)
     sizes = gradient_magnitudes(graph, [row.rate for row in equations.rows], ones)
@@ -154,7 +154,7 @@ def gradients(places: Places) -> Function:
 
 
 def reaches(places: Places) -> Function:
-    """What each row changes by when every coordinate (speed, for a velocity row) changes by the size
+    """Return how much each row changes when every coordinate (speed, for a velocity row) changes by the size
     of its kind, c[k], or that of what it is added to; then the same of the rates of holonomic rows, and of
     their gradients; then the sizes of the kinds, with those of what their coordinates are added to."""
     graph, equations = places.graph, places.equations
@@ -174,7 +174,7 @@ def reaches(places: Places) -> Function:
         return [graph.sum(found) * size for size, found in by_size.items()]
 
     def changes(rows: Sequence[Row], nodes: Sequence[Node], leaves: Sequence[Node]) -> list[list[Node]]:
-        """What each of `nodes`, of `rows`, changes by as `leaves` do, as sums."""
+        """Return how much each of `nodes`, of `rows`, changes as `leaves` do, as sums."""
         bounds = gradient_bounds(graph, nodes, {x: weights[x] for x in leaves})
         if bounds is not None:
             return [[bound] for bound in bounds]
@@ -311,10 +311,10 @@ def limits(places: Places) -> Function | None:
 
 
 def conditions(places: Places, slopes: Slopes) -> Function | None:
-    """What a consistent start satisfies, c = 0: phi, psi, the `initial` section, and the rates that were
-    stated (less their values, which are unknowns too); with the derivatives by q and v that are not
-    identically zero, `slopes` row by row, then those of sums, and the sum of the absolute values of each
-    row's terms."""
+    """Return the equations of a consistent initial state, c = 0: phi, psi, the `initial` section, and the
+    rates that were stated (less their values, which are unknowns too); with the derivatives by q and v that
+    are not identically zero, `slopes` row by row, then those of sums, and the sum of the absolute values of
+    each row's terms."""
     equations, graph = places.equations, places.graph
     rows = condition_rows(equations)
     if not rows:

@@ -197,7 +197,7 @@ def _source_name(equations: EquationsOfMotion) -> str:
 
 
 def _clauses(equations: EquationsOfMotion) -> tuple[Clause, ...]:
-    """What a run must know of them."""
+    """Return the clauses `when` as a run needs them."""
     place = {state: k for k, state in enumerate((*equations.q, *equations.v))}
     return tuple([
         Clause(when.clause.words, when.clause.marks, when.clause.reason,
@@ -269,7 +269,7 @@ def _dimension(text: str) -> Dimension:
     return unit(text or "1").dimension
 
 
-FLAT = 1.0 + 1e-9  # rounding of a flat body's moments, of which one is the sum of the others
+FLAT = 1.0 + 1e-9  # round-off of a flat body's moments: one is the sum of the others
 
 
 def bounded(model: Model) -> Model:
@@ -308,5 +308,5 @@ def _inertias(model: Model) -> Iterator[Limit]:
 
 
 def _part(x: Node) -> Node:
-    """What `x` is a positive multiple of."""
+    """Return the node that `x` is a positive multiple of."""
     return x.args[0] if x.op == "scale" and x.value > 0.0 else x

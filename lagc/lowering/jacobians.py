@@ -54,7 +54,7 @@ class Derivatives(NamedTuple):
 
 
 def motion_by_entries(equations: EquationsOfMotion) -> dict[str, list[Node]]:
-    """What the accelerations follow from, by the entries of M and G."""
+    """Return the terms that determine the accelerations, by the entries of M and G."""
     graph = equations.graph
     inertia: list[list[Node]] = [[] for _ in equations.v]
     for (i, j), m in sorted(equations.mass_matrix.items()):
@@ -93,7 +93,7 @@ def stack(
     relations: Sequence[EventRelation] = (),
     motion: Callable[[EquationsOfMotion], dict[str, list[Node]]] = motion_by_entries,
 ) -> dict[str, list[Node]]:
-    """What is differentiated, block by block."""
+    """Return the nodes that are differentiated, block by block."""
     return {
         "qdot": list(equations.qdot),
         **motion(equations),
@@ -106,7 +106,8 @@ def stack(
 
 
 def groups(places: Places) -> dict[str, list[Node]]:
-    """What the stack is differentiated by, in the order of the arrays of generated functions."""
+    """Return the variables that the stack is differentiated by, in the order of the arrays of generated
+    functions."""
     equations = places.equations
     given = [symbol for symbol, (array, _) in places.arrays.items() if array == "p"]
     return {

@@ -139,7 +139,7 @@ def _functions(
 
 
 def _factored(along: Places, solver: Solver, guarded: bool) -> list[Function]:
-    """What solves for any right-hand side."""
+    """Return the functions that solve for any right-hand side."""
     return [kkt.assemble(along, solver, guarded), kkt.factorize(solver, guarded), kkt.solve(solver)]
 
 

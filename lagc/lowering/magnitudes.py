@@ -1,7 +1,7 @@
 """How large a sum is, and a gradient: before anything cancels, and without its entries where they are many.
 
-What is made of many leaves through sums that others share has gradients whose entries are as many as all
-pairs of a row and a leaf.  How long such a gradient is follows along the graph, from node to node.
+An expression of many leaves through shared sums has a gradient with as many entries as there are pairs
+of a row and a leaf.  How long such a gradient is follows along the graph, from node to node.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ _ROOT = 3  # products that a root costs, with what stands about it
 
 
 def terms(graph: Graph, node: Node) -> list[Node]:
-    """What `node` is the sum of."""
+    """Return the terms of `node`."""
     found: list[Node] = []
     stack: list[tuple[float, Node]] = [(1.0, node)]
     while stack:

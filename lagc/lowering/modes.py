@@ -28,8 +28,8 @@ from lagc.symbolic.walk import depends, missing, symbols, union
 
 _RELATIONS = smooth_as(CORNER, STEP)
 _COUNTING = ("floor", "piece")
-_POWERS = ("pow", "sqrt")  # of which there are none below zero
-_TIME, _MOVES, _MODES = 1, 2, 4  # time; what states move; modes of switches without a slope
+_POWERS = ("pow", "sqrt")  # undefined below zero
+_TIME, _MOVES, _MODES = 1, 2, 4  # time; what states move; modes of relations without a slope
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,8 +50,8 @@ class EventRelation:
 
 
 def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[EventRelation, ...]]:
-    """The equations as they are along a step, and their switches, those with a slope first; each depends on
-    the modes of switches before it, among those with a slope and all."""
+    """The equations as they are along a step, and their relations, those with a slope first; each depends on
+    the modes of relations before it, among those with a slope and all."""
     changing = [equations.time, *equations.q, *equations.v]
     conditions = [when.condition for when in equations.whens]
     moved = depends([*deciding(equations), *conditions], changing)
@@ -216,14 +216,15 @@ class _Freezing:
         self._kinds[relation.mode] = _MODES if relation.slope is None else 0
 
     def _slope(self, side: Node) -> Node | None:
-        """Of what is affine in time, and moved by nothing else but modes of which that is true too."""
+        """Return the slope of an indicator that is affine in time and moved by nothing else but such
+        modes."""
         if self._kind(side) != _TIME:
             return None
         (slope,) = tangent(self.graph, [side], {self._time: self.graph.one})
         return None if self._kind(slope) & _TIME or slope.is_zero else slope
 
     def _words(self, node: Node) -> str:
-        """What changes, for people."""
+        """Return the words for a change."""
         args = node.args
         first = brief(args[0], self._texts)
         if len(args) == 1:

@@ -34,7 +34,7 @@ class Operation:
     """Value number k of a function is the result of its operation number k.
 
     `const`: payload is the float.  `load`: payload is (array, index), e.g. ("x", 3), ("t", 0), ("p", 1).
-    What is looked up has the `Table`.
+    An operation that is looked up has the `Table`.
     """
 
     op: str
@@ -181,7 +181,7 @@ def _ranges(sizes: Mapping[str, int]) -> dict[str, range]:
 
 @dataclass(frozen=True)
 class Interface:
-    """What a run, a file header and a cache need to know of a compiled model; plain data.
+    """Facts of a compiled model for a run, a file header and a cache; plain data.
 
     State x = (q, v, z): nq coordinates, nv speeds, nz work integrals (0 or 1: z' = power).
     Multipliers: nc rows, the first nh holonomic.  Parameter array p: `parameters`, then `inputs`, then what
@@ -257,7 +257,7 @@ class Interface:
 
     @property
     def state_names(self) -> tuple[str, ...]:
-        """What (q, v) holds."""
+        """Return the names of (q, v)."""
         return (*self.q_names, *self.v_names)
 
     @property

@@ -140,7 +140,7 @@ def _warnings(
 def _loads(
     states: States, acting: Sequence[Acting], inertial: Mapping[Node, Node], bias: Mapping[int, Node]
 ) -> dict[Node, Node]:
-    """What is given less what inertia asks for, on velocities that speeds change."""
+    """Return given loads less inertial loads, on velocities that speeds change."""
     asked = [*inertial.items(), *((states.v[j], node) for j, node in bias.items())]
     given = [pair for x in acting for pair in x.loads.items()]
     found = seeds(states.graph, [*given, *((node, -weight) for node, weight in asked)])

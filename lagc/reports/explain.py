@@ -1,4 +1,4 @@
-"""What was inferred from a model: as plain data, and as text."""
+"""Facts that were inferred from a model: as plain data, and as text."""
 
 from __future__ import annotations
 

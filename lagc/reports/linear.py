@@ -17,7 +17,7 @@ SMALL = 1e-3  # of its largest: parts of a mode that are not shown
 
 
 def heading(linear: Linear) -> str:
-    """What it is about, and what its eigenvalues say."""
+    """Return the lines about the point and its stability."""
     at, interface = f"t = {linear.t:g} s", linear.system.interface
     if linear.equilibrium:
         time_dependent = interface.timed or interface.driven

@@ -115,7 +115,7 @@ def ranged(lines: Iterable[str]) -> list[str]:
 
 
 def _texts(rows: Sequence[tuple[int, ...]]) -> list[str] | None:
-    """What stands for each subscript of `rows`; None where they do not fill ranges."""
+    """Return the text of each subscript of `rows`; None where they do not fill ranges."""
     columns = [*zip(*rows)]
     extents = {column: range(min(column), max(column) + 1) for column in columns}  # once, if always equal
     if prod(map(len, extents.values())) != len(rows) or len({*rows}) != len(rows):

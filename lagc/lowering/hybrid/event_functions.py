@@ -17,9 +17,9 @@ from lagc.symbolic.walk import symbols
 
 
 def relation_functions(natural: Places, along: Places, relations: Sequence[EventRelation]) -> list[Function]:
-    """`modes` by the state alone; `indicators`, `own_modes` and `indicator_rates` on the branches that modes tell;
-    `edges` of those that count, `slopes` of those that time alone moves; `enclosure` of the others.  None
-    where there are no switches."""
+    """`modes` by the state alone; `indicators`, `own_modes` and `indicator_rates` on the branches that modes
+    tell; `edges` of those that count, `slopes` of those that time alone moves; `enclosure` of the others.
+    None where there are no relations."""
     if not relations:
         return []
     found = [_modes(natural, relations), _indicators(along, relations), _own(along, relations)]

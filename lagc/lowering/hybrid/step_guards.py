@@ -1,4 +1,4 @@
-"""What of the equations may be narrow: terms that are nothing for most of a motion, and much for a moment.
+"""Narrow terms of the equations: terms that are nothing for most of a motion, and much for a moment.
 
 exp, tanh and atan of what moves, powers whose exponent does, and quotients by what is never zero, as
 of a bell or a smooth step.  Each is put into a measure in which 1 is much.

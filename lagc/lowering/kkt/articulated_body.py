@@ -251,7 +251,8 @@ def _affine(
 
 
 def _groups(equations: EquationsOfMotion) -> dict[Node, object]:
-    """What is a component of a vector, and of which: the rates of an orientation, the turn of a frame."""
+    """Return the nodes that are components of a vector, each with its vector: the rates of an orientation,
+    the turn of a frame."""
     found: dict[Node, object] = {}
     for number, c in enumerate(equations.model.coordinates):
         for rate in rate_symbols(c):

@@ -9,9 +9,9 @@ the matrix is symmetric.  There are two steps:
 * *substitution*: a lifted velocity w_k = sum of c_u u, once no other definition uses it.  Together with
   the multiplier of its definition it has the pivot [[A_kk, -1], [-1, 0]], which is no division.
 
-What moves few bodies goes first, from the leaves of a tree to its root; then what is cheapest.
+Unknowns that move few bodies go first, from the leaves of a tree to its root; then the cheapest.
 
-Where loops are many, as in a ladder, each substitution ties all loops further out to each other.  A lifted
+Where loops are many, as in a ladder, each substitution ties all loops further out to each other.  A shared
 velocity that is one of a body may be *kept* then: its mass is its pivot, its definition a row, whose
 multiplier is the force in the joint, and what is left is the graph of the bodies.
 
@@ -36,8 +36,8 @@ def entry(i: int, j: int) -> Entry:
 
 @dataclass(frozen=True)
 class Structure:
-    """What is not zero.  Unknowns: speeds, multipliers, lifted velocities, multipliers of the definitions
-    of those that are kept, in their order."""
+    """The entries that are not zero.  Unknowns: speeds, multipliers, shared velocities, multipliers of the
+    definitions of those that are kept, in their order."""
 
     speeds: int
     multipliers: int
@@ -90,7 +90,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Elimination:
-    """What of the factorisation is known at compile time."""
+    """The part of the factorization that is known at compile time."""
 
     structure: Structure
     steps: tuple[Step, ...]

@@ -202,7 +202,7 @@ def _padded(block: Block, plan: Elimination, right: Sequence[int]) -> list[int]:
 
 
 def _forward(block: Block, step: Step, lower: Mapping[Entry, int], matrix: Matrix, x: list[int]) -> None:
-    """What a step of the elimination does to a right-hand side."""
+    """Apply a step of the elimination to a right-hand side."""
     k = step.unknown
     for u in step.definition:
         x[u] = block.add(x[u], block.mul(matrix.coefficients[(k, u)], x[k]))

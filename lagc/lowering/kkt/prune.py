@@ -1,5 +1,4 @@
-"""What the equations do not need: coordinates that nothing uses; and which parts of the motion
-do not touch one another."""
+"""Coordinates that nothing uses or that move no mass, and parts of the motion that do not interact."""
 
 from __future__ import annotations
 

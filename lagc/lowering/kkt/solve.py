@@ -172,7 +172,7 @@ def solve(solver: Solver) -> Function:
 
 
 def rest(solver: Solver) -> Function:
-    """What a solution leaves of its right-hand side, whatever its factors."""
+    """Return the residual of a solution, whatever its factors."""
     block, plan = Block(), solver.plan
     right = [block.load("r", k) for k in range(plan.size)]
     x = _signed(plan, [block.load("s", k) for k in range(plan.size)])
@@ -215,7 +215,7 @@ def _signed(plan: Elimination, x: Sequence[int]) -> list[int]:
 
 
 def row_comments(rows: Sequence[Row]) -> list[str]:
-    """What each row is, and the source line it stands in."""
+    """Return a comment for each row: its label and its source line."""
     return [f"{row.label}, {place(row.span)}" for row in rows]
 
 

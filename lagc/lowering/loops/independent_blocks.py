@@ -37,7 +37,8 @@ def in_pieces(function: Function) -> Function:
 
 
 def _apart(function: Function) -> tuple[_Piece, list[_Piece]]:
-    """What needs no unknown, and the sets of what shares any by an operation, in order of their leaves."""
+    """Return the operations without an unknown, and the sets that share unknowns, in order of their
+    leaves."""
     operations = function.operations
     parent = list(range(len(operations)))
     moving = [k >= 0 for k in _unknowns(function)]

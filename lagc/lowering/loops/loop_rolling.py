@@ -1,6 +1,6 @@
 """Long functions as loops: where the same operations come again and again on other operands.
 
-What is made of n like parts takes n times the same operations, as values are made part by part in every
+A model of n like parts takes n times the same operations, as values are made part by part in every
 stage before.  In the order in which they were made, operations are then a text with periods: so many of its
 letters come again at once, with the same edges among themselves.  Each such run is a `Run` of the function,
 which printers write as a loop; what it takes from outside may come from anywhere, and needs a table where it
@@ -72,7 +72,7 @@ def lettered(function: Function) -> tuple[Function, list[Letter]]:
 
 
 def rerolled_between(function: Function, starts: Sequence[int]) -> list[Run]:
-    """The runs of a function whose leaves come first, of which none goes across a place in `starts`."""
+    """Return the runs of a function whose leaves come first.  No run crosses a place in `starts`."""
     function, letters = lettered(function)
     for k in starts:
         letters[k] = (*letters[k], str(k))
@@ -96,9 +96,9 @@ def _cost(often: bool, text: int, indexing: int = 0) -> float:
 
 
 def local(function: Function) -> Function:
-    """What a store needs, store by store, and after each operation what it makes possible: all that is done
-    to one value and all of one part come together.  What few operations make of leaves is made where it
-    is asked for, and counts as there."""
+    """Return the function with its operations store by store, each followed by those that it makes possible:
+    all that is done to one value and all of one part come together.  A value that few operations make of
+    leaves is made where it is asked for, and counts as there."""
     operations = function.operations
     cone = [0] * len(operations)  # operations that lead to each, as far as they are few
     users: list[list[int]] = [[] for _ in operations]
@@ -142,7 +142,7 @@ def _kinds(function: Function) -> list[str]:
 
 
 def _table(o: Operation) -> tuple[str, ...]:
-    """What stands for the table of one that is looked up."""
+    """Return the letter of the table of an operation that is looked up."""
     return () if o.payload is None else (repr(o.payload),)
 
 

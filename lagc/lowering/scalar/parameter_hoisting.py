@@ -1,4 +1,4 @@
-"""What depends on parameters alone is computed once, by `bind`, and not at every call.
+"""Values that depend on parameters alone are computed once, by `bind`, and not at every call.
 
 Of each function the values that are made of parameters and numbers only, and cost an operation, go into one
 function that all others share.  A quotient by one of them is a product with its inverse.
@@ -57,7 +57,7 @@ class Preparation:
 
     def finished(self, functions: Mapping[str, Function]) -> tuple[dict[str, Function], tuple[int, ...]]:
         """`functions` with the places of what is prepared, behind p, and `bind` if there is any; and the
-        parameters that it reads, copies of which are the last that it stores."""
+        parameters that it reads, whose copies are the last that it stores."""
         places: dict[int, int] = {}
         found = {name: self._placed(function, places) for name, function in functions.items()}
         if not places:
@@ -148,7 +148,7 @@ class _Separation:
         return self.moving[k]
 
     def _entry(self, a: int) -> int:
-        """What the shared block has at `a`, loaded where it costs an operation on parameters."""
+        """Return the value of the shared block at `a`, loaded where it costs an operation on parameters."""
         if a < 0:
             return ~self._entry(~a)
         if a not in self.entries:

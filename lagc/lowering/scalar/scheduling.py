@@ -121,7 +121,7 @@ def _inner(function: Function) -> list[bool]:
 
 
 def by_height(rows: Sequence[Row], roots: Sequence[int]) -> list[int]:
-    """What is needed for `roots`: of the operations that could come next always the one that the
+    """Return the operations that `roots` need: of those that could come next always the one that the
     longest chain to an end begins with.  Loads and constants stand before their first use."""
     needed = _needed(rows, roots)
     height = [0] * len(rows)  # cycles from the start of an operation to the end of the function

@@ -65,8 +65,8 @@ class Block:
         return number
 
     def _known(self, op: str, operands: tuple[int, ...]) -> float | None:
-        """What two numbers make, where that is a number: else some compilers would compute it and some
-        programs, which differs where arithmetic is rounded up."""
+        """Return the result of two numbers, where that is a number: else some compilers would compute it and
+        some programs, which differs where arithmetic is rounded up."""
         if op not in _OF_NUMBERS:
             return None
         a, b = self._rows[operands[0]], self._rows[operands[1]]
@@ -223,8 +223,8 @@ class Block:
         description: str,
         schedule: Schedule | None = None,
     ) -> Function:
-        """What is needed for the stores, each operation close before its first use, or in the order
-        that `schedule` gives: (operations and operands, roots) -> value numbers.  What is long is in the
+        """Return the operations that the stores need, each close before its first use, or in the order that
+        `schedule` gives: (operations and operands, roots) -> value numbers.  A long function keeps the
         order in which it was made, leaves first."""
         roots = [s.value for s in self.stores]
         order = _as_made(self._rows, roots) if len(self._rows) + len(roots) > STRAIGHT else []

@@ -37,7 +37,7 @@ _FEW = 20  # rows with which states far away are tried
 
 @dataclass(frozen=True, slots=True)
 class RowKind:
-    """What a constraint's row is.  `integrable` is None where the question does not arise, or was not
+    """The kind of a constraint's row.  `integrable` is None where the question does not arise, or was not
     examined; `proved` says how it is known."""
 
     label: str
@@ -62,7 +62,7 @@ class Conserved:
 
 @dataclass(frozen=True, slots=True)
 class Seems:
-    """What is told by states that were tried, and not proved; names and labels."""
+    """Claims from states that were tried, not proved; names and labels."""
 
     cyclic: tuple[str, ...]
     redundant: tuple[str, ...]

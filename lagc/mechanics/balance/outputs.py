@@ -1,4 +1,4 @@
-"""What outputs ask of the whole system: energies, powers, momenta, accelerations, reactions."""
+"""Quantities of the whole system for outputs: energies, powers, momenta, accelerations, reactions."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ class Relation(Enum):
 
 
 class Level(Enum):
-    """What a row restricts."""
+    """Whether a row restricts positions or velocities."""
 
     POSITION = "position"
     VELOCITY = "velocity"
@@ -82,7 +82,7 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Contribution:
-    """What one body or action brings: its generalized force, a node a speed.
+    """The contribution of a body or an action: its generalized force, a node a speed.
 
     For a body: {} (its share is in M and h).  kind: potential force torque dissipation
     lagrangian.  `conservative` contributions are in `potential`; others do `power`.
@@ -106,7 +106,7 @@ class OutputEquation:
 
 @dataclass(frozen=True, slots=True)
 class WhenEquations:
-    """What a clause `when` does: `changes` are states and their new values, all in t, q, v."""
+    """A clause `when` in terms of the states: `changes` are states and their new values, all in t, q, v."""
 
     clause: When
     condition: Node

@@ -22,7 +22,7 @@ from lagc.symbolic.walk import depends
 
 @dataclass(frozen=True, slots=True)
 class FreeTerms:
-    """What the free terms bring: to M (i >= j), to h, to the momenta and to the energies."""
+    """Contributions of the free terms: to M (i >= j), to h, to the momenta and to the energies."""
 
     mass_matrix: dict[tuple[int, int], Node]
     bias: dict[int, Node]

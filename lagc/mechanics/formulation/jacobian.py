@@ -120,5 +120,5 @@ def _numbers(rows: Iterable[Mapping[int, Node]], shared: Slopes) -> list[int]:
 
 
 def _by_sums(rows: Iterable[Mapping[int, Node]]) -> list[Slopes]:
-    """What entries are put together from."""
+    """Return the sums that entries are put together from."""
     return list({id(row.slopes): row.slopes for row in rows if isinstance(row, Entries)}.values())

@@ -1,4 +1,4 @@
-"""What carries inertia, and the mass matrix that it makes.
+"""Velocities that carry inertia, and the mass matrix.
 
 With the partial velocities d(v_C)/d(v_j) and d(w)/d(v_j)
 
@@ -26,7 +26,7 @@ class Moving:
 
     body: Body
     velocity: Vector  # in v
-    at_rest: Vector  # what is left of it when every rate is zero: the drive's share
+    at_rest: Vector  # the same when every rate is zero: the drive's share
     explicit: Vector  # its derivative by t alone, coordinates and rates held
     mass: Node | Matrix
 

@@ -37,7 +37,7 @@ State = dict[Node, float]
 
 
 def onto(states: States, rows: Sequence[Row]) -> Callable[[Mapping[Node, float]], State | None]:
-    """What moves a state onto `rows`; None where that fails."""
+    """Return a function that moves a state onto `rows`; it returns None where that fails."""
     return _Manifold(states, rows).met
 
 

@@ -36,7 +36,7 @@ Number = TypeVar("Number", int, float)
 
 _STATES = 3
 _FAR_AWAY = (3.0, 30.0)  # sizes of the coordinates
-_MOST_ROWS = 40  # of which unknowns are chosen
+_MOST_ROWS = 40  # for which unknowns are chosen
 _DRAWS = 40
 _ALL_DIGITS = 15  # that a double keeps of a number that is written
 LARGEST = 160  # accelerations and multipliers that are solved for

@@ -56,7 +56,7 @@ class Break:
 
     @property
     def conditions(self) -> tuple[Node, Node]:
-        """Two conditions, one of which becomes true whenever the relation changes."""
+        """Two conditions.  Whenever the relation changes one of them becomes true."""
         node, graph = self.relation, self.relation.graph
         if node.op in _COUNTING:
             half = graph.const(0.5)

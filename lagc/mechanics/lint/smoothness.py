@@ -66,7 +66,7 @@ def find_cuts(states: States, relations: Collection[Node]) -> Cuts:
     remedy = f"{_ROUND}, or let a force act in its place"
     in_rates = depends([x for c in model.constraints for x in c.residuals], rates)
     for c in model.constraints:
-        for nonholonomic in (False, True):  # of which a kink is a jump of the forces
+        for nonholonomic in (False, True):  # a kink is a jump of the forces
             rows = [x for x in c.residuals if (x in in_rates) == nonholonomic]
             leaves = [*place, *rates] if nonholonomic else place
             look(rows, leaves, not nonholonomic, "LAG0421", f"the constraint `{c.name}`", remedy, c.span)

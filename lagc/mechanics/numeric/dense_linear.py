@@ -69,7 +69,7 @@ class _Row:
 
 class Span:
     """The span of rows, which are taken to size one, by an orthonormal basis; `rank` is decided at the
-    widest gap among what is left of rows beside those before them, the largest first (`left`)."""
+    widest gap among the remainders of rows beside those before them, the largest first (`left`)."""
 
     def __init__(self, rows: Sequence[Sequence[float]]):
         self._units = [_unit(row) for row in rows]

@@ -1,11 +1,11 @@
 """The branches of piecewise expressions: every comparison held true, and held false.
 
-What is claimed of an expression is claimed on each of its branches, whether or not the states that
+A claim about an expression is made on each of its branches, whether or not the states that
 are tried lie on it: a force that acts beyond three turns only is there.  Comparisons of parameters
 alone are decided by their values.
 
 Where conditions are many, their branches are blended: each condition is a random number c of the finite
-field, and `if` is c x + (1 - c) y.  What is zero then is zero for all c, so on every branch.
+field, and `if` is c x + (1 - c) y.  An expression that is zero then is zero for all c, so on every branch.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from lagc.symbolic.walk import reachable, substitute, symbols
 Signs = dict[Node, int]  # difference of two sides -> 1 or -1, or 0: both are blended
 _SIDES = {op: row.sides for op, row in OPERATORS.items() if row.sides is not None}
 _SEED = 91
-_MOST = 8  # differences of which all combinations of signs are tried
-_MOST_PAIRED = 12  # of which pairs are
+_MOST = 8  # differences whose combinations of signs are all tried
+_MOST_PAIRED = 12  # differences whose pairs are
 
 
 def spelt_out(graph: Graph, nodes: Sequence[Node]) -> list[Node]:

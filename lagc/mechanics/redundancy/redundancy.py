@@ -1,7 +1,7 @@
 """Rows that follow from others whatever the state, and rows that contradict others.
 
 The Jacobian of the rows is reduced, row by row, on a few states chosen at random (`samples`): what
-may depend on earlier rows does on each of them.  A velocity row of which that is proved, by exact
+may depend on earlier rows does on each of them.  A velocity row for which that is proved, by exact
 values in a finite field where positions are on the constraints, is left out, so that the multipliers
 stay unique.  Any other stays, and so does a holonomic row: the run shares the force out.  Rows that
 depend on others but can never hold with them are refused.
@@ -53,7 +53,7 @@ def drop_idle(states: States, classified: Sequence[Classified]) -> tuple[list[Cl
     always, as may a component of a vector, by what places of bodies say already.  The proof holds whatever
     the parameters are: that of a root or a choice may not, as sqrt(l^2) = l and max(l, 0) = l where l > 0.
 
-    Raises Refused: LAG0409 a row without any coordinate or speed of which that is not proved.
+    Raises Refused: LAG0409 a row without any coordinate or speed for which that is not proved.
     """
     idle = [x.row for x in classified if not x.row.jacobian]
     if not idle:
@@ -90,7 +90,7 @@ def _shared(output: Output, row: Dropped) -> Fault:
     rows = ", ".join([f"`{label}`" for label in (row.label, *row.others)])
     return Fault(
         "LAG0428",
-        f"`{output.name}` is one of many: {rows} share a reaction, of which `{row.label}` is given nothing",
+        f"`{output.name}` is one of many: {rows} share a reaction, and `{row.label}` is given no part of it",
         output.span,
         remedy="what they do together is determined: leave one of these rows out",
         severity="warning",
@@ -98,7 +98,7 @@ def _shared(output: Output, row: Dropped) -> Fault:
 
 
 def _sided(nodes: Iterable[Node]) -> bool:
-    """Whether a root or a choice is below them, of which only the values at hand say which side it takes."""
+    """Return whether a root or a choice is below them, whose side only the values at hand decide."""
     return any(node.op in _SIDED for node in reachable(nodes))
 
 

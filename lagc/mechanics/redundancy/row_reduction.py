@@ -47,7 +47,7 @@ class Reduced:
         return {j: abs(x) > VANISHES * self.sizes[line] for j, x in self.entries[line].items()}
 
     def reduce(self, line: int) -> tuple[dict[int, float], dict[int, float]]:
-        """What is left of a line, and how much of which bases was taken from it."""
+        """Return the remainder of a line, and the factor of each base that was taken from it."""
         left, factors = dict(self.entries[line]), dict[int, float]()
         waiting = [self._of_pivot[j] for j in left if j in self._of_pivot]
         heapify(waiting)
@@ -68,8 +68,8 @@ class Reduced:
         return max(map(abs, left.values()), default=0.0) <= VANISHES * self.sizes[line]
 
     def add(self, line: int, left: dict[int, float], factors: dict[int, float]) -> None:
-        """What is left of a line, where it is more than nothing, for those to come; its pivot is in the
-        column that these are done with first."""
+        """Add the remainder of a line, unless it is zero, as a base for the lines to come; its pivot is in
+        the column that these are done with first."""
         largest = max(map(abs, left.values()), default=0.0)
         if largest:
             pivots = [j for j, x in left.items() if abs(x) >= _WORTH * largest]

@@ -176,7 +176,7 @@ class Algebra:
         return total
 
     def _looked_up(self, name: str, x: Polynomial) -> Polynomial:
-        """What is looked up at x in the table of that name."""
+        """Return the value at x of the table of that name."""
         return self.single(self._atom(Atom(TABLE + name, None, (frozen(x),), False)))
 
     def symbol(self, node: Node) -> int:

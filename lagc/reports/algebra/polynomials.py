@@ -65,7 +65,7 @@ def scaled(p: Polynomial, c: Fraction) -> Polynomial:
 
 
 def accumulate(total: Polynomial, monomial: Monomial, c: Fraction) -> None:
-    """total += c*monomial; what is left of decimal numbers that cancel is rounding."""
+    """total += c*monomial; the rest of decimal numbers that cancel is round-off."""
     before = total.get(monomial)
     value = c if before is None else before + c
     if value and (before is None or value.denominator <= READABLE or abs(value) > SUMS * abs(c)):

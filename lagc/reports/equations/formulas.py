@@ -130,7 +130,7 @@ class Formulas:
 
     @cached_property
     def definitions(self) -> list[Formula]:
-        """What the parts stand for."""
+        """Return the definitions of the parts."""
         collect, symbol = self.collector.collect, self.collector.algebra.symbol_only
         return [
             Formula("shared", node.record.name, collect(symbol(node)), collect(p)) for node, p in self.parts
@@ -157,7 +157,7 @@ def nonnegative(equations: EquationsOfMotion) -> list[Node]:
 
 
 def collector_of(equations: EquationsOfMotion, algebra: Algebra) -> Collector:
-    """What collects terms in the order of the symbols of `equations`."""
+    """Return a collector of terms in the order of the symbols of `equations`."""
     model = equations.model
     algebra.pi = pi_of(equations)
     parameters = [p.symbol for p in model.parameters] + [i.symbol for i in model.inputs]
@@ -199,7 +199,7 @@ def with_long_sums(equations: EquationsOfMotion, collector: Collector, formulas:
 
 
 def _kinematic(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
-    """q' = N v + n of coordinates of which that says more than q' = v."""
+    """q' = N v + n of coordinates for which that says more than q' = v."""
     algebra, formulas, own = collector.algebra, [], set(equations.v)
     which = [i for i, e in enumerate(equations.qdot) if not (e in own and _is_rate(e))]
     for i, p in zip(which, algebra.polynomials([equations.qdot[i] for i in which])):
@@ -210,7 +210,7 @@ def _kinematic(equations: EquationsOfMotion, collector: Collector) -> list[Formu
 
 
 def rate_of(equations: EquationsOfMotion, q: Node) -> Node:
-    """What stands for the rate of a coordinate, where that is no speed."""
+    """Return the symbol of the rate of a coordinate, where that is no speed."""
     return equations.graph.symbol("shown rate", q.record.name)
 
 
@@ -259,7 +259,7 @@ def _rows(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
 
 
 def _events(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
-    """What states become at the moment that the conditions of clauses `when` become true."""
+    """Return the new values of states at the moment that the conditions of clauses `when` become true."""
     algebra, formulas = collector.algebra, []
     for clause, when in enumerate(equations.whens):
         for state, value in when.changes:

@@ -37,7 +37,7 @@ def equations_latex(equations: EquationsOfMotion) -> str:
 
 
 def write_latex(found: Page) -> str:
-    """What stands between \\begin{document} and \\end{document}; it needs the package amsmath."""
+    """Return the text between \\begin{document} and \\end{document}; it needs the package amsmath."""
     writer = LatexWriter(found.names, found.ruled)
     text = f"\\begin{{align*}}\n{_rows(found, writer)}\n\\end{{align*}}"
     legend = [

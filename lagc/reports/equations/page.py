@@ -164,7 +164,7 @@ def _letter(equations: EquationsOfMotion) -> str:
 
 
 def _lines(found: Formulas, shown: Names) -> list[Line]:
-    """What parts stand for, and all formulas, as they are written."""
+    """Return the definitions of parts, and all formulas, as they are written."""
     former = Former(found.collector, shown)
     lines = [former.line(x.kind, x.label, x.left, x.right, x.condition, x.clause) for x in found.found]
     parts = [former.line(x.kind, x.label, x.left, x.right) for x in found.definitions]

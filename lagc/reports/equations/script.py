@@ -56,7 +56,7 @@ def write_script(equations: EquationsOfMotion, found: Page) -> str:
 
 
 def _body(found: Page, writer: ScriptWriter) -> list[str]:
-    """What comes behind the declarations."""
+    """Return the lines behind the declarations."""
     lines, shown = list[str](), ["equation"]
     shared = [line for line in found.lines if line.kind == "shared"]
     if found.ruled and shared:
@@ -166,7 +166,7 @@ def _declared(equations: EquationsOfMotion, names: Names) -> list[Declared]:
 
 
 def _source(name: Name) -> str:
-    """What a name is short for."""
+    """Return the full name of a short one."""
     return name.full if name.full != name.base else ""
 
 

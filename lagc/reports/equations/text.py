@@ -191,7 +191,7 @@ class TextWriter:
         return self.raised(text, exponent)
 
     def table(self, op: str) -> str:
-        """What a table is called, with a prime for each slope."""
+        """Return the name of a table, with a prime for each slope."""
         own = op.rstrip("'")
         name = self.named(own)
         assert name is not None, op

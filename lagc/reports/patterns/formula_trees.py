@@ -1,6 +1,6 @@
 """Formulas as they are written: trees whose numbers may follow a counter.
 
-What the algebra holds as polynomials of atoms stands here symbol by symbol, with the indices of the symbols
+The polynomials of atoms of the algebra stand here symbol by symbol, with the indices of the symbols
 apart: formulas that differ in numbers alone have the same `pattern`, and a rule puts linear expressions of a
 counter in the place of the numbers.
 """
@@ -75,7 +75,7 @@ class Total:
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """`left` = `right`, for all values of the counters, of which each is (name, first, last), the bounds in
+    """`left` = `right`, for all values of the counters, each as (name, first, last), the bounds in
     those before it; of what kind, and of what.  At an event, when the `condition` of a `clause` becomes true,
     `left` takes the value `right`."""
 
@@ -148,7 +148,7 @@ def filled(name: str, numbers: list[str]) -> str:
 
 
 def pattern(form: Any, numbers: Numbers) -> Hashable:
-    """What is left of a form without its numbers, which are added to `numbers`; slopes stay."""
+    """Return a form without its numbers, which are added to `numbers`; slopes stay."""
     if isinstance(form, Symbol):
         return (form.kind, *[_plain(x, numbers) for x in form.indices])
     if isinstance(form, Call):

@@ -1,7 +1,7 @@
 """Rules: formulas, and terms of sums, that follow one another by their numbers become one, with a counter.
 
 A rule is found where all numbers change evenly from one to the next, decimals but for rounding, and says what
-was there: written out, it is the same.  What does not fit stays apart.
+was there: written out, it is the same.  A formula that does not fit stays apart.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ def rule(values: Sequence[Values], counter: str) -> Rule | None:
 
 
 def _number(a: Any, b: Any, first: int, count: int, counter: str) -> Number | None:
-    """What goes from a to b as the counter goes from `first` on."""
+    """Return the rule that goes from a to b as the counter goes from `first` on."""
     if abs(b - a) <= _ROUNDING * abs(a):
         constant: Number = a
         return constant
@@ -271,7 +271,7 @@ def _others(body: Line, counter: str, alone: dict[int, Line], known: dict[int, i
 
 
 def _counts(body: Line, line: Line) -> int | None:
-    """What the counter of a rule is where that is about the same as a line; None where it never is."""
+    """Return the counter of a rule where that is about the same as a line; None where it never is."""
     if _of(body) != _of(line):
         return None
     for number, index in zip(body.indices, line.indices):
@@ -294,7 +294,7 @@ def _spans(numbers: Sequence[int]) -> list[tuple[int, int]]:
 
 
 def _of(line: Line) -> Hashable:
-    """What it is about, but for indices."""
+    """Return the kind and label of a line, but for indices."""
     return (line.kind, INDEX.sub("", line.label))
 
 

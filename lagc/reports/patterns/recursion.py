@@ -64,7 +64,7 @@ class Use:
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """A line that may be one of an array: the part that it is about, None of an equation; what is left of it
+    """A line that may be one of an array: the part that it is about, None of an equation; its form
     without numbers and parts, its numbers, and the symbols that it is made of."""
 
     node: Node | None
@@ -80,7 +80,7 @@ class Array:
 
 
 def arrays(parts: Sequence[Node], lines: Sequence[Line], others: Sequence[Line], letter: str) -> Names:
-    """Names for `parts`, of which `lines` say what they are, as members of arrays: those that are alike, each
+    """Names for `parts`, which `lines` define, as members of arrays: those that are alike, each
     with the index of what it is made of.  `others` use them too."""
     members = [*map(_member, parts, lines), *[_member(None, line) for line in others]]
     at = _Arrays(members).at

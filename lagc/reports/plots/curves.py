@@ -1,4 +1,4 @@
-"""What a picture draws of a run: curves with their corners, and which of their changes are rounding."""
+"""Curves of a run with their corners, and which of their changes are round-off."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ ROUNDING = 1e-12  # of what an output is made of: a change below it is no more t
 
 @dataclass(frozen=True, slots=True)
 class Scales:
-    """What is rounding: all of what is `still`, changes of outputs beside their `sizes`, and of sensitivities
-    within their `doubts`."""
+    """Changes that are round-off: all of those in `constant`, changes of outputs beside their `sizes`, and
+    of sensitivities within their `doubts`."""
 
     constant: frozenset[str]
     sizes: dict[str, float]
@@ -82,7 +82,8 @@ def _constant(solution: Solution, run: Trajectory) -> Iterator[str]:
 
 
 def _sizes(solution: Solution, run: Trajectory) -> dict[str, float]:
-    """What each output would change by if the states did by their sizes, angles by a radian at most."""
+    """Return how much each output would change if the states did by their sizes, angles by a radian at
+    most."""
     from lagc.simulation.error_measure import sizes
     from lagc.simulation.global_error.rounding import generic
 

@@ -296,7 +296,8 @@ AT_REST_RATE = 1e-9  # of the largest: what a mode leaves where it is
 def plot_modes(linear: Linear, title: str, path: str | None = None) -> Figure:
     """A panel a mode, of a pair one: for each coordinate a bar as high as it moves (SI) beside the largest,
     in phase with it upwards, against it downwards; what is a quarter ahead is hollow.  Modes of the
-    eigenvalue 0 are left out.  Into the file `path` where one is given; raises as `lagc.reports.plots.plot.plot`."""
+    eigenvalue 0 are left out.  Into the file `path` where one is given; raises as
+    `lagc.reports.plots.plot.plot`."""
     interface = linear.system.interface
     names, nq = interface.q_names, interface.nq
     shown = [k for k, value in enumerate(linear.eigenvalues) if value and value.imag >= 0.0][:MOST]
