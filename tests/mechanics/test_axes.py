@@ -3,8 +3,6 @@ formula and Lagrange's equations at many digits, and how the work grows along ch
 
 from __future__ import annotations
 
-import cProfile
-import pstats
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -17,8 +15,6 @@ from lagc.compiler.pipeline import Choice, parse, resolve
 from lagc.diagnostics.faults import Source
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.mechanics.formulation.states import build_states
-from lagc.mechanics.lint.smoothness import refuse_breaks
 from lagc.symbolic.walk import reachable
 from tests.mechanics.numbers import motion, random_state, vector
 
@@ -213,24 +209,6 @@ def test_lengths_of_what_stands_in_a_frame_are_numbers() -> None:
     (distance,) = (o.expression for o in e.outputs if o.name == "d")
     assert [x.record.name for x in reachable([distance]) if x.op == "symbol"] == ["l"]
     assert vector([distance], random_state(e, 1)) == pytest.approx(13.0**0.5)
-
-
-@pytest.mark.full
-def test_the_search_for_bends_asks_each_root_once() -> None:
-    """Roots that no interval bounds away from zero, each of all coordinates before it."""
-
-    def lines(n: int) -> int:
-        axis = "F[i-1].x + 0.5*F[max(i-2, 0)].y"
-        states = build_states(resolve(parse(Source("m.lag", CHAIN.format(n=n, axis=axis))), Choice()))
-        roots = {x for x in states.graph.nodes if x.op == "sqrt"}
-        assert roots
-        profile = cProfile.Profile()
-        assert profile.runcall(refuse_breaks, states, roots) == ()
-        calls = vars(pstats.Stats(profile))["stats"]
-        return sum(found[0] for (_, _, name), found in calls.items() if name == "along")
-
-    few, many = lines(4), lines(8)
-    assert few and many <= 6.0 * few  # of n bodies with n roots of n coordinates: as n^2 and no more
 
 
 def test_chains_about_any_axis_are_without_fault() -> None:

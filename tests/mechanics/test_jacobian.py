@@ -14,7 +14,6 @@ from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation import jacobian as module
 from lagc.mechanics.formulation.jacobian import Entries, formed_of
 from lagc.mechanics.formulation.states import build_states
-from lagc.mechanics.lint import sections
 from lagc.mechanics.redundancy.redundancy import dependent_rows
 from lagc.mechanics.redundancy.row_reduction import tables
 from lagc.semantics.model import Model
@@ -59,10 +58,9 @@ end M;"""
 
 @pytest.fixture
 def by_sums(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Wherever there are some; and all rows are looked at in sections."""
+    """Wherever there are some."""
     monkeypatch.setattr(jacobians, "_WORTH", 0)
     monkeypatch.setattr(module, "_FEW", 0)
-    monkeypatch.setattr(sections, "_MANY", 0)
 
 
 @pytest.mark.sample(1)
