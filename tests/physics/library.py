@@ -2,31 +2,35 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
 from functools import cache
 
 import lagc
-from lagc.host.model_library import library_models
+from lagc.host.model_library import library_models, read
+
+SCENE = re.compile(r"^\s*scene (\w+)(?: uses ([\w.]+(?:,\s*[\w.]+)*))?", re.MULTILINE)
 
 
-@cache
-def scenes() -> tuple[tuple[str, str], ...]:
-    """(model, scene), sorted."""
-    found = []
+def declared() -> Iterator[tuple[str, str, int]]:
+    """Model, scene and number of effects that it names. Nothing is compiled: this is called at collection."""
     for name in library_models():
-        model = lagc.load(name).compile(backend="numpy").model
-        found += [(name, scene) for scene in model.scenes or ("default",)]
-    return tuple(found)
+        for scene, uses in SCENE.findall(read(name).text) or [("default", "")]:
+            yield name, scene, len(uses.split(",")) if uses else 0
 
 
-@cache
-def fullest() -> tuple[tuple[str, str], ...]:
+def scenes() -> list[tuple[str, str]]:
+    """(model, scene), sorted."""
+    return [(name, scene) for name, scene, _ in declared()]
+
+
+def fullest() -> list[tuple[str, str]]:
     """(model, scene) with the scene of each model that uses the most effects."""
     found: dict[str, tuple[int, str]] = {}
-    for name, scene in scenes():
-        count = sum(effect.used for effect in compiled(name, scene, "numpy").model.effects)
+    for name, scene, count in declared():
         if name not in found or count > found[name][0]:
             found[name] = (count, scene)
-    return tuple((name, scene) for name, (_, scene) in found.items())
+    return [(name, scene) for name, (_, scene) in found.items()]
 
 
 @cache

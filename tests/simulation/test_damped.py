@@ -6,7 +6,8 @@ from __future__ import annotations
 import math
 import random
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
+from functools import cache
 from typing import Any, NamedTuple
 
 import mpmath
@@ -162,16 +163,16 @@ def alike(e: EquationsOfMotion) -> bool:
     return len({row.level for row in e.rows}) == 1
 
 
-def random_cases() -> Iterator[tuple[str, EquationsOfMotion, State]]:
-    for seed in range(60):
-        e = derive(model(random_system(seed)))
-        state = consistent_state(e, seed) if e.rows and alike(e) else None
-        if (
-            state is not None
-            and len(e.rows) < len(e.v)
-            and np.linalg.eigvalsh(mass_matrix(e, state))[0] > 0.0
-        ):
-            yield f"random {seed}", e, state
+RANDOM = (3, 9, 11, 19, 21, 24, 33, 34, 35, 39, 49, 50, 53, 58)  # seeds of systems that have what is tried
+
+
+@cache
+def random_case(seed: int) -> tuple[EquationsOfMotion, State]:
+    e = derive(model(random_system(seed)))
+    assert e.rows and alike(e) and len(e.rows) < len(e.v)
+    state = consistent_state(e, seed)
+    assert state is not None and np.linalg.eigvalsh(mass_matrix(e, state))[0] > 0.0
+    return e, state
 
 
 RING = "constraint ring: D = {0, 0, 0};"
@@ -193,20 +194,28 @@ def upright(e: EquationsOfMotion, away: float) -> State:
     return state
 
 
-def special_cases() -> Iterator[tuple[str, EquationsOfMotion, Any]]:
-    for name, more in (("again", "again: D"), ("scaled", "again: 100*D"), ("less", "again: 0.01*D")):
-        e = equations(FOUR_BAR.replace(RING, f"{RING}\n  constraint {more} = {{0, 0, 0}};"))
-        yield name, e, consistent_state(e, 5)
-    for n, away in ((1, 1e-2), (3, 1e-2), (6, 1e-2), (6, 1e-3), (3, 0.5)):
+AGAIN = {"again": "again: D", "scaled": "again: 100*D", "less": "again: 0.01*D"}
+OPEN = {
+    f"windows {n} {away}": (n, away) for n, away in ((1, 1e-2), (3, 1e-2), (6, 1e-2), (6, 1e-3), (3, 0.5))
+}
+LARGE = {
+    f"{name} {n}": (text, n)
+    for name, text in (("closed twice", TWICE), ("uneven masses", UNEVEN), ("ladder", LADDER))
+    for n in (6, 10)
+}
+
+
+def special_case(name: str) -> tuple[EquationsOfMotion, Any]:
+    if name in OPEN:
+        n, away = OPEN[name]
         e = equations(WINDOWS, N=n)
-        yield f"windows {n} {away}", e, upright(e, away)
-    for name, text in (("closed twice", TWICE), ("uneven masses", UNEVEN), ("ladder", LADDER)):
-        for n in (6, 10):
-            e = equations(text, n=n)
-            yield f"{name} {n}", e, consistent_state(e, 5)
-
-
-SPECIAL = {name: (e, state) for name, e, state in special_cases()}
+        return e, upright(e, away)
+    if name in AGAIN:
+        e = equations(FOUR_BAR.replace(RING, f"{RING}\n  constraint {AGAIN[name]} = {{0, 0, 0}};"))
+    else:
+        text, n = LARGE[name]
+        e = equations(text, n=n)
+    return e, consistent_state(e, 5)
 
 
 def assert_solved(found: Solved, e: EquationsOfMotion, state: State) -> None:
@@ -217,41 +226,38 @@ def assert_solved(found: Solved, e: EquationsOfMotion, state: State) -> None:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("name", SPECIAL)
+@pytest.mark.parametrize("name", [*AGAIN, *OPEN, *LARGE])
 def test_mechanisms(name: str) -> None:
-    e, state = SPECIAL[name]
+    e, state = special_case(name)
     found = solved(e, state)
     assert found.status == (OK if "windows" in name else REDUNDANT)
     assert_solved(found, e, state)
 
 
-RANDOM = {name: (e, state) for name, e, state in random_cases()}
-
-
 @pytest.mark.full
-@pytest.mark.parametrize("name", RANDOM)
-def test_random_systems_with_rows_that_follow_from_others(name: str) -> None:
-    e, state = RANDOM[name]
-    more = with_copies(e, len(name))
+@pytest.mark.parametrize("seed", RANDOM)
+def test_random_systems_with_rows_that_follow_from_others(seed: int) -> None:
+    e, state = random_case(seed)
+    more = with_copies(e, 7)
     found = solved(more, state)
     assert found.status == REDUNDANT
     assert_solved(found, more, state)
 
 
-@pytest.mark.parametrize("name", list(RANDOM)[::4])
-def test_random_systems_with_rows_that_contradict_others(name: str) -> None:
-    e, state = RANDOM[name]
+@pytest.mark.parametrize("seed", RANDOM[::4])
+def test_random_systems_with_rows_that_contradict_others(seed: int) -> None:
+    e, state = random_case(seed)
     size = float(np.abs(solved(e, state).a).max()) + 1.0
-    assert solved(with_copies(e, len(name), wrong=100.0 * size), state).status == INCONSISTENT
+    assert solved(with_copies(e, 7, wrong=100.0 * size), state).status == INCONSISTENT
 
 
 @pytest.mark.sample(1)
-@pytest.mark.parametrize("name", list(RANDOM)[1::3])
-def test_rows_in_units_that_are_far_apart(name: str) -> None:
+@pytest.mark.parametrize("seed", RANDOM[1::3])
+def test_rows_in_units_that_are_far_apart(seed: int) -> None:
     """Each row times a number from 1e-6 to 1e6."""
-    e, state = RANDOM[name]
-    r = random.Random(name)
-    more = with_copies(e, len(name))
+    e, state = random_case(seed)
+    r = random.Random(seed)
+    more = with_copies(e, 7)
     more = replace(more, rows=tuple([times(10.0 ** r.uniform(-6.0, 6.0), row) for row in more.rows]))
     found = solved(more, state)
     assert found.status == REDUNDANT
@@ -348,7 +354,7 @@ def test_a_contradiction_is_refused_and_named(monkeypatch: pytest.MonkeyPatch, r
 
 @BACKENDS
 def test_backends_agree(backend: str) -> None:
-    e, state = SPECIAL["closed twice 6"]
+    e, state = special_case("closed twice 6")
     found = [rates(*bound(e, state, of), state[e.time]) for of in ("numpy", backend)]
     assert found[0] == found[1]
 
