@@ -52,9 +52,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def pytest_configure() -> None:
-    """What a shell made the tests ignore, a program that they start would ignore too.  Libraries that tests
-    load themselves are not optimized, which takes a quarter of the time and changes no bit, as `tests/codegen`
-    tests."""
+    """Restore signals that the shell ignores: programs that tests start would ignore them too. Compile
+    libraries without optimization, in a quarter of the time; `tests/codegen` tests that no bit changes."""
     compile_.FLAGS = tuple(flag for flag in compile_.FLAGS if flag != "-O2")
     for each in {"SIGINT", "SIGHUP"} & set(dir(signal)):
         number = getattr(signal, each)

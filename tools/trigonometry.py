@@ -1,5 +1,5 @@
-"""Prints the constants of `lagc/kernels/arithmetic/trigonometry.py`: the parts of pi/2, the digits of 2/pi, and the
-coefficients of both polynomials.
+"""Print the constants of `lagc/kernels/arithmetic/trigonometry.py`: the parts of pi/2, the digits of 2/pi,
+and the coefficients of both polynomials.
 
     python tools/trigonometry.py
 

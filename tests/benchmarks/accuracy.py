@@ -1,8 +1,8 @@
 """The first promise: the asked, the estimated and the true global error, and what they cost.
 
 The true error is that of the coordinates and speeds at the times of published values or closed
-forms (tests/references), by the scale of their kind as `lagc.simulation.global_error.verified_run` measures it; it cannot be
-told below the accuracy of the reference itself.  Runs are made without remembered tolerances.
+forms (tests/references), scaled as `lagc.simulation.global_error.verified_run` does; it cannot be told below
+the accuracy of the reference itself.  Runs are made without remembered tolerances.
 """
 
 from __future__ import annotations

@@ -339,7 +339,7 @@ def test_python_refuses_what_is_not_valid(name: str) -> None:
     run = m.Integrator(m.equations(), m.Options(), 0.0, x)
     run.problem.p[PARAMETERS.index("m")] *= 0.5
     for call in (run.step, run.advance):
-        with pytest.raises(ValueError, match="call .Equations.bind."):
+        with pytest.raises(ValueError, match=r"call .Equations.bind."):
             call(0.1)
     run.problem.bind()
     assert run.step(0.1) == m.OK

@@ -1,6 +1,6 @@
 """What the documents show: models are models, commands and programs run as they are printed.
 
-The programs of how-to/embed-the-c.md are compared with their results in `tests/simulation/test_controller.py`.
+`tests/simulation/test_controller.py` compares the programs of how-to/embed-the-c.md with their results.
 """
 
 from __future__ import annotations

@@ -197,8 +197,6 @@ def upright(e: EquationsOfMotion, away: float) -> State:
 AGAIN = {"again": "again: D", "scaled": "again: 100*D", "less": "again: 0.01*D"}
 WINDOW_CASES = ((1, 1e-2), (3, 1e-2), (6, 1e-2), (6, 1e-3), (3, 0.5))
 OPEN = {f"windows {n} {away}": (n, away) for n, away in WINDOW_CASES}
-    f"windows {n} {away}": (n, away) for n, away in ((1, 1e-2), (3, 1e-2), (6, 1e-2), (6, 1e-3), (3, 0.5))
-}
 LARGE = {
     f"{name} {n}": (text, n)
     for name, text in (("closed twice", TWICE), ("uneven masses", UNEVEN), ("ladder", LADDER))
