@@ -42,14 +42,10 @@ FILES = (
     "initialization/least_norm",
     "initialization/startparts",
     "initialization/residuals",
-    "initialization/startpairs",
     "initialization/scaling",
-    "initialization/linear_model",
-    "initialization/startalone",
     "initialization/gauss_newton",
     "initialization/multistart",
     "initialization/relaxation",
-    "initialization/startsearch",
     "initialization/consistent",
 )
 WORDS = (

@@ -210,7 +210,7 @@ def eliminated(rows: Sequence[Row], stated: Sequence[float], levels: Sequence[in
     return found if Fraction(10) ** -250 < min(within) and max(within) < Fraction(10) ** 250 else None
 
 
-@pytest.mark.parametrize("span", [3, 8, 13, 30, 100, 200])
+@pytest.mark.parametrize("span", [3, 8, 13])
 def test_tangled_rows_of_any_coefficients_are_met(span: int) -> None:
     """Each row is met by its own terms, and nothing stated moves: what others have to be tells a size only
     where all rows are seen together."""

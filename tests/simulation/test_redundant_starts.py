@@ -166,7 +166,7 @@ def test_bennetts_linkage_moves_what_is_off(seed: int) -> None:
     for off in (["t2", "t4"], ["t4"], ["t1"]):
         given = {name: v + (dice.uniform(0.05, 0.2) if name in off else 0.0) for name, v in true.items()}
         start = consistent_start(system, 0.0, given)
-        assert stated_moves(start) == off
+        assert [name for name in stated_moves(start) if name in true] == off
         for name, value in zip(system.interface.q_names, start.x):
             assert value == pytest.approx(true[name], abs=1e-9)
 

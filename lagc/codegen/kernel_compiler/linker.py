@@ -12,7 +12,7 @@ from lagc.base.records import dataclass
 from lagc.kernels import MOST_ACTS
 from lagc.lowering.program import Interface
 
-CONSTANT_SIZES = {"TWO": 2, "THREE": 3, "FOUR": 4, "SEVEN": 7, "NK": 16, "ND": 8, "NSETS": 3}
+CONSTANT_SIZES = {"TWO": 2, "THREE": 3, "FOUR": 4, "SEVEN": 7, "NK": 16, "ND": 8}
 # Sizes without a name in generated C: expressions of other sizes, for numbers or for their text in C.
 DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NM": lambda n: n["NV"] * (n["NV"] + 1) // 2, "NG": lambda n: n["NC"] * n["NV"],
@@ -20,7 +20,7 @@ DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NROW": lambda n: n["NU"] + 1,
     "NMANY": lambda n: (n["NV"] + n["NC"]) // 200 + 1,
     "NPARTED": lambda n: n["NCOND"] + n["NSUM"], "NWHOLE": lambda n: n["NU"] + n["NSUM"],
-    "NALL": lambda n: n["NP"] + n["NPREPARED"], "NSETU": lambda n: n["NSETS"] * n["NU"],
+    "NALL": lambda n: n["NP"] + n["NPREPARED"],
     "NTREE": lambda n: n["NE"] * 2 + 2,
 }  # fmt: skip
 Part = Mapping[str, Any]  # see `library`
@@ -158,7 +158,6 @@ def sizes_of_start(nq: int, nv: int, rates: int, ends: Sequence[int], columns: S
     return _derived({
         "NQ": nq, "NV": nv, "NX": nq + nv, "NRATE": rates, "NU": nq + nv + rates,
         "NCOND": len(rows), "NQUAT": len(quaternions), "NE": len(rows) + len(quaternions),
-        "NPOSITION": sum(max(row, default=0) < nq for row in rows),
         "NJ": max(len(columns) + 4 * len(quaternions), 1), "NSUM": 0, "NPARTS": 0,
         "NSTRETCH": len(begins), "NPIECE": max(pieces, default=-1) + 1, **CONSTANT_SIZES,
     })  # fmt: skip

@@ -8,9 +8,9 @@ from lagc.kernels.arguments import bad_parameter
 from lagc.kernels.arithmetic.quaternions import normalise
 from lagc.kernels.initialization.gauss_newton import attempt, loosen, rough, strayed
 from lagc.kernels.initialization.multistart import NEAR, SPREADS, find
-from lagc.kernels.initialization.residuals import arrange, confine, farthest, row_begin
+from lagc.kernels.initialization.relaxation import relax
+from lagc.kernels.initialization.residuals import arrange, confine, farthest, row_begin, set_scales
 from lagc.kernels.initialization.scaling import weigh
-from lagc.kernels.initialization.startsearch import choose, hold_little
 from lagc.kernels.initialization.workspace import DECLARED, FIXED, UNSTATED, StartWork
 from lagc.kernels.language.model import fn_measures
 from lagc.kernels.language.records import BAD_LEVEL, BAD_TIME
@@ -55,19 +55,10 @@ def ladder(p: Params, t: Real, w: StartWork) -> bool:
         level += 1
     if level == FIXED:
         return False
-    w.other = w.first
     while level > UNSTATED:
         if has_level(level, w):
-            choose(p, t, level, w)
+            relax(p, t, level, w)
         level -= 1
-    n = 0
-    owned = w.owned
-    for k in range(owned):
-        i = w.own[k]
-        if w.levels[i] > UNSTATED and w.part[i] == 0:
-            w.values[n] = i
-            n += 1
-    hold_little(p, t, n, w)
     return True
 
 
@@ -225,12 +216,10 @@ def prepare(p: Params, t: Real, x: Vec[NX], levels: IVec[NU], w: StartWork) -> S
             ):
                 w.culprit = NCOND + k
                 return INCONSISTENT
-    w.even = False
     w.whole = False
-    w.first = 0
-    w.other = 0
     w.work = 0
     weigh(p, t, largest, w)
+    set_scales(False, w)
     return OK
 
 

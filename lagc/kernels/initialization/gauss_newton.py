@@ -13,7 +13,6 @@ from lagc.kernels.initialization.residuals import (
     norm,
     ratio,
     row_begin,
-    weight_of,
 )
 from lagc.kernels.initialization.scaling import blur
 from lagc.kernels.initialization.workspace import UNSTATED, StartWork
@@ -78,7 +77,7 @@ def fill(first: int, end: int, w: StartWork) -> None:
         for e in range(begin, behind):
             i = w.column[e]
             if w.places[i] >= 0 and not is_blurred(e, w):
-                row[w.places[i]] = w.J[e] * weight_of(w, i)
+                row[w.places[i]] = w.J[e] * w.scale[i]
         w.right[k - first] = -w.c[w.rows[k]]
 
 
@@ -87,7 +86,7 @@ def move_along(y: Vec[NU], base: Vec[NU], factor: Real, w: StartWork) -> None:
     count = w.count
     for k in range(count):
         i = w.columns[k]
-        y[i] = base[i] + factor * w.step[k] * weight_of(w, i)
+        y[i] = base[i] + factor * w.step[k] * w.scale[i]
 
 
 def put_trial(y: Vec[NU], w: StartWork) -> None:
@@ -113,7 +112,7 @@ def longest_part(w: StartWork) -> Real:
     count = w.count
     for k in range(count):
         i = w.columns[k]
-        turn = fabs(w.step[k]) * weight_of(w, i)
+        turn = fabs(w.step[k]) * w.scale[i]
         if angle[i] == 1 and turn * factor > 1.0:
             factor = 1.0 / turn
     return factor
@@ -268,7 +267,7 @@ def distance(y: Vec[NU], w: StartWork) -> Real:
     owned = w.owned
     for k in range(owned):
         i = w.own[k]
-        way = (y[i] - w.home[i]) / weight_of(w, i)
+        way = (y[i] - w.home[i]) / w.scale[i]
         total += way * way
     return sqrt(total)
 
@@ -285,7 +284,7 @@ def strayed(y: Vec[NU], w: StartWork) -> Real:
     return sqrt(total)
 
 
-def step_home(p: Params, t: Real, y: Vec[NU], end: int, w: StartWork) -> bool:
+def step_home(p: Params, t: Real, y: Vec[NU], end: int, turn: int, w: StartWork) -> bool:
     """w.step: from the guess to the nearest point that meets w.rows[..end-1], linear at y; False where a
     number is not finite."""
     meet(p, t, y, w.c, w.J, w.sizes, w)
@@ -297,10 +296,10 @@ def step_home(p: Params, t: Real, y: Vec[NU], end: int, w: StartWork) -> bool:
         stop = w.stops[r]
         for k in range(begin, stop):
             i = w.columns[k]
-            value += w.matrix[r][k] * ((y[i] - w.home[i]) / weight_of(w, i))
+            value += w.matrix[r][k] * ((y[i] - w.home[i]) / w.scale[i])
         w.right[r] = value
     w.work += 1
-    return shortest_step(w, end, 0)
+    return shortest_step(w, end, turn)
 
 
 def approach(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
@@ -320,7 +319,7 @@ def approach(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
         loosen(0, NQ if alone else NU, w)
         if w.count == 0 or end == 0:
             return
-        if not step_home(p, t, y, end, w):
+        if not step_home(p, t, y, end, 0, w):
             return
         w.turned[:] = w.home
         move_along(w.turned, w.home, 1.0, w)

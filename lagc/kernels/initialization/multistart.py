@@ -6,12 +6,10 @@ from math import fabs, inf
 
 from lagc.kernels.arithmetic.quaternions import normalise
 from lagc.kernels.initialization.gauss_newton import approach, attempt, strayed, unwind
-from lagc.kernels.initialization.linear_model import table
-from lagc.kernels.initialization.residuals import farthest, judge, meet, ratio, row_begin
+from lagc.kernels.initialization.residuals import farthest, judge, meet, ratio, row_begin, set_scales
 from lagc.kernels.initialization.scaling import blur
-from lagc.kernels.initialization.startalone import settle
-from lagc.kernels.initialization.workspace import FIXED, UNSTATED, StartWork
-from lagc.kernels.language.sizes import NPOSITION, NQUAT, NU
+from lagc.kernels.initialization.workspace import UNSTATED, StartWork
+from lagc.kernels.language.sizes import NQUAT, NU
 from lagc.kernels.language.tables import ends
 from lagc.kernels.language.tolerances import ACCEPTED, FARTHEST
 from lagc.kernels.language.words import Length, Params, Real, Vec
@@ -46,27 +44,10 @@ def side_of(k: int, n: int) -> Real:
     return -1.0 if odd % 2 == 1 else 1.0
 
 
-def met_alone(p: Params, t: Real, w: StartWork) -> bool:
-    """Whether what is alone in a condition has moved to meet it."""
-    if NPOSITION > 0:
-        if not w.is_settled:
-            settle(p, t, w)
-        w.is_settled = True
-        owned = w.owned
-        for k in range(owned):
-            if w.settled[w.own[k]] != w.home[w.own[k]]:
-                return True
-    return False
-
-
-def spread(p: Params, t: Real, y: Vec[NU], k: int, stated: bool, w: StartWork) -> None:
+def spread(y: Vec[NU], k: int, w: StartWork) -> None:
     """Beginning k: the guess, with what is free moved by up to a share of its width, for a guess may be
-    singular.  In the second, and in every other where nothing stated moves, what is alone in a condition
-    meets it instead."""
+    singular."""
     y[:] = w.home
-    if NPOSITION > 0:
-        if (k == 1 or (k % 2 == 1 and not stated)) and met_alone(p, t, w):
-            y[:] = w.settled
     if k == 0:
         return
     # the congruential generator of rand() in the C standard, of 31 bits
@@ -75,7 +56,7 @@ def spread(p: Params, t: Real, y: Vec[NU], k: int, stated: bool, w: StartWork) -
     for n in range(owned):
         i = w.own[n]
         state = (1103515245 * state + 12345) & 2147483647
-        if w.loose[i] == 1 and y[i] == w.home[i]:
+        if w.loose[i] == 1:
             way = float(state) / 1073741824.0 - 1.0
             if n < SIDES:
                 way = side_of(k, n) * fabs(way)
@@ -102,35 +83,14 @@ def hopeless(p: Params, t: Real, w: StartWork) -> bool:
     return False
 
 
-def lacking(p: Params, t: Real, y: Vec[NU], w: StartWork) -> bool:
-    """Whether, beside y, the conditions ask for more than what is free can give, but not more than what is
-    stated could."""
-    n = 0
-    owned = w.owned
-    for k in range(owned):
-        i = w.own[k]
-        if w.loose[i] == 0 and w.levels[i] < FIXED:
-            w.stated[n] = i
-            n += 1
-    return table(p, t, y, y, n, w) > 0
-
-
-def stuck(p: Params, t: Real, w: StartWork) -> bool:
-    """Whether attempts from beside the guess end where no other is likely to do better."""
-    if met_alone(p, t, w):
-        return False
-    alike = w.most <= ALIKE * w.least and w.least < MEANINGLESS
-    return alike or lacking(p, t, w.best, w)
-
-
-def begin_at(p: Params, t: Real, k: int, stated: bool, even: bool, w: StartWork) -> bool:
+def begin_at(p: Params, t: Real, k: int, even: bool, w: StartWork) -> bool:
     """An attempt from beginning k, where stated values hardly move beside others, each by its own size, or
     where all of a unit move alike, `even`: a rope of stated values stays smooth.  Whether it leads to a
     start; w.best is the first that is near, else the nearest."""
-    spread(p, t, w.now, k, stated, w)
-    w.even = even
+    spread(w.now, k, w)
+    set_scales(even, w)
     attempt(p, t, w.now, w)
-    w.even = False
+    set_scales(False, w)
     size = farthest(p, t, w.now, w.ended, w)
     if size <= ACCEPTED:
         unwind(p, t, w.now, w)
@@ -141,7 +101,6 @@ def begin_at(p: Params, t: Real, k: int, stated: bool, even: bool, w: StartWork)
             w.best[:] = w.now
             w.least = 0.0
             w.nearest = far
-            w.first = k
         return True
     if size < w.least:
         w.best[:] = w.now
@@ -199,11 +158,17 @@ def find(p: Params, t: Real, begin: int, end: int, w: StartWork) -> bool:
         some = some or w.loose[i] == 1
         stated = stated or (w.loose[i] == 1 and w.levels[i] > UNSTATED)
     for k in range(begin, end):
-        if not begin_at(p, t, k, stated, False, w) and stated:
-            begin_at(p, t, k, stated, True, w)
+        if not begin_at(p, t, k, False, w) and stated:
+            begin_at(p, t, k, True, w)
         if w.nearest <= NEAR or not some:
             break
-        if k == BESIDE and k + 1 < end and w.nearest == inf and stuck(p, t, w):
+        if (
+            k == BESIDE
+            and k + 1 < end
+            and w.nearest == inf
+            and w.most <= ALIKE * w.least
+            and w.least < MEANINGLESS
+        ):
             break
     w.y[:] = w.best
     return w.nearest < inf and not is_chance(p, t, w)

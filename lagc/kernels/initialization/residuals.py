@@ -18,7 +18,6 @@ from lagc.kernels.language.sizes import (
     NE,
     NJ,
     NPIECE,
-    NPOSITION,
     NQ,
     NQUAT,
     NRATE,
@@ -87,11 +86,13 @@ def meet(p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE],
         meet_all(p, t, y, c, J, sizes)
 
 
-def weight_of(w: StartWork, i: int) -> Real:
-    """How far unknown i moves where others could move instead."""
-    if w.even:
-        return w.widths[i]
-    return w.weights[i] if w.levels[i] == UNSTATED else SLIGHT * w.weights[i]
+def set_scales(even: bool, w: StartWork) -> None:
+    """w.scale: how far each unknown moves where others could move instead."""
+    for i in range(NU):
+        if even:
+            w.scale[i] = w.widths[i]
+        else:
+            w.scale[i] = w.weights[i] if w.levels[i] == UNSTATED else SLIGHT * w.weights[i]
 
 
 def judge(y: Vec[NU], J: Vec[NJ], sizes: Vec[NE], w: StartWork) -> None:
@@ -229,8 +230,6 @@ def find_pieces(w: StartWork) -> None:
 
 def confine(n: Size, w: StartWork) -> None:
     """Look at the n conditions in w.order, those of positions first, and at the unknowns that they hold."""
-    if NPOSITION > 0:
-        w.is_settled = False
     for i in range(NU):
         w.marks[i] = 0
     for i in range(n):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from math import fabs, inf
 
 from lagc.kernels.initialization.residuals import SLIGHT, is_blurred, meet, meet_all, row_begin
-from lagc.kernels.initialization.startpairs import even_out
 from lagc.kernels.initialization.workspace import UNSTATED, StartWork
 from lagc.kernels.language.parameters import bind
 from lagc.kernels.language.sizes import NE, NJ, NP, NPREPARED, NQ, NQUAT, NU
@@ -231,7 +230,6 @@ def weigh(p: Params, t: Real, largest: Vec[NU], w: StartWork) -> None:
     share_sizes(w)
     for i in range(NU):
         w.now[i] = usual(i, largest, w)
-    even_out(w)
     for i in range(NU):
         weight = usual(i, largest, w)
         width = w.common[unit[i]] if w.common[unit[i]] < MOST_WEIGHT else MOST_WEIGHT

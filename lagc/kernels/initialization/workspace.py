@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lagc.kernels.language.sizes import NE, NJ, NPIECE, NPOSITION, NROW, NSETS, NSETU, NTREE, NU
+from lagc.kernels.language.sizes import NE, NJ, NPIECE, NROW, NTREE, NU
 from lagc.kernels.language.words import Code, IVec, Mat, Real, Vec, record
 
 # How firmly a start value is stated: in a conflict the smaller gives way, FIXED never does.
@@ -28,17 +28,15 @@ class StartWork:
     owned: int
     places: IVec[NU]
     picked: IVec[NU]
-    best_picked: IVec[NU]
     values: IVec[NU]
     columns: IVec[NU]
     line: IVec[NU]  # those of own, near each other where conditions tie them
-    stated: IVec[NU]
     marks: IVec[NU]
     let: IVec[NU]
-    set_picked: IVec[NSETU]
     home: Vec[NU]  # the guess
     weights: Vec[NU]
     widths: Vec[NU]
+    scale: Vec[NU]  # how far an unknown moves where others could move instead
     common: Vec[NU]
     reach: Vec[NU]  # how large each unknown may be
     moves: Vec[NU]
@@ -47,28 +45,14 @@ class StartWork:
     trial: Vec[NU]
     turned: Vec[NU]
     step: Vec[NU]
-    ways: Vec[NU]
     kept: Vec[NU]
     held: Vec[NU]
     reached: Vec[NU]
     answer: Vec[NU]
-    if NPOSITION > 0:
-        settled: Vec[NU]  # the guess, where what is alone in a condition meets it
-        is_settled: bool
-    set_ways: Mat[NSETS, NU]
-    set_count: Vec[NSETS]
-    set_total: Vec[NSETS]
-    total: Real  # of what was counted last, the sum of the squares of ways
-    even: bool  # all of a unit move alike
     least: Real  # what attempts missed
     most: Real
-    fewest: Real  # values that moved in a start, and the sum of the squares of their ways
-    shortest: Real
-    freed: int  # of best_picked, that these belong to
     nearest: Real  # start of these, in weights from the guess
     work: int  # factorisations so far
-    first: int  # the spread that led to a start
-    other: int  # the one that did where most was free
     whole: bool  # steps are not halved: all is met next to there or not at all
     count: int  # of columns
     left_out: int  # rows that the last step does without
@@ -77,14 +61,10 @@ class StartWork:
     if NPIECE > 0:
         first_piece: int  # of those that the rows are of, and behind the last
         end_piece: int
-    left: int  # rows of the table
-    rank: int  # columns that the linear conditions ask for
     rows: IVec[NE]
     all: IVec[NE]
     order: IVec[NE]
     group: IVec[NE]
-    solved: IVec[NE]
-    basis: IVec[NE]
     chosen: IVec[NE]
     begins: IVec[NE]  # where rows of the matrix begin to differ from zero, and where they cease to
     stops: IVec[NE]
@@ -115,12 +95,3 @@ class StartWork:
     blurs: Vec[NJ]  # the same, where speeds are sought of positions too
     matrix: Mat[NE, NROW]
     rests: Mat[NE, NROW]
-
-
-@record
-class Place:
-    """A value of an unknown, with the residual of a condition and its derivative there."""
-
-    value: Real
-    residual: Real
-    slope: Real

@@ -40,8 +40,7 @@ EXACT = by_type(3e-7, 1e-15, "1e-32")
 FOLLOWING = by_type(1e-4, 1e-11, "1e-24")  # of its length: the rest of a row that follows from others
 FADED = by_type(1e-14, 1e-30, "1e-60")  # an entry of a unit vector that is far below its rounding
 SURELY_FOLLOWING = by_type(1e-2, 1e-5, "1e-12")
-NEGLIGIBLE = by_type(1e-4, 1e-9, "1e-20")  # of the largest slope of a row: a pivot that counts as zero
-UNMOVED = by_type(1e-9, 1e-22, "1e-56")  # squared, in weights
+LEAST_SHARE = by_type(1e-3, 1e-7, "1e-14")  # of its size: a move of a stated value that vanishes
 LEAST_WEIGHT = by_type(1e-30, 1e-290, "1e-4900")  # of an unknown
 MOST_WEIGHT = by_type(1e30, 1e290, "1e4900")
 # Of its size: a move of an unknown that may be none; where rows are quadratic, rounding leaves its root.
