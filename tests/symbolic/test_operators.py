@@ -8,7 +8,7 @@ import random
 import mpmath
 import pytest
 
-from lagc.codegen.python.public_functions import verbs
+from lagc.codegen.python.public_functions import public_functions
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph
@@ -107,7 +107,7 @@ def test_an_entire_function_has_a_value_everywhere_and_a_border_is_where_another
 
 
 def test_whole_columns_know_every_function_that_generated_python_calls() -> None:
-    text = verbs(pendulum(), True)[-1]
+    text = public_functions(pendulum(), True)[-1]
     ours = ("sin", "cos")  # one call gives both
     calls = [
         "sine_cosine",
