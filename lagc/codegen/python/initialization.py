@@ -11,7 +11,7 @@ from types import CodeType
 from lagc.host import cache as store
 from lagc.host.cache import tool_fingerprint
 
-ROOTS = ("prepare", "reach_start", "meet_all")
+ROOTS = ("prepare", "reach_start", "evaluate_all")
 SWITCHES = ("NCOND", "NRATE", "NQUAT", "NP", "NPIECE")
 
 

@@ -1,4 +1,4 @@
-"""A consistent start: what nobody stated moves first, what was stated only where it has to."""
+"""Consistent initial conditions: unstated values move first, stated values only where they have to."""
 
 from __future__ import annotations
 
@@ -6,11 +6,17 @@ from math import fabs, inf
 
 from lagc.kernels.arguments import bad_parameter
 from lagc.kernels.arithmetic.quaternions import normalise
-from lagc.kernels.initialization.gauss_newton import attempt, loosen, rough, strayed
-from lagc.kernels.initialization.multistart import NEAR, SPREADS, find
+from lagc.kernels.initialization.gauss_newton import attempt, select_columns, unscaled_norm, unstated_distance
+from lagc.kernels.initialization.multistart import NEAR, SPREADS, multistart
 from lagc.kernels.initialization.relaxation import relax
-from lagc.kernels.initialization.residuals import arrange, confine, farthest, row_begin, set_scales
-from lagc.kernels.initialization.scaling import weigh
+from lagc.kernels.initialization.residuals import (
+    largest_residual,
+    row_begin,
+    select_equations,
+    set_levels,
+    set_scales,
+)
+from lagc.kernels.initialization.scaling import set_scaling
 from lagc.kernels.initialization.workspace import DECLARED, FIXED, UNSTATED, StartWork
 from lagc.kernels.language.model import fn_measures
 from lagc.kernels.language.records import BAD_LEVEL, BAD_TIME
@@ -23,34 +29,35 @@ from lagc.kernels.language.words import IVec, Params, Real, Status, Vec, present
 
 
 def release_level(level: int, w: StartWork) -> bool:
-    """Let all values of a level move; whether this part has any."""
+    """Free all values of a level in this block; return whether there are any."""
     found = False
-    owned = w.owned
+    owned = w.unknown_count
     for k in range(owned):
-        i = w.own[k]
+        i = w.unknowns[k]
         if w.levels[i] == level:
-            w.loose[i] = 1
+            w.free[i] = 1
             found = True
     return found
 
 
 def has_level(level: int, w: StartWork) -> bool:
-    """Whether a value of this part is stated at a level."""
-    owned = w.owned
+    """Whether this block has a value of the level."""
+    owned = w.unknown_count
     for k in range(owned):
-        i = w.own[k]
+        i = w.unknowns[k]
         if w.levels[i] == level:
             return True
     return False
 
 
-def ladder(p: Params, t: Real, w: StartWork) -> bool:
-    """Level after level is let go until there is a start; then as much as possible is held again."""
-    if find(p, t, 0, SPREADS, w):
+def release_levels(p: Params, t: Real, w: StartWork) -> bool:
+    """Find a start of this block: free one priority level after the other, then hold all that need not
+    move."""
+    if multistart(p, t, 0, SPREADS, w):
         return True
     level = DECLARED
     while level < FIXED:
-        if release_level(level, w) and find(p, t, 0, SPREADS, w):
+        if release_level(level, w) and multistart(p, t, 0, SPREADS, w):
             break
         level += 1
     if level == FIXED:
@@ -62,8 +69,8 @@ def ladder(p: Params, t: Real, w: StartWork) -> bool:
     return True
 
 
-def least_owner(i: int, w: StartWork) -> int:
-    """The least of w.picked of the unknowns in condition i that may move; they all get it."""
+def least_block(i: int, w: StartWork) -> int:
+    """Give the unknowns of equation i that may move the least block number among them; return it."""
     found = size(NU)
     first = row_begin(i)
     end = ends[i]
@@ -76,107 +83,111 @@ def least_owner(i: int, w: StartWork) -> int:
     return found
 
 
-def group(w: StartWork) -> None:
-    """w.group: a number for each row, the same for rows that share an unknown that may move."""
+def label_blocks(w: StartWork) -> None:
+    """Set w.block: equal for equations that share an unknown that may move."""
     for i in range(NU):
         w.picked[i] = i
     for r in range(NE):
-        w.group[r] = -1
+        w.block[r] = -1
     changed = True
     while changed:
         changed = False
         for r in range(NE):
-            least = least_owner(w.all[r], w)
-            changed = changed or w.group[r] != least
-            w.group[r] = least
+            least = least_block(w.all_rows[r], w)
+            changed = changed or w.block[r] != least
+            w.block[r] = least
 
 
-def confine_to(part: int, w: StartWork) -> int:
-    """Look at the rows of a group alone; how many they are."""
+def select_block(part: int, w: StartWork) -> int:
+    """Select the equations of one block and reset the unknowns; return the number of equations."""
     n = 0
     for r in range(NE):
-        if w.group[r] == part:
-            w.order[n] = w.all[r]
+        if w.block[r] == part:
+            w.selected[n] = w.all_rows[r]
             n += 1
     if n > 0:
-        confine(n, w)
+        select_equations(n, w)
         for i in range(NU):
-            w.loose[i] = 0
-        owned = w.owned
+            w.free[i] = 0
+        owned = w.unknown_count
         for k in range(owned):
-            w.loose[w.own[k]] = w.let[w.own[k]]
-        w.y[:] = w.reached
+            w.free[w.unknowns[k]] = w.free_before[w.unknowns[k]]
+        w.y[:] = w.block_begin
     return n
 
 
-def by_parts(p: Params, t: Real, w: StartWork) -> bool:
-    """Each part of the conditions that shares no unknown with the others by itself."""
-    w.reached[:] = w.y
-    w.answer[:] = w.home
-    w.let[:] = w.loose
-    group(w)
+def solve_blocks(p: Params, t: Real, w: StartWork) -> bool:
+    """Solve independent blocks of equations one by one."""
+    w.block_begin[:] = w.y
+    w.combined[:] = w.guess
+    w.free_before[:] = w.free
+    label_blocks(w)
     for part in range(NU + 1):
-        if confine_to(part, w) == 0:
+        if select_block(part, w) == 0:
             continue
-        met = farthest(p, t, w.reached, w.ended, w) <= CLOSE and strayed(w.reached, w) <= NEAR
-        if not met and not ladder(p, t, w):
+        met = (
+            largest_residual(p, t, w.block_begin, w.row_count, w) <= CLOSE
+            and unstated_distance(w.block_begin, w) <= NEAR
+        )
+        if not met and not release_levels(p, t, w):
             return False
-        owned = w.owned
+        owned = w.unknown_count
         for k in range(owned):
-            i = w.own[k]
+            i = w.unknowns[k]
             if w.levels[i] < FIXED:
-                w.answer[i] = w.y[i]
-                w.let[i] = w.loose[i]
-    w.y[:] = w.answer
-    w.loose[:] = w.let
+                w.combined[i] = w.y[i]
+                w.free_before[i] = w.free[i]
+    w.y[:] = w.combined
+    w.free[:] = w.free_before
     return True
 
 
-def lay_still(w: StartWork) -> bool:
-    """w.answer: w.y, with what went next to no way as guessed, and held; whether there is any."""
-    w.answer[:] = w.y
+def reset_traces(w: StartWork) -> bool:
+    """Set w.combined to w.y, with unknowns that moved by less than the tolerance reset to their guesses
+    and held; return whether there are any."""
+    w.combined[:] = w.y
     found = False
-    owned = w.owned
+    owned = w.unknown_count
     for k in range(owned):
-        i = w.own[k]
-        way = fabs(w.y[i] - w.home[i])
-        if w.loose[i] == 1 and 0.0 < way and way <= TRACE * w.weights[i]:
-            w.answer[i] = w.home[i]
-            w.loose[i] = 0
+        i = w.unknowns[k]
+        way = fabs(w.y[i] - w.guess[i])
+        if w.free[i] == 1 and 0.0 < way and way <= TRACE * w.scaling[i]:
+            w.combined[i] = w.guess[i]
+            w.free[i] = 0
             found = True
     return found
 
 
-def met_by_terms(p: Params, t: Real, y: Vec[NU], w: StartWork) -> bool:
-    """Whether y meets the conditions as near by as their own terms tell."""
-    loosen(0, NU, w)
-    farthest(p, t, y, w.ended, w)
-    w.blurs[:] = w.doubted
-    return rough(w.c, w.sizes, 0, w.ended, w) <= CLOSE
+def meets_unscaled(p: Params, t: Real, y: Vec[NU], w: StartWork) -> bool:
+    """Whether y meets the equations relative to their own terms."""
+    select_columns(0, NU, w)
+    largest_residual(p, t, y, w.row_count, w)
+    w.entry_roundoff[:] = w.slope_roundoff
+    return unscaled_norm(w.c, w.term_sizes, 0, w.row_count, w) <= CLOSE
 
 
-def calm(p: Params, t: Real, w: StartWork) -> None:
-    """Leave as guessed what went next to no way, if what is left meets the conditions as near by: steps leave
-    traces in unknowns that they need not move."""
+def restore_traces(p: Params, t: Real, w: StartWork) -> None:
+    """Reset unknowns that moved by less than the tolerance to their guesses, if the equations stay met:
+    steps leave traces of round-off in unknowns that need not move."""
     for i in range(NE):
-        w.order[i] = w.all[i]
-    confine(NE, w)
-    w.let[:] = w.loose
-    if lay_still(w):
-        w.whole = True
-        attempt(p, t, w.answer, w)
-        w.whole = False
-        same = farthest(p, t, w.answer, w.ended, w) <= CLOSE
+        w.selected[i] = w.all_rows[i]
+    select_equations(NE, w)
+    w.free_before[:] = w.free
+    if reset_traces(w):
+        w.full_steps = True
+        attempt(p, t, w.combined, w)
+        w.full_steps = False
+        same = largest_residual(p, t, w.combined, w.row_count, w) <= CLOSE
         for i in range(NU):
-            same = same and fabs(w.answer[i] - w.y[i]) <= TRACE * w.weights[i]
-        w.loose[:] = w.let
-        if same and (met_by_terms(p, t, w.answer, w) or not met_by_terms(p, t, w.y, w)):
-            w.y[:] = w.answer
-    w.loose[:] = w.let
+            same = same and fabs(w.combined[i] - w.y[i]) <= TRACE * w.scaling[i]
+        w.free[:] = w.free_before
+        if same and (meets_unscaled(p, t, w.combined, w) or not meets_unscaled(p, t, w.y, w)):
+            w.y[:] = w.combined
+    w.free[:] = w.free_before
 
 
-def demand_start(p: Params, t: Real, levels: IVec[NU], w: StartWork) -> bool:
-    """Whether what is given makes sense; else w.culprit does not."""
+def check_input(p: Params, t: Real, levels: IVec[NU], w: StartWork) -> bool:
+    """Whether time, parameters and levels are valid; else w.culprit tells which is not."""
     w.culprit = bad_parameter(p) if fabs(t) < inf else BAD_TIME
     if present(levels):
         for i in range(NU):
@@ -186,7 +197,7 @@ def demand_start(p: Params, t: Real, levels: IVec[NU], w: StartWork) -> bool:
 
 
 def prepare(p: Params, t: Real, x: Vec[NX], levels: IVec[NU], w: StartWork) -> Status:
-    """The guess, with all conditions before it."""
+    """Set the guess, the levels and the scaling."""
     rates = vector(NU)
     for i in range(NU):
         rates[i] = 0.0
@@ -195,41 +206,41 @@ def prepare(p: Params, t: Real, x: Vec[NX], levels: IVec[NU], w: StartWork) -> S
         largest[i] = 0.0
     if NCOND > 0:
         fn_measures(p, rates, largest)
-    arrange(levels, w)
+    set_levels(levels, w)
     for i in range(NQ + NV):
-        w.home[i] = x[i]
+        w.guess[i] = x[i]
     for i in range(NRATE):
-        w.home[NQ + NV + i] = rates[i]
+        w.guess[NQ + NV + i] = rates[i]
     if NQUAT > 0:
-        normalise(w.home)
-    w.culprit = not_finite(w.home, NU)
+        normalise(w.guess)
+    w.culprit = not_finite(w.guess, NU)
     if w.culprit >= 0:
         return NOT_FINITE
     if NQUAT > 0:
         for k in range(NQUAT):
             at = quaternion[k]
             if (
-                w.home[at] == 0.0
-                and w.home[at + 1] == 0.0
-                and w.home[at + 2] == 0.0
-                and w.home[at + 3] == 0.0
+                w.guess[at] == 0.0
+                and w.guess[at + 1] == 0.0
+                and w.guess[at + 2] == 0.0
+                and w.guess[at + 3] == 0.0
             ):
                 w.culprit = NCOND + k
                 return INCONSISTENT
-    w.whole = False
+    w.full_steps = False
     w.work = 0
-    weigh(p, t, largest, w)
+    set_scaling(p, t, largest, w)
     set_scales(False, w)
     return OK
 
 
 def reach_start(p: Params, t: Real, w: StartWork) -> Status:
-    """From the guess to a start, w.y."""
-    near = find(p, t, 0, 1, w) and strayed(w.y, w) <= NEAR
-    if not near and not by_parts(p, t, w):
-        farthest(p, t, w.y, w.ended, w)
+    """Move w.y from the guess to consistent initial conditions."""
+    near = multistart(p, t, 0, 1, w) and unstated_distance(w.y, w) <= NEAR
+    if not near and not solve_blocks(p, t, w):
+        largest_residual(p, t, w.y, w.row_count, w)
         return INCONSISTENT
-    calm(p, t, w)
+    restore_traces(p, t, w)
     return OK
 
 
@@ -241,7 +252,7 @@ def consistent(p: Params, t: Real, x: Vec[NX], levels: IVec[NU], w: StartWork) -
     Any other status than OK leaves x as it was.  INCONSISTENT: no start was found; the conditions are
     phi[NH], psi[NC], those of the initial section, those of the stated rates, unit quaternions, in this
     order."""
-    if not demand_start(p, t, levels, w):
+    if not check_input(p, t, levels, w):
         return INVALID
     status = prepare(p, t, x, levels, w)
     if status == OK:

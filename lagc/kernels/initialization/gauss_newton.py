@@ -1,4 +1,4 @@
-"""The way to a start: Gauss-Newton steps of least norm."""
+"""Gauss-Newton iteration with least-norm steps."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from math import fabs, floor, inf, sqrt
 
 from lagc.kernels.initialization.least_norm import least_norm
 from lagc.kernels.initialization.residuals import (
-    farthest,
-    is_blurred,
-    judge,
-    meet,
-    norm,
-    ratio,
+    evaluate_rows,
+    is_roundoff,
+    largest_residual,
+    relative_residual,
+    residual_norm,
     row_begin,
+    scale_rows,
 )
-from lagc.kernels.initialization.scaling import blur
+from lagc.kernels.initialization.scaling import estimate_slope_roundoff
 from lagc.kernels.initialization.workspace import UNSTATED, StartWork
 from lagc.kernels.language.sizes import NE, NQ, NU
 from lagc.kernels.language.tables import angle, ends
@@ -34,91 +34,91 @@ HOMEWARD = 20  # steps back towards the guess
 TURN = 6.283185307179586
 
 
-def loosen(first: Size, end: Size, w: StartWork) -> None:
-    """w.columns: what is free of the unknowns first..end-1, those near each other that conditions tie."""
-    w.count = 0
-    owned = w.owned
+def select_columns(first: Size, end: Size, w: StartWork) -> None:
+    """Set w.columns: the free unknowns first..end-1, coupled ones side by side."""
+    w.column_count = 0
+    owned = w.unknown_count
     for k in range(owned):
-        i = w.line[k]
-        w.places[i] = -1
-        if first <= i and i < end and w.loose[i] == 1:
-            w.places[i] = w.count
-            w.columns[w.count] = i
-            w.count += 1
+        i = w.ordered[k]
+        w.column_of[i] = -1
+        if first <= i and i < end and w.free[i] == 1:
+            w.column_of[i] = w.column_count
+            w.columns[w.column_count] = i
+            w.column_count += 1
 
 
-def find_ends(i: int, r: int, w: StartWork) -> None:
-    """w.begins and w.stops of row r: where condition i has places among w.columns."""
-    begin = w.count
+def find_row_range(i: int, r: int, w: StartWork) -> None:
+    """Set w.first_column and w.end_column of row r, which holds equation i."""
+    begin = w.column_count
     stop = 0
     first = row_begin(i)
     end = ends[i]
     for e in range(first, end):
-        at = w.places[w.column[e]]
+        at = w.column_of[w.column[e]]
         if at >= 0:
             begin = at if at < begin else begin
             stop = at + 1 if at >= stop else stop
-    w.begins[r] = begin if begin < stop else 0
-    w.stops[r] = stop
+    w.first_column[r] = begin if begin < stop else 0
+    w.end_column[r] = stop
 
 
 def fill(first: int, end: int, w: StartWork) -> None:
-    """w.matrix: the derivatives of w.rows[first..end-1] by w.columns, each times its weight, 0 where it is
-    rounding; w.right: what is missed."""
+    """Set w.matrix to the scaled Jacobian of w.rows[first..end-1] in w.columns, without entries that are
+    round-off, and w.right to minus the residuals."""
     for k in range(first, end):
-        find_ends(w.rows[k], k - first, w)
+        find_row_range(w.rows[k], k - first, w)
         row = w.matrix[k - first]
-        begin = w.begins[k - first]
-        behind = w.stops[k - first]
+        begin = w.first_column[k - first]
+        behind = w.end_column[k - first]
         for j in range(begin, behind):
             row[j] = 0.0
         begin = row_begin(w.rows[k])
         behind = ends[w.rows[k]]
         for e in range(begin, behind):
             i = w.column[e]
-            if w.places[i] >= 0 and not is_blurred(e, w):
-                row[w.places[i]] = w.J[e] * w.scale[i]
+            if w.column_of[i] >= 0 and not is_roundoff(e, w):
+                row[w.column_of[i]] = w.J[e] * w.step_scaling[i]
         w.right[k - first] = -w.c[w.rows[k]]
 
 
 def move_along(y: Vec[NU], base: Vec[NU], factor: Real, w: StartWork) -> None:
-    """Of y what is in w.columns: `base` and a part of w.step."""
-    count = w.count
+    """Set y, in w.columns, to base plus a fraction of w.step."""
+    count = w.column_count
     for k in range(count):
         i = w.columns[k]
-        y[i] = base[i] + factor * w.step[k] * w.scale[i]
+        y[i] = base[i] + factor * w.step[k] * w.step_scaling[i]
 
 
-def put_trial(y: Vec[NU], w: StartWork) -> None:
-    """Move y, in w.columns, to w.trial; w.c, w.J and w.sizes of w.rows are those there."""
-    count = w.count
+def accept_trial(y: Vec[NU], w: StartWork) -> None:
+    """Accept w.trial as y, with its residuals and Jacobian."""
+    count = w.column_count
     for k in range(count):
         y[w.columns[k]] = w.trial[w.columns[k]]
-    rows = w.ended
+    rows = w.row_count
     for r in range(rows):
         i = w.rows[r]
         w.c[i] = w.trial_c[i]
-        w.sizes[i] = w.trial_sizes[i]
+        w.term_sizes[i] = w.trial_term_sizes[i]
         first = row_begin(i)
         end = ends[i]
         for k in range(first, end):
             w.J[k] = w.trial_J[k]
-    judge(y, w.J, w.sizes, w)
+    scale_rows(y, w.J, w.term_sizes, w)
 
 
-def longest_part(w: StartWork) -> Real:
-    """The part of w.step that turns no angle by more than a radian."""
+def largest_fraction(w: StartWork) -> Real:
+    """The largest fraction of w.step that turns no angle by more than a radian."""
     factor = 1.0
-    count = w.count
+    count = w.column_count
     for k in range(count):
         i = w.columns[k]
-        turn = fabs(w.step[k]) * w.scale[i]
+        turn = fabs(w.step[k]) * w.step_scaling[i]
         if angle[i] == 1 and turn * factor > 1.0:
             factor = 1.0 / turn
     return factor
 
 
-def try_parts(p: Params, t: Real, y: Vec[NU], first: int, end: int, missed: Real, longest: Real,
+def line_search(p: Params, t: Real, y: Vec[NU], first: int, end: int, missed: Real, longest: Real,
               shortest: Real, w: StartWork) -> Real:  # fmt: skip
     """What is missed at w.trial, y and a part of w.step that helps: the whole, where all is linear and whole
     turns are gone, else the longest and its halves down to the shortest; -1 where none does."""
@@ -126,28 +126,26 @@ def try_parts(p: Params, t: Real, y: Vec[NU], first: int, end: int, missed: Real
     factor = 1.0
     size = inf
     w.trial[:] = y
-    while least > 0.0 and factor >= (least if w.whole or size < OVERSHOT * missed else TINIEST):
+    while least > 0.0 and factor >= (least if w.full_steps or size < OVERSHOT * missed else TINIEST):
         move_along(w.trial, y, factor, w)
-        meet(p, t, w.trial, w.trial_c, w.trial_J, w.trial_sizes, w)
-        size = norm(w.trial_c, first, end, w)
+        evaluate_rows(p, t, w.trial, w.trial_c, w.trial_J, w.trial_term_sizes, w)
+        size = residual_norm(w.trial_c, first, end, w)
         if size < missed * (1.0 - (0.1 * factor if factor <= longest else 0.999)):
             return size
         factor = 0.5 * factor if factor <= longest else longest
     return -1.0
 
 
-def shortest_step(w: StartWork, m: int, turn: int) -> bool:
-    """w.step of the m rows of w.matrix.  What follows from other rows is a part of the length of a row
-    that is small, or larger at the second turn, or at the third what is rounding entry by entry."""
+def solve_step(w: StartWork, m: int, turn: int) -> bool:
+    """Set w.step to the least-norm solution of the m rows of w.matrix.  Rows count as dependent below a
+    threshold that is larger in the second turn; in the third, round-off is removed entry by entry."""
     if turn == EXACTLY:
-        return least_norm(w, m, w.count, 0.0, FOLLOWING)
-    return least_norm(w, m, w.count, FOLLOWING if turn == 0 else SURELY_FOLLOWING, 0.0)
+        return least_norm(w, m, w.column_count, 0.0, FOLLOWING)
+    return least_norm(w, m, w.column_count, FOLLOWING if turn == 0 else SURELY_FOLLOWING, 0.0)
 
 
-def rough(c: Vec[NE], sizes: Vec[NE], first: int, end: int, w: StartWork) -> Real:
-    """The norm of the residuals of w.rows[first..end-1] that something free takes part in, by the terms of
-    their rows; what is no more than the rounding of rounding is none, where there were no terms at the
-    guess."""
+def unscaled_norm(c: Vec[NE], sizes: Vec[NE], first: int, end: int, w: StartWork) -> Real:
+    """The norm of residuals relative to their own terms, of the rows that contain free unknowns."""
     total = 0.0
     for k in range(first, end):
         i = w.rows[k]
@@ -155,59 +153,59 @@ def rough(c: Vec[NE], sizes: Vec[NE], first: int, end: int, w: StartWork) -> Rea
         begin = row_begin(i)
         behind = ends[i]
         for e in range(begin, behind):
-            free = free or (w.places[w.column[e]] >= 0 and not is_blurred(e, w))
+            free = free or (w.column_of[w.column[e]] >= 0 and not is_roundoff(e, w))
         if free:
-            faint = CLOSE * w.scales[i]
-            if 0.0 < w.terms[i] and w.terms[i] < faint:
-                faint = w.terms[i]
-            size = ratio(c[i], w.floors[i], sizes[i] + faint)
+            faint = CLOSE * w.row_scaling[i]
+            if 0.0 < w.guess_term_sizes[i] and w.guess_term_sizes[i] < faint:
+                faint = w.guess_term_sizes[i]
+            size = relative_residual(c[i], w.roundoff[i], sizes[i] + faint)
             total += size * size
     return sqrt(total)
 
 
 def polish(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) -> None:
-    """Steps from where all is met as far as what it may be tells, to where it is by its own terms."""
-    missed = rough(w.c, w.sizes, first, end, w)
+    """Take steps that reduce residuals relative to their own terms, where all equations are met by scale."""
+    missed = unscaled_norm(w.c, w.term_sizes, first, end, w)
     for n in range(POLISHED):
         if missed <= CLOSE:
             return
         fill(first, end, w)
         w.work += 1
-        if not shortest_step(w, end - first, EXACTLY):
+        if not solve_step(w, end - first, EXACTLY):
             return
         w.trial[:] = y
         move_along(w.trial, y, 1.0, w)
-        meet(p, t, w.trial, w.trial_c, w.trial_J, w.trial_sizes, w)
-        left = rough(w.trial_c, w.trial_sizes, first, end, w)
-        if not (left < 0.5 * missed and norm(w.trial_c, first, end, w) <= CLOSE):
+        evaluate_rows(p, t, w.trial, w.trial_c, w.trial_J, w.trial_term_sizes, w)
+        left = unscaled_norm(w.trial_c, w.trial_term_sizes, first, end, w)
+        if not (left < 0.5 * missed and residual_norm(w.trial_c, first, end, w) <= CLOSE):
             return
         missed = left
-        put_trial(y, w)
+        accept_trial(y, w)
 
 
-def speeds_alone(w: StartWork) -> bool:
-    """Whether w.columns are none of positions."""
-    count = w.count
+def only_speeds(w: StartWork) -> bool:
+    """Whether no coordinate is among w.columns."""
+    count = w.column_count
     for k in range(count):
         if w.columns[k] < NQ:
             return False
     return True
 
 
-def improve(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) -> None:
-    """Gauss-Newton of least norm on w.rows[first..end-1] in w.columns, with steps that are halved until
-    they help."""
-    if first == end or w.count == 0:
+def iterate(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) -> None:
+    """Gauss-Newton with least-norm steps on w.rows[first..end-1] in w.columns, with line search (P.
+    Deuflhard, *Newton Methods for Nonlinear Problems*, 2004, section 4.4)."""
+    if first == end or w.column_count == 0:
         return
-    meet(p, t, y, w.c, w.J, w.sizes, w)
-    judge(y, w.J, w.sizes, w)
-    missed = norm(w.c, first, end, w)
-    w.blurs[:] = w.doubted
+    evaluate_rows(p, t, y, w.c, w.J, w.term_sizes, w)
+    scale_rows(y, w.J, w.term_sizes, w)
+    missed = residual_norm(w.c, first, end, w)
+    w.entry_roundoff[:] = w.slope_roundoff
     if missed <= CLOSE:
         polish(p, t, y, first, end, w)
         return
-    if speeds_alone(w):  # what is rounding of positions stays so
-        blur(p, t, y, w.weights, w)
+    if only_speeds(w):  # what is rounding of positions stays so
+        estimate_slope_roundoff(p, t, y, w.scaling, w)
     left = 1.0
     longest = 1.0
     more = (end - first) // ALONG
@@ -226,122 +224,122 @@ def improve(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) 
                 break
             fill(first, end, w)
             w.work += 1
-            if not shortest_step(w, end - first, turn):
+            if not solve_step(w, end - first, turn):
                 return
-            longest = longest_part(w)
-            some = some or (turn == 0 and w.left_out > 0)
-            shortest = WHOLE if turn == EXACTLY or missed <= CLOSE or w.whole else SHORTEST
-            size = try_parts(p, t, y, first, end, missed, longest, shortest, w)
+            longest = largest_fraction(w)
+            some = some or (turn == 0 and w.dropped_rows > 0)
+            shortest = WHOLE if turn == EXACTLY or missed <= CLOSE or w.full_steps else SHORTEST
+            size = line_search(p, t, y, first, end, missed, longest, shortest, w)
             if size >= 0.0:
                 break
         if size < 0.0:
             return
         left *= size / missed
-        put_trial(y, w)
-        missed = norm(w.c, first, end, w)
+        accept_trial(y, w)
+        missed = residual_norm(w.c, first, end, w)
 
 
 def attempt(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
-    """Positions first, then speeds; all together where that is not enough."""
-    loosen(0, NQ, w)
-    improve(p, t, y, 0, w.positions, w)
-    if not farthest(p, t, y, w.positions, w) <= ACCEPTED:
+    """Solve for positions, then for speeds; for all together where that is not enough."""
+    select_columns(0, NQ, w)
+    iterate(p, t, y, 0, w.position_rows, w)
+    if not largest_residual(p, t, y, w.position_rows, w) <= ACCEPTED:
         return
-    loosen(NQ, NU, w)
-    improve(p, t, y, w.positions, w.ended, w)
-    if farthest(p, t, y, w.ended, w) <= ACCEPTED:
+    select_columns(NQ, NU, w)
+    iterate(p, t, y, w.position_rows, w.row_count, w)
+    if largest_residual(p, t, y, w.row_count, w) <= ACCEPTED:
         return
-    loosen(0, NU, w)
-    improve(p, t, y, 0, w.ended, w)
+    select_columns(0, NU, w)
+    iterate(p, t, y, 0, w.row_count, w)
 
 
-def leads(p: Params, t: Real, y: Vec[NU], w: StartWork) -> bool:
-    """Whether an attempt leads y to a start."""
+def leads_to_start(p: Params, t: Real, y: Vec[NU], w: StartWork) -> bool:
+    """Attempt from y; return whether it reaches a start."""
     attempt(p, t, y, w)
-    return farthest(p, t, y, w.ended, w) <= ACCEPTED
+    return largest_residual(p, t, y, w.row_count, w) <= ACCEPTED
 
 
 def distance(y: Vec[NU], w: StartWork) -> Real:
-    """From the guess, in weights."""
+    """The scaled distance of y from the guess."""
     total = 0.0
-    owned = w.owned
+    owned = w.unknown_count
     for k in range(owned):
-        i = w.own[k]
-        way = (y[i] - w.home[i]) / w.scale[i]
+        i = w.unknowns[k]
+        way = (y[i] - w.guess[i]) / w.step_scaling[i]
         total += way * way
     return sqrt(total)
 
 
-def strayed(y: Vec[NU], w: StartWork) -> Real:
-    """How far what nobody stated is from the guess, in weights."""
+def unstated_distance(y: Vec[NU], w: StartWork) -> Real:
+    """The scaled distance of the unstated values from the guess."""
     total = 0.0
-    owned = w.owned
+    owned = w.unknown_count
     for k in range(owned):
-        i = w.own[k]
+        i = w.unknowns[k]
         if w.levels[i] == UNSTATED:
-            way = (y[i] - w.home[i]) / w.weights[i]
+            way = (y[i] - w.guess[i]) / w.scaling[i]
             total += way * way
     return sqrt(total)
 
 
-def step_home(p: Params, t: Real, y: Vec[NU], end: int, turn: int, w: StartWork) -> bool:
-    """w.step: from the guess to the nearest point that meets w.rows[..end-1], linear at y; False where a
+def step_to_guess(p: Params, t: Real, y: Vec[NU], end: int, turn: int, w: StartWork) -> bool:
+    """Set w.step: from the guess to the nearest point that meets the equations linearised at y; False where a
     number is not finite."""
-    meet(p, t, y, w.c, w.J, w.sizes, w)
-    w.blurs[:] = w.doubted
+    evaluate_rows(p, t, y, w.c, w.J, w.term_sizes, w)
+    w.entry_roundoff[:] = w.slope_roundoff
     fill(0, end, w)
     for r in range(end):
         value = w.right[r]
-        begin = w.begins[r]
-        stop = w.stops[r]
+        begin = w.first_column[r]
+        stop = w.end_column[r]
         for k in range(begin, stop):
             i = w.columns[k]
-            value += w.matrix[r][k] * ((y[i] - w.home[i]) / w.scale[i])
+            value += w.matrix[r][k] * ((y[i] - w.guess[i]) / w.step_scaling[i])
         w.right[r] = value
     w.work += 1
-    return shortest_step(w, end, turn)
+    return solve_step(w, end, turn)
 
 
-def approach(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
-    """A start between y and the guess, as near to the guess as steps of least norm lead: of the positions
-    alone, where speeds from their guess fit."""
+def pull_to_guess(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
+    """Move y to a start nearer to the guess, as far as least-norm steps lead; positions alone, where the
+    guessed speeds allow it."""
     alone = True
-    w.turned[:] = w.home
+    w.tried[:] = w.guess
     for i in range(NQ):
-        w.turned[i] = y[i]
-    if leads(p, t, w.turned, w):
-        y[:] = w.turned
+        w.tried[i] = y[i]
+    if leads_to_start(p, t, w.tried, w):
+        y[:] = w.tried
     else:
         alone = False
     far = distance(y, w)
-    end = w.positions if alone else w.ended
+    end = w.position_rows if alone else w.row_count
     for n in range(HOMEWARD):
-        loosen(0, NQ if alone else NU, w)
-        if w.count == 0 or end == 0:
+        select_columns(0, NQ if alone else NU, w)
+        if w.column_count == 0 or end == 0:
             return
-        if not step_home(p, t, y, end, 0, w):
+        if not step_to_guess(p, t, y, end, 0, w):
             return
-        w.turned[:] = w.home
-        move_along(w.turned, w.home, 1.0, w)
-        attempt(p, t, w.turned, w)
-        near = distance(w.turned, w)
-        if not (near < far and farthest(p, t, w.turned, w.ended, w) <= ACCEPTED):
+        w.tried[:] = w.guess
+        move_along(w.tried, w.guess, 1.0, w)
+        attempt(p, t, w.tried, w)
+        near = distance(w.tried, w)
+        if not (near < far and largest_residual(p, t, w.tried, w.row_count, w) <= ACCEPTED):
             return
-        y[:] = w.turned
+        y[:] = w.tried
         far = near
 
 
-def unwind(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
-    """y with angles less than half a turn from their guess, where that is a start too."""
+def remove_turns(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
+    """Remove whole turns of angles in y, where that is a start too."""
     wound = False
-    w.turned[:] = y
-    owned = w.owned
+    w.tried[:] = y
+    owned = w.unknown_count
     for k in range(owned):
-        i = w.own[k]
+        i = w.unknowns[k]
         if angle[i] == 1:
-            turns = floor((y[i] - w.home[i]) / TURN + 0.5)
+            turns = floor((y[i] - w.guess[i]) / TURN + 0.5)
             if turns != 0.0:
-                w.turned[i] = y[i] - TURN * turns
+                w.tried[i] = y[i] - TURN * turns
                 wound = True
-    if wound and leads(p, t, w.turned, w):
-        y[:] = w.turned
+    if wound and leads_to_start(p, t, w.tried, w):
+        y[:] = w.tried

@@ -1,30 +1,37 @@
-"""The search for a start: from the guess and beside it."""
+"""The search for consistent initial conditions from the guess and from points beside it."""
 
 from __future__ import annotations
 
 from math import fabs, inf
 
 from lagc.kernels.arithmetic.quaternions import normalise
-from lagc.kernels.initialization.gauss_newton import approach, attempt, strayed, unwind
-from lagc.kernels.initialization.residuals import farthest, judge, meet, ratio, row_begin, set_scales
-from lagc.kernels.initialization.scaling import blur
+from lagc.kernels.initialization.gauss_newton import attempt, pull_to_guess, remove_turns, unstated_distance
+from lagc.kernels.initialization.residuals import (
+    evaluate_rows,
+    largest_residual,
+    relative_residual,
+    row_begin,
+    scale_rows,
+    set_scales,
+)
+from lagc.kernels.initialization.scaling import estimate_slope_roundoff
 from lagc.kernels.initialization.workspace import UNSTATED, StartWork
 from lagc.kernels.language.sizes import NQUAT, NU
 from lagc.kernels.language.tables import ends
 from lagc.kernels.language.tolerances import ACCEPTED, FARTHEST
 from lagc.kernels.language.words import Length, Params, Real, Vec
 
-SPREADS = 8
-SIDES = 7  # unknowns whose sides are not left to chance
-BESIDE = 2  # the spread that leaves a singular guess well behind
-NEAR = 8.0  # weights from the guess: one farther off is taken if none is nearer
-SURE = 1e3  # times what last places change a derivative by
-ALIKE = 1.01  # what attempts from near the guess miss: they ended at the same place
-MEANINGLESS = 0.5  # of its own terms: what misses so much does so anywhere
+SPREADS = 8  # beginnings
+SIDES = 7  # unknowns whose sides of the guess are not pseudo-random
+BESIDE = 2  # the beginning that leaves a singular guess well behind
+NEAR = 8.0  # scaled distance from the guess: a start within it ends the search
+SURE = 1e3  # a derivative this many times its round-off is significant
+ALIKE = 1.01  # ratio of residuals: attempts that end with such ended at the same point
+MEANINGLESS = 0.5  # a relative residual this large tells nothing
 
 
 def spread_of(k: int) -> Real:
-    """How far from the guess attempt k begins, in widths."""
+    """How far beginning k is from the guess, in sizes."""
     if k < 2:
         return 0.0 if k == 0 else 0.01
     if k < 4:
@@ -33,9 +40,8 @@ def spread_of(k: int) -> Real:
 
 
 def side_of(k: int, n: int) -> Real:
-    """To which side of the guess, -1 or 1, beginning k puts unknown n of the first SIDES of a part: any two
-    of them all four ways, and the first two at first to two sides, then to one (a matrix of J. Hadamard,
-    1893, its rows in the order of F. Gray, 1953)."""
+    """The side of the guess, -1 or 1, of unknown n in beginning k: the first SIDES unknowns take all pairs of
+    sides (a Hadamard matrix, its rows in Gray order)."""
     odd = 0
     bit = 1
     while bit <= SIDES:
@@ -44,131 +50,129 @@ def side_of(k: int, n: int) -> Real:
     return -1.0 if odd % 2 == 1 else 1.0
 
 
-def spread(y: Vec[NU], k: int, w: StartWork) -> None:
-    """Beginning k: the guess, with what is free moved by up to a share of its width, for a guess may be
-    singular."""
-    y[:] = w.home
+def perturb_guess(y: Vec[NU], k: int, w: StartWork) -> None:
+    """Set y to beginning k: the guess, with free unknowns moved pseudo-randomly by up to a share of their
+    size, since a guess may be singular."""
+    y[:] = w.guess
     if k == 0:
         return
     # the congruential generator of rand() in the C standard, of 31 bits
     state: Length = 12345 + k
-    owned = w.owned
+    owned = w.unknown_count
     for n in range(owned):
-        i = w.own[n]
+        i = w.unknowns[n]
         state = (1103515245 * state + 12345) & 2147483647
-        if w.loose[i] == 1:
+        if w.free[i] == 1:
             way = float(state) / 1073741824.0 - 1.0
             if n < SIDES:
                 way = side_of(k, n) * fabs(way)
-            y[i] += spread_of(k) * w.widths[i] * way
+            y[i] += spread_of(k) * w.unit_scaling[i] * way
     if NQUAT > 0:
         normalise(y)
 
 
-def hopeless(p: Params, t: Real, w: StartWork) -> bool:
-    """Whether a condition is missed that nothing free occurs in."""
-    meet(p, t, w.home, w.c, w.J, w.sizes, w)
-    judge(w.home, w.J, w.sizes, w)
-    rows = w.ended
+def is_unsolvable(p: Params, t: Real, w: StartWork) -> bool:
+    """Whether an equation without free unknowns is not met."""
+    evaluate_rows(p, t, w.guess, w.c, w.J, w.term_sizes, w)
+    scale_rows(w.guess, w.J, w.term_sizes, w)
+    rows = w.row_count
     for r in range(rows):
         i = w.rows[r]
         held = True
         first = row_begin(i)
         end = ends[i]
         for k in range(first, end):
-            if w.loose[w.column[k]] == 1:
+            if w.free[w.column[k]] == 1:
                 held = False
-        if held and not ratio(w.c[i], w.floors[i], w.scales[i]) <= ACCEPTED:
+        if held and not relative_residual(w.c[i], w.roundoff[i], w.row_scaling[i]) <= ACCEPTED:
             return True
     return False
 
 
-def begin_at(p: Params, t: Real, k: int, even: bool, w: StartWork) -> bool:
-    """An attempt from beginning k, where stated values hardly move beside others, each by its own size, or
-    where all of a unit move alike, `even`: a rope of stated values stays smooth.  Whether it leads to a
-    start; w.best is the first that is near, else the nearest."""
-    spread(w.now, k, w)
+def attempt_from(p: Params, t: Real, k: int, even: bool, w: StartWork) -> bool:
+    """Attempt from beginning k, with scaling by unknown or by unit; return whether it reaches a start.
+    w.best becomes the nearest start, or the point with the least residual."""
+    perturb_guess(w.begin, k, w)
     set_scales(even, w)
-    attempt(p, t, w.now, w)
+    attempt(p, t, w.begin, w)
     set_scales(False, w)
-    size = farthest(p, t, w.now, w.ended, w)
+    size = largest_residual(p, t, w.begin, w.row_count, w)
     if size <= ACCEPTED:
-        unwind(p, t, w.now, w)
+        remove_turns(p, t, w.begin, w)
         if k > 0 or even:
-            approach(p, t, w.now, w)
-        far = strayed(w.now, w)
+            pull_to_guess(p, t, w.begin, w)
+        far = unstated_distance(w.begin, w)
         if far < w.nearest:
-            w.best[:] = w.now
-            w.least = 0.0
+            w.best[:] = w.begin
+            w.least_residual = 0.0
             w.nearest = far
         return True
-    if size < w.least:
-        w.best[:] = w.now
-        w.least = size
-    if size > w.most:
-        w.most = size
+    if size < w.least_residual:
+        w.best[:] = w.begin
+        w.least_residual = size
+    if size > w.most_residual:
+        w.most_residual = size
     return False
 
 
-def is_sure(j: int, w: StartWork) -> bool:
-    """Whether a derivative by unknown j is far more than rounding."""
-    rows = w.ended
+def is_significant(j: int, w: StartWork) -> bool:
+    """Whether a derivative by unknown j is far above round-off."""
+    rows = w.row_count
     for r in range(rows):
         i = w.rows[r]
         first = row_begin(i)
         end = ends[i]
         for k in range(first, end):
-            if w.column[k] == j and fabs(w.J[k]) > SURE * w.blurs[k]:
+            if w.column[k] == j and fabs(w.J[k]) > SURE * w.entry_roundoff[k]:
                 return True
     return False
 
 
-def is_chance(p: Params, t: Real, w: StartWork) -> bool:
-    """Whether w.y meets conditions by last places of its positions: by something very far from the guess, by
-    which derivatives vanish but for rounding."""
+def relies_on_roundoff(p: Params, t: Real, w: StartWork) -> bool:
+    """Whether w.y is very far from the guess and meets equations by derivatives that are round-off."""
     if w.nearest < FARTHEST:
         return False
-    meet(p, t, w.y, w.c, w.J, w.sizes, w)
-    blur(p, t, w.y, w.weights, w)
+    evaluate_rows(p, t, w.y, w.c, w.J, w.term_sizes, w)
+    estimate_slope_roundoff(p, t, w.y, w.scaling, w)
     found = False
-    owned = w.owned
+    owned = w.unknown_count
     for k in range(owned):
-        j = w.own[k]
-        if fabs(w.y[j] - w.home[j]) > FARTHEST * w.weights[j]:
-            found = found or not is_sure(j, w)
-    w.blurs[:] = w.doubted
+        j = w.unknowns[k]
+        if fabs(w.y[j] - w.guess[j]) > FARTHEST * w.scaling[j]:
+            found = found or not is_significant(j, w)
+    w.entry_roundoff[:] = w.slope_roundoff
     return found
 
 
-def find(p: Params, t: Real, begin: int, end: int, w: StartWork) -> bool:
-    """Look for a start from the spreads begin..end-1, what is free moving; w.y is the best found: the first
-    that is near, else the nearest."""
-    w.y[:] = w.home
-    if hopeless(p, t, w):
+def multistart(p: Params, t: Real, begin: int, end: int, w: StartWork) -> bool:
+    """Search from beginnings begin..end-1; w.y becomes the first start near the guess, else the nearest;
+    return whether there is one."""
+    w.y[:] = w.guess
+    if is_unsolvable(p, t, w):
         return False
-    w.best[:] = w.home
-    w.least = inf
-    w.most = 0.0
+    w.best[:] = w.guess
+    w.least_residual = inf
+    w.most_residual = 0.0
     w.nearest = inf
     some = False
     stated = False
-    owned = w.owned
+    owned = w.unknown_count
     for n in range(owned):
-        i = w.own[n]
-        some = some or w.loose[i] == 1
-        stated = stated or (w.loose[i] == 1 and w.levels[i] > UNSTATED)
+        i = w.unknowns[n]
+        some = some or w.free[i] == 1
+        stated = stated or (w.free[i] == 1 and w.levels[i] > UNSTATED)
     for k in range(begin, end):
-        if not begin_at(p, t, k, False, w) and stated:
-            begin_at(p, t, k, True, w)
+        if not attempt_from(p, t, k, False, w) and stated:
+            attempt_from(p, t, k, True, w)
         if w.nearest <= NEAR or not some:
             break
         if (
             k == BESIDE
             and k + 1 < end
             and w.nearest == inf
-            and w.most <= ALIKE * w.least
-            and w.least < MEANINGLESS
+            and w.most_residual <= ALIKE * w.least_residual
+            and w.least_residual < MEANINGLESS
         ):
             break
     w.y[:] = w.best
-    return w.nearest < inf and not is_chance(p, t, w)
+    return w.nearest < inf and not relies_on_roundoff(p, t, w)

@@ -1,8 +1,8 @@
-"""The unknowns and conditions of a consistent start, and how far a point is from one.
+"""The unknowns and equations of the initialization, and their residuals.
 
-The unknowns y are q, v, and the rates that were stated though declared speeds replace them.  The
-conditions are phi = 0, psi = 0, the `initial` section, rate - value = 0 for those rates, and unit
-quaternions.  Each unknown has a level, from UNSTATED to FIXED.
+The unknowns y are q, v, and stated rates that declared speeds replace.  The initial equations are phi = 0,
+psi = 0, the `initial` section, rate - value = 0 for these rates, and unit quaternions.  Each unknown has a
+level, from UNSTATED to FIXED.
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ from __future__ import annotations
 from math import fabs, inf, sqrt
 
 from lagc.kernels.arithmetic.quaternions import square_at
-from lagc.kernels.initialization.startparts import put_together
 from lagc.kernels.initialization.workspace import UNSTATED, StartWork
 from lagc.kernels.language.model import fn_conditions, fn_conditions_some
 from lagc.kernels.language.sizes import (
     NCOND,
     NE,
     NJ,
+    NPARTS,
     NPIECE,
     NQ,
     NQUAT,
@@ -25,26 +25,76 @@ from lagc.kernels.language.sizes import (
     NSUM,
     NU,
     NV,
+    NWHOLE,
 )
-from lagc.kernels.language.tables import ends, level, quaternion, row_piece, stretch_begins, stretch_ends
+from lagc.kernels.language.tables import (
+    ends,
+    level,
+    part_column,
+    part_ends,
+    quaternion,
+    row_piece,
+    stretch_begins,
+    stretch_ends,
+)
 from lagc.kernels.language.tolerances import FOUR_ULPS
-from lagc.kernels.language.words import IVec, Params, Real, Size, Vec, present, size
+from lagc.kernels.language.words import IVec, Params, Real, Size, Vec, present, size, vector
 
 SLIGHT = 1.0 / 1024.0  # of the weights: the least that rows are judged against; how far what is stated moves
 
 
+def part_begin(i: int) -> int:
+    """The index of the first partial derivative of equation i, or of a sum behind the equations."""
+    return part_ends[i - 1] if i > 0 else 0
+
+
+def assemble_slopes(J: Vec[NJ]) -> None:
+    """Assemble J from partial derivatives by unknowns and shared sums, by the chain rule, last sum first."""
+    parts = vector(NPARTS)
+    for k in range(NPARTS):
+        parts[k] = J[k]
+    total = vector(NWHOLE)
+    for j in range(NWHOLE):
+        total[j] = 0.0
+    made = 0
+    stretch = 0
+    for i in range(NCOND):
+        first = part_begin(i)
+        end = part_ends[i]
+        last = -1
+        for k in range(first, end):
+            total[part_column[k]] = parts[k]
+            if part_column[k] - NU > last:
+                last = part_column[k] - NU
+        for n in range(last + 1):
+            at = last - n
+            slope = total[NU + at]
+            total[NU + at] = 0.0
+            if slope != 0.0:
+                first = part_begin(NCOND + at)
+                end = part_ends[NCOND + at]
+                for k in range(first, end):
+                    total[part_column[k]] += slope * parts[k]
+        while made < ends[i]:
+            for j in range(stretch_begins[stretch], stretch_ends[stretch]):
+                J[made] = total[j]
+                total[j] = 0.0
+                made += 1
+            stretch += 1
+
+
 def row_begin(i: int) -> int:
-    """Where the derivatives of condition i begin in J."""
+    """The index in J of the first derivative of equation i."""
     return ends[i - 1] if i > 0 else 0
 
 
-def is_blurred(k: int, w: StartWork) -> bool:
-    """Whether a derivative is rounding: it changes by as much as it is where last places do."""
-    return 0.0 < fabs(w.J[k]) and fabs(w.J[k]) <= w.blurs[k]
+def is_roundoff(k: int, w: StartWork) -> bool:
+    """Whether derivative k is within its round-off estimate."""
+    return 0.0 < fabs(w.J[k]) and fabs(w.J[k]) <= w.entry_roundoff[k]
 
 
-def complete(i: int, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE]) -> None:
-    """Of condition i, if it is one of a stated rate or of a unit quaternion, what the model does not tell."""
+def complete_row(i: int, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE]) -> None:
+    """Complete equation i where it is that of a stated rate or of a unit quaternion."""
     if NRATE > 0:
         k = i - (NCOND - NRATE)
         if k >= 0 and k < NRATE:
@@ -60,90 +110,92 @@ def complete(i: int, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE]) -> None
                 J[first + j] = y[at + j]
 
 
-def meet_all(p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE]) -> None:
-    """Residuals, derivatives and sizes of the terms of all conditions."""
+def evaluate_all(p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE]) -> None:
+    """Evaluate residuals, Jacobian and term sizes of all equations."""
     if NCOND > 0:
         if NPIECE > 0:
             fn_conditions_some(p, t, y, c, J, sizes, 0, size(NPIECE))
         else:
             fn_conditions(p, t, y, c, J, sizes)
     if NSUM > 0:
-        put_together(J)
+        assemble_slopes(J)
     if NRATE > 0 or NQUAT > 0:
         for i in range(NCOND - NRATE, NE):
-            complete(i, y, c, J, sizes)
+            complete_row(i, y, c, J, sizes)
 
 
-def meet(p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE], w: StartWork) -> None:
+def evaluate_rows(
+    p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE], w: StartWork
+) -> None:
     """The same of w.rows alone; what belongs to other rows may be of another place."""
     if NPIECE > 0:
         fn_conditions_some(p, t, y, c, J, sizes, w.first_piece, w.end_piece)
         if NRATE > 0 or NQUAT > 0:
-            rows = w.ended
+            rows = w.row_count
             for r in range(rows):
-                complete(w.rows[r], y, c, J, sizes)
+                complete_row(w.rows[r], y, c, J, sizes)
     else:
-        meet_all(p, t, y, c, J, sizes)
+        evaluate_all(p, t, y, c, J, sizes)
 
 
 def set_scales(even: bool, w: StartWork) -> None:
-    """w.scale: how far each unknown moves where others could move instead."""
+    """Set w.step_scaling: how far each unknown moves where others could move instead; even: alike in a
+    unit."""
     for i in range(NU):
         if even:
-            w.scale[i] = w.widths[i]
+            w.step_scaling[i] = w.unit_scaling[i]
         else:
-            w.scale[i] = w.weights[i] if w.levels[i] == UNSTATED else SLIGHT * w.weights[i]
+            w.step_scaling[i] = w.scaling[i] if w.levels[i] == UNSTATED else SLIGHT * w.scaling[i]
 
 
-def judge(y: Vec[NU], J: Vec[NJ], sizes: Vec[NE], w: StartWork) -> None:
-    """What the residuals of w.rows at y are judged against: w.scales, its terms and what a slight part of how
-    large its unknowns may be changes it by: these are not known better.  And what of it is rounding of the
-    parameters, and where speeds take part of positions that are held, w.floors."""
-    rows = w.ended
+def scale_rows(y: Vec[NU], J: Vec[NJ], sizes: Vec[NE], w: StartWork) -> None:
+    """Set w.row_scaling and w.roundoff of w.rows at y: residuals count relative to the terms and to the
+    change by a thousandth of the magnitudes of the unknowns; residuals below round-off count as zero."""
+    rows = w.row_count
     for r in range(rows):
         i = w.rows[r]
         slight = 0.0
-        w.floors[i] = w.doubts[i]
+        w.roundoff[i] = w.residual_roundoff[i]
         first = row_begin(i)
         end = ends[i]
         for k in range(first, end):
             j = w.column[k]
             size = fabs(y[j])
-            if w.loose[j] == 1 and w.reach[j] > size:
-                size = w.reach[j]
+            if w.free[j] == 1 and w.magnitude[j] > size:
+                size = w.magnitude[j]
             slight += fabs(J[k]) * size
-            w.floors[i] += w.doubted[k] * fabs(y[j])
-            if r >= w.positions and j < NQ and w.loose[j] == 0:
-                w.floors[i] += fabs(J[k]) * FOUR_ULPS * w.widths[j]
-        w.scales[i] = sizes[i] + SLIGHT * slight
+            w.roundoff[i] += w.slope_roundoff[k] * fabs(y[j])
+            if r >= w.position_rows and j < NQ and w.free[j] == 0:
+                w.roundoff[i] += fabs(J[k]) * FOUR_ULPS * w.unit_scaling[j]
+        w.row_scaling[i] = sizes[i] + SLIGHT * slight
 
 
-def ratio(value: Real, floor: Real, scale: Real) -> Real:
-    """A residual by what it is judged against, as far as it is no rounding."""
+def relative_residual(value: Real, floor: Real, scale: Real) -> Real:
+    """A residual relative to its scale, 0 below its round-off."""
     if fabs(value) <= floor:
         return 0.0
     return fabs(value) / scale if 0.0 < scale and scale < inf else inf
 
 
-def norm(c: Vec[NE], first: int, end: int, w: StartWork) -> Real:
-    """Of the scaled residuals of w.rows[first..end-1]; infinity where one is not a number."""
+def residual_norm(c: Vec[NE], first: int, end: int, w: StartWork) -> Real:
+    """The norm of the relative residuals of w.rows[first..end-1]; infinity where one is not a number."""
     total = 0.0
     for k in range(first, end):
         i = w.rows[k]
-        size = ratio(c[i], w.floors[i], w.scales[i])
+        size = relative_residual(c[i], w.roundoff[i], w.row_scaling[i])
         total += size * size
     return sqrt(total) if total == total else inf
 
 
-def farthest(p: Params, t: Real, y: Vec[NU], end: int, w: StartWork) -> Real:
-    """The largest scaled residual of w.rows[..end-1], infinity where one is not a number."""
-    meet(p, t, y, w.c, w.J, w.sizes, w)
-    judge(y, w.J, w.sizes, w)
+def largest_residual(p: Params, t: Real, y: Vec[NU], end: int, w: StartWork) -> Real:
+    """The largest relative residual of w.rows[..end-1] at y; infinity where one is not a number."""
+    evaluate_rows(p, t, y, w.c, w.J, w.term_sizes, w)
+    scale_rows(y, w.J, w.term_sizes, w)
     w.culprit = -1
     worst = 0.0
     for k in range(end):
         i = w.rows[k]
-        size = ratio(w.c[i], w.floors[i], w.scales[i])
+        size = relative_residual(w.c[i], w.roundoff[i], w.row_scaling[i])
         if not size <= worst:
             worst = size if size == size else inf
             w.culprit = i
@@ -152,8 +204,8 @@ def farthest(p: Params, t: Real, y: Vec[NU], end: int, w: StartWork) -> Real:
     return worst
 
 
-def moving(i: int, w: StartWork) -> bool:
-    """Whether speeds take part in condition i."""
+def has_speeds(i: int, w: StartWork) -> bool:
+    """Whether equation i contains speeds."""
     first = row_begin(i)
     end = ends[i]
     for k in range(first, end):
@@ -162,23 +214,23 @@ def moving(i: int, w: StartWork) -> bool:
     return False
 
 
-def link(w: StartWork) -> None:
-    """The derivatives of w.rows by each unknown: from w.last on by w.before, each with its w.owner."""
+def link_entries(w: StartWork) -> None:
+    """Link the derivatives of w.rows by each unknown: from w.last on by w.previous; w.equation_of each."""
     for j in range(NU):
         w.last[j] = -1
-    rows = w.ended
+    rows = w.row_count
     for r in range(rows):
         i = w.rows[r]
         first = row_begin(i)
         end = ends[i]
         for k in range(first, end):
-            w.owner[k] = i
-            w.before[k] = w.last[w.column[k]]
+            w.equation_of[k] = i
+            w.previous[k] = w.last[w.column[k]]
             w.last[w.column[k]] = k
 
 
-def queue(i: int, count: int, w: StartWork) -> int:
-    """Put the unknowns of condition i into w.line, if they are not; how many are there."""
+def visit(i: int, count: int, w: StartWork) -> int:
+    """Append the new unknowns of equation i to w.ordered; return how many it holds."""
     w.chosen[i] = 1
     found = count
     first = row_begin(i)
@@ -187,39 +239,39 @@ def queue(i: int, count: int, w: StartWork) -> int:
         j = w.column[k]
         if w.marks[j] == 0:
             w.marks[j] = 1
-            w.line[found] = j
+            w.ordered[found] = j
             found += 1
     return found
 
 
-def line_up_unknowns(w: StartWork) -> None:
-    """w.line: the unknowns that the rows hold in the order in which they are met on the way from condition to
-    condition, so that those that conditions tie to each other are near (E. Cuthill, J. McKee, 1969)."""
-    link(w)
+def order_unknowns(w: StartWork) -> None:
+    """Set w.ordered: the unknowns of the rows such that coupled ones are near (E. Cuthill, J. McKee,
+    1969)."""
+    link_entries(w)
     for j in range(NU):
         w.marks[j] = 0
     for i in range(NE):
         w.chosen[i] = 0
     count = 0
     at = 0
-    rows = w.ended
+    rows = w.row_count
     for r in range(rows):
         if w.chosen[w.rows[r]] == 0:
-            count = queue(w.rows[r], count, w)
+            count = visit(w.rows[r], count, w)
         while at < count:
-            k = w.last[w.line[at]]
+            k = w.last[w.ordered[at]]
             while k >= 0:
-                if w.chosen[w.owner[k]] == 0:
-                    count = queue(w.owner[k], count, w)
-                k = w.before[k]
+                if w.chosen[w.equation_of[k]] == 0:
+                    count = visit(w.equation_of[k], count, w)
+                k = w.previous[k]
             at += 1
 
 
-def find_pieces(w: StartWork) -> None:
-    """Those that the rows are of."""
+def find_piece_range(w: StartWork) -> None:
+    """Set the range of independently evaluated groups that the rows belong to."""
     w.first_piece = size(NPIECE)
     w.end_piece = 0
-    rows = w.ended
+    rows = w.row_count
     for r in range(rows):
         own = row_piece[w.rows[r]]
         if own >= 0 and own < w.first_piece:
@@ -228,37 +280,37 @@ def find_pieces(w: StartWork) -> None:
             w.end_piece = own + 1
 
 
-def confine(n: Size, w: StartWork) -> None:
-    """Look at the n conditions in w.order, those of positions first, and at the unknowns that they hold."""
+def select_equations(n: Size, w: StartWork) -> None:
+    """Select the n equations w.selected, equations of positions first, and their unknowns."""
     for i in range(NU):
         w.marks[i] = 0
     for i in range(n):
-        first = row_begin(w.order[i])
-        end = ends[w.order[i]]
+        first = row_begin(w.selected[i])
+        end = ends[w.selected[i]]
         for k in range(first, end):
             w.marks[w.column[k]] = 1
-    w.owned = 0
+    w.unknown_count = 0
     for i in range(NU):
         if w.marks[i] == 1:
-            w.own[w.owned] = i
-            w.owned += 1
-    w.ended = 0
+            w.unknowns[w.unknown_count] = i
+            w.unknown_count += 1
+    w.row_count = 0
     for i in range(n):
-        if not moving(w.order[i], w):
-            w.rows[w.ended] = w.order[i]
-            w.ended += 1
-    w.positions = w.ended
+        if not has_speeds(w.selected[i], w):
+            w.rows[w.row_count] = w.selected[i]
+            w.row_count += 1
+    w.position_rows = w.row_count
     for i in range(n):
-        if moving(w.order[i], w):
-            w.rows[w.ended] = w.order[i]
-            w.ended += 1
+        if has_speeds(w.selected[i], w):
+            w.rows[w.row_count] = w.selected[i]
+            w.row_count += 1
     if NPIECE > 0:
-        find_pieces(w)
-    line_up_unknowns(w)
+        find_piece_range(w)
+    order_unknowns(w)
 
 
-def unfold(w: StartWork) -> None:
-    """w.column, out of stretches: there may be as many derivatives as pairs of unknowns."""
+def fill_columns(w: StartWork) -> None:
+    """Set w.column, the unknown of each derivative."""
     n = 0
     for k in range(NSTRETCH):
         for j in range(stretch_begins[k], stretch_ends[k]):
@@ -266,8 +318,8 @@ def unfold(w: StartWork) -> None:
             n += 1
 
 
-def arrange(levels: IVec[NU], w: StartWork) -> None:
-    """The levels, those of a quaternion as one; all conditions."""
+def set_levels(levels: IVec[NU], w: StartWork) -> None:
+    """Set the levels, one for each quaternion, and select all equations."""
     if present(levels):
         w.levels[:] = levels
     else:
@@ -284,10 +336,10 @@ def arrange(levels: IVec[NU], w: StartWork) -> None:
                 w.levels[first + i] = w.levels[first]
                 w.part[first + i] = 1
     for i in range(NU):
-        w.loose[i] = 1 if w.levels[i] == UNSTATED else 0
-    unfold(w)
+        w.free[i] = 1 if w.levels[i] == UNSTATED else 0
+    fill_columns(w)
     for i in range(NE):
-        w.order[i] = i
-    confine(NE, w)
+        w.selected[i] = i
+    select_equations(NE, w)
     for i in range(NE):
-        w.all[i] = w.rows[i]
+        w.all_rows[i] = w.rows[i]

@@ -1,10 +1,10 @@
-"""The sizes of the unknowns of a consistent start: by what was stated, and from condition to condition."""
+"""Scaling of the unknowns, and round-off estimates of the initial equations."""
 
 from __future__ import annotations
 
 from math import fabs, inf
 
-from lagc.kernels.initialization.residuals import SLIGHT, is_blurred, meet, meet_all, row_begin
+from lagc.kernels.initialization.residuals import SLIGHT, evaluate_all, evaluate_rows, is_roundoff, row_begin
 from lagc.kernels.initialization.workspace import UNSTATED, StartWork
 from lagc.kernels.language.parameters import bind
 from lagc.kernels.language.sizes import NE, NJ, NP, NPREPARED, NQ, NQUAT, NU
@@ -13,8 +13,8 @@ from lagc.kernels.language.tolerances import FOUR_ULPS, LEAST_WEIGHT, MOST_WEIGH
 from lagc.kernels.language.words import Params, Real, Vec, params
 
 
-def shake_parameters(p: Params, way: Real, other: Params) -> None:
-    """Parameters changed by four units of their last place, every other one the other way."""
+def perturb_parameters(p: Params, way: Real, other: Params) -> None:
+    """Perturb parameters by four units in the last place, every other one in the opposite direction."""
     other[:] = p
     for k in range(NP):
         other[k] *= 1.0 + way if k % 2 == 0 else 1.0 - way
@@ -22,67 +22,72 @@ def shake_parameters(p: Params, way: Real, other: Params) -> None:
         bind(other)
 
 
-def less(change: Real, most: Real) -> Real:
-    """The less of two changes; none where it has no value."""
+def smaller_change(change: Real, most: Real) -> Real:
+    """Return the smaller of two changes, ignoring NaN."""
     if not change < inf:
         return 0.0
     return change if change < most else most
 
 
-def doubt(p: Params, t: Real, w: StartWork) -> None:
-    """What last places of the parameters change at the guess: residuals, w.doubts, and derivatives,
-    w.doubted; the less of either way, for on one side there may be a jump."""
+def estimate_roundoff(p: Params, t: Real, w: StartWork) -> None:
+    """Estimate the effect of round-off in parameters on residuals and derivatives at the guess: the smaller
+    change of two perturbations (Higham 2002, section 1.10)."""
     for i in range(NE):
-        w.doubts[i] = inf if NP > 0 else 0.0
+        w.residual_roundoff[i] = inf if NP > 0 else 0.0
     for k in range(NJ):
-        w.doubted[k] = inf if NP > 0 else 0.0
+        w.slope_roundoff[k] = inf if NP > 0 else 0.0
     if NP > 0:
         other = params()
         for turn in range(2):
-            shake_parameters(p, FOUR_ULPS if turn == 0 else -FOUR_ULPS, other)
-            meet_all(other, t, w.home, w.trial_c, w.trial_J, w.trial_sizes)
+            perturb_parameters(p, FOUR_ULPS if turn == 0 else -FOUR_ULPS, other)
+            evaluate_all(other, t, w.guess, w.trial_c, w.trial_J, w.trial_term_sizes)
             for i in range(NE):
-                w.doubts[i] = less(fabs(w.trial_c[i] - w.c[i]), w.doubts[i])
+                w.residual_roundoff[i] = smaller_change(fabs(w.trial_c[i] - w.c[i]), w.residual_roundoff[i])
             for k in range(NJ):
-                w.doubted[k] = less(fabs(w.trial_J[k] - w.J[k]), w.doubted[k])
+                w.slope_roundoff[k] = smaller_change(fabs(w.trial_J[k] - w.J[k]), w.slope_roundoff[k])
 
 
-def blur(p: Params, t: Real, y: Vec[NU], sizes: Vec[NU], w: StartWork) -> None:
-    """w.blurs: how far the derivatives w.J at y change where positions, of these `sizes`, or parameters
-    change in their last places."""
+def estimate_slope_roundoff(p: Params, t: Real, y: Vec[NU], sizes: Vec[NU], w: StartWork) -> None:
+    """Set w.entry_roundoff: the change of the derivatives at y where positions, of these sizes, are
+    perturbed in the last place."""
     w.trial[:] = y
     for i in range(NQ):
         size = fabs(y[i]) if fabs(y[i]) > fabs(sizes[i]) else fabs(sizes[i])
         w.trial[i] += (FOUR_ULPS if i % 2 == 0 else -FOUR_ULPS) * size
-    meet(p, t, w.trial, w.trial_c, w.trial_J, w.trial_sizes, w)
-    rows = w.ended
+    evaluate_rows(p, t, w.trial, w.trial_c, w.trial_J, w.trial_term_sizes, w)
+    rows = w.row_count
     for r in range(rows):
         first = row_begin(w.rows[r])
         end = ends[w.rows[r]]
         for k in range(first, end):
             change = fabs(w.trial_J[k] - w.J[k])
-            w.blurs[k] = change if change > w.doubted[k] else w.doubted[k]
+            w.entry_roundoff[k] = change if change > w.slope_roundoff[k] else w.slope_roundoff[k]
 
 
 def known_terms(i: int, w: StartWork) -> Real:
-    """The sum of the terms of condition i, each as large as it may be, as far as it is known."""
-    total = w.terms[i]
+    """The sum of the terms of equation i with known magnitudes."""
+    total = w.guess_term_sizes[i]
     first = row_begin(i)
     end = ends[i]
     for k in range(first, end):
-        if w.reach[w.column[k]] < inf:
-            total += fabs(w.J[k]) * w.reach[w.column[k]]
+        if w.magnitude[w.column[k]] < inf:
+            total += fabs(w.J[k]) * w.magnitude[w.column[k]]
     return total
 
 
 def is_open(k: int, w: StartWork) -> bool:
-    """Whether derivative k is by an unknown whose size is not known yet."""
-    return w.reach[w.column[k]] == inf and 0.0 < fabs(w.J[k]) and fabs(w.J[k]) < inf and not is_blurred(k, w)
+    """Whether derivative k is by an unknown without a magnitude."""
+    return (
+        w.magnitude[w.column[k]] == inf
+        and 0.0 < fabs(w.J[k])
+        and fabs(w.J[k]) < inf
+        and not is_roundoff(k, w)
+    )
 
 
-def steepest(i: int, k: int, w: StartWork) -> bool:
-    """Whether derivative k of condition i is by an unknown whose size is not known yet, the one of its unit
-    that the condition depends on most."""
+def is_steepest(i: int, k: int, w: StartWork) -> bool:
+    """Whether equation i depends on the unknown of derivative k more than on others of its unit without a
+    magnitude."""
     if not is_open(k, w):
         return False
     first = row_begin(i)
@@ -97,9 +102,8 @@ def steepest(i: int, k: int, w: StartWork) -> bool:
     return True
 
 
-def size_alone(w: StartWork) -> bool:
-    """Of each condition with one unknown whose size is not known yet, this: what changes the condition by the
-    size of its other terms; whether there are any."""
+def size_single(w: StartWork) -> bool:
+    """Set the magnitude of the unknown that alone has none in an equation; return whether any was set."""
     found = False
     for i in range(NE):
         at = -1
@@ -114,15 +118,15 @@ def size_alone(w: StartWork) -> bool:
             w.chosen[i] = 1
             size = known_terms(i, w) / fabs(w.J[at])
             if size < inf:
-                w.reach[w.column[at]] = size
+                w.magnitude[w.column[at]] = size
                 found = True
     return found
 
 
 def size_several(w: StartWork) -> bool:
-    """The same of conditions with several: of that of each unit that they depend on most."""
+    """Set the magnitudes where equations hold several unknowns without one; return whether any was set."""
     found = False
-    w.moves[:] = w.reach
+    w.moves[:] = w.magnitude
     for turn in range(2):
         for i in range(NE):
             total = known_terms(i, w)
@@ -131,63 +135,64 @@ def size_several(w: StartWork) -> bool:
             first = row_begin(i)
             end = ends[i]
             for k in range(first, end):
-                if steepest(i, k, w):
+                if is_steepest(i, k, w):
                     size = total / fabs(w.J[k])
                     if turn == 0 and size < w.moves[w.column[k]]:
                         w.moves[w.column[k]] = size
                         found = True
                     if turn == 1 and size == w.moves[w.column[k]]:
                         w.chosen[i] = 1
-    w.reach[:] = w.moves
+    w.magnitude[:] = w.moves
     return found
 
 
-def stretch(w: StartWork) -> None:
-    """w.reach: the size of each unknown, by what was stated and by the conditions, each of which tells that
-    of one; infinite where these do not tell."""
+def propagate_magnitudes(w: StartWork) -> None:
+    """Set w.magnitude of each unknown from stated values, and from equation to equation; infinite where none
+    determines it."""
     for i in range(NU):
-        w.reach[i] = fabs(w.home[i]) if w.home[i] != 0.0 or w.levels[i] > UNSTATED else inf
+        w.magnitude[i] = fabs(w.guess[i]) if w.guess[i] != 0.0 or w.levels[i] > UNSTATED else inf
     for i in range(NE):
         w.chosen[i] = 0
     for turn in range(2):  # what is stated to be zero at last, where its unit has no size
         while True:
-            if not size_alone(w) and not size_several(w):
+            if not size_single(w) and not size_several(w):
                 break
         for i in range(NU):
-            if turn == 0 and w.reach[i] == 0.0 and w.levels[i] > UNSTATED and w.common[unit[i]] == 0.0:
-                w.reach[i] = inf
+            if turn == 0 and w.magnitude[i] == 0.0 and w.levels[i] > UNSTATED and w.unit_size[unit[i]] == 0.0:
+                w.magnitude[i] = inf
     for i in range(NU):
-        if angle[i] == 1 and w.home[i] == 0.0 and w.reach[i] < SLIGHT:  # turns are of the size of a radian
-            w.reach[i] = inf
+        if (
+            angle[i] == 1 and w.guess[i] == 0.0 and w.magnitude[i] < SLIGHT
+        ):  # turns are of the size of a radian
+            w.magnitude[i] = inf
 
 
-def common_sizes(w: StartWork) -> None:
-    """w.common: the largest unknown of each unit."""
+def unit_sizes(w: StartWork) -> None:
+    """Set w.unit_size: the largest guess of each unit."""
     for i in range(NU):
-        w.common[i] = 0.0
+        w.unit_size[i] = 0.0
     for i in range(NU):
-        if fabs(w.home[i]) > w.common[unit[i]]:
-            w.common[unit[i]] = fabs(w.home[i])
+        if fabs(w.guess[i]) > w.unit_size[unit[i]]:
+            w.unit_size[unit[i]] = fabs(w.guess[i])
 
 
 def share_sizes(w: StartWork) -> None:
-    """w.common of units of which all is zero: the largest that the conditions tell.  One size for all: steps
-    of least norm would go farthest where they do least."""
+    """Set w.unit_size, where all guesses of a unit are zero, to the largest magnitude in it."""
     for i in range(NU):
-        w.now[i] = w.common[i]
+        w.begin[i] = w.unit_size[i]
     for i in range(NU):
-        if w.now[unit[i]] == 0.0 and w.reach[i] < MOST_WEIGHT and w.reach[i] > w.common[unit[i]]:
-            w.common[unit[i]] = w.reach[i]
+        if w.begin[unit[i]] == 0.0 and w.magnitude[i] < MOST_WEIGHT and w.magnitude[i] > w.unit_size[unit[i]]:
+            w.unit_size[unit[i]] = w.magnitude[i]
 
 
-def usual(i: int, largest: Vec[NU], w: StartWork) -> Real:
-    """The size of an unknown: its own, where it was stated; that of others of its unit; what the conditions
-    allow; that of a parameter of its unit; 1."""
-    weight = fabs(w.home[i])
+def usual_size(i: int, largest: Vec[NU], w: StartWork) -> Real:
+    """The size of an unknown: its own, that of its unit, its magnitude, that of parameters of its unit,
+    or 1."""
+    weight = fabs(w.guess[i])
     if w.levels[i] == UNSTATED or weight == 0.0:
-        weight = w.common[unit[i]]
-    if weight == 0.0 and w.reach[i] < inf:
-        weight = w.reach[i]
+        weight = w.unit_size[unit[i]]
+    if weight == 0.0 and w.magnitude[i] < inf:
+        weight = w.magnitude[i]
     if weight == 0.0:
         weight = largest[unit[i]]
     if not (LEAST_WEIGHT < weight and weight < MOST_WEIGHT):
@@ -196,46 +201,47 @@ def usual(i: int, largest: Vec[NU], w: StartWork) -> Real:
 
 
 def tighten(w: StartWork) -> None:
-    """w.reach, of what is zero and was not stated, no larger than the other terms of a condition allow."""
+    """Limit the magnitudes of unstated unknowns that are guessed zero by the other terms of equations."""
     for i in range(NE):
         at = -1
         largest = 0.0
         first = row_begin(i)
         end = ends[i]
         for k in range(first, end):
-            own = fabs(w.J[k]) * w.reach[w.column[k]]
+            own = fabs(w.J[k]) * w.magnitude[w.column[k]]
             if own > largest:
                 at = k
                 largest = own
-        if at < 0 or is_blurred(at, w):
+        if at < 0 or is_roundoff(at, w):
             continue
         j = w.column[at]
-        total = w.terms[i]
+        total = w.guess_term_sizes[i]
         for k in range(first, end):
             if k != at:
-                total += fabs(w.J[k]) * w.reach[w.column[k]]
-        if 0.0 < total and total < largest and w.levels[j] == UNSTATED and w.home[j] == 0.0:
-            w.reach[j] = total / fabs(w.J[at])
+                total += fabs(w.J[k]) * w.magnitude[w.column[k]]
+        if 0.0 < total and total < largest and w.levels[j] == UNSTATED and w.guess[j] == 0.0:
+            w.magnitude[j] = total / fabs(w.J[at])
 
 
-def weigh(p: Params, t: Real, largest: Vec[NU], w: StartWork) -> None:
-    """w.weights, the sizes of the unknowns, those that the conditions tell where the usual ones are far
-    off; w.reach, by which rows are judged; w.widths, of their units."""
-    meet_all(p, t, w.home, w.c, w.J, w.sizes)
-    w.terms[:] = w.sizes
-    doubt(p, t, w)
-    blur(p, t, w.home, w.home, w)
-    common_sizes(w)
-    stretch(w)
+def set_scaling(p: Params, t: Real, largest: Vec[NU], w: StartWork) -> None:
+    """Set w.scaling, w.unit_scaling and w.magnitude at the guess."""
+    evaluate_all(p, t, w.guess, w.c, w.J, w.term_sizes)
+    w.guess_term_sizes[:] = w.term_sizes
+    estimate_roundoff(p, t, w)
+    estimate_slope_roundoff(p, t, w.guess, w.guess, w)
+    unit_sizes(w)
+    propagate_magnitudes(w)
     share_sizes(w)
     for i in range(NU):
-        w.now[i] = usual(i, largest, w)
+        w.begin[i] = usual_size(i, largest, w)
     for i in range(NU):
-        weight = usual(i, largest, w)
-        width = w.common[unit[i]] if w.common[unit[i]] < MOST_WEIGHT else MOST_WEIGHT
+        weight = usual_size(i, largest, w)
+        width = w.unit_size[unit[i]] if w.unit_size[unit[i]] < MOST_WEIGHT else MOST_WEIGHT
         if width < weight:
             width = weight
-        reach = w.reach[i] if w.home[i] == 0.0 and 0.0 < w.reach[i] and w.reach[i] < inf else weight
+        reach = (
+            w.magnitude[i] if w.guess[i] == 0.0 and 0.0 < w.magnitude[i] and w.magnitude[i] < inf else weight
+        )
         if reach < LEAST_WEIGHT:
             reach = LEAST_WEIGHT
         if reach > MOST_WEIGHT:
@@ -244,13 +250,13 @@ def weigh(p: Params, t: Real, largest: Vec[NU], w: StartWork) -> None:
             weight = reach
             width = reach
         most = 1.0 if angle[i] == 1 else inf
-        w.weights[i] = weight if weight < most else most
-        w.widths[i] = width if width < most else most
-        w.reach[i] = reach if reach < most else most
+        w.scaling[i] = weight if weight < most else most
+        w.unit_scaling[i] = width if width < most else most
+        w.magnitude[i] = reach if reach < most else most
     tighten(w)
     if NQUAT > 0:
         for k in range(NQUAT):
             for i in range(4):
-                w.weights[quaternion[k] + i] = 1.0
-                w.widths[quaternion[k] + i] = 1.0
-                w.reach[quaternion[k] + i] = 1.0
+                w.scaling[quaternion[k] + i] = 1.0
+                w.unit_scaling[quaternion[k] + i] = 1.0
+                w.magnitude[quaternion[k] + i] = 1.0

@@ -1,11 +1,11 @@
-"""What the search for a consistent start keeps."""
+"""The workspace of the initialization."""
 
 from __future__ import annotations
 
 from lagc.kernels.language.sizes import NE, NJ, NPIECE, NROW, NTREE, NU
 from lagc.kernels.language.words import Code, IVec, Mat, Real, Vec, record
 
-# How firmly a start value is stated: in a conflict the smaller gives way, FIXED never does.
+# Priority of a start value: in a conflict the lower level gives way; FIXED never does.
 UNSTATED = Code(0)
 DECLARED = Code(1)
 SCENE = Code(2)
@@ -17,81 +17,87 @@ FIXED = Code(4)
 class StartWork:
     """Room for lagc_consistent; no need to fill it."""
 
-    # Of a failure: the condition that is missed most; of NOT_FINITE the index in q, v and the stated
+    # Of a failure: the equation with the largest residual; of NOT_FINITE the index in q, v and the stated
     # rates; of INVALID see LAGC_BAD_...
     culprit: int
-    loose: IVec[NU]  # 1: this value may have moved
-    y: Vec[NU]  # q, v, and the stated rates
+    # The unknowns: q, v, and the stated rates.
+    free: IVec[NU]  # 1: this value may have moved
+    y: Vec[NU]
+    guess: Vec[NU]
     levels: IVec[NU]
     part: IVec[NU]  # 1: of a quaternion, behind its first
-    own: IVec[NU]  # the unknowns that the rows hold, and how many they are
-    owned: int
-    places: IVec[NU]
+    unknowns: IVec[NU]  # those of the selected equations
+    unknown_count: int
+    ordered: IVec[NU]  # the same, coupled ones side by side
+    columns: IVec[NU]  # the unknowns of the matrix
+    column_count: int
+    column_of: IVec[NU]  # the column of each unknown, -1: none
+    candidates: IVec[NU]  # stated values of one level that may move
     picked: IVec[NU]
-    values: IVec[NU]
-    columns: IVec[NU]
-    line: IVec[NU]  # those of own, near each other where conditions tie them
     marks: IVec[NU]
-    let: IVec[NU]
-    home: Vec[NU]  # the guess
-    weights: Vec[NU]
-    widths: Vec[NU]
-    scale: Vec[NU]  # how far an unknown moves where others could move instead
-    common: Vec[NU]
-    reach: Vec[NU]  # how large each unknown may be
-    moves: Vec[NU]
-    now: Vec[NU]
+    # Scaling.
+    scaling: Vec[NU]  # the size of each unknown
+    unit_scaling: Vec[NU]  # the same, alike in a unit
+    step_scaling: Vec[NU]  # how far an unknown moves where others could move instead
+    unit_size: Vec[NU]  # by number of the unit
+    magnitude: Vec[NU]  # how large each unknown may be
+    # Points of the search.
+    begin: Vec[NU]
     best: Vec[NU]
     trial: Vec[NU]
-    turned: Vec[NU]
+    tried: Vec[NU]
+    saved: Vec[NU]
+    restored: Vec[NU]
+    combined: Vec[NU]  # the starts of all blocks
+    block_begin: Vec[NU]
+    free_before: IVec[NU]
     step: Vec[NU]
-    kept: Vec[NU]
-    held: Vec[NU]
-    reached: Vec[NU]
-    answer: Vec[NU]
-    least: Real  # what attempts missed
-    most: Real
-    nearest: Real  # start of these, in weights from the guess
+    moves: Vec[NU]
+    least_residual: Real  # of attempts that failed
+    most_residual: Real
+    nearest: Real  # distance of the best start from the guess, scaled
     work: int  # factorisations so far
-    whole: bool  # steps are not halved: all is met next to there or not at all
-    count: int  # of columns
-    left_out: int  # rows that the last step does without
-    positions: int  # of the rows that follow: conditions of positions come first
-    ended: int  # where the rows end: those of one part
-    if NPIECE > 0:
-        first_piece: int  # of those that the rows are of, and behind the last
-        end_piece: int
+    full_steps: bool  # no line search
+    # The selected equations; equations of positions come first.
     rows: IVec[NE]
-    all: IVec[NE]
-    order: IVec[NE]
-    group: IVec[NE]
-    chosen: IVec[NE]
-    begins: IVec[NE]  # where rows of the matrix begin to differ from zero, and where they cease to
-    stops: IVec[NE]
-    lows: IVec[NE]  # the same of rests
-    highs: IVec[NE]
-    sorted: IVec[NE]  # rows by where they begin, and how far those up to there reach
-    behind: IVec[NE]
-    near: IVec[NE]
-    firsts: IVec[NROW]  # of these, those that begin at a place
-    longest: IVec[NTREE]
-    squares: Vec[NE]
-    c: Vec[NE]  # of the rows alone, as sizes, J and those of a trial
-    sizes: Vec[NE]
-    scales: Vec[NE]
-    floors: Vec[NE]
-    terms: Vec[NE]  # of each condition at the guess
-    trial_c: Vec[NE]
-    trial_sizes: Vec[NE]
-    right: Vec[NE]
-    column: IVec[NJ]  # the unknown of each derivative, its condition, and the one before by the same unknown
-    owner: IVec[NJ]
-    before: IVec[NJ]
-    last: IVec[NU]
+    row_count: int
+    position_rows: int
+    all_rows: IVec[NE]
+    selected: IVec[NE]
+    block: IVec[NE]
+    if NPIECE > 0:
+        first_piece: int  # groups that are evaluated alone
+        end_piece: int
+    # Residuals, their Jacobian by rows, and the sizes of their terms.
+    c: Vec[NE]
     J: Vec[NJ]
+    term_sizes: Vec[NE]
+    trial_c: Vec[NE]
     trial_J: Vec[NJ]
-    doubts: Vec[NE]  # what last places of parameters change residuals by
-    doubted: Vec[NJ]  # and derivatives
-    blurs: Vec[NJ]  # the same, where speeds are sought of positions too
+    trial_term_sizes: Vec[NE]
+    guess_term_sizes: Vec[NE]
+    row_scaling: Vec[NE]
+    roundoff: Vec[NE]  # a residual up to it is 0
+    residual_roundoff: Vec[NE]  # of parameters, at the guess
+    slope_roundoff: Vec[NJ]  # the same, of J
+    entry_roundoff: Vec[NJ]  # the same, of positions too
+    column: IVec[NJ]  # the unknown of each derivative
+    equation_of: IVec[NJ]
+    previous: IVec[NJ]  # the derivative before by the same unknown
+    last: IVec[NU]
+    # The least-norm problem.
     matrix: Mat[NE, NROW]
-    rests: Mat[NE, NROW]
+    orthogonal: Mat[NE, NROW]  # remainders of the rows, then orthonormal rows
+    right: Vec[NE]
+    chosen: IVec[NE]
+    first_column: IVec[NE]  # the nonzero range of a row
+    end_column: IVec[NE]
+    first_nonzero: IVec[NE]  # the same, of w.orthogonal
+    end_nonzero: IVec[NE]
+    by_first: IVec[NE]
+    first_counts: IVec[NROW]
+    reach_so_far: IVec[NE]
+    neighbours: IVec[NE]
+    remaining: Vec[NE]  # squared length of the remainder; -1: none
+    tournament: IVec[NTREE]
+    dropped_rows: int  # dependent rows of the last step

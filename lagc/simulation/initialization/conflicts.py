@@ -1,8 +1,7 @@
-"""The search for a consistent start, in words.
+"""The search for consistent initial conditions, and the names of what takes part in it.
 
-The search is that of the generated code (`lagc.kernels.initialization.consistent`); here are the names.  Which conditions
-forced a value, or contradict each other, is found by leaving out one after the other while the search
-still fails.
+The equations that force a value, or contradict each other, are found by leaving out one after the other while
+the search still fails.
 """
 
 from __future__ import annotations

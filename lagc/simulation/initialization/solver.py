@@ -15,7 +15,9 @@ from lagc.codegen.python.initialization import SWITCHES, code
 from lagc.simulation.system import OK
 
 MET = 8  # points whose conditions are remembered: a search of all of them comes back, two times of three
-UNSTATED, DECLARED, SCENE, RUN, FIXED = range(5)  # how firmly a start value is stated: see `startrecords`
+UNSTATED, DECLARED, SCENE, RUN, FIXED = range(
+    5
+)  # how firmly a start value is stated: see `kernels.initialization.workspace`
 
 
 Found: TypeAlias = tuple[list[float], list[float], list[float]]
@@ -125,10 +127,10 @@ class Consistency:
         self.status: int = self.kernels["prepare"](conditions.parameters, t, x, levels, self.room)
         self.has_begun = self.status == OK  # else `culprit` is what of the guess has no value or no direction
         if not self.has_begun:
-            self.room.y[:] = self.room.home
+            self.room.y[:] = self.room.guess
         elif given is not None:
-            self.room.order[: len(given)] = given
-            self.kernels["confine"](len(given), self.room)
+            self.room.selected[: len(given)] = given
+            self.kernels["select_equations"](len(given), self.room)
 
     def run(self) -> int:
         """OK, INCONSISTENT or NOT_FINITE."""
@@ -138,7 +140,7 @@ class Consistency:
 
     def solve(self, first: int, end: int) -> bool:
         """Whether attempts first..end-1 alone lead to a start, what is free moving."""
-        found: bool = self.has_begun and self.kernels["find"](
+        found: bool = self.has_begun and self.kernels["multistart"](
             self.conditions.parameters, self.t, first, end, self.room
         )
         return found
@@ -147,7 +149,7 @@ class Consistency:
         """Residuals, derivatives and sizes of the terms of all conditions."""
         m = len(self.conditions.ends)
         found = [0.0] * m, [0.0] * len(self.conditions.columns), [0.0] * m
-        self.kernels["meet_all"](self.conditions.parameters, self.t, y, *found)
+        self.kernels["evaluate_all"](self.conditions.parameters, self.t, y, *found)
         return found
 
     @property
@@ -156,11 +158,11 @@ class Consistency:
 
     @property
     def home(self) -> list[float]:
-        return list(self.room.home)
+        return list(self.room.guess)
 
     @property
     def weights(self) -> list[float]:
-        return list(self.room.weights)
+        return list(self.room.scaling)
 
     @property
     def levels(self) -> list[int]:
@@ -168,7 +170,7 @@ class Consistency:
 
     @property
     def free(self) -> list[bool]:
-        return [loose == 1 for loose in self.room.loose]
+        return [loose == 1 for loose in self.room.free]
 
     @property
     def part(self) -> list[bool]:
@@ -177,7 +179,7 @@ class Consistency:
 
     @property
     def rows(self) -> list[int]:
-        return list(self.room.rows[: self.room.ended])
+        return list(self.room.rows[: self.room.row_count])
 
     @property
     def culprit(self) -> int:
@@ -200,10 +202,12 @@ def least_norm(rows: Sequence[Sequence[float]], right: Sequence[float], dependen
     place = {j: k for k, j in enumerate(line)}
     ends = [(min(own), max(own) + 1) if own else (0, 0) for own in ([place[j] for j in f] for f in filled)]
     room = SimpleNamespace(
-        matrix=[[row[j] for j in line] for row in rows], rests=[[0.0] * n for _ in rows], right=list(right),
-        begins=[begin for begin, _ in ends], stops=[stop for _, stop in ends],
-        firsts=[0] * (n + 1), longest=[0] * (2 * m), squares=[0.0] * m, step=[0.0] * n,
-        **{name: [0] * m for name in ("lows", "highs", "sorted", "behind", "near", "chosen")},
+        matrix=[[row[j] for j in line] for row in rows],
+        orthogonal=[[0.0] * n for _ in rows], right=list(right),
+        first_column=[begin for begin, _ in ends], end_column=[stop for _, stop in ends],
+        first_counts=[0] * (n + 1), tournament=[0] * (2 * m), remaining=[0.0] * m, step=[0.0] * n,
+        **{name: [0] * m for name in ("first_nonzero", "end_nonzero", "by_first", "reach_so_far",
+                                      "neighbours", "chosen")},
     )  # fmt: skip
     if not kernels["least_norm"](room, m, n, dependent, 0.0):
         return []
