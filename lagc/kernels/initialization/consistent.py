@@ -246,12 +246,11 @@ def reach_start(p: Params, t: Real, w: StartWork) -> Status:
 
 @public
 def consistent(p: Params, t: Real, x: Vec[NX], levels: IVec[NU], w: StartWork) -> Status:
-    """Move the guess x[NX] onto all conditions of the start: constraints, their rates, the initial
-    section, unit quaternions; x[NQ+NV..] is left.  What is stated less firmly moves first, of what is
-    stated as few as possible.  `levels` of q, v and the stated rates, in this order; NULL: the model's.
-    Any other status than OK leaves x as it was.  INCONSISTENT: no start was found; the conditions are
-    phi[NH], psi[NC], those of the initial section, those of the stated rates, unit quaternions, in this
-    order."""
+    """Move the guess x[NX] to consistent initial conditions: constraints, their rates, the initial
+    section, unit quaternions; x[NQ+NV..] stays.  Lower levels move first, few values of each level.
+    `levels` of q, v and the stated rates, in this order; NULL: those of the model.  Any status but OK leaves
+    x as it was.  INCONSISTENT: no solution was found; the equations are phi[NH], psi[NC], those of the
+    initial section, those of the stated rates, unit quaternions, in this order."""
     if not check_input(p, t, levels, w):
         return INVALID
     status = prepare(p, t, x, levels, w)

@@ -30,7 +30,7 @@ MOST_NAMED = 12  # conditions of a conflict
 class NoStart(Refused):
     """There is no first step.
 
-    `anchors` are parts of the model that it depends on, `x` is the state, and `p` the parameters, then the inputs,
+    `anchors` are parts of the model that it depends on, `x` is the state, `p` the parameters and inputs,
     by name; `lagc.simulation.initialization.source_spans` finds their places in the text.
     """
 
