@@ -227,7 +227,7 @@ def test_where_sensitivities_alone_fail_the_end_is_the_last_time(
         ([PENDULUM, "--accuracy", "1e-6", "--method", "dopri5"], 2, "accuracy"),
         ([PENDULUM, "--accuracy", "1e-20"], 3, "double precision"),
         ([PENDULUM, "--rtol", "0"], 2, "positive"),
-        ([PENDULUM, "--rtol", "1e-300"], 2, "rounding"),
+        ([PENDULUM, "--rtol", "1e-300"], 2, "the limit of double precision"),
         ([PENDULUM, "--method", "euler"], 2, "euler"),
         ([PENDULUM, "--step", "0"], 2, "step"),
         ([PENDULUM, "--points", "1.5"], 2, "whole number"),

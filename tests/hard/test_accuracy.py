@@ -119,8 +119,8 @@ def test_chaotic_motion_is_told_only_as_far_as_it_can_be_known() -> None:
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("method", ["dop853", "dopri5"])
 def test_what_has_settled_stays_where_tolerances_are_below_rounding(method: str) -> None:
-    """Steps there are as long as the method is stable, errors some 30 times the tolerance where it is above
-    rounding."""
+    """Steps there are as long as the method is stable. Errors are some 50 times the tolerance if that is above
+    round-off: ten times the round-off of a rate counts over a step, estimated one Euler step ahead."""
     chance = random.Random(3)
     for _ in range(12):
         stiffness, tolerance = 10.0 ** chance.uniform(0.0, 3.0), 10.0 ** chance.uniform(-14.0, -12.0)
@@ -133,6 +133,6 @@ def test_what_has_settled_stays_where_tolerances_are_below_rounding(method: str)
         slowest = min(damping / 2.0, stiffness / damping)
         run = system.simulate(100.0 / slowest, method=method, rtol=tolerance)
         late = run.t > 40.0 / slowest  # exp(-40) is below rounding
-        most = 300.0 * max(tolerance, 3e-13)
+        most = 600.0 * max(tolerance, 3e-13)
         assert late.any() and abs(run["x"][late] * stiffness / 2.0 - 1.0).max() < most
         assert abs(run["der(x)"][late]).max() < most * abs(run["der(x)"]).max()
