@@ -165,6 +165,7 @@ def test_structural_integers_are_built_in() -> None:
     assert again.interface == two.interface
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kept", [False, True])
 def test_all_of_a_compiled_model_is_of_the_same_files(
     kept: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -406,6 +406,7 @@ def open_failing(error: int, at: int, counted: list[int]) -> Callable[..., Any]:
     return lambda *given, **named: File(open(*given, **named), error, at, counted)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("error", ["EIO", "ENOSPC", "EMFILE", "EACCES", "ESTALE", "ENOENT"])
 def test_whatever_the_system_refuses_is_no_error(
     root: Path, error: str, monkeypatch: pytest.MonkeyPatch
@@ -453,6 +454,7 @@ def test_hashes_are_blake2b() -> None:
     assert hashed == hashlib.blake2b(b"n\n" + BODY, digest_size=32).hexdigest()
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("target", ["c", "numpy"])
 def test_an_artifact_comes_back_as_it_was(root: Path, target: str) -> None:
     """Every number and text of it, of its own type: what is kept knows no others."""

@@ -86,6 +86,7 @@ def names(root: Path) -> list[str]:
     return sorted(p.name for p in root.iterdir())
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("kind", ["head", "artifact", "accuracy", "library"])
 @pytest.mark.parametrize("trial", range(3 * TIMES))
 def test_damaged_entries_change_no_result(

@@ -72,6 +72,7 @@ def test_parameters(text: str, value: str, tmp_path: Path, capsys: pytest.Captur
             assert code != 2 or name != "n" or "LAG" in capsys.readouterr().err
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("value", VALUES)
 def test_options(value: str, capsys: pytest.CaptureFixture[str]) -> None:
     sim = ["sim", "simple_pendulum", "--backend", "numpy"]

@@ -339,6 +339,7 @@ end A;
         assert main(["check", str(file)]) == 1
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", ["simple_pendulum", "string_pendulum", "four_bar"])
 @pytest.mark.parametrize("method", [[], ["--method", "dop853"], ["--method", "dopri5"]])
 def test_a_run_may_be_as_short_as_numbers_are(

@@ -117,6 +117,7 @@ def test_modes_are_drawn(model: str, tmp_path: Path, capsys: Capture) -> None:
     assert path.read_bytes() == first
 
 
+@pytest.mark.full
 def test_where_there_is_none_it_says_so(capsys: Capture) -> None:
     assert main(["linearize", "classic/kepler", "--equilibrium"]) == 3
     assert "LAG0621" in capsys.readouterr().err

@@ -115,6 +115,7 @@ def test_what_was_not_printed_is_said(tmp_path: Path) -> None:
     assert done.stderr == "lagc: standard output cannot be written: No space left on device\n"
 
 
+@pytest.mark.full
 def test_what_is_said_never_goes_among_the_results(tmp_path: Path) -> None:
     """Python prints on standard output where standard error is closed."""
     done = shell(f"{sys.executable} -m lagc sim simple_pendulum --json -o run.csv 2>&-", tmp_path)

@@ -77,6 +77,7 @@ def test_compiles_without_a_warning(name: str, compiler: str, tmp_path: Path) ->
     assert (tmp_path / "made.o").stat().st_size
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("word", WORDS)
 def test_any_word_can_be_a_coordinate_and_a_parameter(word: str, tmp_path: Path) -> None:
     if not present("gcc"):
@@ -88,6 +89,7 @@ def test_any_word_can_be_a_coordinate_and_a_parameter(word: str, tmp_path: Path)
         assert call(*COMPILERS[compiler], *STRICT, "-fsyntax-only", files[".c"]) == ""
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_text_is_ascii_without_calls_of_other_libraries(name: str) -> None:
     for text in render(PROGRAMS[name]()).values():

@@ -106,7 +106,7 @@ def test_what_stands_before_a_loop_ends_where_it_begins(tmp_path: Path) -> None:
     assert np.abs(values - interpret(f, {"x": given})["y"]).max() <= 1e-15  # of sines and cosines
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @needs_gcc
 @pytest.mark.parametrize(("name", "n"), [("classic/chain", 250), ("large/rope", 30), ("large/net", 8)])
 def test_large_models_agree_in_c_and_in_python(name: str, n: int) -> None:

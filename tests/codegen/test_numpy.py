@@ -121,6 +121,7 @@ def assert_balance(rows: list[list[float]]) -> None:
         assert abs(math.fsum(row)) <= 1e-9 * (1e-30 + sum(map(abs, row))) + 1e-13 * largest
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", MODELS)
 def test_accelerations_solve_the_equations(name: str) -> None:
     """M a = r + G^T lam and G a = gamma, by their own functions: to the rounding of sums of n terms."""
@@ -141,6 +142,7 @@ def test_accelerations_solve_the_equations(name: str) -> None:
         assert_balance([[c * b for c, b in zip(row, a)] + [-right] for row, right in zip(g, gamma)])
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", MODELS)
 def test_many_states_at_once(name: str) -> None:
     """NumPy's functions may differ in the last bit, which a solve magnifies."""

@@ -116,6 +116,7 @@ def test_tables_that_bend_are_of_every_type(real: str, over: str, tmp_path: Path
     assert (x, y, vx, vy) == pytest.approx((2.0, 3.0, 1.0, 1.0), rel=1e-4)
 
 
+@pytest.mark.full
 def test_the_command_line_builds_for_floats(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["build", "double_pendulum", "--real", "float", "-o", str(tmp_path), "-q"]) == 0
     text = (tmp_path / "double_pendulum.h").read_text() + (tmp_path / "double_pendulum.c").read_text()
@@ -139,7 +140,7 @@ def as_c_and_cpp(program: Program, real: Arithmetic, folder: Path) -> None:
         call(*words, *WARNINGS, *more, "-fsyntax-only", files[".c"])
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("name", SAMPLE)
 def test_every_type_compiles_as_c_and_as_cpp(name: str, tmp_path: Path) -> None:
     for real in TYPES.values():

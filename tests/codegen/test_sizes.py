@@ -47,7 +47,7 @@ def accesses(found: list[Segment]) -> int:
     return sum([count * ((a.array == KEPT) + (a.stride is None)) for a, count in loops])
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("name", "n"), [("large/lattice", 500), ("large/net", 12), ("classic/spring_chain", 300)]
 )
@@ -59,6 +59,7 @@ def test_operations_on_one_value_are_in_one_segment(name: str, n: int) -> None:
     assert accesses(found) < 0.6 * f.cost
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("name", "n"), [("classic/chain", 60), ("large/net", 8), ("large/rope", 30)])
 def test_stored_values_are_not_kept(name: str, n: int) -> None:
     found, _ = segments(program(name, n).functions["rhs"])

@@ -119,7 +119,7 @@ def test_chaotic_motion_is_told_only_as_far_as_it_can_be_known() -> None:
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("method", ["dop853", "dopri5"])
 def test_what_has_settled_stays_where_tolerances_are_below_rounding(method: str) -> None:
-    """Steps there are as long as the method is stable. Errors are some 50 times the tolerance if that is above
+    """Steps there are as long as the method is stable. Errors are some 50 times the tolerance, if above
     round-off: ten times the round-off of a rate counts over a step, estimated one Euler step ahead."""
     chance = random.Random(3)
     for _ in range(12):

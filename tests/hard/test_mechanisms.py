@@ -63,6 +63,7 @@ def test_windows_started_at_the_flat_posture(windows: int, away: float) -> None:
         assert any("hinge[" in note for note in run.notes), run.notes
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("windows", [1, 4])
 def test_what_is_claimed_from_the_flat_posture_is_true(windows: int) -> None:
     """There multipliers are quotients of rounding, and what a first step does is chance: energy is no bound.
@@ -84,6 +85,7 @@ def test_what_is_claimed_from_the_flat_posture_is_true(windows: int) -> None:
                 assert abs(run[name] - column).max() <= accuracy * abs(column).max()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("windows", [1, 2, 4])
 def test_windows_pass_the_flat_posture_at_any_tolerance(windows: int) -> None:
     # each passage meets it at other distances, down to where multipliers are nothing but rounding

@@ -73,6 +73,7 @@ def rolled(model: str, backend: str = "numpy") -> lagc.api.Run:
     return run
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("way", ["angles", "places"])
 @pytest.mark.parametrize(("plane", "start"), [
     *(("xz", start) for start in STARTS), *((plane, STARTS[k]) for plane in PLANES for k in (0, 1)),
@@ -84,12 +85,14 @@ def test_a_wheel_rolls_in_a_track(way: str, plane: str, start: tuple[float, floa
     assert run["along"] == pytest.approx(expected, abs=1e-5)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("start", [(180.0, 0.5), (90.0, 0.0), (0.0, 1.0)])
 def test_a_wheel_rolls_on_a_track(start: tuple[float, float]) -> None:
     run = rolled(text("angles", "zx", *start, outside=True))
     assert run["along"] == pytest.approx(1.2 * numpy.sin(pendulum(*start, 1.2, run.t)), abs=1e-5)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("way", "plane", "start"), [
     ("angles", "xz", STARTS[1]), ("angles", "zx", STARTS[0]), ("places", "zx", STARTS[1]),
 ])  # fmt: skip
@@ -186,6 +189,7 @@ def test_rows_that_touch_zero_are_refused_with_what_they_say(row: str, size: flo
     assert fault.remedy is not None and TOUCHING.get(row, GENERIC) in fault.remedy
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("size", [1e-6, 0.3, 1e6])
 @pytest.mark.parametrize("row", CROSSING)
 @pytest.mark.parametrize("length", [1e-9, 0.3, 1e9])
@@ -211,6 +215,7 @@ CROSSES = ["sin(u) = 0", "exp(u) = 1.2", "x^3 = one^3", "x*y = one^2", "u^2 - v^
            "u^2 + x^2/one^2 = 1"]  # fmt: skip
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("size", [1e-15, 1e-12, 1e-4, 1e4, 1e12, 1e15])
 def test_angles_beside_lengths_of_any_size(size: float) -> None:
     for row in (*TOUCHES, *CROSSES):
@@ -245,6 +250,7 @@ MADE = {
 }  # fmt: skip
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("made", MADE)
 def test_where_gradients_vanish_over_random_forms(made: str) -> None:
     for seed in range(4):
@@ -281,7 +287,7 @@ end Many;
 """
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("row", "touches"), [("1 - cos(x[n]/(1 [m])) = 0", True), ("1 - cos(x[n]/(1 [m])) = 0.5", False)]
 )

@@ -85,6 +85,7 @@ def test_where_energy_is_least_a_motion_stays(energy: str, more: str, verdict: s
     assert linear.stability and linear.stability.startswith(verdict)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("product", "verdict"),
     [("1.4", "stable: energy is least there"), ("2.9", "neutral"), ("p", "neutral")],  # 3 (2.5) is 2.74^2
@@ -561,6 +562,7 @@ end Platform;
     assert_spectrum(linear, [1j * sqrt(G), -1j * sqrt(G)])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("up", "phi"), [("-", 0.1), ("", 2.9)])
 def test_rounding_at_half_a_turn_acts_on_nothing(up: str, phi: float) -> None:
     """A bob on a skate: its angle may be measured from below or from above."""

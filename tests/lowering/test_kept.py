@@ -67,6 +67,7 @@ def test_random_systems(seed: int) -> None:
     assert np.abs(found - wanted).max() <= 1e-14 * condition / min(abs(health), 1.0) * np.abs(wanted).max()
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("n", [3, 4, 9])
 @pytest.mark.parametrize("masses", HEAVY)
 def test_loops(masses: str, n: int) -> None:
@@ -117,6 +118,7 @@ def test_trailers_are_solved_to_rounding(n: int) -> None:
         assert np.abs(found - wanted).max() <= 1e-15 * condition * np.abs(wanted).max()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("n", [4, 20])
 def test_a_speed_that_rows_alone_give_a_mass_is_watched(n: int) -> None:
     """Beside a ladder; the mass matrix of p and q has rank one.  At rest in q = 0, p = sin(q)/10 leaves

@@ -79,6 +79,7 @@ def virtual_work(
     return found
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("seed", range(12))
 def test_a_force_on_a_body_does_the_work_of_its_material_point(seed: int) -> None:
     chance = random.Random(4100 + seed)
@@ -138,6 +139,7 @@ VISCOUS = [
 DRY = "force rub = -mu*m*9.81 [m/s2]*normalize(velocity(wheel, at = P)) on wheel at P;"
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("load", VISCOUS)
 @pytest.mark.parametrize("k", [0.5, 0.4, 1.0])
 def test_viscous_friction_ends_in_rolling(k: float, load: str) -> None:
@@ -366,6 +368,7 @@ FEEDING = [
 ]
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("radius", [1e-3, 0.1, 30.0])
 @pytest.mark.parametrize("lines", TAKING)
 def test_what_takes_energy_or_is_a_drive_is_not_warned_of(lines: str, radius: float) -> None:
@@ -379,6 +382,7 @@ def test_a_slip_in_rates_is_seen_at_a_point_that_does_not_slip(slip: str, radius
     assert found == ["LAG0411", "LAG0412"]
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("radius", [1e-3, 0.1, 30.0])
 @pytest.mark.parametrize("lines", FEEDING)
 def test_frictions_that_feed_are_warned_of(lines: str, radius: float) -> None:
@@ -441,6 +445,7 @@ def test_dissipations_take_energy_where_their_form_is_nowhere_negative(seed: int
     assert codes(f"dissipation D = {form} + {drive};") == (["LAG0412"] if feeds else [])
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("angular", [False, True])
 @pytest.mark.parametrize("seed", range(12))
 def test_linear_frictions_are_warned_of_where_their_form_has_both_signs(seed: int, angular: bool) -> None:

@@ -314,6 +314,7 @@ def test_what_is_held_to_second_order_is_held() -> None:
     assert (a.degrees_of_freedom, a.more_at_start) == (0, 1)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("at_start", [True, False])
 @pytest.mark.parametrize("touching", [1, 2, 3])
 @pytest.mark.parametrize("seed", range(3))
@@ -376,6 +377,7 @@ def test_freedom_is_never_less_than_none() -> None:
     assert 0 <= mobility(states, rows, walk(states, rows)).rank <= 2
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("how", ["numbers", "parameters", "sums", "rates"])
 @pytest.mark.parametrize("seed", range(6))
 def test_rows_that_agree_in_all_but_the_last_digits_are_told_apart(seed: int, how: str) -> None:

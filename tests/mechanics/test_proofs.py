@@ -109,6 +109,7 @@ BREAKERS: list[Breaker] = [
 ]
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("as_force", [False, True], ids=["potential", "force"])
 @pytest.mark.parametrize("breaker", BREAKERS)
 @pytest.mark.parametrize("kind", ["springs", "smooth", "gravitation"])

@@ -131,6 +131,7 @@ SMOOTH_FORMS = (
 )  # fmt: skip
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("u, w", [("x/l", "1 + th^2"), ("th - 1/5", "2 + sin(ps)"), ("2*x/l - ps", "1.7")])
 def test_relations_that_cannot_change_are_no_breaks(u: str, w: str) -> None:
     for form in SMOOTH_FORMS:

@@ -37,6 +37,7 @@ def arm(n: int, count: int, seed: int) -> Model:
     return b.model()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("n, count", [(1, 1), (2, 1), (3, 3), (4, 2), (5, 5), (6, 6)])
 def test_same_accelerations_as_rates(n: int, count: int) -> None:
     """Sizes below and above what Cramer's rule serves."""

@@ -225,6 +225,7 @@ def test_coin_accelerates_as_published(
     numpy.testing.assert_allclose(found, published[3:], rtol=1e-10)
 
 
+@pytest.mark.full
 def test_published_constants_of_the_references() -> None:
     run = motion("classic/spherical_pendulum", 3.0, points=3001)
     assert math.isclose(run["z"].min(), -0.8511918971852326, abs_tol=1e-5)  # between grid points

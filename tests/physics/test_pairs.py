@@ -60,6 +60,7 @@ PAIRS: list[tuple[str, str, float, Map, Map]] = [
 ]  # fmt: skip
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("first", "second", "stop", "seen1", "seen2"), PAIRS, ids=[p[0] for p in PAIRS])
 def test_pair_moves_alike(first: str, second: str, stop: float, seen1: Map, seen2: Map) -> None:
     found = []

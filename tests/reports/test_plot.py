@@ -26,6 +26,7 @@ def run_of(name: str, stop: float = 1.0, **choice: str) -> Run:
     )
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("ending", "start"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
 def test_the_ending_says_the_format(tmp_path: Path, ending: str, start: bytes) -> None:
     path = tmp_path / f"run.{ending}"

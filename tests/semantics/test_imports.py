@@ -50,6 +50,7 @@ def shuffled(lines: list[str], seed: int) -> str:
     return "\n".join(lines)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", ["here", "files"])
 def test_every_import_is_followed_once(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     packages = [f"package P{i} constant Real c{i} = {i}; end P{i};" for i in range(MANY)]

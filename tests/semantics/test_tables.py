@@ -85,6 +85,7 @@ def text(numbers: Sequence[float]) -> str:
     return "{" + ", ".join(map(repr, numbers)) + "}"
 
 
+@pytest.mark.full
 def test_compiled_tables_agree_bitwise_and_with_their_expressions() -> None:
     """Of time, of a coordinate and of a parameter, which is looked up once."""
     rng = random.Random(SEED)
@@ -143,6 +144,7 @@ def pieces(kind: str, knots: list[float], values: list[float]) -> PPoly:
     return CubicSpline(knots, values) if kind == "cubic" else PPoly([slopes, values[:-1]], knots)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 def test_a_force_through_points_moves_a_mass_as_its_integrals_say(kind: str, backend: str) -> None:

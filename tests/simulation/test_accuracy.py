@@ -33,6 +33,7 @@ def true_error(model: lagc.CompiledModel, run: Run) -> float:
     return difference(reference, found, system.interface, 1.0)[0]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", MODELS)
 def test_models_of_the_library_are_as_good_as_they_say(name: str) -> None:
     model = lagc.load(name).compile(backend="numpy")
@@ -99,6 +100,7 @@ end Earth;
 """
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(
     ("text", "stop"),
     [(KINK, 10.0), (TWO_SCALES, 2.0), (MICRO, 0.003), (ATOM, 1e-12), (EARTH, 1e7)],

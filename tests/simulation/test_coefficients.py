@@ -124,6 +124,7 @@ def solved(rows: Sequence[Row], stated: Sequence[float]) -> list[Fraction] | Non
     return found
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("span", [3, 8, 13, 30, 100, 200])
 def test_chains_and_trees_of_any_coefficients_are_met(span: int) -> None:
     """Positions and rates are as exact arithmetic has them, and nothing stated moves."""
@@ -210,6 +211,7 @@ def eliminated(rows: Sequence[Row], stated: Sequence[float], levels: Sequence[in
     return found if Fraction(10) ** -250 < min(within) and max(within) < Fraction(10) ** 250 else None
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("span", [3, 8, 13])
 def test_tangled_rows_of_any_coefficients_are_met(span: int) -> None:
     """Each row is met by its own terms, and nothing stated moves: what others have to be tells a size only
@@ -233,6 +235,7 @@ def test_tangled_rows_of_any_coefficients_are_met(span: int) -> None:
             assert not level or (search.y[j], search.y[n + j]) == (guess[j], rates[j]), (rows, guess, rates)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("span", [3, 8, 13, 30, 100])
 def test_tangled_rows_that_contradict_each_other_have_no_start(span: int) -> None:
     """One unknown of a ring is fixed beside what the others make of it: what is called a start is one."""

@@ -243,6 +243,7 @@ def test_random_systems_with_rows_that_follow_from_others(seed: int) -> None:
     assert_solved(found, more, state)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", RANDOM[::4])
 def test_random_systems_with_rows_that_contradict_others(seed: int) -> None:
     e, state = random_case(seed)
@@ -351,6 +352,7 @@ def test_a_contradiction_is_refused_and_named(monkeypatch: pytest.MonkeyPatch, r
     assert re.search(r"contradict each other .*`(off|hinge\[2\]\[\d\])`", refused.value.faults[0].message)
 
 
+@pytest.mark.sample(1)
 @BACKENDS
 def test_backends_agree(backend: str) -> None:
     e, state = special_case("closed twice 6")

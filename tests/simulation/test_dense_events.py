@@ -128,6 +128,7 @@ def test_a_crossing_is_located_on_the_step_that_ends_there(seed: int) -> None:
     assert walls.off(walls.model.simulate(STOP, rtol=1e-6, points=POINTS)) < 1e-5
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("seed", range(16))
 def test_steps_that_times_cut_short_are_no_proof(seed: int) -> None:
     """An oscillator under a square wave: all runs would end steps at the same times, with like errors."""

@@ -38,6 +38,7 @@ def _sum(weights: list[int]) -> str:
     return " + ".join(f"({w})*{name}" for w, name in zip(weights, "xyz"))
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("seed", range(12))
 def test_a_share_of_its_own_is_met_or_told(seed: int) -> None:
     """Two planes through the origin at an angle of about e: the particle can move along their common
@@ -63,6 +64,7 @@ def _run(text: str) -> Solution:
     return lagc.loads(text).compile(backend="numpy").simulate(1.0, points=21)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("d", [1e-2, 1e-3, 1e-5, 1e-6, 1e-8, 1e-10])
 def test_two_rods_with_ends_close_together(d: float) -> None:
     run = _run(RODS.format(d=d))

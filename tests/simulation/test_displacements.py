@@ -23,6 +23,7 @@ end Pendulum;
 """
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("length", (1.0, 1e-4, 1e6))
 @pytest.mark.parametrize("backend", ("numpy", "c"))
 def test_a_pendulum_swings_from_its_place(length: float, backend: str) -> None:
@@ -48,6 +49,7 @@ def strip(n: int, displaced: bool) -> str:
     return "\n".join(lines)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("n", (1, 2, 3, 5, 12))
 def test_a_strip_of_rods_moves_as_from_the_origin(n: int) -> None:
     runs = [
@@ -77,6 +79,7 @@ end Rail;
 HORIZONTAL = ("{l + x*cos(al), 0, y + x*sin(al)}", "{l + k*x, 0, k*y}", "{l - 1e-9*x, 0, y}", "{l + x, 0, y}")
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("length", (1.0, 1e-3))
 @pytest.mark.parametrize("place", HORIZONTAL)
 def test_displacements_along_any_direction(place: str, length: float) -> None:

@@ -53,6 +53,7 @@ def compiled(**choice: object) -> lagc.CompiledModel:
     return lagc.loads(CART).compile(**choice)  # type: ignore[arg-type]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 def test_an_expression_is_the_same_wherever_it_is_said(backend: str, tmp_path: Path) -> None:
     declared = lagc.loads(CART.replace("u = 1", f"u = {SHAKEN}"))

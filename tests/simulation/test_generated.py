@@ -50,6 +50,7 @@ def rates(system: System, x: list[float], t: float = 0.0) -> tuple[int, list[flo
     return system.rhs(t, x, xdot, lam), xdot, lam
 
 
+@pytest.mark.sample(6)
 @needs_compiler
 @pytest.mark.parametrize("name", PROGRAMS)
 @pytest.mark.parametrize(
@@ -139,6 +140,7 @@ def test_a_body_on_a_pivot_keeps_its_energy_and_place(backend: str) -> None:
         assert max(abs(a) for a in system.position(0.0, state)) <= 1e-15
 
 
+@pytest.mark.sample(4)
 @BACKENDS
 @pytest.mark.parametrize("copies", [(1.0, 1.0), (1.0, -2.0, 0.5)])
 @pytest.mark.parametrize("straight", [True, False])

@@ -71,7 +71,7 @@ def test_a_row_of_balls_is_hit(n: int, start: float, potential: str) -> None:
     assert run.cost.rhs < 1_500 * n and len(run.events) == 2 * n - 3
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("start", [0.0, 0.1])
 @pytest.mark.parametrize("method", ["dop853", "dopri5"])
 def test_it_errs_by_what_was_asked(method: str, start: float) -> None:
@@ -99,7 +99,7 @@ def test_balls_are_hit_from_both_sides(n: int) -> None:
     assert found == pytest.approx(truth(n, -1.0), abs=2e-6)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("n", [6, 12])
 def test_a_rope_that_is_just_slack_is_pulled(n: int) -> None:
     run = chain(n, ROPE).simulate(parameters={"last": 2.0})
@@ -228,6 +228,7 @@ BLOCKS = """model Blocks
 end Blocks;"""
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("stiffness", (1e5, 1e7, 1e9))
 def test_blocks_that_just_touch_begin_to_fall(stiffness: float) -> None:
     """From a stack that is pressed by nothing, as a linear system of compressions while all are: its closed

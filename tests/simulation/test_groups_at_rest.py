@@ -97,6 +97,7 @@ def cart(more_mass: float, stiffness: float) -> str:
     ])  # fmt: skip
 
 
+@pytest.mark.sample(1)
 @pytest.mark.usefixtures("no_cache")
 @pytest.mark.parametrize(("more_mass", "accuracy"), [(1e-7, 1e-6), (1e-9, 1e-3), (1e-12, 1e-6)])
 def test_a_small_motion_that_is_determined_is_told(more_mass: float, accuracy: float) -> None:
@@ -144,6 +145,7 @@ def test_a_saddle_on_which_rounding_happens_to_cancel_is_no_rest() -> None:
     assert abs(run["x"]).max() < 1e-5
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("stiffness", [10.0, 300.0, 1e3, 3e3, 1e5, 1e6])
 def test_a_spring_holds_what_rounding_moves(stiffness: float) -> None:
     run = lagc.loads(pairs(stiffness)).compile(backend="numpy").simulate(3.0, accuracy=1e-6, points=31)
@@ -182,6 +184,7 @@ def test_a_remembered_run_says_the_same(tmp_path: Path, monkeypatch: pytest.Monk
     assert (again.status, again.notes, again.states) == (first.status, first.notes, first.states)
 
 
+@pytest.mark.full
 def test_a_platform_on_three_parallel_rods_does_not_turn() -> None:
     """Its centre moves on a circle, as a pendulum of that length; one rod more than would do bears load."""
     length, tilt = 1.0, math.asin(0.3)

@@ -42,6 +42,7 @@ def case(dice: random.Random) -> tuple[str, dict[str, float], Rows]:
     return "model M\n" + "\n".join(lines) + "\nend M;\n", given, matrix
 
 
+@pytest.mark.full
 def test_a_massless_coordinate_is_refused_where_nothing_determines_it() -> None:
     dice = random.Random(11)
     refused = 0

@@ -65,6 +65,7 @@ def restarted(name: str, backend: str, options: Options, pieces: Any) -> list[fl
     return list(x)
 
 
+@pytest.mark.sample(3)
 @METHODS
 @NAMES
 @pytest.mark.parametrize("seed", range(3))
@@ -92,6 +93,7 @@ def test_against_restarts_and_scipy(name: str, seed: int, method: str) -> None:
     assert x == pytest.approx(list(expected), rel=2e-8, abs=2e-8)
 
 
+@pytest.mark.sample(1)
 @needs_compiler
 @METHODS
 @NAMES
@@ -123,6 +125,7 @@ def test_both_languages_agree_bitwise(name: str, method: str) -> None:
         assert found[0] == found[1]
 
 
+@pytest.mark.sample(2)
 @BACKENDS
 @NAMES
 def test_fixed_steps_are_those_of_restarts(name: str, backend: str) -> None:
@@ -174,6 +177,7 @@ def test_one_workspace_serves_many_states(name: str, backend: str, method: str) 
     assert motions(True) == motions(False)
 
 
+@pytest.mark.sample(1)
 @BACKENDS
 @METHODS
 def test_dependent_rows_are_known_to_the_state_alone(backend: str, method: str) -> None:
@@ -204,6 +208,7 @@ def test_dependent_rows_are_known_to_the_state_alone(backend: str, method: str) 
     assert motions(True) == motions(False)
 
 
+@pytest.mark.sample(5)
 @BACKENDS
 @METHODS
 @NAMES

@@ -13,6 +13,7 @@ from tests.simulation.test_generated import BACKENDS
 pytestmark = pytest.mark.usefixtures("no_cache")
 
 
+@pytest.mark.sample(1)
 @BACKENDS
 @pytest.mark.parametrize("count", [1, 2, 4])
 @pytest.mark.parametrize("seed", range(2))

@@ -55,6 +55,7 @@ def test_a_kick_whose_exponent_is_a_parameter_or_no_whole_number(exponent: str) 
     assert found["x"][-1] == pytest.approx(15.7, abs=2e-5)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("seed", range(8))
 def test_barriers_and_wells(seed: int) -> None:
     """Of 1e-5 to 0.1 m in 10 m: higher than its energy it sends back, else it takes the time that is the

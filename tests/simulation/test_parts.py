@@ -72,6 +72,7 @@ def test_there_are_as_many_parts_as_the_model_is_long() -> None:
     assert four - two == 2 * (two - one)
 
 
+@pytest.mark.full
 def test_what_cannot_be_left_as_guessed_is_found_in_few_evaluations(monkeypatch: pytest.MonkeyPatch) -> None:
     """Far down a ladder, speeds move by traces that its rungs need: that shows at whole steps."""
     count, evaluate = 0, NumpySystem.conditions

@@ -98,6 +98,7 @@ def test_rows_without_entries() -> None:
     assert fallback.solve([1.0, 2.0], [1.0])[0] == INCONSISTENT and fallback.work.culprit == 0
 
 
+@pytest.mark.sample(2)
 @BACKENDS
 @pytest.mark.parametrize("angle", [pi / 2, 1e-2, 1e-4, 1e-8, 0.0])
 @pytest.mark.parametrize("count", [1, 3])
@@ -126,6 +127,7 @@ def test_dependent_rows_are_free_again_after_the_posture(backend: str) -> None:
     assert system.rhs(0.2, later.x, [0.0] * 8, [0.0] * 3) == OK
 
 
+@pytest.mark.sample(1)
 @BACKENDS
 @pytest.mark.parametrize("tolerance", [1e-9, 1e-4])
 def test_an_overconstrained_linkage_moves(backend: str, tolerance: float) -> None:

@@ -34,6 +34,7 @@ def chain(lengths: Sequence[float], relative: bool) -> Conditions:
     )
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("relative", [False, True])
 @pytest.mark.parametrize("links", [3, 4, 5, 6, 8, 10, 12])
 def test_a_tip_that_can_be_reached_is(links: int, relative: bool) -> None:

@@ -135,6 +135,7 @@ def test_parallel_bars_keep_the_stated_crank(seed: int) -> None:
         assert abs(found["der(b)"] - 3.0) < 1e-9
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(3))
 def test_of_stated_cranks_only_those_that_are_off_move(seed: int) -> None:
     """All but one at the same angle: that one moves to it, however little it is off."""
@@ -151,7 +152,7 @@ def test_of_stated_cranks_only_those_that_are_off_move(seed: int) -> None:
         assert "and" not in start.notes[0].replace(" and constraint", "")  # few conditions are named
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("seed", range(3))
 def test_bennetts_linkage_moves_what_is_off(seed: int) -> None:
     """t3 = -t1, t4 = -t2 and tan(t1/2) tan(t2/2) = sin((be + al)/2) / sin((be - al)/2) (G. T. Bennett, 1903);
@@ -216,6 +217,7 @@ end Crank;
 """
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("turns", (-1.5, -0.5, 0.5, 1.5, 10.5))
 def test_rounding_is_no_lever(turns: float) -> None:
     """Where cos(a) is zero but for rounding, a' moves nothing: b' does all, or h', or nothing can."""

@@ -230,6 +230,7 @@ LATE = [  # force (N) on 1 kg at rest, the time that is looked at, where it is t
 ]
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 @pytest.mark.parametrize(("force", "stop", "end"), LATE)
 def test_what_rests_is_set_in_motion_later(force: str, stop: float, end: float, backend: str) -> None:

@@ -104,6 +104,7 @@ def honest(text: str, exact: Exact, stop: float) -> list[Run]:
     return runs
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("nonlinear", [False, True])
 @pytest.mark.parametrize("n", [2, 3, 4])
 def test_hilbert_mass_matrices(n: int, nonlinear: bool) -> None:
@@ -113,6 +114,7 @@ def test_hilbert_mass_matrices(n: int, nonlinear: bool) -> None:
     assert (runs[-1].status == "failed") == (n == 4)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("seed", range(8))
 def test_any_coordinates(seed: int) -> None:
     chance = Random(seed)
@@ -192,6 +194,7 @@ def test_rows_that_nearly_depend_on_each_other(angle: float) -> None:
     assert runs[0].status == "ok"
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 @pytest.mark.parametrize("offset", [0.0, 0.5])
 def test_forces_that_are_differences_of_near_numbers(backend: str, offset: float) -> None:
@@ -290,6 +293,7 @@ def test_what_fails_apart_fails_here() -> None:
         apart(lambda: 1 // 0)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 @pytest.mark.parametrize("e", [1e-2, 1e-3, 1e-4, 5e-5, 2e-5, 1e-5, 3e-6])
 def test_coordinates_that_all_but_coincide(e: float, backend: str) -> None:

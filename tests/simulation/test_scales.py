@@ -67,6 +67,7 @@ def test_units_that_are_powers_of_two_change_no_bit(name: str) -> None:
     check_bits(name, (kg, m, s), "numpy", rng.choice(("dop853", "dop853", "dopri5")))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.skipif(compiler() is None, reason="no C compiler")
 @pytest.mark.parametrize("name", IN_C)
 def test_nor_in_c(name: str) -> None:

@@ -50,6 +50,7 @@ def close(found: Any, expected: Any, accuracy: float) -> None:
     assert np.abs(found - np.array(expected)).max() <= accuracy * np.abs(expected).max(), (found, expected)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 def test_of_a_damped_oscillator(backend: str) -> None:
     """By differences of its closed form in 40 digits."""
@@ -75,6 +76,7 @@ def test_of_a_damped_oscillator(backend: str) -> None:
     assert run.units["d(der(x))/d(m)"] == "m/(s.kg)" and run.units["d(pull)/d(start(x))"] == "N/m"
 
 
+@pytest.mark.full
 def test_the_motion_is_what_it_is_without() -> None:
     plain, varied = (damped("c").simulate(4, accuracy=1e-9, sensitivity=asked) for asked in ((), "m"))
     assert plain.states == varied.states and plain.sensitivities is None
@@ -158,6 +160,7 @@ def test_of_a_kick_whose_times_are_parameters_and_of_a_bounce() -> None:
     assert found == pytest.approx(slopes, rel=1e-8)
 
 
+@pytest.mark.full
 def test_of_what_rests() -> None:
     """A pendulum that hangs still, pushed a little; one that stands, which takes its time to fall."""
     for angle, sign in ((0.0, -1.0), (pi, 1.0)):
@@ -180,7 +183,7 @@ CHECKED = [
 SHARE = 1e-3  # of a parameter: by how much differences differ
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("name, stop", CHECKED)
 def test_of_the_library_by_differences(name: str, stop: float) -> None:
     """Of fourth order: what they leave out is (1e-3)^4 and less, with derivatives as large as themselves, and

@@ -132,6 +132,7 @@ end M;
 """
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("seed", range(12))
 def test_a_kinetic_energy_is_positive_on_what_constraints_allow(seed: int) -> None:
     """Random forms of three rates, free or on a random plane; NumPy's eigenvalues tell."""
@@ -157,6 +158,7 @@ end M;
 """
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize(("more", "rate", "code"), [
     ("potential v = 1[J]*log(-x/(1[m]));", "0", "LAG0613"),
     ("potential v = 1[J]*sqrt(x/(1[m]) - 2);", "0", "LAG0613"),

@@ -127,6 +127,7 @@ end Rope;
 """
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("n", (15, 60))
 def test_displacements_that_are_all_zero_have_one_size(n: int) -> None:
     """The guess is up to a tenth of the length away from a start, which steps of least norm lead to; those of
@@ -174,6 +175,7 @@ def test_a_rope_of_rods_is_hung_from_a_parabola(backend: str) -> None:
     assert norm(list(found - guess)) < 1.25 * norm(list(nearest - guess))
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("product", [100.0, -100.0])
 @pytest.mark.parametrize("beside", [0, 1, 3])
 def test_beginnings_are_on_all_sides(product: float, beside: int) -> None:

@@ -19,7 +19,7 @@ LIBRARY = (
 )  # fmt: skip
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @needs_gcc
 @pytest.mark.parametrize("name", LIBRARY)
 def test_c_and_python_find_the_same_start(name: str) -> None:

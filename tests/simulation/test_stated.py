@@ -68,6 +68,7 @@ def truth(matrix: np.ndarray, right: np.ndarray, x: np.ndarray, levels: Sequence
     return counts
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("seed", range(60))
 def test_as_few_move_as_possible(seed: int) -> None:
     """Against all subsets.  Where choices of a higher level tie, the least move decides, and it is
@@ -137,6 +138,7 @@ def test_no_stated_value_moves_where_the_others_can(seed: int) -> None:
     assert max(map(abs, problem.evaluate(0.0, search.y)[0]), default=0.0) < 1e-9
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("power", (-500, -50, 50, 166))
 @pytest.mark.parametrize("seed", range(4))
 def test_no_size_is_hidden(seed: int, power: int) -> None:

@@ -221,6 +221,7 @@ end M;
     assert start.notes[-1] == "found for the start: `d` = 6 m"
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("seed", range(10))
 def test_a_conflict_names_its_lines_and_no_other(seed: int) -> None:
     """A ring of differences that does not close, among constraints, conditions and fixed values that do."""

@@ -28,6 +28,7 @@ end Chain;
 """
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("seed", range(8))
 def test_mechanisms_follow_what_is_stated_of_them(seed: int) -> None:
     """Cam and gears by closed form; the slider is where its steep nut says, the loop closed behind it: to
@@ -48,6 +49,7 @@ def test_mechanisms_follow_what_is_stated_of_them(seed: int) -> None:
     assert abs(0.1 * math.sin(found["c"]) + 0.3 * math.sin(found["d"])) < off
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("seed", range(12))
 def test_two_steep_conditions_in_two_unknowns(seed: int) -> None:
     """log x = i y + j z and log w = k y + l z."""

@@ -81,6 +81,7 @@ def questions(systems: list[System], seed: int, count: int) -> list[str]:
     return found
 
 
+@pytest.mark.sample(1)
 @BACKENDS
 @pytest.mark.parametrize("name", MODELS)
 def test_many_threads_ask_one_model(name: str, backend: str) -> None:
@@ -135,6 +136,7 @@ def test_a_run_keeps_its_parameters(backend: str) -> None:
         bound.system.parameters = [1.0]
 
 
+@pytest.mark.sample(6)
 @BACKENDS
 @pytest.mark.parametrize("name", [*PROGRAMS, "four bars, flat"])
 def test_an_answer_depends_on_the_question_alone(name: str, backend: str) -> None:

@@ -48,6 +48,7 @@ def turntable(run: Run) -> Motion:
     return motion
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 @pytest.mark.parametrize(
     ("name", "closed", "parameters"),

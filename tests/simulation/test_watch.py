@@ -64,6 +64,7 @@ def run(text: str, stop: float = 1.0, backend: str = "numpy") -> Solution:
     return found
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("seed", range(8))
 def test_three_points_out_of_line_do_not_move(seed: int) -> None:
     chance = random.Random(seed)
@@ -108,6 +109,7 @@ def test_a_radius_that_vanishes_ends_the_motion(more: str, y: float) -> None:
     assert 0.9 < found.times[-1] + 0.075 <= 1.08
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("c", "r", "force"), [(3.0, 2.0, "9.81, 0"), (0.5, 0.5, "0, 0"), (-2.0, 1.0, "0, 9.81")]
 )
@@ -122,6 +124,7 @@ def test_circles_that_touch_hold_at_one_point(c: float, r: float, force: str) ->
         assert "nearly depends on others" in found.message
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("mu", [1.5, 4.0])
 def test_friction_that_sticks_is_named(mu: float) -> None:
     text = f"""model Stick
@@ -191,6 +194,7 @@ def test_looks_come_after_twice_as_many_steps() -> None:
         assert seen == [1024, 2048, 4096] and done.steps == 4096 and len(done.states) == 41
 
 
+@pytest.mark.full
 def test_a_long_motion_goes_on() -> None:
     found = simulate(Oscillator(), Request(stop=3000.0, accuracy=1e-3))
     assert found.status == "ok" and found.cost.steps > 2000

@@ -29,6 +29,7 @@ def test_the_grid_has_all_recorded_times(seed: int) -> None:
     assert told.times == [t for t in asked if t in grid.times[:kept]] == [x for (x,) in told.states]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", ["double_pendulum", "string_pendulum", "heavy_top_quaternion", "four_bar"])
 def test_a_run_on_the_grid_is_the_run_on_the_recorded_times(name: str) -> None:
     model = lagc.load(f"classic/{name}" if name != "string_pendulum" else name).compile(backend="numpy")

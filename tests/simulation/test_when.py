@@ -338,6 +338,7 @@ def test_a_clock_comes_to_its_own_amplitude() -> None:
     assert energy == pytest.approx(0.5 * after**2, rel=1e-6)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("floor", [0.1, -0.5, 1e6])
 @pytest.mark.parametrize("restitution", [0.2, 0.5, 0.8])
 def test_no_ball_falls_through_a_floor_that_is_elsewhere(floor: float, restitution: float) -> None:

@@ -38,6 +38,7 @@ def compare(name: str, found: str) -> None:
     assert found == path.read_text(encoding="utf-8"), f"{name}: LAGC_GOLDEN=update writes what is new"
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", NAMES)
 def test_stages(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     source = Source(f"{name}.lag", (MODELS / f"{name}.lag").read_text(encoding="utf-8"))

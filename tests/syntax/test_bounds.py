@@ -180,6 +180,7 @@ def uncollected() -> Iterator[None]:
     gc.enable()
 
 
+@pytest.mark.sample(2)
 @pytest.mark.usefixtures("uncollected")
 @pytest.mark.parametrize("seed", range(20))
 def test_damaged_models(seed: int) -> None:
