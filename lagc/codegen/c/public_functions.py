@@ -115,7 +115,7 @@ _FORGET = "    w->rank_deficient = 0; /* forget earlier evaluations */\n"
 def _conditions(interface: Interface) -> PublicFunction:
     count, entries = len(interface.condition_ends), len(interface.condition_columns)
     some = f"_some(p, t, x, c, J, sizes, 0, {max(interface.pieces) + 1})" if interface.pieces else ""
-    together = "    lagc_put_together(J);\n" if interface.part_ends else ""
+    together = "    lagc_assemble_slopes(J);\n" if interface.part_ends else ""
     return PublicFunction(
         f"c[{count}]: residuals of the initial equations at x[NU]: phi, psi, the initial section, stated\n"
         f" * rates minus their values, but not unit quaternions.  J[{entries}]: derivatives that are not\n"

@@ -46,7 +46,7 @@ class Runtime:
         roots += ["consistent"] if self.searches else []
         roots += [name for name in CALLED[:2] if name != "system_at" or "system" in functions]
         roots += CALLED[2:] if interface.nc and "scales" in functions else []
-        roots += ["put_together"] if interface.part_ends else []
+        roots += ["assemble_slopes"] if interface.part_ends else []
         self.parts = parts(real)
         self.use = chosen(self.parts, switches_of(interface, complete), roots)
         self.sizes = sizes_of(interface)

@@ -45,7 +45,7 @@ def evaluation(program: Program, given: frozenset[str]) -> list[str]:
 def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chosen:
     more = (*(OF_ROWS if interface.nc else ()), *(("bind",) if interface.prepared else ()))
     more += ("hold",) if interface.relations else ()
-    more += ("put_together",) if interface.part_ends else ()
+    more += ("assemble_slopes",) if interface.part_ends else ()
     dense = "system" in interface.functions
     without = {*(() if dense else OF_SYSTEM), *(() if dense or interface.nc else OF_ANY_RANK)}
     there = [root for root in roots if root not in without]

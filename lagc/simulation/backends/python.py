@@ -304,7 +304,7 @@ class NumpySystem(CompiledSystem):
     def conditions(self, t: float, x: Vector) -> tuple[list[float], list[float], list[float]]:
         found = super().conditions(t, x)
         if self.interface.part_ends:
-            self.model.module["put_together"](found[1])
+            self.model.module["assemble_slopes"](found[1])
         return found
 
     def some_conditions(self, t: float, x: Vector, c: list[float], jacobian: list[float], sizes: list[float],
