@@ -77,6 +77,7 @@ def test_circles_of_imports_are_found() -> None:
     assert not circles({"lagc.a": late, "lagc.b": "import os"})
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("forbidden", ["numpy", "lark", "sympy", "scipy", "matplotlib"])
 def test_the_package_imports_nothing_heavy(forbidden: str) -> None:
     program = f"import sys, lagc, lagc.cli.main, lagc.cli.sim; sys.exit({forbidden!r} in sys.modules)"

@@ -229,6 +229,7 @@ def test_a_file_that_cannot_be_written_says_why(pendulum: lagc.CompiledModel, tm
     assert str(refused.value).isprintable()
 
 
+@pytest.mark.full
 def test_a_notebook_shows_equations_and_plots(pendulum: lagc.CompiledModel) -> None:
     shown = pendulum._repr_latex_()
     assert "theta" in shown and shown.startswith("$$") and shown.endswith("$$")
@@ -276,6 +277,7 @@ def test_a_run_that_changes_to_c_seeks_its_start_once_and_tells_all_of_its_time(
     assert run.cost.start_s > 0.0 and run.cost.run_s > 0.05 + run.cost.start_s
 
 
+@pytest.mark.full
 def test_what_compiling_takes_is_guessed_from_the_text_not_from_how_often_it_is_gone_through() -> None:
     """The text of a chain does not grow with it."""
     few, many = (lagc.load("chain").compile(parameters={"n": n}, backend="numpy") for n in (50, 200))
@@ -283,6 +285,7 @@ def test_what_compiling_takes_is_guessed_from_the_text_not_from_how_often_it_is_
     assert compile_time(many.interface) < 1.1 * compile_time(few.interface)
 
 
+@pytest.mark.full
 def test_auto_without_a_compiler_is_numpy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
     monkeypatch.setattr(c_compiler, "compiler", lambda: None)

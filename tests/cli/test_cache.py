@@ -238,6 +238,7 @@ def test_the_platform_default_is_used(monkeypatch: pytest.MonkeyPatch, tmp_path:
     assert cache.folder() == str(tmp_path / "lagc")
 
 
+@pytest.mark.sample(4)
 @pytest.mark.skipif(os.name == "nt", reason="HOME is of other systems")
 @pytest.mark.parametrize("home", ["", "here", "./here", "../here", "~"])
 def test_a_relative_home_makes_no_folders(home: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

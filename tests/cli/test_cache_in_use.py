@@ -86,7 +86,7 @@ def names(root: Path) -> list[str]:
     return sorted(p.name for p in root.iterdir())
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", ["head", "artifact", "accuracy", "library"])
 @pytest.mark.parametrize("trial", range(3 * TIMES))
 def test_damaged_entries_change_no_result(
@@ -176,6 +176,7 @@ def test_a_library_cut_off_while_it_is_used_kills_nobody(root: Path, folder: Pat
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.sample(1)
 @needs_c
 @pytest.mark.parametrize("in_memory", [True, False])
 def test_libraries_are_told_apart(in_memory: bool, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -233,6 +233,7 @@ def test_of_many_equilibria_of_large_models_some_are_shown(capsys: Capture) -> N
     assert len(capsys.readouterr().out.splitlines()) > 500
 
 
+@pytest.mark.full
 @pytest.mark.skipif(not os.path.exists("/dev/stdout"), reason="no name for the standard output")
 def test_the_standard_output_takes_the_linear_model_and_nothing_else() -> None:
     command = [sys.executable, "-m", "lagc", "linearize", "simple_pendulum", "-o", "/dev/stdout"]

@@ -40,6 +40,7 @@ def test_what_is_no_assignment_is_wrong_usage(word: str) -> None:
 FORM = re.compile(r"\s*([^=\s]+)\s*=\s*([^\[\]]+?)\s*(?:\[\s*([^\[\]]*?)\s*\])?\s*", re.ASCII)
 
 
+@pytest.mark.full
 def test_words_of_every_kind_are_read_as_the_form_says() -> None:
     chance, taken = random.Random(3), 0
     for _ in range(30_000):

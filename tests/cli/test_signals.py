@@ -309,7 +309,7 @@ sys.exit(program.program())
 """
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("lost", ["raised", "lost"])
 def test_two_signals_leave_no_traceback(lost: str) -> None:
     number, came = 0, True

@@ -196,6 +196,7 @@ def test_where_sensitivities_alone_fail_the_end_is_the_last_time(
     assert "last recorded" not in printed
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize(
     "words, code, said",
     [
@@ -313,6 +314,7 @@ def test_ctrl_c_keeps_what_was_computed(tmp_path: Path) -> None:
     assert len(out.read_text().splitlines()) > 2
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("heavy", ["lark", "numpy", "sympy", "lagc.syntax.parse", "lagc.semantics.resolve"])
 def test_a_second_run_loads_no_stage_of_the_compiler(heavy: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert sim(PENDULUM, "-q") == 0

@@ -203,6 +203,7 @@ def test_models_with_such_names_are_built_and_run(seed: int, tmp_path: Path) -> 
     assert built > 0
 
 
+@pytest.mark.full
 def test_no_constant_of_a_model_is_one_of_a_header() -> None:
     """FE_INVALID is of fenv.h, and would be of a model FE."""
     source = Source("any.lag", MODEL.format("Zyxw", *"abcdefghijk"))

@@ -77,7 +77,7 @@ def test_compiles_without_a_warning(name: str, compiler: str, tmp_path: Path) ->
     assert (tmp_path / "made.o").stat().st_size
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("word", WORDS)
 def test_any_word_can_be_a_coordinate_and_a_parameter(word: str, tmp_path: Path) -> None:
     if not present("gcc"):

@@ -153,7 +153,7 @@ def test_it_compiles_as_cpp_without_a_warning(name: str, tmp_path: Path) -> None
     call(*COMPILERS["g++"], *STRICT, "-c", "-o", tmp_path / "m.o", files[".c"])
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", [*NAMES, "switched"])
 def test_without_the_option_there_are_no_derivatives(name: str) -> None:
     with_them, without = _program(name), optimize(_equations(name))

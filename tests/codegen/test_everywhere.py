@@ -72,6 +72,7 @@ int main(int c, char **v) { (void)v; if (f(c) > 0) puts("f"); return g(c) == 77;
 """
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", tools())
 def test_checkers_find_errors(name: str, tmp_path: Path) -> None:
     tool = tools()[name]

@@ -122,7 +122,7 @@ def test_random_functions_agree_bitwise(tmp_path: Path) -> None:
             assert ours == theirs, (f.name, values)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @needs_gcc
 @pytest.mark.parametrize("length", [1, 7, 40])
 def test_long_functions_in_parts_are_the_same(

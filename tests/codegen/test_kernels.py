@@ -193,6 +193,7 @@ def parted(x: Real, k: int) -> Pair:
 '''
 
 
+@pytest.mark.sample(1)
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not there")
 @pytest.mark.parametrize("straight", [True, False])
 def test_c_and_python_mean_the_same(straight: bool, tmp_path: Path) -> None:

@@ -77,6 +77,7 @@ def test_locals_never_hide_arrays_functions_or_temporaries() -> None:
     assert not any(name.startswith(("lagc_", "pendulum_", "PENDULUM_")) for name in given)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", ["size0", "c0", "t0"])
 def test_entries_of_arrays_are_no_conditions(name: str) -> None:
     """A row with conditions, and sizes of states that its `reaches` use more than once."""

@@ -102,7 +102,7 @@ def test_float_runs_the_library_on_its_own_tolerances(name: str, tmp_path: Path)
         assert abs(a - b) <= 5e-3 * size[kind]
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("real", TYPES)
 @pytest.mark.parametrize("over", ["time", "y/1 [m/s]"])
 def test_tables_that_bend_are_of_every_type(real: str, over: str, tmp_path: Path) -> None:

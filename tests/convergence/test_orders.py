@@ -131,6 +131,7 @@ def test_order_conditions(tableau: Tableau) -> None:
     assert max(beyond) > 1e-7
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("method", "errors", "dense"),
     [(dop853, (5, 3), 7), (dopri5, (4,), 4), (rk4, (), 3), (bs32, (2,), 3)],

@@ -29,6 +29,7 @@ def faults_of(text: str) -> list[str]:
     return [f.code for f in check(Source("example.lag", text), Choice())]
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("code", [code for code, entry in ENTRIES.items() if entry.wrong])
 def test_the_wrong_example_brings_its_code_alone(code: str) -> None:
     assert set(faults_of(ENTRIES[code].wrong)) == {code}

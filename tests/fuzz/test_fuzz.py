@@ -67,7 +67,7 @@ def test_what_was_found_once_is_mended(path: Path, trials: Trials) -> None:
     assert trials.stumbles(Case(path.read_text(encoding="utf-8")), 0) == []
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("seed", range(10))
 def test_noise_is_refused(seed: int, trials: Trials) -> None:
     chance = random.Random(seed)

@@ -43,6 +43,7 @@ def _accelerations(angles: numpy.ndarray, rates: numpy.ndarray, link: float, g: 
     return (turn / numpy.longdouble(link)).astype(float)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("links", [10, 100])
 def test_accelerations_of_a_chain(links: int) -> None:
     system = lagc.load("classic/chain").compile(parameters={"n": links}, backend="numpy")

@@ -14,6 +14,7 @@ FAST = compiler() is not None
 BACKEND = "c" if FAST else "numpy"
 
 
+@pytest.mark.full
 def test_cartesian_pendulum_over_many_periods() -> None:
     # 90 degrees, l = 0.5 m: the period is 4 K(1/2) sqrt(l/g)
     period = 4.0 * 1.854074677301372 * math.sqrt(0.5 / 9.81)

@@ -40,6 +40,7 @@ def test_andrews_mechanism_to_a_millionth() -> None:
     assert run.position_drift <= 1e-15
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("windows", [1, 4])
 def test_windows_pass_through_the_flat_posture(windows: int) -> None:
     run = _run(lagc.load("classic/n_four_bar").compile(parameters={"N": windows}), 10.0, 1e-9)
@@ -49,6 +50,7 @@ def test_windows_pass_through_the_flat_posture(windows: int) -> None:
         assert abs(run[f"th[{i + 1}]"] - run["th[1]"]).max() <= 1e-6
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("windows", [1, 4])
 @pytest.mark.parametrize("away", [1e-2, 1e-4, 1e-6, 1e-8, 0.0])
 def test_windows_started_at_the_flat_posture(windows: int, away: float) -> None:
@@ -117,6 +119,7 @@ def _four_bar(more: str) -> lagc.CompiledModel:
     return lagc.loads(FOUR_BAR.replace(RING, f"{RING}\n  {more}")).compile("upright")
 
 
+@pytest.mark.full
 def test_every_constraint_stated_twice() -> None:
     once = _run(_four_bar(""), 2.0, 1e-11)
     twice = _run(_four_bar("constraint again: D = {0, 0, 0};"), 2.0, 1e-11)
@@ -129,6 +132,7 @@ def test_every_constraint_stated_twice() -> None:
     assert any("again" in note for note in twice.notes)
 
 
+@pytest.mark.full
 def test_scaled_copy_of_a_constraint_is_found_redundant() -> None:
     run = _run(_four_bar("constraint again: 3*D = {0, 0, 0};"), 1.0, 1e-10)
     assert any("again" in note for note in run.notes)

@@ -170,7 +170,7 @@ def drawn(seed: int, n: int) -> list[tuple[float, ...]]:
 CLOSE = {0.0: 1e-3, 1e-4: 0.1, 1e-9: 1e-5}
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("n", [18, 300])
 def test_walls_of_any_stiffness(n: int, tmp_path: Path) -> None:
     cases = drawn(1, n)

@@ -92,7 +92,7 @@ def test_a_wheel_rolls_on_a_track(start: tuple[float, float]) -> None:
     assert run["along"] == pytest.approx(1.2 * numpy.sin(pendulum(*start, 1.2, run.t)), abs=1e-5)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize(("way", "plane", "start"), [
     ("angles", "xz", STARTS[1]), ("angles", "zx", STARTS[0]), ("places", "zx", STARTS[1]),
 ])  # fmt: skip
@@ -177,6 +177,7 @@ STEEP = ["cosh(2*y/one) = 1", "max(x, 0)^2 = 0"]
 TOUCHING[STEEP[0]] = "`2*y/one = 0`"
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize(("row", "size"), [
     *((row, size) for row in TOUCHING if row not in STEEP for size in (1e-6, 0.3, 1e6)),
     *((row, 0.3) for row in STEEP),

@@ -58,6 +58,7 @@ def matrices(linear: Linear) -> tuple[Any, Any, Any]:
     return mass, -mass @ linear.A[np.ix_(v, v)], -mass @ linear.A[np.ix_(v, q)]
 
 
+@pytest.mark.full
 def test_the_matrices(bicycle: lagc.CompiledModel) -> None:
     mass, damping, at_rest = matrices(straight(bicycle, 0.0))
     assert mass == pytest.approx(np.array(M), rel=CLOSE)
@@ -81,6 +82,7 @@ def test_the_eigenvalues(v: float, bicycle: lagc.CompiledModel) -> None:
     assert linear.stability == ("asymptotically stable" if 4.3 < v < 6.02 else "unstable")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "below, above",
     [(4.29238253634111 - 1e-9, 4.29238253634111 + 1e-9), (6.02426201538837 + 1e-9, 6.02426201538837 - 1e-9)],

@@ -117,6 +117,7 @@ def test_where_nothing_moves_nothing_is_said_of_stability() -> None:
     assert heading(linear) == "an equilibrium; nothing moves"
 
 
+@pytest.mark.full
 def test_drag_without_a_slope_at_rest_leaves_it_as_it_is() -> None:
     """norm(v) v divides by the speed, which is 0; nothing depends on time for that."""
     for one, other in zip(found("course/simple_pendulum", "room"), found("course/simple_pendulum", "vacuum")):
@@ -188,6 +189,7 @@ def test_an_elastic_pendulum_swings_and_bounces() -> None:
     assert_spectrum(down, pairs(-G / (1.0 + stretched), -25.0))
 
 
+@pytest.mark.full
 def test_trojans_go_around_the_triangular_points() -> None:
     """l^4 + l^2 + 27/4 mu (1 - mu) = 0 (w = 1); the collinear points are unstable."""
     mu = 9.537e-4
@@ -201,6 +203,7 @@ def test_trojans_go_around_the_triangular_points() -> None:
     assert all(linear.stability == "unstable" for linear in linears if linear not in triangular)
 
 
+@pytest.mark.full
 def test_a_chain_of_springs() -> None:
     linear = found("classic/spring_chain", "lab", k=3.0, m=0.2)[0]
     assert linear.x == [0.0] * 16
@@ -282,6 +285,7 @@ def test_a_sleigh_runs_straight_with_its_weight_ahead() -> None:
         assert_spectrum(linear, [0.0] * (len(linear.states) - 1) + [rate])
 
 
+@pytest.mark.full
 def test_a_ball_on_a_turntable_goes_in_circles() -> None:
     """At 2/7 of the turntable's rate, about any point (S. Earnshaw)."""
     linear = found("classic/sphere_on_turntable", "table")[0]
@@ -350,6 +354,7 @@ end Spring;
 """
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "further, linear, time_dependent",
     [("", True, False), ("+ x^4/l^2/4", False, False), ("- 0.3*x^2*sin(w*time)", False, True)],
@@ -400,6 +405,7 @@ end Rubbed;
 """
 
 
+@pytest.mark.full
 def test_at_rest_dry_friction_pushes_neither_way() -> None:
     """The pin of a slider-crank rests above or below its axle, and no linear model tells what is about it.
     A search that friction makes uneven: which tries end depends on the machine's last bits."""
@@ -413,6 +419,7 @@ def test_at_rest_dry_friction_pushes_neither_way() -> None:
         model.equilibria(tries=TRIES)
 
 
+@pytest.mark.full
 def test_whole_turns_of_many_angles_are_taken_off_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whether something is an equilibrium is asked a few times, however many links have turned."""
     asked: list[object] = []
@@ -459,6 +466,7 @@ end Skate;
 """
 
 
+@pytest.mark.full
 def test_a_blade_holds_along_a_line_of_postures_of_other_energies() -> None:
     """Along and against the axis it stands anywhere, held by its multiplier against the spring, and turns by
     6 a'' = sin(a): two families."""
@@ -471,10 +479,12 @@ def test_a_blade_holds_along_a_line_of_postures_of_other_energies() -> None:
         assert_spectrum(linear, values)
 
 
+@pytest.mark.full
 def test_no_equilibrium() -> None:
     assert found("classic/kepler") == []
 
 
+@pytest.mark.full
 def test_a_posture_where_nothing_is_finite_leaves_the_others() -> None:
     """Of the car axis, some random postures lie where roots have no derivative."""
     found = lagc.load("classic/car_axis").compile(backend="numpy").equilibria()

@@ -130,6 +130,7 @@ def test_trees_are_solved_to_rounding(family: str) -> None:
     assert error <= 2e-16 * condition + 2e-15
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("n", [4, 5, 8])
 def test_entries_may_cancel_that_the_structure_has(n: int) -> None:
     """Speeds that are the rates of absolute angles, of coordinates that are relative."""
@@ -166,6 +167,7 @@ def test_a_sum_whose_terms_cancel_is_no_unknown() -> None:
         assert np.abs(found - wanted).max() <= 1e-15 * condition * np.abs(wanted).max()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("family", large.LOOPS)
 def test_loops_are_solved_to_rounding(family: str) -> None:
     e = large.equations(large.LOOPS[family], 6)

@@ -220,6 +220,7 @@ def test_what_is_entangled_is_solved_in_a_loop_with_operations_in_proportion_to_
     assert costs[1] < 10 * 50 * 50
 
 
+@pytest.mark.full
 def test_the_looped_system_gives_the_accelerations() -> None:
     """Against M a = r with M and r evaluated by the expression graph's own evaluator."""
     n = 25

@@ -67,6 +67,7 @@ def idle(f: Function) -> list[str]:
     return found
 
 
+@pytest.mark.full
 @settings(max_examples=100, deadline=None)
 @given(st.integers(0, 10**6))
 def test_values_are_those_of_the_expressions_and_nothing_is_left_to_prepare(seed: int) -> None:

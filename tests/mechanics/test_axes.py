@@ -185,6 +185,7 @@ AXES = (
 )
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("axis", AXES)
 def test_a_link_adds_as_much_to_the_expressions_whatever_the_axis(axis: str) -> None:
     def nodes(n: int) -> tuple[int, bool]:
@@ -211,6 +212,7 @@ def test_lengths_of_what_stands_in_a_frame_are_numbers() -> None:
     assert vector([distance], random_state(e, 1)) == pytest.approx(13.0**0.5)
 
 
+@pytest.mark.full
 def test_chains_about_any_axis_are_without_fault() -> None:
     for axis in AXES:
         assert not check(Source("m.lag", CHAIN.format(n=3, axis=axis)), Choice())

@@ -232,6 +232,7 @@ def test_starts_and_conditions_are_in_speeds() -> None:
     assert evaluate([residual], dict(zip(e.v, (10.0, 4.0)))) == [1.0]
 
 
+@pytest.mark.full
 def test_long_chain_is_cheap() -> None:
     """O(n^2) nodes, and well under a second in pure Python for 100 links."""
     counts = []

@@ -46,6 +46,7 @@ def contact(b: Builder, x: Node, y: Node, z: Node) -> Node:
     return b.der(z) - y * b.der(x)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("seed", range(20))
 def test_planted_relations_are_found(seed: int) -> None:
     """k rows are combinations of dg_1 ... dg_k with changing factors: all are integrable together.

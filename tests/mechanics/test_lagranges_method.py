@@ -64,7 +64,7 @@ def lagranges_method(model: Model) -> tuple[Any, list[Any], list[Any]]:
     return method, q, [x.diff(T) for x in q]
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", NAMES)
 def test_same_matrices_as_sympy(name: str) -> None:
     model = ALL[name]()

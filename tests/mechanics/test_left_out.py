@@ -34,6 +34,7 @@ CASES = {
 }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("case", sorted(CASES))
 def test_rows_hold_whatever_the_parameters(case: str) -> None:
     first, second, given, held = CASES[case]
@@ -81,6 +82,7 @@ end Wagon;
 """
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("asked", "shared"),
     [("reaction(front)", True), ("reaction(rear)", True), ("reaction(aside)", False), ("0*1 [N]", False)],

@@ -42,6 +42,7 @@ def faults(n: int, row: str) -> list[str]:
         return [fault.code for fault in refused.faults]
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("row", ROWS)
 def test_rows_of_long_chains_are_judged_as_those_of_short_ones(row: str) -> None:
     assert faults(SHORT, row) == faults(LONG, row) == ROWS[row]

@@ -264,6 +264,7 @@ def test_points_of_bodies_are_understood(lines: str) -> None:
     assert codes(lines) == []
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("lines", STRANGE)
 def test_points_of_their_own_are_warned_of(lines: str) -> None:
     assert codes(lines) == ["LAG0411"]

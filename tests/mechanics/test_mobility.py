@@ -224,7 +224,7 @@ def test_mobility_of_loops(kind: int, seed: int) -> None:
     assert by_differences(e) == truth
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("kind", [0, 2, 4, 5, 6, 7])
 def test_mobility_is_told(kind: int) -> None:
     b, truth = KINDS[kind](random.Random(kind))

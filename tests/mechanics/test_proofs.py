@@ -220,6 +220,7 @@ def test_a_loop_that_closes_for_nothing_too_is_not_taken_for_that() -> None:
     assert facts(analyse(derive(b.model()))) == {}
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("push", [0.0, 1e-13, 1e-200])
 @pytest.mark.parametrize("squared", [False, True])
 def test_rods_hold_where_it_is_asked(squared: bool, push: float) -> None:

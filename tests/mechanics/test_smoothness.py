@@ -162,6 +162,7 @@ def test_a_change_that_the_rows_keep_away_from_is_none() -> None:
         assert codes(f"constraint k: {row};") == {"LAG0421"}, row
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("size", SIZES)
 def test_a_change_that_the_rows_meet_is_one_at_any_size(size: float) -> None:
     """For two values on one side of zero: from afar there is no change of sign."""

@@ -11,6 +11,7 @@ from tests.physics.runs import motion, spread
 TOLERANCE = 1e-8
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("name", "stop"),
     [

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy
+import pytest
 from scipy.integrate import solve_ivp
 
 import lagc
@@ -72,6 +73,7 @@ def test_joint_angles_add_up_to_angles_from_the_vertical() -> None:
     assert_close(found["q[1]"] + found["q[2]"], b)
 
 
+@pytest.mark.full
 def test_a_ladder_whose_sides_are_parallel_moves_as_a_chain() -> None:
     n = 4
     found = run("truss", n, 1.0)
@@ -156,6 +158,7 @@ def test_a_rod_on_a_ball_joint_is_a_top() -> None:
         assert_close(found[f"link[1].o.{name}"], values)
 
 
+@pytest.mark.full
 def test_every_large_model_has_a_size() -> None:
     names = [name for name in library_models() if name.startswith("large/")]
     assert len(names) == 8

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import pytest
+
 import lagc
 
 
@@ -54,6 +56,7 @@ def test_slide_that_falls_as_fast_as_the_point_does_not_touch_it() -> None:
     assert abs(force) <= 1e-12 * 9.81
 
 
+@pytest.mark.full
 def test_upright_ladder_leaves_the_wall_at_two_thirds() -> None:
     # cos(theta) = 2/3 cos(theta0): there the force of the wall changes its sign
     theta0 = math.radians(10.0)

@@ -119,6 +119,7 @@ def test_python_runs_as_printed_there(saved: Path, where: str, text: str) -> Non
     exec(compile(text, where, "exec"), {})
 
 
+@pytest.mark.full
 def test_what_is_found_for_a_start_is_what_is_said_there() -> None:
     text = (ROOT / "docs" / "reference" / "language.md").read_text(encoding="utf-8")
     (model,) = [text for where, text in blocks("modelica") if text.startswith("model Disc ")]
@@ -143,6 +144,7 @@ def test_c_of_the_interface_compiles_as_printed_there(saved: Path) -> None:
     subprocess.run(["./main"], check=True)
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize(("where", "text"), blocks("modelica"), ids=lambda x: x if len(x) < 40 else "")
 def test_models_of_the_documents_are_accepted(where: str, text: str) -> None:
     assert check(Source(where, text), Choice()) == []

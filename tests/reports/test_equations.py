@@ -119,6 +119,7 @@ def test_latex_has_balanced_braces_for_every_kind_of_expression() -> None:
     assert text.count(r"\left") == text.count(r"\right")
 
 
+@pytest.mark.full
 def test_the_script_runs_with_sympy() -> None:
     """Really run, in a fresh interpreter; the equation is the pendulum's."""
     script = write(derived("course/simple_pendulum"), "sympy")

@@ -147,6 +147,7 @@ def test_counters_are_no_subscripts() -> None:
     assert "for j = 1..14" in write(equations_of(text), full=False)
 
 
+@pytest.mark.full
 def test_names_that_would_be_alike_are_read_by_another_program() -> None:
     mathtext = pytest.importorskip("matplotlib.mathtext")
     lines = rows(write(equations_of(ALIKE), "latex"))

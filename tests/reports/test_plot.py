@@ -34,6 +34,7 @@ def test_the_ending_says_the_format(tmp_path: Path, ending: str, start: bytes) -
     assert path.read_bytes().startswith(start)
 
 
+@pytest.mark.full
 def test_the_same_run_gives_the_same_file(tmp_path: Path) -> None:
     for name in ("a.svg", "b.svg"):
         plot(run_of("course/simple_pendulum"), path=str(tmp_path / name))
@@ -95,12 +96,14 @@ def test_without_matplotlib_the_fault_says_what_to_install(monkeypatch: pytest.M
     assert solution_html(run) == table(run)
 
 
+@pytest.mark.full
 def test_a_run_in_a_notebook_is_its_picture() -> None:
     run = run_of("course/simple_pendulum")
     assert "<svg" in run._repr_html_()
     assert "theta" in table(run)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 def test_curves_bend_and_jump_at_events_that_are_not_recorded(backend: str) -> None:
     run = lagc.load(str(MODELS / "classic/bouncing_ball.lag")).compile(backend=backend).simulate(points=20)
@@ -207,6 +210,7 @@ def test_what_a_sensitivity_is_off_by_covers_what_it_is() -> None:
     assert max(energy) - min(energy) <= 2.0 * run.sensitivities.doubt("d(E)/d(l)")
 
 
+@pytest.mark.full
 def test_many_panels_stand_in_columns() -> None:
     run = lagc.load(str(MODELS / "classic/gyroscope.lag")).compile(backend="numpy").simulate(
         0.05, points=11, sensitivity=["A1", "C", "m", "d", "field.g", "start(beta)"]

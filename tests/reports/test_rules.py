@@ -94,7 +94,7 @@ def check(equations: EquationsOfMotion) -> None:
         )
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("name", LARGE)
 def test_equations_by_rules_are_the_derived_ones(name: str) -> None:
     check(large(name, 20))
@@ -116,7 +116,7 @@ def test_equations_fit_on_pages_whatever_their_number(name: str) -> None:
         assert len(few.splitlines()) == len(many.splitlines())
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("how", "most"),
     [

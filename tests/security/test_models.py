@@ -236,6 +236,7 @@ def shape_of_python(text: str) -> list[str]:
     return [type(node).__name__ for node in ast.walk(ast.parse(text))]
 
 
+@pytest.mark.full
 def test_what_names_and_descriptions_say_does_not_change_generated_code() -> None:
     """It is the code of the same model with plain words, word for word."""
     for hostile, plain, shape in zip(rendered(HOSTILE), rendered(PLAIN), (shape_of_c, shape_of_python)):

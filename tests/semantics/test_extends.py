@@ -91,6 +91,7 @@ def test_work_is_in_proportion_to_what_is_written(
     assert variants(parse(Source("m.lag", text))) == [Variant("M", "s")]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("level", [TWICE, ARMS])
 def test_what_extends_too_deep_is_refused(level: str) -> None:
     text = "partial model A0 coordinate Length x; end A0;"

@@ -122,6 +122,7 @@ def test_a_bead_on_a_line_that_turns() -> None:
     assert found["w[3]"][-1] == near(3.0)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "frame",
     [

@@ -146,7 +146,7 @@ def test_a_pipe_that_is_written_to_is_read(tmp_path: Path) -> None:
     assert model_library.read(str(path)).text == "".join(pieces)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.skipif(not POSIX or not os.path.exists("/bin/bash"), reason="no bash")
 @pytest.mark.parametrize(
     "words", ["<(cat {})", "/dev/stdin < {}", "- < {}", "/dev/stdin < <(sleep 0.1; cat {})"]

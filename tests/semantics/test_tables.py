@@ -144,7 +144,7 @@ def pieces(kind: str, knots: list[float], values: list[float]) -> PPoly:
     return CubicSpline(knots, values) if kind == "cubic" else PPoly([slopes, values[:-1]], knots)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 def test_a_force_through_points_moves_a_mass_as_its_integrals_say(kind: str, backend: str) -> None:
@@ -175,6 +175,7 @@ end Driven;"""
 PLACES = "{0, 0.4, 1, 1.5, 2}, {0, 0.3, 0.1, -0.2, 0.1}"
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 def test_a_row_that_is_driven_by_a_table_needs_the_force_of_its_second_derivative(backend: str) -> None:
     table = f'table(time, {PLACES} [m], "cubic")'

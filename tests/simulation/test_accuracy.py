@@ -100,7 +100,7 @@ end Earth;
 """
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("text", "stop"),
     [(KINK, 10.0), (TWO_SCALES, 2.0), (MICRO, 0.003), (ATOM, 1e-12), (EARTH, 1e7)],
@@ -163,6 +163,7 @@ CIRCLES = """model Circles
 end Circles;"""
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("size", [1e-12, 1e-6, 1.0, 1e4, 1e12])
 def test_no_size_loses_rank(size: float) -> None:
     """Two circles that all but touch do, whatever their radius; where they cross, they do not."""

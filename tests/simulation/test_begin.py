@@ -88,7 +88,7 @@ def refused(text: str) -> list[Fault]:
     return []
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("first", range(0, 60, 20))
 def test_check_tells_what_a_run_refuses(first: int) -> None:
     seen = set()
@@ -106,6 +106,7 @@ def test_check_tells_what_a_run_refuses(first: int) -> None:
     assert len(seen) > 2 and "" in seen
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 def test_both_backends_refuse_alike(backend: str) -> None:
     text = FORM.format(m="0", l="1", s="2", x="start = 1", more="")
@@ -144,6 +145,7 @@ def test_given_parameters_are_those_of_a_run() -> None:
     assert faults(l=2.0, k=1.0) == [("LAG0601", "error")]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("size", [1e299, 1e300, 1.1e300, -3e304, 3e307])
 def test_what_is_finite_is_a_start(size: float) -> None:
     """Stated or found; where it is too large for a row, or an energy, this is told to have no value."""

@@ -22,6 +22,7 @@ def told(rows: str, backend: str) -> tuple[str, float, str]:
     return run.status, run.times[-1], run.message
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 def test_a_run_that_comes_to_a_tip_fails_and_says_so(backend: str) -> None:
     status, t, message = told("constraint cone: z = norm({x, y, 0});", backend)
@@ -31,6 +32,7 @@ def test_a_run_that_comes_to_a_tip_fails_and_says_so(backend: str) -> None:
     assert 0.45 < t <= 0.5 + 1e-9
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("rows, where", [
     ("constraint c: y = abs(x);", "the constraint `c` has a kink where `x` passes 0"),
     ("constraint c: y = 0.3*l*sign(x);", "the constraint `c` has a jump where `x` passes 0"),
@@ -52,6 +54,7 @@ def test_a_motion_that_keeps_away_from_a_kink_is_followed() -> None:
     assert system.simulate(1.0).status == "ok"
 
 
+@pytest.mark.full
 def test_smooth_rows_are_not_said_to_bend() -> None:
     for rows in (
         "constraint aa: x^2 + y^2 = 2*l^2; constraint bb: x = l*(3*time/T - 1);",

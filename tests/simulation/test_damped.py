@@ -243,7 +243,7 @@ def test_random_systems_with_rows_that_follow_from_others(seed: int) -> None:
     assert_solved(found, more, state)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("seed", RANDOM[::4])
 def test_random_systems_with_rows_that_contradict_others(seed: int) -> None:
     e, state = random_case(seed)
@@ -251,7 +251,7 @@ def test_random_systems_with_rows_that_contradict_others(seed: int) -> None:
     assert solved(with_copies(e, 7, wrong=100.0 * size), state).status == INCONSISTENT
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("seed", RANDOM[1::3])
 def test_rows_in_units_that_are_far_apart(seed: int) -> None:
     """Each row times a number from 1e-6 to 1e6."""
@@ -360,6 +360,7 @@ def test_backends_agree(backend: str) -> None:
     assert found[0] == found[1]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("n", [2, 7])
 def test_windows_pass_the_flat_posture(n: int) -> None:
     """As the pendulum that they are."""

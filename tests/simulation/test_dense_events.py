@@ -48,7 +48,7 @@ class Walls:
         return self.size * sin(phase)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("seed", [15, 42, 62, 63, 65, 86, *range(12)])
 def test_the_estimate_knows_of_all_times(seed: int) -> None:
     """Runs that are compared take other steps, also where each step ends at a change."""
@@ -76,6 +76,7 @@ class Noted:
         return getattr(self.system, name)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("last", range(1, 6))
 def test_an_interruption_leaves_the_finest_run_also_where_it_is_made_again(last: int) -> None:
     walls, time, begun = Walls(42), 0.0, 0
@@ -121,6 +122,7 @@ def test_halves_err_by_less_however_far_the_end_is() -> None:
         assert off(stop, 1e-6, True) < 0.1 * off(stop, 1e-5, False), stop
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("seed", [3, 81, 207, 297])
 def test_a_crossing_is_located_on_the_step_that_ends_there(seed: int) -> None:
     """It is located on the dense output of a step that goes far beyond, which errs by more."""

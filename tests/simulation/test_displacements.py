@@ -49,7 +49,7 @@ def strip(n: int, displaced: bool) -> str:
     return "\n".join(lines)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("n", (1, 2, 3, 5, 12))
 def test_a_strip_of_rods_moves_as_from_the_origin(n: int) -> None:
     runs = [
@@ -79,7 +79,7 @@ end Rail;
 HORIZONTAL = ("{l + x*cos(al), 0, y + x*sin(al)}", "{l + k*x, 0, k*y}", "{l - 1e-9*x, 0, y}", "{l + x, 0, y}")
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("length", (1.0, 1e-3))
 @pytest.mark.parametrize("place", HORIZONTAL)
 def test_displacements_along_any_direction(place: str, length: float) -> None:
@@ -114,6 +114,7 @@ TIES = (
 )
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("tie", TIES)
 def test_what_one_is_displaced_from_is_nothing_to_others(tie: str) -> None:
     run = lagc.loads(BESIDE % tie).compile(backend="numpy").simulate(stop=20, accuracy=ACCURACY)
@@ -121,6 +122,7 @@ def test_what_one_is_displaced_from_is_nothing_to_others(tie: str) -> None:
     assert max(abs(run["x"] ** 2 + run["y"] ** 2 - 1e-6)) <= 1e-15 * 1e-6
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ("numpy", "c"))
 def test_what_only_rounding_moves_beside_a_displacement_does_not_shorten_steps(backend: str) -> None:
     """A particle has its place by two displacements along an axis that turns freely: nothing turns it."""
@@ -219,6 +221,7 @@ LATE_ANGLE = """model LateAngle
 end LateAngle;"""
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("begin", (0.0, 0.2))
 @pytest.mark.parametrize("accuracy", (1e-6, 1e-8, 1e-10))
 def test_what_a_condition_switches_is_as_small_as_what_it_looks_at(begin: float, accuracy: float) -> None:
@@ -275,6 +278,7 @@ PAIR = """model Pair
 end Pair;"""
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("accuracy", (1e-3, 1e-4, 1e-5, 1e-8))
 def test_a_pair_at_rest_is_pushed_and_swings(accuracy: float) -> None:
     """With u = t - T, M = m1 + m2, w^2 = M/(m1 m2): x - y = (1 - cos w u)/(m1 w^2), m1 x + m2 y = u^2/2.

@@ -26,7 +26,7 @@ def run(text: str, stop: float, accuracy: float, backend: str = "numpy") -> lagc
     return found
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-4, 1e-6])
 @pytest.mark.parametrize("near", [1e-3, 1e-5, 1e-7])
@@ -56,7 +56,7 @@ end Encounter;""",
     assert hypot(found["x"][-1] - x, found["y"][-1] + y) <= 3 * accuracy * 4.0
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-4, 1e-6, 1e-8])
 @pytest.mark.parametrize("size", [1e-2, 1e-4, 1e-6])
 @pytest.mark.parametrize("cut", [False, True])
@@ -78,6 +78,7 @@ def test_hard_cores(cut: bool, size: float, accuracy: float) -> None:
     assert found["x"][-1] == pytest.approx(float(1 - behind), abs=3 * accuracy)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("exponent", "declared"), [("n", -13.0), ("n - 1/2", -12.0), ("-12.5", 0.0), ("-13", 0.0)]
 )

@@ -53,7 +53,7 @@ def compiled(**choice: object) -> lagc.CompiledModel:
     return lagc.loads(CART).compile(**choice)  # type: ignore[arg-type]
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 def test_an_expression_is_the_same_wherever_it_is_said(backend: str, tmp_path: Path) -> None:
     declared = lagc.loads(CART.replace("u = 1", f"u = {SHAKEN}"))
@@ -72,6 +72,7 @@ def test_an_expression_is_the_same_wherever_it_is_said(backend: str, tmp_path: P
     assert other["x"] == pytest.approx([shaken(t, 1.5) for t in other.t], abs=1e-8)
 
 
+@pytest.mark.full
 def test_the_command_line_takes_numbers_expressions_and_columns(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -133,7 +134,7 @@ def test_what_the_command_line_does_not_take(words: list[str], tmp_path: Path) -
     assert main(["sim", str(tmp_path / "cart.lag"), *words]) == 2
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("kind", ["held", "linear", "cubic"])
 def test_points_are_the_table_that_is_written(kind: str) -> None:
     rng = random.Random(kind)

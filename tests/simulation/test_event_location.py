@@ -176,6 +176,7 @@ def test_a_narrow_bell_with_ends(accuracy: float) -> None:
     assert run["der(x)"][-1] == pytest.approx(math.sqrt(11.0 / 3.0), rel=accuracy)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 def test_crossings_at_one_time_within_roundoff(backend: str) -> None:
     """floor(t) at n, sign(sin(pi t)) a last place later: 1 - 1 + 2 - 3 + ... - 9, the last motion whole."""

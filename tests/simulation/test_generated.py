@@ -50,7 +50,7 @@ def rates(system: System, x: list[float], t: float = 0.0) -> tuple[int, list[flo
     return system.rhs(t, x, xdot, lam), xdot, lam
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(1)
 @needs_compiler
 @pytest.mark.parametrize("name", PROGRAMS)
 @pytest.mark.parametrize(
@@ -75,6 +75,7 @@ def test_c_and_python_agree_bitwise(name: str, options: Options) -> None:
     assert len(one["times"]) == 41 or options.max_steps
 
 
+@pytest.mark.sample(4)
 @needs_compiler
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_going_back_agrees_too(name: str) -> None:
@@ -87,7 +88,7 @@ def test_going_back_agrees_too(name: str) -> None:
 COMPILERS = {"gcc": ["gcc", "-std=c99", "-O1"], "g++": ["g++", "-x", "c++", "-O0"], "zig": ["zig"]}
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("compile_", COMPILERS.values(), ids=COMPILERS)
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_the_text_compiles_without_a_warning(name: str, compile_: Any, tmp_path: Path) -> None:
@@ -140,7 +141,7 @@ def test_a_body_on_a_pivot_keeps_its_energy_and_place(backend: str) -> None:
         assert max(abs(a) for a in system.position(0.0, state)) <= 1e-15
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(2)
 @BACKENDS
 @pytest.mark.parametrize("copies", [(1.0, 1.0), (1.0, -2.0, 0.5)])
 @pytest.mark.parametrize("straight", [True, False])
@@ -163,6 +164,7 @@ def test_a_repeated_constraint_changes_no_motion(backend: str, copies: Any, stra
     assert (other.fallbacks > 0) == straight
 
 
+@pytest.mark.sample(1)
 @BACKENDS
 def test_contradicting_rows_are_named(backend: str) -> None:
     """The second row's acceleration leaves the first's by 3 m^2/s^2 a second."""
@@ -175,6 +177,7 @@ def test_contradicting_rows_are_named(backend: str) -> None:
     assert run.status == INCONSISTENT and run.culprit == 1 and run.t < 0.1
 
 
+@pytest.mark.sample(1)
 @BACKENDS
 def test_a_singular_mass_matrix_is_named(backend: str) -> None:
     system = build(masses((1.0, 0.0, 0.0), lambda x: (-x[0], 1.0)), backend)
@@ -184,6 +187,7 @@ def test_a_singular_mass_matrix_is_named(backend: str) -> None:
     assert (run.status, run.culprit, run.t, run.states) == (SINGULAR_MASS, 1, 0.0, [])
 
 
+@pytest.mark.sample(1)
 @BACKENDS
 def test_what_is_not_a_number_is_named(backend: str) -> None:
     system = build(masses((1.0, 0.0, 1.0), lambda x: (-x[0], x[1] / (x[0] - x[0]))), backend)
@@ -191,6 +195,7 @@ def test_what_is_not_a_number_is_named(backend: str) -> None:
     assert system.culprit == 3
 
 
+@pytest.mark.sample(1)
 @BACKENDS
 def test_a_run_ends_at_the_border_of_its_equations(backend: str) -> None:
     """sqrt(x) where x falls through 0 at t = 1."""
@@ -212,6 +217,7 @@ def test_the_drive_of_a_rod_follows_the_closed_form(backend: str) -> None:
     assert run.x[0] == pytest.approx(a, abs=1e-9) and run.x[2] == pytest.approx(0.0, abs=1e-7)
 
 
+@pytest.mark.sample(5)
 @BACKENDS
 @pytest.mark.parametrize("options", [{"step": 0.5, "method": name} for name in ("rk4", "dop853", "dopri5")]
                          + [{"rtol": 1e-6, "method": "dopri5"}])  # fmt: skip

@@ -83,13 +83,14 @@ def test_it_errs_by_what_was_asked(method: str, start: float) -> None:
         assert run.cost.rhs < 6_000
 
 
+@pytest.mark.full
 def test_it_is_the_same_in_c() -> None:
     runs = [chain(8, backend=name).simulate(method="dop853", rtol=1e-8) for name in ("c", "numpy")]
     assert runs[0].status == "ok" and runs[0].cost.rhs == runs[1].cost.rhs
     assert [list(x) for x in runs[0].states] == [list(x) for x in runs[1].states]
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("n", [4, 7, 12])
 def test_balls_are_hit_from_both_sides(n: int) -> None:
     """What comes out is as symmetrical as what goes in."""

@@ -210,6 +210,7 @@ end Platform;
     assert run["x"][-1] == pytest.approx(length * math.sin(2 * math.asin(sine)), abs=1e-9)
 
 
+@pytest.mark.full
 def test_a_table_slides_on_four_legs() -> None:
     """Towards a spring at x = 1 m, as a harmonic oscillator does."""
     text = """model Table

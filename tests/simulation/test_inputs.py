@@ -65,7 +65,7 @@ def restarted(name: str, backend: str, options: Options, pieces: Any) -> list[fl
     return list(x)
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1)
 @METHODS
 @NAMES
 @pytest.mark.parametrize("seed", range(3))
@@ -140,6 +140,7 @@ def test_fixed_steps_are_those_of_restarts(name: str, backend: str) -> None:
         assert all(abs(a - b) <= left for a, b in zip(x, again))
 
 
+@pytest.mark.sample(3)
 @BACKENDS
 @METHODS
 @NAMES

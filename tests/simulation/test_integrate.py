@@ -136,6 +136,7 @@ class Interrupted(Rod):
         return super().velocity(t, x)
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("seed", range(20))
 def test_what_was_recorded_is_whole_wherever_an_interruption_comes(seed: int) -> None:
     """Time and state belong together, and the states are those of the run that was not interrupted."""

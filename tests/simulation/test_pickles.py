@@ -60,6 +60,7 @@ def test_everything_travels(name: str, backend: str) -> None:
     assert again.equations.q and copy.deepcopy(again) is again and copy.copy(again) is again
 
 
+@pytest.mark.sample(1)
 @BACKENDS
 def test_a_model_travels_before_it_has_run(backend: str) -> None:
     model = lagc.load("simple_pendulum").compile(scene="room", backend=backend, parameters={"l": (70, "cm")})

@@ -35,7 +35,7 @@ def model(quarters: float, axis: str) -> str:
     return MODEL.format(a=90 * quarters, axis=axis, own=own, other=other, zero=zero)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @needs_gcc
 @pytest.mark.parametrize("axis", "xyz")
 @pytest.mark.parametrize("quarters", [1, 2, -3, 7, 40, -1001])
@@ -50,6 +50,7 @@ def test_a_rounded_quarter_turn_moves_nothing(quarters: int, axis: str) -> None:
     assert (start["w"], start["der(w)"]) == pytest.approx((4.5, -6.0), rel=1e-14)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("off", [1e-2, 1e-6, 1e-11, -1e-12])
 def test_what_is_a_coefficient_counts(off: float) -> None:
     """Off by far more than its last place, the turn is none of quarters, and z = 0 asks for x = 0."""

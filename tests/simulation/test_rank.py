@@ -127,7 +127,7 @@ def test_dependent_rows_are_free_again_after_the_posture(backend: str) -> None:
     assert system.rhs(0.2, later.x, [0.0] * 8, [0.0] * 3) == OK
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @BACKENDS
 @pytest.mark.parametrize("tolerance", [1e-9, 1e-4])
 def test_an_overconstrained_linkage_moves(backend: str, tolerance: float) -> None:

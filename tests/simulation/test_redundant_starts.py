@@ -121,7 +121,7 @@ def test_cranks_follow_the_one_that_is_stated(seed: int) -> None:
         assert abs(turned(found["p"])) < 1e-9
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @needs_gcc
 @pytest.mark.parametrize("seed", range(2))
 def test_parallel_bars_keep_the_stated_crank(seed: int) -> None:
@@ -189,7 +189,7 @@ end Disc;
 """
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @needs_gcc
 @pytest.mark.parametrize("down", ("B.y", "{0, 0, 1}"))
 def test_a_stated_velocity_of_a_wheel_or_ball_asks_for_moderate_rates(down: str) -> None:
@@ -217,7 +217,7 @@ end Crank;
 """
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("turns", (-1.5, -0.5, 0.5, 1.5, 10.5))
 def test_rounding_is_no_lever(turns: float) -> None:
     """Where cos(a) is zero but for rounding, a' moves nothing: b' does all, or h', or nothing can."""
@@ -241,7 +241,7 @@ def test_a_move_behind_the_digits_that_are_shown_is_shown() -> None:
     assert start.notes[0].startswith("`c2` starts at 0.7 rad instead of 0.70000003 rad, because of")
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("seed", range(3))
 def test_one_motion_is_told_from_any_stated_crank(seed: int) -> None:
     """What `explain` says: n cranks and a bar have n + 2 rows that count, parallel bars one each and one."""

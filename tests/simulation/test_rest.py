@@ -87,6 +87,7 @@ end Rod;
 }
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", sorted(RESTING))
 def test_what_rounding_alone_would_move_rests(name: str) -> None:
     run = lagc.loads(RESTING[name]).compile(backend="numpy").simulate(100.0)
@@ -95,6 +96,7 @@ def test_what_rounding_alone_would_move_rests(name: str) -> None:
     assert all(list(x) == list(run.states[0]) for x in run.states)
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("name", sorted(RESTING))
 @pytest.mark.parametrize("method", ["dop853", "dopri5"])
 def test_rounding_does_not_starve_the_steps(name: str, method: str) -> None:
@@ -230,7 +232,7 @@ LATE = [  # force (N) on 1 kg at rest, the time that is looked at, where it is t
 ]
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 @pytest.mark.parametrize(("force", "stop", "end"), LATE)
 def test_what_rests_is_set_in_motion_later(force: str, stop: float, end: float, backend: str) -> None:
@@ -282,6 +284,7 @@ end Pressed;"""
         assert run["x"][-1] == pytest.approx(1.0, rel=1e-6)
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("places", [-8, -4, -2, -1, 1, 2, 3, 4, 8])
 @pytest.mark.parametrize("offset", [1e15, 3.7])
 def test_a_few_last_places_beside_an_equilibrium(places: int, offset: float) -> None:

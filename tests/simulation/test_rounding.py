@@ -104,7 +104,7 @@ def honest(text: str, exact: Exact, stop: float) -> list[Run]:
     return runs
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("nonlinear", [False, True])
 @pytest.mark.parametrize("n", [2, 3, 4])
 def test_hilbert_mass_matrices(n: int, nonlinear: bool) -> None:
@@ -114,7 +114,7 @@ def test_hilbert_mass_matrices(n: int, nonlinear: bool) -> None:
     assert (runs[-1].status == "failed") == (n == 4)
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(8))
 def test_any_coordinates(seed: int) -> None:
     chance = Random(seed)
@@ -136,6 +136,7 @@ def test_a_thread_that_ends_before_it_begins_is_not_waited_for(
     assert not begins or apart(lambda: sleep(0.1) or 1) == 1
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("apart", [1e-1, 1e-2, 1e-3, 1e-4])
 def test_coordinates_that_nearly_depend_on_each_other(apart: float) -> None:
     chance = Random(str(apart))
@@ -194,7 +195,7 @@ def test_rows_that_nearly_depend_on_each_other(angle: float) -> None:
     assert runs[0].status == "ok"
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 @pytest.mark.parametrize("offset", [0.0, 0.5])
 def test_forces_that_are_differences_of_near_numbers(backend: str, offset: float) -> None:
@@ -293,7 +294,7 @@ def test_what_fails_apart_fails_here() -> None:
         apart(lambda: 1 // 0)
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 @pytest.mark.parametrize("e", [1e-2, 1e-3, 1e-4, 5e-5, 2e-5, 1e-5, 3e-6])
 def test_coordinates_that_all_but_coincide(e: float, backend: str) -> None:

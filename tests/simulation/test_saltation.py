@@ -51,6 +51,7 @@ MIRRORED = """model Mirrored
 end Mirrored;"""
 
 
+@pytest.mark.full
 def test_new_values_move_their_own_condition() -> None:
     """x = x0 + v t - 2 n X, at every accuracy, recorded beside events too."""
     model = lagc.loads(MIRRORED.replace("FORCE", "0")).compile(backend="numpy")
@@ -64,7 +65,7 @@ def test_new_values_move_their_own_condition() -> None:
         assert run.sensitivity("x", "v") == pytest.approx(run.times, rel=1e-9)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("force", ["9.81*sin(x)", "10*x + 3*sin(time/(1 [s]))"])
 def test_where_steps_are_curved(force: str) -> None:
     """By differences, where no event is near."""
@@ -140,6 +141,7 @@ def test_one_clause_makes_another_act() -> None:
                 assert run.sensitivity(quantity, name)[-1] == pytest.approx(known, abs=1e-7)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("force", "more", "same"),
     [
@@ -170,7 +172,7 @@ def test_a_start_on_a_change_that_moves_nothing_has_them(force: str, more: str, 
         assert run.sensitivity("x", "start(x)")[-1] == pytest.approx(known, abs=1e-6)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("exponent", [1.5, 2.0, 2.5, 3.5])
 @pytest.mark.parametrize("stiff", [3.16, 316.0])
 def test_behind_the_kink_of_a_contact(exponent: float, stiff: float) -> None:
@@ -209,7 +211,7 @@ def test_behind_the_kink_of_a_contact(exponent: float, stiff: float) -> None:
         assert np.abs(np.array(found) / exact[2:] - 1.0).max() < 10.0 * accuracy
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("rest", [0.0, 0.1, 10.0])
 def test_a_ball_meets_one_that_rests_on_a_spring(rest: float) -> None:
     """By Hertz' contact, at t = 0.04: d/dk departs from zero by t^6.5, and with a spring that rests elsewhere

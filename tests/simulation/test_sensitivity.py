@@ -50,7 +50,7 @@ def close(found: Any, expected: Any, accuracy: float) -> None:
     assert np.abs(found - np.array(expected)).max() <= accuracy * np.abs(expected).max(), (found, expected)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 def test_of_a_damped_oscillator(backend: str) -> None:
     """By differences of its closed form in 40 digits."""
@@ -323,6 +323,7 @@ def test_by_the_start_of_an_orientation() -> None:
     assert np.abs((q * slopes).sum(axis=0)).max() < 1e-9  # unit quaternions stay unit quaternions
 
 
+@pytest.mark.full
 def test_units_change_nothing() -> None:
     """By powers of two: the same steps, and the same bits."""
     found = []
@@ -404,6 +405,7 @@ def test_a_start_on_a_change_has_none(condition: str, name: str) -> None:
     assert run.status == "failed" and "at the initial state itself" in run.message
 
 
+@pytest.mark.full
 def test_many_quantities_are_told_in_time_in_proportion(monkeypatch: pytest.MonkeyPatch) -> None:
     """x = cos(w t) with w^2 = k; the unit of each is made once."""
     n, asked = 100, [0]
@@ -469,6 +471,7 @@ def test_a_start_that_meets_redundant_rows_for_all_values_has_a_slope() -> None:
     close(run.sensitivity("x[4]", "d"), expected, 1e-8)
 
 
+@pytest.mark.full
 def test_an_exponent_has_a_slope_where_its_base_is_zero() -> None:
     """y'' = t^p: y = t^(p + 2)/((p + 1)(p + 2)), from where the base is 0."""
     text = """model Pow

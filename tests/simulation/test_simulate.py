@@ -16,7 +16,7 @@ from tests.simulation.integrated import DoublePendulum, Kepler, Massless, Oscill
 pytestmark = pytest.mark.usefixtures("no_cache")
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(("stop", "most"), [(10.0, 10.0), (300.0, 4.0)])
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12])
 def test_the_estimate_is_not_less_than_the_true_error_nor_much_more(

@@ -38,6 +38,7 @@ def last_angle(angle: float, rate: float) -> float:
     return pi / 4.0 + asin((0.5 * rate**2 / FORCE + sin(angle) - cos(angle)) / sqrt(2.0))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 def test_a_trammel_stops(backend: str) -> None:
     system = lagc.loads(BY_ANGLE).compile(backend=backend)
@@ -48,6 +49,7 @@ def test_a_trammel_stops(backend: str) -> None:
         assert abs(run["a"][-1] - end) <= run.estimated * end and abs(run["der(a)"][-1]) < 1e-15
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("later", [None, 1e-12, 1e-7, 1e-4, 0.1])
 def test_a_loop_stops_and_an_independent_block_moves_on(later: float | None) -> None:
     """A block that would stop a little later does."""

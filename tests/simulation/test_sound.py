@@ -40,7 +40,7 @@ def refused(model: lagc.api.CompiledModel, **values: float) -> bool:
     return False
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("derived", FORMS)
 def test_bounds_of_derived_parameters_hold_in_bind_and_in_checks_of_generated_code(derived: str) -> None:
     """For random values; what is derived is known in closed form."""
@@ -80,6 +80,7 @@ end M;
 """
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("mass", ["m1", "m1 - m2", "m1*m2/(1[kg])", "2*m1 + m2"])
 def test_no_mass_is_negative(mass: str) -> None:
     dice, seen = random.Random(mass), set()
@@ -132,7 +133,7 @@ end M;
 """
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("seed", range(12))
 def test_a_kinetic_energy_is_positive_on_what_constraints_allow(seed: int) -> None:
     """Random forms of three rates, free or on a random plane; NumPy's eigenvalues tell."""

@@ -46,7 +46,7 @@ def arrived(name: str, options: Options, t1: float) -> tuple[int, int, float, li
     return found[0]
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.parametrize("method", ["dop853", "dopri5", "bs32"])
 @pytest.mark.parametrize("first", [0.0, 1e-3])
@@ -71,6 +71,7 @@ def test_ways_of_any_length(name: str, method: str, first: float) -> None:
             assert status == (OK if name == "free" else MAX_STEPS) and abs(t1) <= 1e40
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", MODELS)
 def test_fixed_steps_on_ways_of_any_length(name: str) -> None:
     start, nq = system(name, "c").start(), system(name, "c").nq

@@ -127,7 +127,7 @@ end Rope;
 """
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("n", (15, 60))
 def test_displacements_that_are_all_zero_have_one_size(n: int) -> None:
     """The guess is up to a tenth of the length away from a start, which steps of least norm lead to; those of

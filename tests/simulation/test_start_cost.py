@@ -165,6 +165,7 @@ def turning() -> Twins:
     return Twins(program_of(TURNED.format(rate="v")))
 
 
+@pytest.mark.full
 @needs_gcc
 @pytest.mark.parametrize(
     ("parts", "status", "turned"),
@@ -215,6 +216,7 @@ def test_a_step_beyond_all_numbers_ends_the_attempt() -> None:
     assert search.run() in (OK, INCONSISTENT)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("turns", (0.1, 20.0, 300.0, -1e6))
 def test_gears_begin_turned_as_far_as_is_stated(turns: float) -> None:
     """Linear in angles: the partner of a wheel that has turned often is where the ratio says."""

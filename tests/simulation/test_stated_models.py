@@ -36,6 +36,7 @@ def wheel(x: str = "", th: str = "", more: str = "") -> str:
     return WHEEL.format(x=x, th=th, more=more)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("seed", range(8))
 def test_a_train_of_gears_turns_as_its_one_stated_wheel_says(seed: int) -> None:
     dice = random.Random(seed)
@@ -66,6 +67,7 @@ def test_a_wheel_rolls_as_fast_as_its_centre_is_said_to() -> None:
     assert found["der(z)"] == 0.0
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("turn", ["90[deg]", "-90[deg]", "270[deg]", "0.25[rev]", "acos(0)", "2*asin(1)/2"])
 def test_a_quarter_of_a_turn_leaves_a_stated_value(turn: str) -> None:
     """A row along what was the x axis of a frame turned by a quarter: z = 0, whatever x."""
@@ -90,6 +92,7 @@ def test_a_stated_zero_is_stated() -> None:
     assert start_of(wheel(x="(rate = 10 [m/s])"))["der(x)"] == 10.0
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("scene", "run", "kept"),
     [
@@ -221,7 +224,7 @@ end M;
     assert start.notes[-1] == "found for the start: `d` = 6 m"
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("seed", range(10))
 def test_a_conflict_names_its_lines_and_no_other(seed: int) -> None:
     """A ring of differences that does not close, among constraints, conditions and fixed values that do."""

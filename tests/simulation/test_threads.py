@@ -96,6 +96,7 @@ def test_many_threads_ask_one_model(name: str, backend: str) -> None:
     assert together([partial(questions, systems, s, asked) for s in range(count)]) == alone
 
 
+@pytest.mark.sample(1)
 @BACKENDS
 def test_many_threads_simulate_one_model(backend: str) -> None:
     """Each with parameters of its own; columns are computed while others run."""
@@ -117,6 +118,7 @@ def test_many_threads_simulate_one_model(backend: str) -> None:
     assert together([partial(one, model, a) for a in lengths]) == alone
 
 
+@pytest.mark.sample(1)
 @BACKENDS
 def test_a_run_keeps_its_parameters(backend: str) -> None:
     model = lagc.load("simple_pendulum").compile(scene="vacuum", backend=backend)
@@ -226,6 +228,7 @@ def test_many_threads_draw(tmp_path: Path) -> None:
     assert dict(matplotlib.rcParams) == before
 
 
+@pytest.mark.full
 @pytest.mark.skipif(c_compiler.compiler() is None, reason="there is no C compiler")
 def test_many_threads_build_one_library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LAGC_CACHE", str(tmp_path))

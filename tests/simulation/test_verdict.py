@@ -207,6 +207,7 @@ def test_a_remembered_run_that_misbehaves_is_done_anew(
     assert true <= again.estimated <= 1e-8
 
 
+@pytest.mark.full
 def test_what_doubles_cannot_tell_is_no_fault_of_the_model() -> None:
     run = lagc.load("simple_pendulum").compile(backend="numpy").simulate(1.0, accuracy=1e-18)
     assert run.status == "failed" and run.estimated is not None

@@ -64,7 +64,7 @@ def run(text: str, stop: float = 1.0, backend: str = "numpy") -> Solution:
     return found
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(8))
 def test_three_points_out_of_line_do_not_move(seed: int) -> None:
     chance = random.Random(seed)
@@ -76,12 +76,13 @@ def test_three_points_out_of_line_do_not_move(seed: int) -> None:
     assert all(x == found.states[0] for x in found.states)
 
 
+@pytest.mark.full
 def test_beside_what_moves_a_row_of_nothing_contradicts_nothing() -> None:
     found = run(DOOR.format(e=1e-2, h=2.0, k=0.4, down="0, -1, -0.3", more=PENDULUM), backend="c")
     assert "contradict" not in found.message
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("d", [1e-2, 1e-4, 1e-5])
 def test_rods_of_which_one_is_a_little_off(d: float) -> None:
     found = run(PLATE.format(d=d), backend="c")
@@ -99,7 +100,7 @@ def test_driven_rows_move() -> None:
     assert run(POINT.format(x=0.0, y=0.0, rows=rows))["x"][-1] == pytest.approx(1.0, abs=1e-6)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize(("more", "y"), [("", 0.7), ("+ x^2/l", 0.2)])
 def test_a_radius_that_vanishes_ends_the_motion(more: str, y: float) -> None:
     # the particle keeps its angular momentum and turns faster and faster
@@ -140,6 +141,7 @@ end Stick;"""
     assert at == pytest.approx(stops, rel=1e-5)
 
 
+@pytest.mark.full
 def test_what_fails_coarsely_may_go_well_finely() -> None:
     # two spheres with centres close together: a circle, on which the particle is a pendulum
     text = """model Circle
@@ -178,6 +180,7 @@ def test_only_times_that_converge_end_a_run_in_full_swing(name: str) -> None:
     assert ended == (name in ("to a singularity", "geometrically"))
 
 
+@pytest.mark.full
 def test_looks_come_after_twice_as_many_steps() -> None:
     seen: list[int] = []
 

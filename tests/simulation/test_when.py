@@ -22,7 +22,7 @@ pytestmark = pytest.mark.usefixtures("no_cache")
 TIMES = [STOP * k / 7 for k in range(8)]
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("first", range(0, 60, 15))
 def test_walls_kicks_limits(first: int) -> None:
     """No true error is above the estimate, no estimate above what was asked, every event is found."""
@@ -155,6 +155,7 @@ def test_a_start_on_the_change(relation: str, fires: bool) -> None:
     assert run["x"][-1] == pytest.approx(1.0 if fires else -1.0)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 def test_a_run_ends_where_a_clause_says_so(backend: str) -> None:
     """The time is as exact as the motion, the last state is that of it."""
@@ -180,6 +181,7 @@ PENDULUM = """model P
 end P;"""
 
 
+@pytest.mark.full
 def test_new_values_meet_the_constraints() -> None:
     """Thrown back at the lowest point it comes to where it began, as often as it likes."""
     back = lagc.loads(PENDULUM % "reinit({der(x), der(y)}, {-der(x), -der(y)});").compile(backend="numpy")
@@ -338,7 +340,7 @@ def test_a_clock_comes_to_its_own_amplitude() -> None:
     assert energy == pytest.approx(0.5 * after**2, rel=1e-6)
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("floor", [0.1, -0.5, 1e6])
 @pytest.mark.parametrize("restitution", [0.2, 0.5, 0.8])
 def test_no_ball_falls_through_a_floor_that_is_elsewhere(floor: float, restitution: float) -> None:
@@ -414,6 +416,7 @@ def test_runs_that_jump_at_other_times_are_as_far_apart() -> None:
     assert spread(one, other, [([0, 1], 3.0)], [([0, 1], 3.0)]) == pytest.approx(1.4 / 3.0)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("floor", [0.0, 0.1, 10.0])
 def test_an_input_that_changes_at_events_moves_no_ball(floor: float) -> None:
     """What the caller gives at a moment of an act does not let it act twice."""

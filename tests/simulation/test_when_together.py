@@ -30,6 +30,7 @@ def balls(starts: str, rates: str, more: str = "") -> str:
     end Balls;"""
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 def test_what_one_clause_ends_the_next_makes_true_again(backend: str) -> None:
     """The first two part, the last two drive them together again, and they part once more.  So it is beside,

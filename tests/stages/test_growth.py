@@ -320,6 +320,7 @@ def test_memory_grows_with_the_coordinates(make: Callable[[int], str]) -> None:
     assert four - two < 3 * (two - one)  # 2 and the steps in which tables grow; 4 where it is quadratic
 
 
+@pytest.mark.full
 def test_models_that_are_compiled_one_after_the_other_do_not_pile_up() -> None:
     """Graphs are garbage in circles, which nobody here asks to be collected."""
     source, graphs = Source("m.lag", outputs(40)), list[weakref.ref[Graph]]()
@@ -353,6 +354,7 @@ def test_scenes_are_compared_where_they_are_checked_one_by_one() -> None:
     assert [(f.code, f.span.line > 12) for f in faults if f.span] == [("LAG0202", True)]
 
 
+@pytest.mark.full
 def test_coordinates_that_nothing_couples_are_solved_one_by_one() -> None:
     """The operations of a right-hand side, and the text of the generated code."""
     sizes = []

@@ -30,6 +30,7 @@ def values(graph: Graph, at: tuple[float, ...]) -> dict[Node, float]:
     return dict(zip(leaves(graph), at))
 
 
+@pytest.mark.full
 @settings(max_examples=300, deadline=None)
 @given(programs, points)
 def test_constructors_keep_the_value(program: list[tuple[str, int, int]], at: tuple[float, ...]) -> None:

@@ -127,6 +127,7 @@ def test_parts_of_a_name_are_bounded(part: str) -> None:
     assert {fault.code for fault in refused.value.faults} == {"LAG0106"}
 
 
+@pytest.mark.full
 def test_parts_of_a_name_in_a_scene_are_bounded() -> None:
     text = "model M scene s parameter a{} = 1; end s; end M;"
     assert parse(Source("x", text.format(".b" * 99)))
@@ -180,7 +181,7 @@ def uncollected() -> Iterator[None]:
     gc.enable()
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.usefixtures("uncollected")
 @pytest.mark.parametrize("seed", range(20))
 def test_damaged_models(seed: int) -> None:

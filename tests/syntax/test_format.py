@@ -196,6 +196,7 @@ def test_faulty_files_are_refused() -> None:
         laid_out("model M parameter Mass m = ; end M;")
 
 
+@pytest.mark.full
 def test_long_files_are_laid_out_soon() -> None:
     text = "model M\n" + "potential V = " + "+".join(f"a{i}" for i in range(5_000)) + ";\nend M;\n"
     assert laid_out(text).count("\n") > 200

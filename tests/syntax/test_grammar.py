@@ -22,7 +22,7 @@ def lark() -> Lark:
     return Lark(lalr_tables.grammar_text(), parser="lalr", start="file", maybe_placeholders=True)
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("path", MODELS, ids=lambda path: path.stem)
 def test_lark_reads_the_models(lark: Lark, path: Path) -> None:
     """Fed with the same tokens (which a lexer alone cannot tell apart, as the grammar says)."""
@@ -63,6 +63,7 @@ def test_no_cache_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     lalr_tables.tables.cache_clear()
 
 
+@pytest.mark.full
 def test_tables_made_at_installation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "tables.json"
     path.write_text(lalr_tables.packed(), encoding="utf-8")
