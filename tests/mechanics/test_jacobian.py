@@ -113,7 +113,7 @@ def test_rows_are_made_of_what_they_depend_on() -> None:
     """By the combination that is found the dense rows add up, which the sums say nothing of."""
     e = derive(ladder(50, more="constraint again: norm(P[n-2] - Q[n-2]) = d;"))
     states = build_states(e.model)
-    for table in tables(states, e.rows, 2, vary=False):
+    for _, table in tables(states, e.rows, 2, vary=False):
         for line in range(len(table.rows)):
             left, factors = table.reduce(line)
             if table.rows[line] == 50:
@@ -130,7 +130,7 @@ def test_bases_stay_short() -> None:
     work = {}
     for n in (50, 100):
         e = derive(ladder(n))
-        (table,) = tables(build_states(e.model), e.rows, 1)
+        ((_, table),) = tables(build_states(e.model), e.rows, 1)
         work[n] = 0
         for line in range(len(table.rows)):
             left, factors = table.reduce(line)

@@ -6,7 +6,7 @@ from math import fabs, inf
 
 from lagc.kernels.arguments import bad_parameter
 from lagc.kernels.arithmetic.quaternions import normalise
-from lagc.kernels.initialization.gauss_newton import unstated_distance
+from lagc.kernels.initialization.gauss_newton import attempt, select_columns, unscaled_norm, unstated_distance
 from lagc.kernels.initialization.multistart import NEAR, SPREADS, multistart
 from lagc.kernels.initialization.relaxation import relax
 from lagc.kernels.initialization.residuals import (
@@ -24,7 +24,7 @@ from lagc.kernels.language.scaling_groups import not_finite
 from lagc.kernels.language.sizes import NCOND, NE, NQ, NQUAT, NRATE, NU, NV, NX
 from lagc.kernels.language.statuses import INCONSISTENT, INVALID, NOT_FINITE, OK
 from lagc.kernels.language.tables import ends, quaternion
-from lagc.kernels.language.tolerances import CLOSE
+from lagc.kernels.language.tolerances import CLOSE, TRACE
 from lagc.kernels.language.words import IVec, Params, Real, Status, Vec, present, public, size, vector
 
 
@@ -142,6 +142,50 @@ def solve_blocks(p: Params, t: Real, w: StartWork) -> bool:
     return True
 
 
+def reset_traces(w: StartWork) -> bool:
+    """Set w.combined to w.y, with unknowns that moved by less than the tolerance reset to their guesses
+    and held; return whether there are any."""
+    w.combined[:] = w.y
+    found = False
+    owned = w.unknown_count
+    for k in range(owned):
+        i = w.unknowns[k]
+        way = fabs(w.y[i] - w.guess[i])
+        if w.free[i] == 1 and 0.0 < way and way <= TRACE * w.scaling[i]:
+            w.combined[i] = w.guess[i]
+            w.free[i] = 0
+            found = True
+    return found
+
+
+def meets_unscaled(p: Params, t: Real, y: Vec[NU], w: StartWork) -> bool:
+    """Whether y meets the equations relative to their own terms."""
+    select_columns(0, NU, w)
+    largest_residual(p, t, y, w.row_count, w)
+    w.entry_roundoff[:] = w.slope_roundoff
+    return unscaled_norm(w.c, w.term_sizes, 0, w.row_count, w) <= CLOSE
+
+
+def restore_traces(p: Params, t: Real, w: StartWork) -> None:
+    """Reset unknowns that moved by less than the tolerance to their guesses, if the equations stay met:
+    steps leave traces of round-off in unknowns that need not move."""
+    for i in range(NE):
+        w.selected[i] = w.all_rows[i]
+    select_equations(NE, w)
+    w.free_before[:] = w.free
+    if reset_traces(w):
+        w.full_steps = True
+        attempt(p, t, w.combined, w)
+        w.full_steps = False
+        same = largest_residual(p, t, w.combined, w.row_count, w) <= CLOSE
+        for i in range(NU):
+            same = same and fabs(w.combined[i] - w.y[i]) <= TRACE * w.scaling[i]
+        w.free[:] = w.free_before
+        if same and (meets_unscaled(p, t, w.combined, w) or not meets_unscaled(p, t, w.y, w)):
+            w.y[:] = w.combined
+    w.free[:] = w.free_before
+
+
 def check_input(p: Params, t: Real, levels: IVec[NU], w: StartWork) -> bool:
     """Whether time, parameters and levels are valid; else w.culprit tells which is not."""
     w.culprit = bad_parameter(p) if fabs(t) < inf else BAD_TIME
@@ -183,6 +227,7 @@ def prepare(p: Params, t: Real, x: Vec[NX], levels: IVec[NU], w: StartWork) -> S
             ):
                 w.culprit = NCOND + k
                 return INCONSISTENT
+    w.full_steps = False
     w.work = 0
     set_scaling(p, t, largest, w)
     set_scales(False, w)
@@ -195,6 +240,7 @@ def reach_start(p: Params, t: Real, w: StartWork) -> Status:
     if not near and not solve_blocks(p, t, w):
         largest_residual(p, t, w.y, w.row_count, w)
         return INCONSISTENT
+    restore_traces(p, t, w)
     return OK
 
 

@@ -126,7 +126,7 @@ def line_search(p: Params, t: Real, y: Vec[NU], first: int, end: int, missed: Re
     factor = 1.0
     size = inf
     w.trial[:] = y
-    while least > 0.0 and factor >= (least if size < OVERSHOT * missed else TINIEST):
+    while least > 0.0 and factor >= (least if w.full_steps or size < OVERSHOT * missed else TINIEST):
         move_along(w.trial, y, factor, w)
         evaluate_rows(p, t, w.trial, w.trial_c, w.trial_J, w.trial_term_sizes, w)
         size = residual_norm(w.trial_c, first, end, w)
@@ -228,7 +228,7 @@ def iterate(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) 
                 return
             longest = largest_fraction(w)
             some = some or (turn == 0 and w.dropped_rows > 0)
-            shortest = WHOLE if turn == EXACTLY or missed <= CLOSE else SHORTEST
+            shortest = WHOLE if turn == EXACTLY or missed <= CLOSE or w.full_steps else SHORTEST
             size = line_search(p, t, y, first, end, missed, longest, shortest, w)
             if size >= 0.0:
                 break

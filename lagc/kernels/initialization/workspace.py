@@ -57,6 +57,7 @@ class StartWork:
     most_residual: Real
     nearest: Real  # distance of the best start from the guess, scaled
     work: int  # factorisations so far
+    full_steps: bool  # no line search
     # The selected equations; equations of positions come first.
     rows: IVec[NE]
     row_count: int

@@ -43,6 +43,8 @@ SURELY_FOLLOWING = by_type(1e-2, 1e-5, "1e-12")
 LEAST_SHARE = by_type(1e-3, 1e-7, "1e-14")  # of its size: a move of a stated value that vanishes
 LEAST_WEIGHT = by_type(1e-30, 1e-290, "1e-4900")  # of an unknown
 MOST_WEIGHT = by_type(1e30, 1e290, "1e4900")
+# Of its size: a move of an unknown that may be none; where rows are quadratic, rounding leaves its root.
+TRACE = by_type(3e-3, 1e-6, "1e-13")
 UNKNOWN = by_type(1e38, 1e75, "1e75")  # end of an enclosure without a bound, as in `symbolic`
 FARTHEST = by_type(3e3, 1e8, "1e17")  # from a guess, in its sizes: derivatives are looked at
 NO_EDGE = by_type(3.2e38, 1.7e308, "1.7e308")  # edge of an outermost mode

@@ -213,16 +213,13 @@ def _contradict(states: States, row: Row, others: Sequence[Row]) -> bool:
             return False
         values = magnitudes(residuals, sample)
         terms = [values[k][0] * w for k, w in weights.items()]
-        size = max(values[-1][1], *(values[k][1] * abs(w) for k, w in weights.items()))
+        size = max([values[-1][1], *(values[k][1] * abs(w) for k, w in weights.items())])
         offset = values[-1][0] - sum(terms)
         if abs(offset) <= _KEPT * size:
             return False
         found.append((offset, *(weights.get(k, 0.0) for k in range(len(others)))))
-    first = found[0] if found else ()
     return bool(found) and all(
-        abs(x - y) <= _KEPT * max(abs(x), abs(y), 1e-3 * max(map(abs, first)))
-        for each in found
-        for x, y in zip(first, each)
+        abs(x - y) <= _KEPT * max(abs(x), abs(y)) for each in found for x, y in zip(found[0], each) if x or y
     )
 
 
