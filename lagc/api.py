@@ -347,7 +347,7 @@ class CompiledModel(Differentiable):
         system = None
         if request.sensitivity:
             from lagc.simulation.sensitivity.sensitivities import directions
-            from lagc.simulation.sensitivity.sensitivity import sensitivities
+            from lagc.simulation.sensitivity.verified_sensitivities import sensitivities
 
             artifact = self.artifact
             wanted = directions(self.interface, request.sensitivity, artifact.unused, artifact.built_in)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from lagc.lowering.program import Interface
     from lagc.simulation.backends.python import NumpySystem
     from lagc.simulation.linearization.derivatives import Array, Point
-    from lagc.simulation.linearization.linearize import Linear
+    from lagc.simulation.linearization.linear_model import Linear
     from lagc.simulation.solution import Solution
 
 ACCURACY, COARSELY = 1e-9, 1e-4  # of the motion to a point of linearization; up to the second with a note
@@ -97,7 +97,7 @@ class Differentiable:
         import numpy
 
         from lagc.simulation.linearization.derivatives import Point
-        from lagc.simulation.linearization.linearize import size_of_states
+        from lagc.simulation.linearization.linear_model import size_of_states
         from lagc.simulation.linearization.nonsmooth_points import branches, differing, jumps
 
         system, sizes = point.system, size_of_states(point.system)
@@ -143,7 +143,7 @@ class Differentiable:
         """
         from lagc.base.records import replace
         from lagc.diagnostics.faults import Fault, Refused
-        from lagc.simulation.linearization.linearize import linearize
+        from lagc.simulation.linearization.linear_model import linearize
 
         t = real("t", t)
         if not 0.0 <= t < float("inf"):
@@ -175,7 +175,7 @@ class Differentiable:
         from lagc.base.records import replace
         from lagc.host.budgets import stage
         from lagc.simulation.linearization import equilibria
-        from lagc.simulation.linearization.linearize import linearize
+        from lagc.simulation.linearization.linear_model import linearize
 
         if tries is not None and not 0 <= index(tries) <= MOST_TRIES:
             raise ValueError(f"`tries` must be from 0 to {MOST_TRIES:,}")

@@ -26,7 +26,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.compiler import pipeline
     from lagc.host import model_library
     from lagc.host.budgets import stage
-    from lagc.reports.equations.equations import write
+    from lagc.reports.equations.write import write
 
     equations = pipeline.equations(model_library.read(options.file), choice_of(options))
     with stage("writing the equations", pipeline.PER_PAIR * len(equations.v) ** 2):

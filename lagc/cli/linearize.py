@@ -23,7 +23,7 @@ from lagc.cli.output import DONE, FAILED, UNWRITTEN, Usage, print_json, say, sho
 if TYPE_CHECKING:
     from lagc.api import CompiledModel
     from lagc.lowering.program import Interface
-    from lagc.simulation.linearization.linearize import Linear
+    from lagc.simulation.linearization.linear_model import Linear
     from lagc.simulation.request import Quantity
 
 FORMATS = (".json", ".npz")

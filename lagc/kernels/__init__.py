@@ -26,7 +26,7 @@ FILES = (
     "integrators/dispatch",
     "arguments",
     "integrators/step_size",
-    "integrators/error_norm",
+    "integrators/error_weights",
     "integrators/roundoff",
     "events/modes",
     "events/location",
@@ -49,8 +49,8 @@ FILES = (
 WORDS = (
     "language/words",
     "language/sizes",
-    "language/tables",
-    "language/model",
+    "language/model_tables",
+    "language/model_functions",
     "language/tableau",
 )  # the declarations that kernels use
 METHODS = (

@@ -25,7 +25,7 @@ from lagc.kernels.events.location import (
 from lagc.kernels.events.step_guards import find_hidden_event
 from lagc.kernels.events.when_clauses import handle_event
 from lagc.kernels.integrators.dispatch import last_stage, method_error, method_stages, needs_end_rate
-from lagc.kernels.integrators.error_norm import first_step_size, set_error_weights
+from lagc.kernels.integrators.error_weights import first_step_size, set_error_weights
 from lagc.kernels.integrators.roundoff import error_without_roundoff, fade_roundoff
 from lagc.kernels.integrators.step_size import (
     plan_step,

@@ -10,7 +10,7 @@ from typing import Any
 from lagc.base.records import names, replace
 from lagc.diagnostics.faults import Fault, Span
 from lagc.host import cache
-from lagc.lowering.modes import EventRelation
+from lagc.lowering.event_relations import EventRelation
 from lagc.lowering.program import Clause, Field, Function, Interface
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.semantics.model import Input, Lagrangian, Limit, Model, Parameter

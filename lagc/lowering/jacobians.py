@@ -22,7 +22,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from lagc.base.records import replace
-from lagc.lowering.modes import EventRelation
+from lagc.lowering.event_relations import EventRelation
 from lagc.lowering.program import Function
 from lagc.lowering.scalar.value_numbering import Block
 from lagc.lowering.storage import Places, cheapest, lower

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.base.records import replace
-from lagc.lowering import functions
+from lagc.lowering import program_functions
+from lagc.lowering.event_relations import EventRelation, frozen
 from lagc.lowering.hybrid.event_functions import changing, in_boxes, relation_functions, whens
-from lagc.lowering.hybrid.step_guards import features, poles
+from lagc.lowering.hybrid.narrow_terms import features, poles
 from lagc.lowering.interface import bounded, interface, used_parameters
 from lagc.lowering.jacobians import condition_slopes, derivatives
 from lagc.lowering.kkt import solve as kkt
@@ -16,7 +17,6 @@ from lagc.lowering.kkt.prune import independent, prune, sources, with_pivots
 from lagc.lowering.kkt.solve import Solver, forms_matrix, solvers
 from lagc.lowering.loops.independent_blocks import in_pieces
 from lagc.lowering.loops.loop_rolling import rerolled
-from lagc.lowering.modes import EventRelation, frozen
 from lagc.lowering.program import Function, Program
 from lagc.lowering.scalar.parameter_hoisting import Preparation
 from lagc.lowering.scalar.scheduling import balanced
@@ -114,21 +114,21 @@ def _functions(
     constrained = bool(at.equations.rows)
     made: list[Function | None] = [*solving]
     if dense:
-        made.append(functions.system(along, seldom=solver is not None))
+        made.append(program_functions.system(along, seldom=solver is not None))
     if solver is not None and constrained:
         made += _factored(along, solver, not dense)
-        made += [kkt.refiner(solver)] if dense else [kkt.rest(solver), functions.forces(along)]
-    made.append(functions.displace(at))
+        made += [kkt.refiner(solver)] if dense else [kkt.rest(solver), program_functions.forces(along)]
+    made.append(program_functions.displace(at))
     if constrained:
-        made += [functions.position(at), functions.velocity(at), functions.scales(at)]
-        made += [functions.gamma_sizes(at), functions.gradient_sizes(at)]
-        made += [] if dense else [functions.gradients(at)]
-        made.append(functions.reaches(at))
-    made += [functions.energies(at), functions.power(along), functions.outputs(at)]
-    made.append(functions.start(at, work))
+        made += [program_functions.position(at), program_functions.velocity(at), program_functions.scales(at)]
+        made += [program_functions.gamma_sizes(at), program_functions.gradient_sizes(at)]
+        made += [] if dense else [program_functions.gradients(at)]
+        made.append(program_functions.reaches(at))
+    made += [program_functions.energies(at), program_functions.power(along), program_functions.outputs(at)]
+    made.append(program_functions.start(at, work))
     slopes = condition_slopes(at.equations)
-    made += [functions.conditions(at, slopes), functions.measures(at)]
-    made += [functions.limits(at), *relation_functions(at, along, relations)]
+    made += [program_functions.conditions(at, slopes), program_functions.measures(at)]
+    made += [program_functions.limits(at), *relation_functions(at, along, relations)]
     made += whens(at, along)
     made += in_boxes(along, features(along.equations), "feature", "terms that may be narrow")
     made += in_boxes(along, poles(along.equations), "pole", "divisors that may come near zero")

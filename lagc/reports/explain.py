@@ -10,7 +10,7 @@ from lagc.diagnostics.report import as_json
 from lagc.lowering.program import Field, Interface, Program
 from lagc.mechanics.analysis.analysis import RowKind, Seems, analyse
 from lagc.mechanics.formulation.equations import Contribution, EquationsOfMotion, StartValue, WhenEquations
-from lagc.reports.equations.equations import Expressions
+from lagc.reports.equations.write import Expressions
 from lagc.reports.names import ranged, where
 from lagc.semantics.model import UNSTATED, Lagrangian
 from lagc.symbolic.evaluate import evaluate

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from lagc.simulation.linearization.linearize import damping, frequency
+from lagc.simulation.linearization.linear_model import damping, frequency
 
 if TYPE_CHECKING:
-    from lagc.simulation.linearization.linearize import Linear
+    from lagc.simulation.linearization.linear_model import Linear
 
 FEW = 6  # states whose matrices are shown without being asked for
 MOST = 12  # values, and eigenvalues, that are shown without --verbose

@@ -110,7 +110,7 @@ def _integrate(
     result = verified_verdict(system, found, request.accuracy, end)
     run, notes = grid.recorded(result.trajectory), list[str]()
     if found.noise:
-        from lagc.simulation.global_error.rounding import noise_note
+        from lagc.simulation.global_error.roundoff_estimate import noise_note
 
         notes = noise_note(system, run, found.noise)
     return _Done(

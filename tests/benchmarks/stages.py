@@ -149,7 +149,7 @@ class Stages:
         return pipeline.render(self.made["optimize"], "c")
 
     def equations(self) -> Any:
-        from lagc.reports.equations.equations import write
+        from lagc.reports.equations.write import write
 
         return write(self.made["derive"], full=False)
 

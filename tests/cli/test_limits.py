@@ -42,7 +42,7 @@ STAGES = [  # where it is done, by which command, what it is called
     ("lagc.semantics.resolve.resolve", "check", "finding what its names mean"),
     ("lagc.mechanics.derive.derive", "equations", "deriving the equations"),
     ("lagc.lowering.lower_equations.optimize", "check", "simplifying the equations"),
-    ("lagc.reports.equations.equations.write", "equations", "writing the equations"),
+    ("lagc.reports.equations.write.write", "equations", "writing the equations"),
     ("lagc.reports.explain.explanation", "explain", "examining the equations"),
     ("lagc.codegen.c.emit.render", "build", "writing the code"),
     ("lagc.codegen.python.emit.render", "sim", "writing the code"),
@@ -169,7 +169,9 @@ def test_a_block_in_a_block_does_what_is_done_there(stage_of: str | None) -> Non
 @pytest.mark.full
 def test_a_run_in_python_ends_with_what_it_has() -> None:
     system = lagc.loads(SPRING).compile(backend="numpy")
-    system.simulate(stop=1.0)  # all modules are loaded: the limit ends the integration, not the initialization
+    system.simulate(
+        stop=1.0
+    )  # all modules are loaded: the limit ends the integration, not the initialization
     with lagc.Limits(time=2.0):
         run = system.simulate(stop=1e5, every=1.0)
     assert (run.status, run.interrupted) == ("failed", True)

@@ -19,7 +19,7 @@ from lagc.api import CompiledModel
 from lagc.codegen.identifiers import Names, is_reserved, prefix
 from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Refused, Source
-from lagc.reports.equations.equations import write as equations_as
+from lagc.reports.equations.write import write as equations_as
 from tests.codegen.tools import COMPILERS, call, present, write
 
 _C99 = """

@@ -16,11 +16,11 @@ from typing import Any
 import pytest
 
 import lagc.kernels
+from lagc.codegen.kernel_compiler.kernel_syntax import Outside, module
 from lagc.codegen.kernel_compiler.library import Library
 from lagc.codegen.kernel_compiler.linker import chosen
 from lagc.codegen.kernel_compiler.real_types import DOUBLE
 from lagc.codegen.kernel_compiler.shipped import parts, sources
-from lagc.codegen.kernel_compiler.syntax import Outside, module
 from lagc.codegen.kernel_compiler.type_check import Signature
 from lagc.codegen.python.functions import ARITHMETIC
 

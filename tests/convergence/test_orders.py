@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from mpmath import mpf, workdps
 
-from lagc.codegen.kernel_compiler.syntax import exact
+from lagc.codegen.kernel_compiler.kernel_syntax import exact
 from lagc.compiler.pipeline import render
 from lagc.kernels.integrators.tableaus import bs32, dop853, dopri5, rk4
 from lagc.simulation.system import OK, Options, Vector

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import lagc
-from lagc.simulation.linearization.linearize import Linear
+from lagc.simulation.linearization.linear_model import Linear
 
 G = 9.81
 M = [[80.81722, 2.31941332208709], [2.31941332208709, 0.29784188199686]]

@@ -12,7 +12,7 @@ import pytest
 import lagc
 from lagc.reports.linear import heading
 from lagc.simulation.linearization import equilibria
-from lagc.simulation.linearization.linearize import Linear
+from lagc.simulation.linearization.linear_model import Linear
 
 G = 9.81
 CLOSE = 1e-10  # relative: eigenvalues of small matrices, of equilibria that Newton's method found

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lagc.simulation.linearization.linearize import Linear
+from lagc.simulation.linearization.linear_model import Linear
 from lagc.simulation.system import FAILED
 from tests.physics.library import compiled, fullest
 

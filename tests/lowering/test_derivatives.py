@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 import lagc
+from lagc.lowering.event_relations import frozen
 from lagc.lowering.jacobians import groups, motion_by_sweeps, stack
 from lagc.lowering.kkt.prune import prune, with_pivots
-from lagc.lowering.modes import frozen
 from lagc.lowering.storage import places
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.simulation.linearization.derivatives import Point

@@ -13,9 +13,9 @@ import pytest
 from lagc.compiler import pipeline
 from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Source
-from lagc.lowering import functions
 from lagc.lowering.magnitudes import gradient_bounds, gradient_magnitudes
 from lagc.lowering.program import Function
+from lagc.lowering.program_functions import gamma_sizes, gradient_sizes, gradients, reaches, scales
 from lagc.lowering.storage import Places, places
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
@@ -103,8 +103,7 @@ def ladder(n: int) -> Places:
 
 
 @pytest.mark.sample(1)
-@pytest.mark.parametrize("make", [functions.scales, functions.gamma_sizes, functions.gradient_sizes,
-                                  functions.gradients, functions.reaches],
+@pytest.mark.parametrize("make", [scales, gamma_sizes, gradient_sizes, gradients, reaches],
                          ids=lambda make: make.__name__)  # fmt: skip
 def test_sizes_of_rows_cost_as_much_as_the_model_is_long(make: Callable[[Places], Function]) -> None:
     """Every rung depends on all angles above it, so that gradients have as many entries as pairs."""

@@ -12,10 +12,10 @@ import pytest
 
 import lagc
 from lagc.reports.algebra.polynomials import fraction
-from lagc.reports.algebra.trigonometry import ShortAlgebra
+from lagc.reports.algebra.trigonometric_identities import ShortAlgebra
 from lagc.reports.equations import formulas
-from lagc.reports.equations.equations import write
 from lagc.reports.equations.latex import equations_latex, letter
+from lagc.reports.equations.write import write
 from tests.reports.models import EVERYTHING, LONG, derived, equations_of, rows
 
 

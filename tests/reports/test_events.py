@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.reports.equations.equations import write
+from lagc.reports.equations.write import write
 from lagc.symbolic.evaluate import evaluate
 from tests.reports.models import MODELS, derived, equations_of
 from tests.reports.scripts import states_of

@@ -11,7 +11,7 @@ import pytest
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.numeric.samples import Chance, samples
-from lagc.reports.equations.equations import write
+from lagc.reports.equations.write import write
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from tests.mechanics.random_systems import model, random_system

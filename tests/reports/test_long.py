@@ -10,7 +10,7 @@ import sympy
 
 import lagc
 from lagc.diagnostics.faults import Refused
-from lagc.reports.equations.equations import write
+from lagc.reports.equations.write import write
 
 NAMES = "abcd"
 

@@ -10,9 +10,9 @@ import pytest
 
 import lagc
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.reports.equations.equations import write
 from lagc.reports.equations.latex import LatexWriter, alike
 from lagc.reports.equations.page import page
+from lagc.reports.equations.write import write
 from lagc.reports.names import Name, names
 from lagc.reports.patterns.formula_trees import Symbol, indices
 from lagc.symbolic.graph import Node

@@ -11,9 +11,9 @@ import pytest
 import lagc
 from lagc.cli.main import main
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.reports.equations.equations import write
 from lagc.reports.equations.page import page
-from lagc.reports.equations.text import TextWriter
+from lagc.reports.equations.plain_text import TextWriter
+from lagc.reports.equations.write import write
 from lagc.reports.patterns.formula_trees import Linear, Series, Symbol, Term, Total, all_of, terms_of, value
 from lagc.reports.patterns.index_rules import FEW, _key, _same, rule, summed
 from lagc.symbolic.evaluate import evaluate

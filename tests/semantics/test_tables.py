@@ -14,7 +14,7 @@ from scipy.interpolate import CubicSpline, PPoly
 
 import lagc
 from lagc.diagnostics.faults import Refused
-from lagc.reports.equations.equations import write
+from lagc.reports.equations.write import write
 from lagc.semantics.names.data_files import columns
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.evaluate import evaluate

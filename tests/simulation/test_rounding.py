@@ -17,7 +17,12 @@ import lagc
 from lagc.api import Run
 from lagc.simulation.backends.directed_rounding import apart, control, directed
 from lagc.simulation.error_measure import difference, sizes
-from lagc.simulation.global_error.rounding import close_estimate, quick_bound, quick_estimate, rounded_rates
+from lagc.simulation.global_error.roundoff_estimate import (
+    close_estimate,
+    quick_bound,
+    quick_estimate,
+    rounded_rates,
+)
 from lagc.simulation.global_error.verified_run import verified_run
 from lagc.simulation.request import Request
 from lagc.simulation.simulate import simulate

@@ -23,8 +23,8 @@ import lagc
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
 from lagc.semantics.units import quotient
-from lagc.simulation.sensitivity.sensitivity import _doubts
 from lagc.simulation.sensitivity.variational_equations import Followed
+from lagc.simulation.sensitivity.verified_sensitivities import _doubts
 from tests.simulation import switched
 
 pytestmark = pytest.mark.usefixtures("own_cache")

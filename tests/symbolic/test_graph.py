@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from lagc.symbolic.derivative import gradient, tangent
 from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.expression_text import text
 from lagc.symbolic.graph import Graph, Node
-from lagc.symbolic.text import text
 from lagc.symbolic.walk import depends, reachable, substitute, symbols
 from tests.symbolic.expressions import NAMES, grow, points, programs
 

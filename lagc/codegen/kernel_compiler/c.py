@@ -6,9 +6,9 @@ import ast
 import re
 from collections.abc import Mapping, Sequence
 
+from lagc.codegen.kernel_compiler.kernel_syntax import identifier, root
 from lagc.codegen.kernel_compiler.layout import block_comment, folded, snake, wrapped
 from lagc.codegen.kernel_compiler.real_types import Arithmetic
-from lagc.codegen.kernel_compiler.syntax import identifier, root
 from lagc.codegen.kernel_compiler.type_check import MADE, PAIR, REAL, SCALARS, VOID, WHOLE, Type, Types
 
 OR, AND, BITS, EQUAL, COMPARE, SHIFT, SUM, PRODUCT, SIGN, ATOM = range(1, 11)

@@ -15,10 +15,7 @@ from typing import Any
 
 from lagc.codegen.kernel_compiler import python
 from lagc.codegen.kernel_compiler.c import CPrinter
-from lagc.codegen.kernel_compiler.linker import SPELLED
-from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
-from lagc.codegen.kernel_compiler.specialization import Statics, Undecided
-from lagc.codegen.kernel_compiler.syntax import (
+from lagc.codegen.kernel_compiler.kernel_syntax import (
     Constant,
     Function,
     Missing,
@@ -28,6 +25,9 @@ from lagc.codegen.kernel_compiler.syntax import (
     folder,
     read,
 )
+from lagc.codegen.kernel_compiler.linker import SPELLED
+from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
+from lagc.codegen.kernel_compiler.specialization import Statics, Undecided
 from lagc.codegen.kernel_compiler.type_check import INT, REAL, STATUS, Known, Signature, Type, Types, parsed
 from lagc.kernels import FILES, METHODS
 
@@ -47,7 +47,7 @@ def declared_sizes() -> frozenset[str]:
 @cache
 def declared_tables() -> dict[str, Type]:
     found = {}
-    for node in _tree("language/tables").body:
+    for node in _tree("language/model_tables").body:
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
             found[node.target.id] = parsed(ast.unparse(node.annotation), lambda name: False)
     return found
@@ -56,11 +56,11 @@ def declared_tables() -> dict[str, Type]:
 @cache
 def model_functions() -> dict[str, Function]:
     found = {}
-    for node in _tree("language/model").body:
+    for node in _tree("language/model_functions").body:
         if isinstance(node, ast.FunctionDef):
             parameters = tuple((a.arg, ast.unparse(a.annotation)) for a in node.args.args if a.annotation)
             found[node.name] = Function(
-                "language/model.py", node.lineno, node.name, parameters, "None", "", [], False, ()
+                "language/model_functions.py", node.lineno, node.name, parameters, "None", "", [], False, ()
             )
     return found
 

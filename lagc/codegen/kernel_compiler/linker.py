@@ -182,7 +182,7 @@ def switches_of(interface: Interface, complete: bool) -> dict[str, bool]:
 
 
 def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
-    """Return the tables of a model (`lagc.kernels.language.tables`)."""
+    """Return the tables of a model (`lagc.kernels.language.model_tables`)."""
     fields = (*interface.parameters, *interface.inputs)
     bounded = [i for i, f in enumerate(fields) if isfinite(f.minimum) or isfinite(f.maximum)]
     ends, columns = with_quaternions(

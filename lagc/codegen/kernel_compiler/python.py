@@ -6,7 +6,7 @@ import ast
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from lagc.codegen.kernel_compiler.syntax import clone
+from lagc.codegen.kernel_compiler.kernel_syntax import clone
 from lagc.codegen.kernel_compiler.type_check import Type, Types
 
 # Kernels for which functions of Python give the same result.

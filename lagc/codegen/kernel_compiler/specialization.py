@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from lagc.codegen.kernel_compiler.syntax import Outside, clone, exact, identifier
+from lagc.codegen.kernel_compiler.kernel_syntax import Outside, clone, exact, identifier
 
 SWITCHES = ("STRAIGHT", "HAS_DISPLACE", "COMPLETE")
 Switches = Mapping[str, bool]

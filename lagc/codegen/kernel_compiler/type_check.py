@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from lagc.codegen.kernel_compiler.syntax import (
+from lagc.codegen.kernel_compiler.kernel_syntax import (
     Function,
     Missing,
     Outside,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import fabs, inf, sqrt
 from typing import Any
 
+from lagc.kernels.language.model_tables import quaternion
 from lagc.kernels.language.sizes import NQUAT
-from lagc.kernels.language.tables import quaternion
 from lagc.kernels.language.words import Real, Vec, by_type
 
 # Bounds of squared lengths that neither underflow nor overflow.

@@ -11,7 +11,7 @@ from typing import Any
 
 from lagc.kernels.arithmetic.quaternions import normalise
 from lagc.kernels.dynamics.rhs import assemble_entries, factor_safely, system_at
-from lagc.kernels.language.model import (
+from lagc.kernels.language.model_functions import (
     fn_displace,
     fn_factor,
     fn_position,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from math import fabs, inf
 
-from lagc.kernels.language.model import (
+from lagc.kernels.language.model_functions import (
     fn_assemble,
     fn_assemble_on,
     fn_factor,

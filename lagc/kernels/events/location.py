@@ -19,12 +19,17 @@ from lagc.kernels.integrators.dispatch import (
     method_dense_output,
     method_stage_deviations,
 )
-from lagc.kernels.language.model import fn_enclosure_on, fn_indicator_rates_on, fn_indicators_on, fn_slopes_on
+from lagc.kernels.language.model_functions import (
+    fn_enclosure_on,
+    fn_indicator_rates_on,
+    fn_indicators_on,
+    fn_slopes_on,
+)
+from lagc.kernels.language.model_tables import has_edges, scaling_group
 from lagc.kernels.language.records import ABSENT, State, Trial, Work
 from lagc.kernels.language.scaling_groups import enlarge_sizes
 from lagc.kernels.language.sizes import NEDGES, NFREE, NGROUP, NMODE, NQ, NTIMED, NV, NX
 from lagc.kernels.language.statuses import failed
-from lagc.kernels.language.tables import has_edges, scaling_group
 from lagc.kernels.language.tolerances import EVENT_TIME_ULPS, SPACING, UNKNOWN
 from lagc.kernels.language.words import Params, Real, Status, Vec, vector
 

@@ -15,11 +15,11 @@ from lagc.kernels.events.sliding import (
     turns_back,
     update_indicator_rates,
 )
-from lagc.kernels.language.model import fn_indicator_rates_on, fn_indicators_on
+from lagc.kernels.language.model_functions import fn_indicator_rates_on, fn_indicators_on
+from lagc.kernels.language.model_tables import has_edges
 from lagc.kernels.language.records import ABSENT, State, Work
 from lagc.kernels.language.sizes import NEDGES, NFREE, NMODE, NTIMED, NX
 from lagc.kernels.language.statuses import CHATTERING, OK, failed
-from lagc.kernels.language.tables import has_edges
 from lagc.kernels.language.tolerances import EVENT_TIME_ULPS, SPACING
 from lagc.kernels.language.words import Params, Real, Status
 

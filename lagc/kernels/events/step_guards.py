@@ -20,7 +20,7 @@ from lagc.kernels.events.location import (
     trial_dense_output,
 )
 from lagc.kernels.integrators.dispatch import method_dense_at
-from lagc.kernels.language.model import (
+from lagc.kernels.language.model_functions import (
     fn_feature_bounds,
     fn_feature_bounds_on,
     fn_features,

@@ -16,8 +16,8 @@ from lagc.kernels.initialization.residuals import (
 )
 from lagc.kernels.initialization.scaling import estimate_slope_roundoff
 from lagc.kernels.initialization.workspace import UNSTATED, StartWork
+from lagc.kernels.language.model_tables import angle, ends
 from lagc.kernels.language.sizes import NE, NQ, NU
-from lagc.kernels.language.tables import angle, ends
 from lagc.kernels.language.tolerances import ACCEPTED, CLOSE, EXACT, FOLLOWING, SURELY_FOLLOWING
 from lagc.kernels.language.words import Params, Real, Size, Vec
 

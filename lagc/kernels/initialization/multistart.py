@@ -16,8 +16,8 @@ from lagc.kernels.initialization.residuals import (
 )
 from lagc.kernels.initialization.scaling import estimate_slope_roundoff
 from lagc.kernels.initialization.workspace import UNSTATED, StartWork
+from lagc.kernels.language.model_tables import ends
 from lagc.kernels.language.sizes import NQUAT, NU
-from lagc.kernels.language.tables import ends
 from lagc.kernels.language.tolerances import ACCEPTED, FARTHEST
 from lagc.kernels.language.words import Length, Params, Real, Vec
 

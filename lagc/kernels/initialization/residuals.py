@@ -11,7 +11,17 @@ from math import fabs, inf, sqrt
 
 from lagc.kernels.arithmetic.quaternions import square_at
 from lagc.kernels.initialization.workspace import UNSTATED, StartWork
-from lagc.kernels.language.model import fn_conditions, fn_conditions_some
+from lagc.kernels.language.model_functions import fn_conditions, fn_conditions_some
+from lagc.kernels.language.model_tables import (
+    ends,
+    level,
+    part_column,
+    part_ends,
+    quaternion,
+    row_piece,
+    stretch_begins,
+    stretch_ends,
+)
 from lagc.kernels.language.sizes import (
     NCOND,
     NE,
@@ -26,16 +36,6 @@ from lagc.kernels.language.sizes import (
     NU,
     NV,
     NWHOLE,
-)
-from lagc.kernels.language.tables import (
-    ends,
-    level,
-    part_column,
-    part_ends,
-    quaternion,
-    row_piece,
-    stretch_begins,
-    stretch_ends,
 )
 from lagc.kernels.language.tolerances import FOUR_ULPS
 from lagc.kernels.language.words import IVec, Params, Real, Size, Vec, present, size, vector

@@ -6,9 +6,9 @@ from math import fabs, inf
 
 from lagc.kernels.initialization.residuals import SLIGHT, evaluate_all, evaluate_rows, is_roundoff, row_begin
 from lagc.kernels.initialization.workspace import UNSTATED, StartWork
+from lagc.kernels.language.model_tables import angle, ends, quaternion, unit
 from lagc.kernels.language.parameters import bind
 from lagc.kernels.language.sizes import NE, NJ, NP, NPREPARED, NQ, NQUAT, NU
-from lagc.kernels.language.tables import angle, ends, quaternion, unit
 from lagc.kernels.language.tolerances import FOUR_ULPS, LEAST_WEIGHT, MOST_WEIGHT
 from lagc.kernels.language.words import Params, Real, Vec, params
 

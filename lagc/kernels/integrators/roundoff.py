@@ -18,13 +18,13 @@ from lagc.kernels.integrators.dispatch import (
     method_error_parts,
     method_stages,
 )
-from lagc.kernels.integrators.error_norm import set_error_weights
+from lagc.kernels.integrators.error_weights import set_error_weights
+from lagc.kernels.language.model_tables import scaling_group
 from lagc.kernels.language.parameters import bind
 from lagc.kernels.language.records import Options, State, Work
 from lagc.kernels.language.scaling_groups import enlarge_differences
 from lagc.kernels.language.sizes import NC, NGROUP, NH, NP, NPREPARED, NQ, NV, NX, TWO
 from lagc.kernels.language.statuses import failed
-from lagc.kernels.language.tables import scaling_group
 from lagc.kernels.language.tolerances import BRANCH_DISTANCE, CROSSING_BRANCHES, FOUR_ULPS
 from lagc.kernels.language.words import Count, Mat, Params, Real, Vec, params, size, vector
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from lagc.kernels.language.model import fn_bind
+from lagc.kernels.language.model_functions import fn_bind
+from lagc.kernels.language.model_tables import sources
 from lagc.kernels.language.sizes import NP, NPREPARED, NREAD
-from lagc.kernels.language.tables import sources
 from lagc.kernels.language.words import Params, public, vector
 
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 from math import fabs
 from typing import Any
 
+from lagc.kernels.language.model_tables import scaling_group
 from lagc.kernels.language.sizes import NGROUP, NQ, NV, NX
-from lagc.kernels.language.tables import scaling_group
 from lagc.kernels.language.words import Size, Vec
 
 # Share of the reach of a row in its scale: a row whose terms all vanish is scaled by it.

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from math import fabs, inf, sqrt
 
-from lagc.kernels.language.model import fn_gamma_sizes
+from lagc.kernels.language.model_functions import fn_gamma_sizes
 from lagc.kernels.language.records import Work
 from lagc.kernels.language.sizes import NC, NG, NV, NX
 from lagc.kernels.language.statuses import INCONSISTENT, OK, REDUNDANT, SINGULAR_MASS

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from math import fabs, sqrt
 
-from lagc.kernels.language.model import fn_factor, fn_gamma_sizes, fn_rest, fn_solve
+from lagc.kernels.language.model_functions import fn_factor, fn_gamma_sizes, fn_rest, fn_solve
 from lagc.kernels.language.records import Work
 from lagc.kernels.language.sizes import NC, NR, NV, NWORK, NX
 from lagc.kernels.language.statuses import INCONSISTENT, OK, REDUNDANT, SINGULAR_MASS

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.base.records import replace
-from lagc.lowering.functions import made
-from lagc.lowering.modes import EventRelation
+from lagc.lowering.event_relations import EventRelation
 from lagc.lowering.program import Function
+from lagc.lowering.program_functions import made
 from lagc.lowering.storage import STATE, Places
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.derivative import tangent

@@ -17,8 +17,8 @@ from lagc.mechanics.formulation.jacobian import formed_of, gradients
 from lagc.mechanics.formulation.states import States
 from lagc.semantics.model import Constraint
 from lagc.symbolic.derivative import gradient, tangent
+from lagc.symbolic.expression_text import text
 from lagc.symbolic.graph import Node
-from lagc.symbolic.text import text
 from lagc.symbolic.walk import depends, symbols
 
 

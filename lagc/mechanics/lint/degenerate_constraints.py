@@ -18,8 +18,8 @@ from lagc.mechanics.numeric.cancellation import magnitudes
 from lagc.mechanics.numeric.samples import samples
 from lagc.mechanics.redundancy.redundancy import dependent_rows
 from lagc.symbolic.enclosures import intervals
+from lagc.symbolic.expression_text import brief
 from lagc.symbolic.graph import Node
-from lagc.symbolic.text import brief
 from lagc.symbolic.walk import depends, symbols
 from lagc.syntax import tree
 

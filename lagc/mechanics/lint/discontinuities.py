@@ -19,9 +19,9 @@ from lagc.mechanics.numeric.cancellation import magnitudes
 from lagc.symbolic.derivative import gradient
 from lagc.symbolic.enclosures import extended, intervals
 from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.expression_text import brief
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.operators import CORNER, LOGIC, STEP, Interval, smooth_as
-from lagc.symbolic.text import brief
 from lagc.symbolic.walk import depends, reachable, symbols
 
 State: TypeAlias = Mapping[Node, float]

@@ -16,7 +16,7 @@ from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.reports.algebra.collect import Collector, Sum, positive_first
 from lagc.reports.algebra.expansion import HIGHEST, LONG, Algebra, Parts, TooLarge
 from lagc.reports.algebra.polynomials import Frozen, Polynomial, frozen, scaled
-from lagc.reports.algebra.trigonometry import (
+from lagc.reports.algebra.trigonometric_identities import (
     ShortAlgebra,
     TurningAlgebra,
     shorten,

@@ -8,7 +8,7 @@ from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.reports.algebra.expansion import TABLE
 from lagc.reports.algebra.polynomials import Exponent
 from lagc.reports.equations.page import Page, page
-from lagc.reports.equations.text import TextWriter
+from lagc.reports.equations.plain_text import TextWriter
 from lagc.reports.names import Names, where
 from lagc.reports.patterns.formula_trees import INDEX, Counters, Line, Symbol, filled
 from lagc.symbolic.graph import Node

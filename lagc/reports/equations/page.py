@@ -13,7 +13,7 @@ from lagc.diagnostics.faults import Fault, Refused
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.reports.algebra.expansion import TooLarge
 from lagc.reports.algebra.polynomials import NotFinite, Polynomial
-from lagc.reports.algebra.trigonometry import ShortAlgebra
+from lagc.reports.algebra.trigonometric_identities import ShortAlgebra
 from lagc.reports.equations.formulas import (
     ZERO,
     Formula,

@@ -13,7 +13,7 @@ from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.reports.algebra.expansion import TABLE
 from lagc.reports.algebra.polynomials import Exponent
 from lagc.reports.equations.page import Page
-from lagc.reports.equations.text import TextWriter
+from lagc.reports.equations.plain_text import TextWriter
 from lagc.reports.names import Name, Names, pi_of
 from lagc.reports.patterns.formula_trees import (
     INDEX,

@@ -71,7 +71,7 @@ def _doubts(solution: Solution) -> dict[str, float]:
 def _constant(solution: Solution, run: Trajectory) -> Iterator[str]:
     """The states that rounding alone moves."""
     from lagc.simulation.error_measure import sizes
-    from lagc.simulation.global_error.rounding import find_noise_groups, quick_estimate
+    from lagc.simulation.global_error.roundoff_estimate import find_noise_groups, quick_estimate
 
     system, names = solution.system, solution.state_names
     groups = sizes(run, system.interface)
@@ -85,7 +85,7 @@ def _sizes(solution: Solution, run: Trajectory) -> dict[str, float]:
     """Return how much each output would change if the states did by their sizes, angles by a radian at
     most."""
     from lagc.simulation.error_measure import sizes
-    from lagc.simulation.global_error.rounding import generic
+    from lagc.simulation.global_error.roundoff_estimate import generic
 
     system, interface = solution.system, solution.system.interface
     way = [0.0] * system.nx

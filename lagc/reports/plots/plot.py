@@ -19,7 +19,7 @@ from lagc.base.records import RLock
 from lagc.base.text import one_line, printable
 from lagc.host.atomic_write import Files, fitting
 from lagc.reports.plots.curves import Scales, scales, with_corners
-from lagc.simulation.linearization.linearize import damping, frequency
+from lagc.simulation.linearization.linear_model import damping, frequency
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -285,7 +285,7 @@ def table(solution: Solution) -> str:
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from lagc.simulation.linearization.linearize import Linear
+    from lagc.simulation.linearization.linear_model import Linear
 
 MOST = 12  # modes of a picture
 LEVEL = 6  # names that stand level below an axis

@@ -24,8 +24,8 @@ from lagc.semantics.names.scope import (
 from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import LATE, VELOCITY
 from lagc.semantics.units import ENERGY, FORCE, NONE, POWER, Dimension, M, describe, si_text
+from lagc.semantics.values.builtin_functions import Argument
 from lagc.semantics.values.evaluate import all_values, both, each, evaluate, evaluate_as
-from lagc.semantics.values.functions import Argument
 from lagc.semantics.values.kinematics import material_velocity, velocity_of
 from lagc.semantics.values.unit_hints import expect_of, unit_remedy
 from lagc.symbolic.graph import Node

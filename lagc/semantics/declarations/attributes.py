@@ -27,9 +27,9 @@ from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import LATE, MOVING, VELOCITY
 from lagc.semantics.units import Dimension, QuantityType, UnknownUnit, unit
 from lagc.semantics.values.evaluate import evaluate, evaluate_as
-from lagc.semantics.values.tables import over_time
+from lagc.semantics.values.interpolation_tables import over_time
+from lagc.symbolic.expression_text import number as number_text
 from lagc.symbolic.graph import Node
-from lagc.symbolic.text import number as number_text
 from lagc.syntax import tree
 
 

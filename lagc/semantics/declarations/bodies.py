@@ -25,10 +25,10 @@ from lagc.semantics.names.scope import (
 from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import LATE, VELOCITY
 from lagc.semantics.units import KG, NONE, M, S, dimension, over
+from lagc.semantics.values.builtin_functions import Argument
 from lagc.semantics.values.calls import look_at_arguments, match
 from lagc.semantics.values.evaluate import each, evaluate, evaluate_as
 from lagc.semantics.values.frame_vectors import unit_vector
-from lagc.semantics.values.functions import Argument
 from lagc.semantics.values.kinematics import velocity_of
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix, Vector, dot

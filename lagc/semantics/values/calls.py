@@ -10,14 +10,14 @@ from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Entry, Environment, Scalar, Value, expect, flat
 from lagc.semantics.refusals import Poisoned, Wrong
 from lagc.semantics.units import QuantityType
-from lagc.semantics.values import functions, kinematics, tables
+from lagc.semantics.values import builtin_functions, interpolation_tables, kinematics
+from lagc.semantics.values.builtin_functions import RESERVED, Argument, Builtin
 from lagc.semantics.values.constants import dotted, space_only, type_of
 from lagc.semantics.values.evaluate import all_values, each, evaluate, evaluate_as
-from lagc.semantics.values.functions import RESERVED, Argument, Builtin
 from lagc.semantics.values.unit_hints import is_bare
 from lagc.syntax import tree
 
-BUILTINS: dict[str, Builtin] = {**functions.TABLE, **kinematics.TABLE, **tables.TABLE}
+BUILTINS: dict[str, Builtin] = {**builtin_functions.TABLE, **kinematics.TABLE, **interpolation_tables.TABLE}
 
 DEEPEST = 64  # nesting of calls
 MOST_CALLS = 50_000  # calls of the user's functions in one model

@@ -20,8 +20,8 @@ from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import BIT, LATE, VELOCITY
 from lagc.semantics.units import ENERGY, KG, NONE, POWER, Dimension, M, S, dimension, over, times
 from lagc.semantics.units import unit as unit_of
+from lagc.semantics.values.builtin_functions import Argument, Table, number
 from lagc.semantics.values.frame_vectors import direction, in_frame, is_constant, known_in_frame
-from lagc.semantics.values.functions import Argument, Table, number
 from lagc.symbolic import vectors
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix, Vector, add, cross, matmul, matvec, scale, transpose

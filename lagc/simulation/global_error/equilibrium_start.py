@@ -79,7 +79,7 @@ def _last_places(system: System, t: float, x: Sequence[float], plain: Sequence[f
 
 def _other_rounding(system: System, t: float, x: Sequence[float], plain: Sequence[float]) -> list[float]:
     """The round-off of each acceleration, from arithmetic rounded up and down."""
-    from lagc.simulation.global_error.rounding import rounded_rates
+    from lagc.simulation.global_error.roundoff_estimate import rounded_rates
 
     return _changes(
         system, [r for direction in (1, -1) for r in rounded_rates([system], [t], [x], direction)], plain

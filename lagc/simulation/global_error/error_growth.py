@@ -14,7 +14,13 @@ from itertools import accumulate
 from math import hypot, inf, sqrt
 
 from lagc.simulation.error_measure import Sizes, between, spread
-from lagc.simulation.global_error.rounding import Quick, close_estimate, event_shift, nudged, quick_bound
+from lagc.simulation.global_error.roundoff_estimate import (
+    Quick,
+    close_estimate,
+    event_shift,
+    nudged,
+    quick_bound,
+)
 from lagc.simulation.system import FAILED, INTERRUPTED, System, Trajectory, arrived
 
 LITTLE = 10.0  # growth: a smaller distance may be all displacement

@@ -234,7 +234,7 @@ class _Search:
         """The first two runs; the coarse one starts from a displaced state, if that does not hide its
         error."""
         from lagc.simulation.global_error.error_growth import Rounding
-        from lagc.simulation.global_error.rounding import find_noise_groups, quick_estimate
+        from lagc.simulation.global_error.roundoff_estimate import find_noise_groups, quick_estimate
 
         stopped = self._stopped(FINE)
         if stopped is not None:

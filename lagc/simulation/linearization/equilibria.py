@@ -17,7 +17,7 @@ import numpy as np
 
 from lagc.base.records import dataclass
 from lagc.simulation.linearization.derivatives import Array, Point
-from lagc.simulation.linearization.linearize import size_of_states
+from lagc.simulation.linearization.linear_model import size_of_states
 
 if TYPE_CHECKING:
     from lagc.simulation.backends.python import NumpySystem

@@ -19,10 +19,10 @@ from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.formulation.jacobian import formed_of, with_values
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.enclosures import extended
+from lagc.symbolic.expression_text import Texts, brief
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.leaves import Table
 from lagc.symbolic.operators import COMPARISONS, CORNER, STEP, Interval, smooth_as
-from lagc.symbolic.text import Texts, brief
 from lagc.symbolic.vectors import Matrix, Vector
 from lagc.symbolic.walk import depends, missing, symbols, union
 

@@ -12,10 +12,10 @@ from collections.abc import Sequence
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.reports.algebra.expansion import TooLarge
 from lagc.reports.algebra.polynomials import NotFinite
-from lagc.reports.algebra.trigonometry import ShortAlgebra
+from lagc.reports.algebra.trigonometric_identities import ShortAlgebra
 from lagc.reports.equations.formulas import collector_of, nonnegative, tidy
 from lagc.reports.equations.page import Page, in_parts, page
-from lagc.reports.equations.text import TextWriter
+from lagc.reports.equations.plain_text import TextWriter
 from lagc.reports.names import Name, names, taken, where
 from lagc.reports.patterns.formula_trees import Former
 from lagc.reports.patterns.index_rules import summed

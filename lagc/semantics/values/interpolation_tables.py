@@ -16,7 +16,7 @@ from lagc.semantics.names.data_files import Columns, Unfit
 from lagc.semantics.names.scope import Array, Scalar, Text, Value, common_dimension, kind, scalar_of
 from lagc.semantics.refusals import Wrong
 from lagc.semantics.units import NONE, Dimension, UnknownUnit, describe, unit
-from lagc.semantics.values.functions import Argument, Table
+from lagc.semantics.values.builtin_functions import Argument, Table
 from lagc.symbolic.graph import Node
 from lagc.symbolic.interpolants import KINDS, interpolant, key_of
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence, Set
 
-from lagc.lowering.modes import deciding
+from lagc.lowering.event_relations import deciding
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.enclosures import intervals
 from lagc.symbolic.graph import Graph, Node
