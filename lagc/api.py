@@ -21,7 +21,14 @@ from lagc.compiler.pipeline import Choice, Compilation
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host import model_library
 from lagc.host.budgets import of_this_machine, running
-from lagc.simulation.request import Quantity, Request, bound_parameters, bound_starts, keep_limits
+from lagc.simulation.request import (
+    Quantity,
+    Request,
+    bound_guesses,
+    bound_parameters,
+    bound_starts,
+    keep_limits,
+)
 from lagc.simulation.solution import Solution
 from lagc.simulation.supervision import check_memory
 from lagc.simulation.system import System
@@ -279,6 +286,7 @@ class CompiledModel(Differentiable):
         inputs: Mapping[str, Input] | None = None,
         until: str | None = None,
         starts: Mapping[str, Value] | None = None,
+        guesses: Mapping[str, Value] | None = None,
         sensitivity: str | Sequence[str] = (),
         progress: Progress | None = None,
     ) -> Run:
@@ -296,6 +304,8 @@ class CompiledModel(Differentiable):
         inputs, until: as for `ModelFile.compile`.  A number costs nothing; anything else is compiled,
             unless the last run had the same.
         starts: initial values of coordinates and speeds by name, in place of those of the model.
+        guesses: where to search for initial values, by name.  They are not stated then: not even where the
+            model states them.
         sensitivity: names of parameters, inputs and initial values (`start(theta)`); the motion is
             differentiated by each of them.
         progress: a function that is called with the time reached.
@@ -309,12 +319,14 @@ class CompiledModel(Differentiable):
             return driven.simulate(
                 stop, accuracy=accuracy, method=method, rtol=rtol, atol=atol, step=step, max_step=max_step,
                 every=every, points=points, parameters={**quantities("parameters", parameters), **numbers},
-                starts=starts, sensitivity=sensitivity, progress=progress,
+                starts=starts, guesses=guesses, sensitivity=sensitivity, progress=progress,
             )  # fmt: skip
+        given = quantities("starts", starts)
         times = {"stop": stop, "step": step, "max_step": max_step, "every": every}
         request = Request(
             accuracy=accuracy, method=method, rtol=rtol, atol=atol, points=points,
-            starts=bound_starts(self.interface, quantities("starts", starts)),
+            starts=bound_starts(self.interface, given),
+            guesses=bound_guesses(self.interface, quantities("guesses", guesses), given),
             sensitivity=words("sensitivity", sensitivity),
             **{name: seconds(name, value) for name, value in times.items()},
         )  # fmt: skip

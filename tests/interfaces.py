@@ -26,7 +26,7 @@ def interface(model: str = "m", nq: int = 1, nv: int = 1, nc: int = 0, **more: A
         "q_units": ("",) * nq, "v_units": ("",) * nv,
         "row_labels": tuple(f"row{i}" for i in range(nc)), "row_units": ("",) * nc,
         "quaternions": (), "parameters": (), "inputs": (), "outputs": (),
-        "rate_names": (), "rate_units": (), "start_levels": (0,) * (nq + nv), 
+        "rate_names": (), "rate_units": (), "massless": (), "start_levels": (0,) * (nq + nv), 
         "start_places": ("m.lag:1",) * (nq + nv),
         "row_places": ("m.lag:2",) * nc, "initial_places": (), "condition_ends": (), "condition_columns": (),
         "solve": "straight", "work_size": 0, "health": 2,

@@ -41,6 +41,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="the initial value of a coordinate or speed, e.g. --start 'theta=30[deg]'",
     )
     parser.add_argument(
+        "--guess",
+        metavar="NAME=VALUE[UNIT]",
+        dest="guesses",
+        action="append",
+        default=[],
+        help="where to search for the initial value of a coordinate or speed, which it leaves unstated",
+    )
+    parser.add_argument(
         "--stop",
         metavar="T",
         help="the end time in s or with a unit: 20, '5[min]'; default: that of the scene, or 10 s",
@@ -96,7 +104,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.host import model_library
     from lagc.simulation.backends.compile import CannotCompile
     from lagc.simulation.formats import targets
-    from lagc.simulation.request import bound_parameters, bound_starts
+    from lagc.simulation.request import bound_guesses, bound_parameters, bound_starts
     from lagc.simulation.supervision import MOST_MEMORY, Forecast, check_memory
 
     check_files(options)
@@ -106,7 +114,7 @@ def run(options: argparse.Namespace) -> int:
         raise Usage(f"`--until` is given twice: combine the conditions, as in '{' or '.join(until)}'")
     if until[0] is not None and not until[0].strip():
         raise Usage("`--until` needs a condition, such as 'x > 3[m]'")
-    given = quantities(options.starts, "--start")
+    given, guesses = quantities(options.starts, "--start"), quantities(options.guesses, "--guess")
     choice = replace(choice_of(options), until=until[0])
     source = model_library.read(options.file)
     most = MOST_MEMORY if options.max_memory is None else limits_of(options).memory or inf
@@ -122,7 +130,7 @@ def run(options: argparse.Namespace) -> int:
     spare(compilation, *written, picture_of(model.interface, options.plot))
     starts = bound_starts(model.interface, given)
     parameters = bound_parameters(model.interface, choice.parameters, model.artifact.unused)
-    request = replace(request, starts=starts)
+    request = replace(request, starts=starts, guesses=bound_guesses(model.interface, guesses, given))
     stop = complete.stop or 0.0
     with Bar(stop, quiet=options.quiet or options.json) as bar:
         try:

@@ -210,6 +210,7 @@ class Interface:
     outputs: tuple[Field, ...]
     rate_names: tuple[str, ...]  # rates that are stated and no speeds: further unknowns of the start
     rate_units: tuple[str, ...]
+    massless: tuple[int, ...]  # speeds without inertia, as of filters and circuits
     start_levels: tuple[int, ...]  # of q, v and these rates: how firmly stated, from 0 (not) to 4 (fixed)
     start_places: tuple[str, ...]  # source line of each statement, or of the declaration
     row_places: tuple[str, ...]  # source line of each constraint row

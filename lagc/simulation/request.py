@@ -13,7 +13,7 @@ from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.kernels import METHODS
 from lagc.lowering.program import Field, Interface
-from lagc.simulation.system import System
+from lagc.simulation.system import FIXED, System
 
 ACCURACY = 1e-6  # global relative error by default
 STOP = 10.0  # s
@@ -29,7 +29,8 @@ class Request:
     `accuracy` is the global relative error.  With `method`, `rtol`, `atol` or `step` the run is controlled
     by hand instead.  `every` or `points` give the recorded grid, and do not change the steps.  No step is
     longer than `max_step`; with an `accuracy`, the longest step also decreases with the tolerance.
-    `starts` replaces initial values of coordinates and speeds by name, in SI units.  `sensitivity` names
+    `starts` replaces initial values of coordinates and speeds by name, in SI units; `guesses` say where to
+    search for values that are not stated.  `sensitivity` names
     the parameters and initial values by which the motion is differentiated.
     """
 
@@ -43,6 +44,7 @@ class Request:
     points: int | None = None
     max_step: float | None = None
     starts: Mapping[str, float] = field(default_factory=dict)
+    guesses: Mapping[str, float] = field(default_factory=dict)
     sensitivity: tuple[str, ...] = ()
 
     @property
@@ -231,6 +233,21 @@ def bound_starts(interface: Interface, given: Given) -> dict[str, float]:
         value = si(name, number, units[name], faults)
         if value is not None:
             found[name] = value
+    if faults:
+        raise Refused(faults)
+    return found
+
+
+def bound_guesses(interface: Interface, given: Given, starts: Given) -> dict[str, float]:
+    """Return guesses by name in SI units.  Raises Refused as `bound_starts`, and LAG0608 for a value that is
+    fixed or stated for the run too."""
+    found = bound_starts(interface, given)
+    held = [name for name, level in zip(interface.state_names, interface.start_levels) if level == FIXED]
+    faults = [
+        Fault("LAG0608", f"a guess for `{name}` has no effect: its initial value is {why}")
+        for names, why in ((held, "fixed"), (starts, "stated for this run"))
+        for name in names if name in found
+    ]  # fmt: skip
     if faults:
         raise Refused(faults)
     return found

@@ -29,8 +29,10 @@ from lagc.lowering.program import Interface
 
 __all__ = [
     "CHATTERING",
+    "DECLARED",
     "FAILED",
     "FIRST_LOOK",
+    "FIXED",
     "INCONSISTENT",
     "INTERRUPTED",
     "INVALID",
@@ -39,9 +41,12 @@ __all__ = [
     "NOT_FINITE",
     "OK",
     "REDUNDANT",
+    "RUN",
+    "SCENE",
     "SINGULAR_MASS",
     "STEP_UNDERFLOW",
     "TERMINATED",
+    "UNSTATED",
     "Options",
     "System",
     "Trajectory",
@@ -52,6 +57,9 @@ __all__ = [
 ]  # fmt: skip
 
 Vector = Sequence[float]
+
+# How firmly an initial value is stated: see `lagc.kernels.initialization.workspace`.
+UNSTATED, DECLARED, SCENE, RUN, FIXED = range(5)
 
 
 class System(Protocol):

@@ -169,9 +169,7 @@ def test_a_block_in_a_block_does_what_is_done_there(stage_of: str | None) -> Non
 @pytest.mark.full
 def test_a_run_in_python_ends_with_what_it_has() -> None:
     system = lagc.loads(SPRING).compile(backend="numpy")
-    system.simulate(
-        stop=1.0
-    )  # all modules are loaded: the limit ends the integration, not the initialization
+    system.simulate(stop=1.0)  # loads all modules: the limit ends the integration
     with lagc.Limits(time=2.0):
         run = system.simulate(stop=1e5, every=1.0)
     assert (run.status, run.interrupted) == ("failed", True)

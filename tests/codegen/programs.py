@@ -52,7 +52,7 @@ def program(model: str, functions: list[Function], **changes: Any) -> Program:
     """With one angle and the parameters m, l, g, unless `changes` say otherwise."""
     plain: dict[str, Any] = {
         "q_names": ("theta",), "v_names": ("der(theta)",), "q_units": ("rad",), "v_units": ("rad/s",),
-        "parameters": (field("m"), field("l"), field("g", 9.81)), "start_levels": (4, 4),
+        "parameters": (field("m"), field("l"), field("g", 9.81)), "massless": (), "start_levels": (4, 4),
         "operations": next((f.cost for f in functions if f.name == "rhs"), 0),
         "functions": tuple(f.name for f in functions),
     }  # fmt: skip

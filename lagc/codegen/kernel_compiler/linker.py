@@ -123,7 +123,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     nq, nv, fields = interface.nq, interface.nv, (*interface.parameters, *interface.inputs)
     start = sizes_of_start(nq, nv, len(interface.rate_names), interface.condition_ends,
                            interface.condition_columns, interface.quaternions,
-                           interface.row_pieces)  # fmt: skip
+                           interface.row_pieces, len(interface.massless))  # fmt: skip
     sums = max(len(interface.part_ends) - len(interface.condition_ends), 0)
     switches, free = len(interface.relations), len(interface.relations) - interface.timed_relations
     own = {
@@ -150,13 +150,14 @@ def sizes_of(interface: Interface) -> dict[str, int]:
 
 
 def sizes_of_start(nq: int, nv: int, rates: int, ends: Sequence[int], columns: Sequence[int],
-                   quaternions: Sequence[int], pieces: Sequence[int] = ()) -> dict[str, int]:  # fmt: skip
+                   quaternions: Sequence[int], pieces: Sequence[int] = (),
+                   massless: int = 0) -> dict[str, int]:  # fmt: skip
     """Return the sizes of the initialization; `ends` and `columns` describe the initial equations of the
     model."""
     rows = [columns[begin:end] for begin, end in zip((0, *ends), ends)]
     begins, _ = stretches(*with_quaternions(ends, columns, quaternions))
     return _derived({
-        "NQ": nq, "NV": nv, "NX": nq + nv, "NRATE": rates, "NU": nq + nv + rates,
+        "NQ": nq, "NV": nv, "NX": nq + nv, "NRATE": rates, "NMASSLESS": massless, "NU": nq + nv + rates,
         "NCOND": len(rows), "NQUAT": len(quaternions), "NE": len(rows) + len(quaternions),
         "NJ": max(len(columns) + 4 * len(quaternions), 1), "NSUM": 0, "NPARTS": 0,
         "NSTRETCH": len(begins), "NPIECE": max(pieces, default=-1) + 1, **CONSTANT_SIZES,
@@ -196,6 +197,7 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "level": interface.start_levels, "unit": interface.start_units,
         "row_piece": of_conditions(interface.row_pieces, len(ends)),
         "angle": [int(i in angles) for i in range(len(interface.start_levels))],
+        "massless": marked(interface.nq, interface.massless, len(interface.start_levels)),
         "ends": ends, "stretch_begins": begins, "stretch_ends": stops,
         "part_ends": interface.part_ends, "part_column": interface.part_columns,
         "has_edges": interface.counted_relations,
@@ -205,6 +207,11 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],
         "derived_bounds": [(f.minimum, f.maximum) for f in interface.limits],
     }  # fmt: skip
+
+
+def marked(nq: int, speeds: Sequence[int], count: int) -> list[int]:
+    """Return 1 for these speeds among `count` unknowns of the initialization, else 0."""
+    return [int(i - nq in speeds) for i in range(count)]
 
 
 def of_conditions(pieces: Sequence[int], count: int) -> tuple[int, ...]:

@@ -12,7 +12,7 @@ from lagc.host import cache as store
 from lagc.host.cache import tool_fingerprint
 
 ROOTS = ("prepare", "reach_start", "evaluate_all")
-SWITCHES = ("NCOND", "NRATE", "NQUAT", "NP", "NPIECE")
+SWITCHES = ("NCOND", "NRATE", "NQUAT", "NP", "NPIECE", "NMASSLESS")
 
 
 @cache

@@ -38,6 +38,11 @@ ENTRIES: dict[str, Entry] = {
         "Structural parameters, and parameters whose value depends on others, are part of the code. Set "
         "them with `model.compile(parameters=...)`, before `bind`, `simulate` or `rhs`.",
     ),
+    "LAG0608": Entry(
+        "a guess for an initial value that does not move",
+        "`--guess NAME=...` says where to search for a value that is not stated. A value with "
+        "`fixed = true`, or with `--start`, is not searched for.",
+    ),
     "LAG0610": Entry(
         "an initialization that found no solution",
         "The constraints, their time derivatives, the `initial` section and the fixed values (`fixed`, "

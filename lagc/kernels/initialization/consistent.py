@@ -19,13 +19,70 @@ from lagc.kernels.initialization.residuals import (
 from lagc.kernels.initialization.scaling import set_scaling
 from lagc.kernels.initialization.workspace import DECLARED, FIXED, UNSTATED, StartWork
 from lagc.kernels.language.model_functions import fn_measures
-from lagc.kernels.language.model_tables import ends, quaternion
+from lagc.kernels.language.model_tables import ends, massless, quaternion
 from lagc.kernels.language.records import BAD_LEVEL, BAD_TIME
 from lagc.kernels.language.scaling_groups import not_finite
-from lagc.kernels.language.sizes import NCOND, NE, NQ, NQUAT, NRATE, NU, NV, NX
+from lagc.kernels.language.sizes import NCOND, NE, NMASSLESS, NQ, NQUAT, NRATE, NU, NV, NX
 from lagc.kernels.language.statuses import INCONSISTENT, INVALID, NOT_FINITE, OK
-from lagc.kernels.language.tolerances import CLOSE, TRACE
+from lagc.kernels.language.tolerances import ACCEPTED, CLOSE, TRACE
 from lagc.kernels.language.words import IVec, Params, Real, Status, Vec, present, public, size, vector
+
+
+def moves_massless(i: int, w: StartWork) -> bool:
+    """Whether equation i contains an unstated speed without inertia."""
+    found = False
+    first = row_begin(i)
+    end = ends[i]
+    for k in range(first, end):
+        j = w.column[k]
+        found = found or (massless[j] == 1 and w.levels[j] == UNSTATED)
+    return found
+
+
+def select_without_massless(w: StartWork) -> int:
+    """Select the equations without unstated speeds without inertia; return their number, -1 for all."""
+    rows = w.row_count
+    kept = 0
+    for r in range(rows):
+        w.whole[r] = w.rows[r]
+        if not moves_massless(w.rows[r], w):
+            w.selected[kept] = w.rows[r]
+            kept += 1
+    if kept == rows:
+        return -1
+    select_equations(kept, w)
+    return kept
+
+
+def complete_massless(p: Params, t: Real, rows: int, w: StartWork) -> bool:
+    """Select all equations again; move speeds without inertia from w.y, and hold unstated ones with."""
+    for r in range(rows):
+        w.selected[r] = w.whole[r]
+    select_equations(rows, w)
+    for i in range(NQ, NQ + NV):
+        w.held[i] = 0
+        if massless[i] == 0 and w.levels[i] == UNSTATED and w.free[i] == 1:
+            w.held[i] = 1
+            w.free[i] = 0
+    attempt(p, t, w.y, w)
+    for i in range(NQ, NQ + NV):
+        if w.held[i] == 1:
+            w.free[i] = 1
+    return largest_residual(p, t, w.y, w.row_count, w) <= ACCEPTED
+
+
+def search(p: Params, t: Real, end: int, w: StartWork) -> bool:
+    """Search from beginnings 0..end-1.  Unstated speeds without inertia, as of filters and circuits, move
+    before those of bodies."""
+    if NMASSLESS > 0:
+        rows = w.row_count
+        kept = select_without_massless(w)
+        if kept >= 0:
+            w.y[:] = w.guess
+            met = kept == 0 or multistart(p, t, 0, end, w)
+            if complete_massless(p, t, rows, w) and met:
+                return True
+    return multistart(p, t, 0, end, w)
 
 
 def release_level(level: int, w: StartWork) -> bool:
@@ -53,11 +110,11 @@ def has_level(level: int, w: StartWork) -> bool:
 def release_levels(p: Params, t: Real, w: StartWork) -> bool:
     """Find a start of this block: free one priority level after the other, then hold all that need not
     move."""
-    if multistart(p, t, 0, SPREADS, w):
+    if search(p, t, SPREADS, w):
         return True
     level = DECLARED
     while level < FIXED:
-        if release_level(level, w) and multistart(p, t, 0, SPREADS, w):
+        if release_level(level, w) and search(p, t, SPREADS, w):
             break
         level += 1
     if level == FIXED:
@@ -236,7 +293,7 @@ def prepare(p: Params, t: Real, x: Vec[NX], levels: IVec[NU], w: StartWork) -> S
 
 def reach_start(p: Params, t: Real, w: StartWork) -> Status:
     """Move w.y from the guess to consistent initial conditions."""
-    near = multistart(p, t, 0, 1, w) and unstated_distance(w.y, w) <= NEAR
+    near = search(p, t, 1, w) and unstated_distance(w.y, w) <= NEAR
     if not near and not solve_blocks(p, t, w):
         largest_residual(p, t, w.y, w.row_count, w)
         return INCONSISTENT

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lagc.kernels.language.sizes import NE, NJ, NPIECE, NROW, NTREE, NU
+from lagc.kernels.language.sizes import NE, NJ, NMASSLESS, NPIECE, NROW, NTREE, NU
 from lagc.kernels.language.words import Code, IVec, Mat, Real, Vec, record
 
 # Priority of a start value: in a conflict the lower level gives way; FIXED never does.
@@ -65,6 +65,9 @@ class StartWork:
     all_rows: IVec[NE]
     selected: IVec[NE]
     block: IVec[NE]
+    if NMASSLESS > 0:
+        held: IVec[NU]  # 1: a speed with inertia that waits for speeds without
+        whole: IVec[NE]  # the equations of both
     if NPIECE > 0:
         first_piece: int  # groups that are evaluated alone
         end_piece: int

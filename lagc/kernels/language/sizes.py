@@ -31,6 +31,7 @@ class NMANY(metaclass=SizeType): ...  # NR / 200 + 1: round-off of sums grows wi
 class NREACH(metaclass=SizeType): ...  # NC + NH + NGROUP
 class NCOND(metaclass=SizeType): ...  # initial equations of the model
 class NRATE(metaclass=SizeType): ...  # stated rates that are not speeds
+class NMASSLESS(metaclass=SizeType): ...  # speeds without inertia, as of a filter
 class NBOUNDED(metaclass=SizeType): ...  # parameters with bounds
 class NLIMITS(metaclass=SizeType): ...  # bounded values computed from parameters
 class NPIECE(metaclass=SizeType): ...  # groups of initial equations that can be evaluated alone

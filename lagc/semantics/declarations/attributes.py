@@ -196,6 +196,19 @@ def declared(entry: Entry, modifier: Modifier | None) -> Statement:
     return Statement(DECLARED, modifier.argument.span)
 
 
+def guess_instead(attributes: dict[str, Modifier], attribute: str) -> Modifier | None:
+    """Return the `guess` of an initial value that is not stated.  Raises Wrong if it is stated or fixed."""
+    guess = attributes.get("guess") if attribute == "start" else None
+    if guess is None:
+        return None
+    for other in ("start", "fixed", "startFixed"):
+        if other in attributes:
+            remedy = f"remove `{other}` to search near the guess, or `guess` to state the value"
+            where = guess.argument.span
+            raise Wrong("LAG0209", f"`guess` and `{other}` exclude each other", where, remedy)
+    return guess
+
+
 def from_outside(entry: Entry, given: Given) -> Statement:
     """Return the statement of a scene, or of the command if there is no place."""
     if given.span is None:

@@ -11,6 +11,7 @@ from lagc.semantics.declarations.attributes import (
     declared,
     from_outside,
     given_scalar,
+    guess_instead,
     no_value,
     own_part,
     with_fixed,
@@ -34,7 +35,7 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
         remedy = "declare the orientation in a model, and an array of instances of that model"
         raise Wrong("LAG0221", "arrays of orientations are not supported", source.span, remedy)
     no_value(entry)
-    attributes = attributes_of(context, entry, ("start", "rate", "fixed", "startFixed", "rateFixed"))
+    attributes = attributes_of(context, entry, ("start", "guess", "rate", "fixed", "startFixed", "rateFixed"))
     graph, name = context.graph, entry.path
     w, x, y, z = (graph.symbol("coordinate", name, part) for part in PARTS)
     rates = [graph.symbol("rate", name, axis) for axis in "xyz"]
@@ -48,7 +49,7 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
     start, start_stated = _numbers(
         context,
         entry,
-        attributes.get("start"),
+        attributes,
         (one, zero, zero, zero),
         NONE,
         "start",
@@ -57,7 +58,7 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
     turning, rate_stated = _numbers(
         context,
         entry,
-        attributes.get("rate"),
+        attributes,
         (zero, zero, zero),
         over(NONE, S),
         "rate",
@@ -84,7 +85,7 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
 def _numbers(
     context: Context,
     entry: Entry,
-    modifier: Modifier | None,
+    attributes: dict[str, Modifier],
     default: tuple[Node, ...],
     dimension: Dimension,
     attribute: str,
@@ -92,7 +93,9 @@ def _numbers(
 ) -> tuple[list[Node], list[Statement]]:
     """Return the initial value of each of `names`, and its statement.  Raises Wrong."""
     what = f"the {attribute} of `{entry.path}`"
+    modifier = attributes.get(attribute)
     found, stated = list(default), [declared(entry, modifier)] * len(default)
+    modifier = guess_instead(attributes, attribute) or modifier
     whole = context.give(context.starts, entry.path if attribute == "start" else f"{entry.path}.rate")
     if whole is not None and whole.expression is not None and whole.environment is not None:
         given = tree.Argument(None, None, whole.expression, whole.expression.span)

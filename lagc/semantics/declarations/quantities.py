@@ -20,6 +20,7 @@ from lagc.semantics.declarations.attributes import (
     from_outside,
     given_elements,
     given_scalar,
+    guess_instead,
     look_at_all,
     no_value,
     shaped,
@@ -53,8 +54,8 @@ from lagc.syntax import tree
 _ATTRIBUTES = {
     "constant": (), "parameter": ("min", "max", "displayUnit"), "structural": ("min", "max"),
     "input": ("min", "max", "displayUnit"),
-    "coordinate": ("start", "rate", "fixed", "startFixed", "rateFixed", "displayUnit"),
-    "speed": ("start", "fixed", "displayUnit"),
+    "coordinate": ("start", "guess", "rate", "fixed", "startFixed", "rateFixed", "displayUnit"),
+    "speed": ("start", "guess", "fixed", "displayUnit"),
     "output": ("displayUnit",),
 }  # fmt: skip
 
@@ -248,15 +249,17 @@ def starts(
     dimension: Dimension,
     name: Callable[[tuple[int, ...]], str],
 ) -> tuple[list[Node], list[objects.Statement]]:
-    """Return the initial value (or rate) of each element, and its statement."""
+    """Return the initial value (or rate) of each element, and its statement.  A `guess` states nothing."""
     modifier = quantity.attributes.get(attribute)
+    guess = guess_instead(quantity.attributes, attribute)
     zero = Scalar(context.graph.zero, None)
     count = len(quantity.subscripts)
     what = f"the {attribute} of `{quantity.entry.path}`"
+    stated = [declared(quantity.entry, modifier)] * count
+    modifier = guess or modifier
     found = (
         [zero] * count if modifier is None else elements(context, modifier, quantity.sizes, dimension, what)
     )
-    stated = [declared(quantity.entry, modifier)] * count
     whole = context.give(context.starts, name(()))
     if whole is not None and quantity.sizes:
         found = list(given_elements(context, whole, quantity.sizes, dimension, what))
@@ -341,7 +344,7 @@ def _speed(context: Context, quantity: Quantity) -> Value:
             quantity.type.unit,
             entry.span,
             quantity.description,
-            None if stated[k].level == objects.UNSTATED else at_start[k],
+            at_start[k] if stated[k].level != objects.UNSTATED or "guess" in quantity.attributes else None,
             fixed_if(stated[k], holds[k]),
         )
         entry.objects.append(speed)

@@ -6,12 +6,12 @@ the search still fails.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 
 from lagc.lowering.program import Interface
 from lagc.simulation.initialization.result import Anchor, Change, Missed, Start
-from lagc.simulation.initialization.solver import FIXED, RUN, UNSTATED, Conditions, Consistency, least_norm
-from lagc.simulation.system import NOT_FINITE, OK, System
+from lagc.simulation.initialization.solver import Conditions, Consistency, least_norm
+from lagc.simulation.system import FIXED, NOT_FINITE, OK, RUN, UNSTATED, System
 
 _SHOWN = 1e-9  # of its size: a change that is worth a word
 _TRIED = 3  # spreads after which conditions are taken to contradict each other
@@ -21,10 +21,9 @@ _COMPARED = 24  # conditions among which the fewest that force a value are looke
 _PART = 1e-6  # of the largest: the share of a condition that takes part in a combination
 
 
-def search(system: System, t: float, guess: list[float], stated: Collection[int]) -> Start:
-    """The start near `guess`, where the run states the unknowns `stated`."""
+def search(system: System, t: float, guess: list[float], levels: list[int]) -> Start:
+    """The start near `guess`; `levels` says how firmly each unknown is stated."""
     interface, conditions = system.interface, conditions_of(system)
-    levels = [max(level, RUN) if i in stated else level for i, level in enumerate(interface.start_levels)]
     tried = Consistency(conditions, t, guess, levels)
     status = tried.run()
     if status == NOT_FINITE:
@@ -52,6 +51,7 @@ def conditions_of(system: System) -> Conditions:
         interface.condition_ends, interface.condition_columns, system.conditions, system.measures,
         system.parameters, lambda p: system.bind(p).conditions,
         pieces=interface.row_pieces, some=system.some_conditions,
+        massless=interface.massless,
     )  # fmt: skip
 
 

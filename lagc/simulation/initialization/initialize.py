@@ -15,7 +15,9 @@ from lagc.simulation.request import Request, keep_limits
 from lagc.simulation.system import (
     FAILED,
     INCONSISTENT,
+    RUN,
     SINGULAR_MASS,
+    UNSTATED,
     System,
     Trajectory,
     more,
@@ -51,7 +53,7 @@ def begin(system: System, request: Request) -> Start:
     keep_limits(system)
     doing("finding the start")
     began = perf_counter()
-    start = consistent_start(system, 0.0, request.starts)
+    start = consistent_start(system, 0.0, request.starts, request.guesses)
     if start.missed:
         anchors = [*(m.anchor for m in start.missed), *start.anchors]
         raise NoStart(_conflict(start), anchors, start.x, system)
@@ -85,18 +87,37 @@ def strange_outputs(system: System, x: Sequence[float]) -> list[int]:
     return [k for k, value in enumerate(system.outputs(0.0, x)) if not isfinite(value)]
 
 
-def consistent_start(system: System, t: float = 0.0, given: Mapping[str, float] | None = None) -> Start:
-    """The start of `system` at time `t`, with the values of `given` (by name), which count as stated by
-    the run, in place of the model's."""
-    guess, given = list(system.start()), given or {}
-    stated = {i: given[name] for i, name in enumerate(system.interface.state_names) if name in given}
-    for i, value in stated.items():
-        guess[i] = value
+def consistent_start(
+    system: System,
+    t: float = 0.0,
+    given: Mapping[str, float] | None = None,
+    guesses: Mapping[str, float] | None = None,
+) -> Start:
+    """The start of `system` at time `t`.  The values of `given` (by name) count as stated by the run,
+    those of `guesses` as not stated; both replace the model's."""
+    guess, levels = guess_and_levels(system, system.start(), given or {}, guesses or {})
     if not system.interface.needs_consistency:
         return Start(guess)
     from lagc.simulation.initialization.conflicts import search  # where there is something to search for
 
-    return search(system, t, guess, stated)
+    return search(system, t, guess, levels)
+
+
+def guess_and_levels(
+    system: System, start: Sequence[float], given: Mapping[str, float], guesses: Mapping[str, float]
+) -> tuple[list[float], list[int]]:
+    """The guess of each state, and the level at which each unknown is stated; the four parts of an
+    orientation have one level."""
+    guess, levels = list(start), list(system.interface.start_levels)
+    for i, name in enumerate(system.interface.state_names):
+        if name in given:
+            guess[i], levels[i] = given[name], max(levels[i], RUN)
+        elif name in guesses:
+            guess[i] = guesses[name]
+            whole = next((k for k in system.quaternions if k <= i < k + 4), None)
+            for k in (i,) if whole is None else range(whole, whole + 4):
+                levels[k] = UNSTATED
+    return guess, levels
 
 
 def demand(system: System, run: Trajectory) -> None:

@@ -10,15 +10,17 @@ from types import SimpleNamespace
 from typing import Any, TypeAlias
 
 from lagc.base.records import once
-from lagc.codegen.kernel_compiler.linker import of_conditions, sizes_of_start, stretches, with_quaternions
+from lagc.codegen.kernel_compiler.linker import (
+    marked,
+    of_conditions,
+    sizes_of_start,
+    stretches,
+    with_quaternions,
+)
 from lagc.codegen.python.initialization import SWITCHES, code
-from lagc.simulation.system import OK
+from lagc.simulation.system import OK, UNSTATED
 
 MET = 8  # points whose conditions are remembered: a search of all of them comes back, two times of three
-UNSTATED, DECLARED, SCENE, RUN, FIXED = range(
-    5
-)  # how firmly a start value is stated: see `kernels.initialization.workspace`
-
 
 Found: TypeAlias = tuple[list[float], list[float], list[float]]
 Evaluate: TypeAlias = Callable[[float, Sequence[float]], Found]
@@ -32,7 +34,7 @@ class Conditions:
     parameter of each unit.  `elsewhere(p)` is `evaluate` with others than `parameters`.  `units[i]` is the
     number of the unit of unknown i; `angles` are the coordinates that are angles.  Where conditions
     fall into pieces that share no unknown, `pieces[i]` makes condition i (-1: none), and `some(t, x, c, J,
-    sizes, first, last)` fills in what belongs to some of them.
+    sizes, first, last)` fills in what belongs to some of them.  `massless` are the speeds without inertia.
     """
 
     def __init__(
@@ -50,11 +52,15 @@ class Conditions:
         elsewhere: Callable[[Sequence[float]], Evaluate] | None = None,
         pieces: Sequence[int] = (),
         some: Callable[..., None] | None = None,
+        massless: Sequence[int] = (),
     ):
         self.nq, self.nv, self.quaternions = nq, nv, tuple(quaternions)
         self.units, self.angles = tuple(units), tuple(angles)
         self.n, self.own = len(units), len(ends)
-        self.sizes = sizes_of_start(nq, nv, self.n - nq - nv, ends, columns, quaternions, pieces)
+        self.sizes = sizes_of_start(
+            nq, nv, self.n - nq - nv, ends, columns, quaternions, pieces, len(massless)
+        )
+        self.massless = marked(nq, massless, self.n)
         self.ends, self.columns = with_quaternions(ends, columns, quaternions)
         self.row_pieces = of_conditions(pieces, len(self.ends))
         self.evaluate, self.measures = evaluate, measures
@@ -76,7 +82,7 @@ class Conditions:
             "quaternion": self.quaternions, "level": (UNSTATED,) * self.n, "unit": self.units,
             "angle": tuple([int(i in self.angles) for i in range(self.n)]), "ends": self.ends,
             "stretch_begins": begins, "stretch_ends": stops,
-            "row_piece": self.row_pieces, "fn_measures": self._measures,
+            "row_piece": self.row_pieces, "massless": self.massless, "fn_measures": self._measures,
             "fn_conditions": self._conditions, "fn_conditions_some": self._some,
         }  # fmt: skip
         exec(code(tuple([found[name] > 0 for name in SWITCHES])), found)

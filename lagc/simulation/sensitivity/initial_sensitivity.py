@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lagc.simulation.initialization.conflicts import conditions_of
-from lagc.simulation.initialization.solver import RUN, Consistency
+from lagc.simulation.initialization.initialize import guess_and_levels
+from lagc.simulation.initialization.solver import Consistency
 from lagc.simulation.linearization.derivatives import DEPENDENT, Array, Point
 from lagc.simulation.sensitivity.sensitivities import Direction
 from lagc.simulation.system import OK
@@ -30,7 +31,11 @@ MET = 1e-6  # of the terms of an equation; of the differences of a smooth search
 
 
 def start_slopes(
-    system: NumpySystem, x0: Sequence[float], given: Mapping[str, float], directions: Sequence[Direction]
+    system: NumpySystem,
+    x0: Sequence[float],
+    given: Mapping[str, float],
+    directions: Sequence[Direction],
+    guesses: Mapping[str, float],
 ) -> tuple[Array, Array, dict[int, str]]:
     """Return dx0/dtheta at the initial state x0, (nq + nv, directions), its error, and reasons.
 
@@ -54,7 +59,7 @@ def start_slopes(
             if not np.isfinite(found[:, k]).all():
                 raise ArithmeticError(f"the initial values have no finite derivatives by `{d.name}`")
             if interface.needs_consistency:
-                found[:, k], doubts[:, k] = _Consistent(point, d, given).slopes(found[:, k])
+                found[:, k], doubts[:, k] = _Consistent(point, d, given, guesses).slopes(found[:, k])
         except ArithmeticError as error:
             reasons[k] = str(error)
     return found[:n], doubts[:n], reasons
@@ -63,8 +68,10 @@ def start_slopes(
 class _Consistent:
     """The derivative of an initial state that satisfies equations, in one direction."""
 
-    def __init__(self, point: Point, direction: Direction, given: Mapping[str, float]):
-        self.point, self.system, self.d, self.given = point, point.system, direction, given
+    def __init__(self, point: Point, direction: Direction, given: Mapping[str, float],
+                 guesses: Mapping[str, float]):  # fmt: skip
+        self.point, self.system, self.d = point, point.system, direction
+        self.given, self.guesses = given, guesses
         base = self._search(0.0)
         self.weights, self.size = np.array(base.weights), 1.0
         if direction.state is not None:
@@ -181,12 +188,9 @@ class _Consistent:
         if d.parameter is not None:
             parameters[d.parameter] += offset
         beside = system.model.bind(parameters)
-        guess, levels = beside.start(), list(system.interface.start_levels)
         if d.state is not None:
             states[known[d.state]] = self.point.x[d.state] + offset
-        for i, name in enumerate(known):
-            if name in states:
-                guess[i], levels[i] = states[name], max(levels[i], RUN)
+        guess, levels = guess_and_levels(system, beside.start(), states, self.guesses)
         return Consistency(conditions_of(beside), 0.0, guess, levels)
 
 

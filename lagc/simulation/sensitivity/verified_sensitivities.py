@@ -52,7 +52,9 @@ def sensitivities(
         try:
             if run.interrupted or not run.times:
                 raise ArithmeticError("the motion was interrupted")
-            start, doubts, reasons = start_slopes(system, run.states[0], request.starts, directions)
+            start, doubts, reasons = start_slopes(
+                system, run.states[0], request.starts, directions, request.guesses
+            )
             kept = [k for k in range(len(directions)) if k not in reasons]
             while kept:
                 lost = _verified(found, run, request, kept, (start[:, kept], doubts[:, kept]), progress)
