@@ -72,8 +72,7 @@ def complete_massless(p: Params, t: Real, rows: int, w: StartWork) -> bool:
 
 
 def search(p: Params, t: Real, end: int, w: StartWork) -> bool:
-    """Search from beginnings 0..end-1.  Unstated speeds without inertia, as of filters and circuits, move
-    before those of bodies."""
+    """Search from beginnings 0..end-1; unstated speeds without inertia move before those of bodies."""
     if NMASSLESS > 0:
         rows = w.row_count
         kept = select_without_massless(w)
