@@ -61,7 +61,7 @@ def _made(cls: Any, frozen: bool, slots: bool) -> Any:
         if slots:
             cls.__getstate__, cls.__setstate__ = _get_state, _set_state
     if own.get("__init__") is None:
-        cls.__init__ = _seldom(cls, fields, frozen)
+        cls.__init__ = _rare(cls, fields, frozen)
     for name, write in {"__repr__": _repr, "__eq__": _eq, "__hash__": _hash}.items():
         if name == "__hash__" and not frozen:
             cls.__hash__ = None
@@ -95,7 +95,7 @@ def _later(cls: Any, name: str, write: Writer, fields: dict[str, _Slot], frozen:
     return method
 
 
-def _seldom(cls: Any, fields: dict[str, _Slot], frozen: bool) -> Any:
+def _rare(cls: Any, fields: dict[str, _Slot], frozen: bool) -> Any:
     """Return an `__init__` for few objects; after FEW calls, or if the arguments do not fit, it is
     generated."""
     written = _later(cls, "__init__", _init, fields, frozen)

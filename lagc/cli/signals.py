@@ -16,7 +16,7 @@ from time import sleep
 from types import FrameType, TracebackType
 
 ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
-SOON = 0.01  # s until a lost signal is sent again
+RETRY = 0.01  # s until a lost signal is sent again
 
 
 class Signals:
@@ -65,7 +65,7 @@ class Signals:
             sys.__unraisablehook__(unraisable)
 
     def _again(self, thread: int) -> None:
-        sleep(SOON)
+        sleep(RETRY)
         if hasattr(signal, "pthread_kill"):  # it also interrupts a system call
             signal.pthread_kill(thread, self.number)
         else:

@@ -8,7 +8,7 @@ from lagc.simulation.solution import Solution
 
 MOST = 12  # final values that are shown without --verbose
 MOST_EVENTS = 4  # events that are shown without --verbose
-TOLD = 0.1  # of the run time, and in s: a longer initialization is reported
+REPORTED = 0.1  # of the run time, and in s: a longer initialization is reported
 
 
 def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: bool = False) -> str:
@@ -106,7 +106,7 @@ def _method(run: Solution) -> str:
 def _cost(run: Solution) -> str:
     c = run.cost
     several = f" in {c.integrations} integrations" if c.integrations > 1 else ""
-    search = c.start_s >= max(TOLD * c.run_s, TOLD)
+    search = c.start_s >= max(REPORTED * c.run_s, REPORTED)
     start = f", {seconds(c.start_s)} of it for the initialization" if search else ""
     return (f"{c.steps} steps ({c.rejected} rejected), {c.rhs} right-hand sides of {c.operations} operations"
             f"{several}; compile {seconds(c.compile_s)}, run {seconds(c.run_s)}{start}")  # fmt: skip

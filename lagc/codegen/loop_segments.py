@@ -264,9 +264,9 @@ class _Places:
             free = _joined([*free, *ends.get(number, ())])
 
     def _take(self, free: list[tuple[int, int]], count: int) -> int:
-        for k, (first, room) in enumerate(free):
-            if room >= count:
-                free[k : k + 1] = [(first + count, room - count)] if room > count else []
+        for k, (first, length) in enumerate(free):
+            if length >= count:
+                free[k : k + 1] = [(first + count, length - count)] if length > count else []
                 return first
         self.size += count
         return self.size - count

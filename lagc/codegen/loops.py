@@ -16,12 +16,12 @@ Running: TypeAlias = tuple[str, str, int, int | None]
 
 @dataclass(frozen=True)
 class Forms:
-    """The differences between languages: `room` declares the array of kept values; `variable`, `fixed` and
+    """The differences between languages: `array` declares the array of kept values; `variable`, `fixed` and
     `change` declare and assign variables; `table` declares a table of numbers; `head` and `end` enclose a
     loop over a run, with names that run through arrays if `sequences`; `only` is the head of code that
     belongs to one piece."""
 
-    room: str
+    array: str
     variable: str
     fixed: str
     change: str
@@ -39,8 +39,8 @@ def loops(
     """Return the body of a function with `runs`: the declaration of kept values, then the lines of each
     segment. Segments share only arrays. `locals_`: names of entries, for straight code."""
     found, size = segments(function)
-    room = [forms.room.format(size=size)] if size else []
-    return [room, *(_Printer(segment, dialect, forms, locals_).run() for segment in found)]
+    array = [forms.array.format(size=size)] if size else []
+    return [array, *(_Printer(segment, dialect, forms, locals_).run() for segment in found)]
 
 
 class _Printer:

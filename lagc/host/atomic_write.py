@@ -333,7 +333,7 @@ def _sync_folder(folder: str) -> None:
             os.close(number)
 
 
-SOON = 3600.0  # s after which no process, on any machine that shares the folder, still writes a file
+ABANDONED = 3600.0  # s after which no process, on any machine that shares the folder, still writes a file
 FILES = (".", ".lagc-tmp")  # beginning and end of the names
 FOLDERS = ("lagc-", "")
 
@@ -376,7 +376,7 @@ def _is_left(entry: os.DirEntry[str], kind: tuple[str, str]) -> bool:
     status = entry.stat(follow_symlinks=False)
     right = stat.S_ISDIR if kind == FOLDERS else stat.S_ISREG
     own = hasattr(os, "geteuid") and status.st_uid == os.geteuid()
-    return right(status.st_mode) and own and time() - status.st_mtime > SOON and gone(int(process))
+    return right(status.st_mode) and own and time() - status.st_mtime > ABANDONED and gone(int(process))
 
 
 def _remove(entry: os.DirEntry[str]) -> None:

@@ -25,7 +25,7 @@ from lagc.diagnostics.faults import Fault, Refused
 
 ALLOWED = 60.0  # s for a stage of any model
 GRACE = 5.0  # s for work to end with its results
-SOON = 1e-3  # s to the next signal after one at a bad moment
+RETRY = 1e-3  # s to the next signal after one at a bad moment
 LONGEST = 86400.0  # s to the next signal, within the range of any timer
 LARGEST = 1e300  # a larger limit is no limit
 COMMON = 4e9  # bytes, the least default limit
@@ -57,7 +57,7 @@ class Limits:
         self.end = inf
         self.limit = ""  # the limit that is reached then, in words
         self.doing = "the work"
-        self.told = ""  # the limit that was reached
+        self.reached = ""  # the limit that was reached
         self.before = inf, ""  # end and limit outside the stage
         self.own = ""  # the limit of the stage, in words
         self.patient = False  # the run itself asks for the time
@@ -71,7 +71,7 @@ class Limits:
             self.most = self.memory
             raise self._too_small()  # below this nothing works, not even a message
         self.outer, _inside.block = _inside.block, self
-        self.told = ""
+        self.reached = ""
         if self.outer is not None:
             self.end, self.limit, self.doing = self.outer.end, self.outer.limit, self.outer.doing
         if self.time is not None:
@@ -94,7 +94,7 @@ class Limits:
             self.outer._set()
         if isinstance(error, Exhausted):
             message, remedy = (
-                f"{self.doing} took longer than {self.told}",
+                f"{self.doing} took longer than {self.reached}",
                 "allow more time: `--max-time 1h`, or `none`",
             )
             raise Refused([Fault("LAG0801", message, remedy=remedy)]) from None
@@ -111,7 +111,7 @@ class Limits:
     def ask(self) -> None:
         """Raise Exhausted if the time is up."""
         if monotonic() >= self.end:
-            self.told = self.limit
+            self.reached = self.limit
             raise Exhausted
 
     def rest(self) -> None:
@@ -128,7 +128,7 @@ class Limits:
         if end < self.end:
             self.end, self.limit = end, limit
 
-    def _set(self, soonest: float = SOON) -> None:
+    def _set(self, soonest: float = RETRY) -> None:
         """Set the timer to the end of the time, or to a time before it, if there is a timer."""
         if self.end == inf:
             return
@@ -181,7 +181,7 @@ class Limits:
             yield
         finally:
             self.rest()
-            if not self.told:
+            if not self.reached:
                 self._leave()
 
     def _leave(self) -> None:
@@ -192,9 +192,9 @@ class Limits:
     def go_on(self) -> bool:
         """After Exhausted: whether only the limit of the stage was reached, so that work continues without
         its result."""
-        if self.told != self.own:
+        if self.reached != self.own:
             return False
-        self.told = ""
+        self.reached = ""
         self._leave()
         return True
 
@@ -271,7 +271,7 @@ def running(progress: Progress | None) -> Progress | None:
 
 def reached() -> str:
     """Return the limit that stopped the run, in words, or ""."""
-    return _inside.block.told if _inside.block is not None else ""
+    return _inside.block.reached if _inside.block is not None else ""
 
 
 def rest() -> None:

@@ -45,7 +45,7 @@ LEAST_REDUCTION = 0.1  # least size, relative to that of a step that hides an ev
 MOST_REDUCTIONS = 40  # of one step because of a hidden event
 TIME_ERROR = 10.0  # error of an event time, over step size and tolerance
 FIRST_ORDER = 0.1  # time that is corrected to first order, over step size and root of the tolerance
-SHORT_STEP = 1e6  # size of a step without truncation error, in units of the last place of the time
+SHORT_STEP = 1e6  # size of a step without truncation error, in units in the last place of the time
 LARGE_ERROR = 100.0  # error of a step that says little about the right step size
 
 

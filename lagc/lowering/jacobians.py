@@ -180,7 +180,7 @@ def _function(
             block.store(array, k, value)
         return [block.function(name, (*places.state, "a", "lam", *more), ((array, len(nodes)),), about)]
 
-    (found,) = cheapest(places, nodes, make, seldom=True)
+    (found,) = cheapest(places, nodes, make, rare=True)
     return found
 
 

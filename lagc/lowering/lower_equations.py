@@ -114,7 +114,7 @@ def _functions(
     constrained = bool(at.equations.rows)
     made: list[Function | None] = [*solving]
     if dense:
-        made.append(program_functions.system(along, seldom=solver is not None))
+        made.append(program_functions.system(along, rare=solver is not None))
     if solver is not None and constrained:
         made += _factored(along, solver, not dense)
         made += [kkt.refiner(solver)] if dense else [kkt.rest(solver), program_functions.forces(along)]

@@ -213,7 +213,7 @@ class Interface:
     massless: tuple[int, ...]  # speeds without inertia, as of filters and circuits
     start_levels: tuple[int, ...]  # of q, v and these rates: how firmly stated, from 0 (not) to 4 (fixed)
     start_places: tuple[str, ...]  # source line of each statement, or of the declaration
-    row_places: tuple[str, ...]  # source line of each constraint row
+    row_places: tuple[str, ...]  # source line of each constraint equation
     initial_places: tuple[str, ...]  # and of each initial condition
     condition_ends: tuple[int, ...]  # where in J each condition's derivatives end
     condition_columns: tuple[int, ...]  # index in (q, v, stated rates) of each derivative

@@ -23,7 +23,7 @@ _TINY = 1e-300  # stands for zero where it divides zero
 _BESIDE = 1e-6  # of other rows of its unit: smaller, the terms of a row may be rounding of theirs
 
 
-def system(places: Places, seldom: bool) -> Function:
+def system(places: Places, rare: bool) -> Function:
     """M, r = tau - h, G and gamma for a dense solve; zeros of M and G are stored too."""
     equations, n = places.equations, len(places.equations.v)
     packed = {i * (i + 1) // 2 + j: node for (i, j), node in equations.mass_matrix.items()}
@@ -35,8 +35,8 @@ def system(places: Places, seldom: bool) -> Function:
             ("r", equations.applied_forces), ("G", _matrix(places, jacobian, len(equations.rows) * n)),
             ("gamma", [row.gamma for row in equations.rows]),
         ),
-        "mass matrix, forces and constraint rows",
-        seldom=seldom,
+        "mass matrix, forces and constraint equations",
+        rare=rare,
     )  # fmt: skip
 
 
@@ -45,7 +45,7 @@ def forces(places: Places) -> Function:
     equations = places.equations
     right = [*equations.applied_forces, *(row.gamma for row in equations.rows)]
     outputs = (("qdot", equations.qdot), ("r", right))
-    return made(places, "forces", places.state, outputs, "qdot, forces, gamma of the rows", seldom=True)
+    return made(places, "forces", places.state, outputs, "qdot, forces, gamma of the rows", rare=True)
 
 
 class Sparse(NamedTuple):
@@ -85,7 +85,7 @@ def velocity(places: Places) -> Function:
     rows = places.equations.rows
     rates = [row.rate for row in rows]
     return made(
-        places, "velocity", STATE, (("psi", rates),), "rates of the constraint rows", row_comments(rows)
+        places, "velocity", STATE, (("psi", rates),), "rates of the constraint equations", row_comments(rows)
     )
 
 
@@ -105,7 +105,7 @@ def scales(places: Places) -> Function:
         size = graph.sum(graph.unary("abs", part) for part in parts)
         sizes.append(graph.sum([size, graph.const(_TINY)]))
     sizes = _beside_others(places, equations.rows, sizes)
-    return made(places, "scales", STATE, (("s", sizes),), "size of the terms of each constraint row")
+    return made(places, "scales", STATE, (("s", sizes),), "size of the terms of each constraint equation")
 
 
 def _beside_others(places: Places, rows: Sequence[Row], sizes: Sequence[Node]) -> list[Node]:
@@ -131,7 +131,7 @@ def gamma_sizes(places: Places) -> Function:
     slopes = gradient_magnitudes(graph, gammas, dict(zip(speeds, speeds)))
     sizes = [size + slope for size, slope in zip(magnitudes(graph, gammas), slopes)]
     described = "size of the terms of each row's gamma"
-    return made(places, "gamma_sizes", STATE, (("s", sizes),), described, seldom=True)
+    return made(places, "gamma_sizes", STATE, (("s", sizes),), described, rare=True)
 
 
 def gradient_sizes(places: Places) -> Function:
@@ -141,7 +141,7 @@ def gradient_sizes(places: Places) -> Function:
     ones = dict.fromkeys(equations.v, graph.one)
     sizes = gradient_magnitudes(graph, [row.rate for row in equations.rows], ones)
     described = "size of the terms of each row's gradient"
-    return made(places, "gradient_sizes", STATE, (("s", sizes),), described, seldom=True)
+    return made(places, "gradient_sizes", STATE, (("s", sizes),), described, rare=True)
 
 
 def gradients(places: Places) -> Function:
@@ -150,7 +150,7 @@ def gradients(places: Places) -> Function:
     sums = gradient_bounds(graph, [row.rate for row in rows], dict.fromkeys(places.equations.v, graph.one))
     if sums is None:
         sums = [graph.sum(graph.unary("abs", a) for a in row.jacobian.values()) for row in rows]
-    return made(places, "gradients", STATE, (("s", sums),), "size of each row's gradient", seldom=True)
+    return made(places, "gradients", STATE, (("s", sums),), "size of each row's gradient", rare=True)
 
 
 def reaches(places: Places) -> Function:
@@ -205,7 +205,7 @@ def reaches(places: Places) -> Function:
     found += _beside_others(places, holonomic, of_rates)
     found += (size[k] for k in sorted(size))
     more = replace(places, arrays={**places.arrays, **{node: ("c", k) for k, node in given.items()}})
-    return made(more, "reaches", (*STATE, "c"), (("s", found),), "reach of each constraint row")
+    return made(more, "reaches", (*STATE, "c"), (("s", found),), "reach of each constraint equation")
 
 
 def _displaced(graph: Graph, rows: Sequence[Row], coordinates: Container[Node]) -> dict[Node, Node]:
@@ -254,7 +254,7 @@ def energies(places: Places) -> Function:
     e = [equations.kinetic, equations.potential, equations.energy]
     names = ["kinetic energy", "potential energy", "energy of the balance"]
     # sums over bodies, which have few factors in common
-    return made(places, "energies", STATE, (("e", e),), "energies", names, seldom=True, factors=False)
+    return made(places, "energies", STATE, (("e", e),), "energies", names, rare=True, factors=False)
 
 
 def power(places: Places) -> Function | None:
@@ -262,7 +262,7 @@ def power(places: Places) -> Function | None:
     if equations.power.is_zero:
         return None
     inputs = (*places.state, "a", "lam")
-    return made(places, "power", inputs, (("e", [equations.power]),), "rate of that energy", seldom=True)
+    return made(places, "power", inputs, (("e", [equations.power]),), "rate of that energy", rare=True)
 
 
 def outputs(places: Places) -> Function | None:
@@ -277,7 +277,7 @@ def outputs(places: Places) -> Function | None:
         found, inputs = substitute(places.graph, found, known), (*STATE, "e", "a", "lam")
         arrays = {known[node]: ("e", k) for node, k in shared.items()}
         places = replace(places, arrays={**places.arrays, **arrays})
-    return made(places, "outputs", inputs, (("y", found),), "outputs of the model", names, seldom=True)
+    return made(places, "outputs", inputs, (("y", found),), "outputs of the model", names, rare=True)
 
 
 def _energies_in(places: Places, nodes: Sequence[Node]) -> dict[Node, int]:
@@ -299,7 +299,7 @@ def start(places: Places, work: bool) -> Function:
     if work:
         x.append(places.graph.zero)
     names = equations.state_names
-    return made(places, "start", ("p",), (("x", x),), "start values and guesses", names, seldom=True)
+    return made(places, "start", ("p",), (("x", x),), "start values and guesses", names, rare=True)
 
 
 def limits(places: Places) -> Function | None:
@@ -307,7 +307,7 @@ def limits(places: Places) -> Function | None:
     found = [limit.value for limit in places.equations.model.limits]
     parts = (("b", found),)
     described = "derived values that have bounds"
-    return made(places, "limits", ("p",), parts, described, seldom=True) if found else None
+    return made(places, "limits", ("p",), parts, described, rare=True) if found else None
 
 
 def conditions(places: Places, slopes: Slopes) -> Function | None:
@@ -322,7 +322,7 @@ def conditions(places: Places, slopes: Slopes) -> Function | None:
     jacobian = [slope for row in (*slopes.rows, *slopes.sums) for slope in row.values()]
     sizes = [graph.sum([graph.unary("abs", part) for part in terms(graph, row)]) for row in rows]
     parts = (("c", rows), ("J", jacobian), ("sizes", sizes))
-    return made(places, "conditions", STATE, parts, "conditions of a consistent start", seldom=True)
+    return made(places, "conditions", STATE, parts, "conditions of a consistent start", rare=True)
 
 
 def measures(places: Places) -> Function | None:
@@ -340,7 +340,7 @@ def measures(places: Places) -> Function | None:
         largest.append(node)
     values = [s.start.value for s in equations.stated_rates]
     parts = (("s", values), ("largest", largest))
-    return made(places, "measures", ("p",), parts, "stated rates, sizes of parameters", seldom=True)
+    return made(places, "measures", ("p",), parts, "stated rates, sizes of parameters", rare=True)
 
 
 def made(
@@ -350,15 +350,15 @@ def made(
     outputs: tuple[tuple[str, Sequence[Node] | Sparse], ...],
     description: str,
     comments: Sequence[str] = (),
-    seldom: bool = False,
+    rare: bool = False,
     factors: bool = True,
 ) -> Function:
-    """`comments` belong to the first entries of the first output; `seldom`: not called by every step; for
+    """`comments` belong to the first entries of the first output; `rare`: not called by every step; for
     `factors` see `lower`."""
 
     def make(nodes: Sequence[Node]) -> list[Function]:
         block = Block()
-        following = iter(lower(places, block, nodes, seldom, factors)[1])
+        following = iter(lower(places, block, nodes, rare, factors)[1])
         for number, (array, indices) in enumerate(stored):
             for k in indices:
                 comment = comments[k] if number == 0 and k < len(comments) else ""
@@ -370,5 +370,5 @@ def made(
     lengths = tuple([(a, sparse[a].length if a in sparse else len(dense[a])) for a, _ in outputs])
     stored = [(a, sparse[a].entries if a in sparse else range(len(dense[a]))) for a, _ in outputs]
     nodes = [node for a, _ in outputs for node in (sparse[a].entries.values() if a in sparse else dense[a])]
-    (found,) = cheapest(places, nodes, make, seldom)
+    (found,) = cheapest(places, nodes, make, rare)
     return replace(found, cleared=tuple(sparse))

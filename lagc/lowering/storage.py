@@ -19,7 +19,7 @@ from lagc.symbolic.walk import reachable
 
 STATE = ("p", "t", "x")
 _LARGEST_TRIAL = 800  # nodes
-_LARGEST_SELDOM = 100  # nodes, of a function that no step calls
+_LARGEST_RARE = 100  # nodes, of a function that no step calls
 _LARGEST_GATHERED = 1000  # nodes; beyond, to gather coefficients costs more than it saves
 _LARGEST_SEARCHED = 4000  # nodes, for common factors and shared products, of a function that no step calls
 _WEIGHTS = {
@@ -58,19 +58,19 @@ def places(
 
 
 def lower(
-    places: Places, block: Block, nodes: Sequence[Node], seldom: bool = False, factors: bool = True
+    places: Places, block: Block, nodes: Sequence[Node], rare: bool = False, factors: bool = True
 ) -> tuple[Lowering, list[int]]:
-    """The values of `nodes` in `block`, of a function that is called `seldom` or often, and the lowering for
+    """The values of `nodes` in `block`, of a function that is called `rare` or often, and the lowering for
     more.  Symbols are loaded from their places.  Without `factors` many are not searched for those that are
     common."""
     graph = places.graph
     known = {symbol: block.load(array, k) for symbol, (array, k) in places.arrays.items()}
     size = len(reachable(nodes))
     if size > _LARGEST_GATHERED:
-        searched = factors and (not seldom or size <= _LARGEST_SEARCHED)
+        searched = factors and (not rare or size <= _LARGEST_SEARCHED)
         if searched:
             nodes = factored(graph, nodes)
-        lowering = Lowering(block, known, plan(nodes) if searched and not seldom else None)
+        lowering = Lowering(block, known, plan(nodes) if searched and not rare else None)
         return lowering, lowering(nodes)
     found = Coefficients(graph, nodes, places.constants)
     nodes, meaning = factored(graph, found.nodes), factored(graph, list(found.meaning.values()))
@@ -83,14 +83,14 @@ def cheapest(
     places: Places,
     nodes: Sequence[Node],
     make: Callable[[Sequence[Node]], list[Function]],
-    seldom: bool = False,
+    rare: bool = False,
 ) -> list[Function]:
     """`make(nodes)`, or the same of the nodes multiplied out where the first of the functions is cheaper.
 
-    For a function that is called `seldom` this is tried only where it takes no time.
+    For a function that is called `rare` this is tried only where it takes no time.
     """
     plain = make(nodes)
-    if len(reachable(nodes)) > (_LARGEST_SELDOM if seldom else _LARGEST_TRIAL):
+    if len(reachable(nodes)) > (_LARGEST_RARE if rare else _LARGEST_TRIAL):
         return plain
     out = expanded(places.graph, nodes)
     if all(a is b for a, b in zip(nodes, out)):

@@ -314,7 +314,7 @@ def _count_text(facts: Facts) -> list[str]:
     if facts["dropped"]:
         lines.append(f"dropped, as nothing depends on them: {', '.join(facts['dropped'])}")
     if facts["more_at_start"]:
-        lines.append(f"at the initial posture: {facts['more_at_start']} more")
+        lines.append(f"at the initial configuration: {facts['more_at_start']} more")
     if facts["redundant"]:
         how = "redundant rows, it seems" if seems["redundant"] else "redundant rows"
         lines.append(f"{how}: {', '.join(facts['redundant'])}; their multipliers are not unique")

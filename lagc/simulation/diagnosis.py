@@ -74,7 +74,9 @@ def losing_rank(system: System, run: Trajectory, t: float, x: list[float]) -> st
         if distance > farthest:
             row, farthest = i, distance
     return (
-        f"{row_name(system, row)} nearly depends on others at this posture, or vanishes" if row >= 0 else ""
+        f"{row_name(system, row)} nearly depends on others at this configuration, or vanishes"
+        if row >= 0
+        else ""
     )
 
 
@@ -193,9 +195,9 @@ def tenfold_time(system: System, run: Trajectory, other: Trajectory, until: floa
 def kept_share(system: System, run: Trajectory) -> tuple[int, float] | None:
     """Return a constraint that was treated as dependent but is not, and its own share, or None.
 
-    Near a posture where constraints lose rank, the solver leaves out those that nearly depend on others.  One
-    that keeps a small share of its own at most of the states demands something that the motion does not meet.
-    """
+    Near a configuration where constraints lose rank, the solver leaves out those that nearly depend on
+    others.  One that keeps a small share of its own at most of the states demands something that the motion
+    does not meet."""
     return own_share(system, run, run.redundant_rows, _checked(run))
 
 

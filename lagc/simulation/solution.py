@@ -227,7 +227,7 @@ class Solution:
         }  # fmt: skip
 
     def _varied(self) -> dict[str, object]:
-        return {} if self.sensitivities is None else {"sensitivity": self.sensitivities.told()}
+        return {} if self.sensitivities is None else {"sensitivity": self.sensitivities.as_data()}
 
     def to_dict(self) -> dict[str, object]:
         """The object that `lagc sim --json` prints."""

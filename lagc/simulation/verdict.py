@@ -68,7 +68,7 @@ def verified_verdict(system: System, found: Verified, asked: float, stop: float)
     if kept is not None:  # an error that all runs share does not show in their differences
         return Verdict("failed", _nearly_dependent(system, *kept), run, inf)
     if estimated > asked:
-        result = _missed(system, found, asked)
+        result = _inaccurate(system, found, asked)
         if found.failed is not None:
             message = f"{result.message}; with a finer tolerance, {verdict(system, found.failed, stop)[1]}"
             return Verdict(result.status, message, result.trajectory, result.estimated)
@@ -191,7 +191,7 @@ def _unfinished(system: System, run: Trajectory, stop: float) -> str:
     return f"the integration ended at {t} with status {status}"
 
 
-def _missed(system: System, found: Verified, asked: float) -> Verdict:
+def _inaccurate(system: System, found: Verified, asked: float) -> Verdict:
     """The verdict if the accuracy `asked` was not reached.
 
     If the end of the motion is known to less than a hundredth, only the part up to the horizon is returned.

@@ -40,10 +40,10 @@ def interpolant(x: Node, knots: Numbers, values: Numbers, kind: str, straight: b
         raise OverflowError
     begins = Table([ends[0], *ends])
     place = graph.looked_up("piece", begins, x)
-    way = x - graph.looked_up("entry", begins, place)
+    offset = x - graph.looked_up("entry", begins, place)
     total = graph.zero
     for table in reversed(curve.rows):
-        total = total * way + graph.looked_up("entry", table, place)
+        total = total * offset + graph.looked_up("entry", table, place)
     return total
 
 
@@ -94,8 +94,8 @@ def _spline_slopes(h: Numbers, m: Numbers) -> list[float]:
     if n == 1:
         return [m[0], m[0]]
     if n == 2:
-        bend = (m[1] - m[0]) / (h[0] + h[1])
-        return [m[0] - bend * h[0], m[0] + bend * h[0], m[1] + bend * h[1]]
+        curvature = (m[1] - m[0]) / (h[0] + h[1])
+        return [m[0] - curvature * h[0], m[0] + curvature * h[0], m[1] + curvature * h[1]]
     ends = h[0] + h[1], h[-2] + h[-1]
     pivots, upper = [h[1]], [ends[0], *h[:-1]]
     right = [((h[0] + 2.0 * ends[0]) * h[1] * m[0] + h[0] * h[0] * m[1]) / ends[0]]

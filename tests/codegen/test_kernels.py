@@ -84,7 +84,7 @@ REFUSED = {
     "@record\nclass A:\n    x: Real\n    def f(self): ...": "fields only",
     "@record\nclass A:\n    x: Real = 1.0": "fields only",
     "@record\nclass A:\n    x: str": "not a type",
-    "@record\nclass A:\n    if 1 > 0:\n        x: Real": "not a switch",
+    "@record\nclass A:\n    if 1 > 0:\n        x: Real": "not a flag",
     "A = [1, 2]": "a constant is a number",
     "A = (1, 2)": "a constant is a number",
     "A = 1\nA = 2": "A is there already",

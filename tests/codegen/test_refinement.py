@@ -67,7 +67,7 @@ def test_refinement_agrees_within_roundoff_and_bitwise_in_c(name: str, work: boo
         equations = refined.equations(p)
         assert equations.rhs(0.3, x, *better) == status == 0
         assert equations.fallbacks == 0
-        # factors without pivoting lose a few digits of a random posture's accelerations
+        # factors without pivoting lose a few digits of a random configuration's accelerations
         for ours, theirs in zip(found, better):
             largest = max(map(abs, theirs))
             assert all(abs(a - b) <= 1e-11 * largest for a, b in zip(ours, theirs))

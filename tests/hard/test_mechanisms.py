@@ -1,4 +1,4 @@
-"""Mechanisms that are hard on the equations: closed loops, postures where the rank drops,
+"""Mechanisms that are hard on the equations: closed loops, configurations where the rank drops,
 constraints that depend on each other everywhere, stated twice, or contradicting each other."""
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def test_andrews_mechanism_to_a_millionth() -> None:
 
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("windows", [1, 4])
-def test_windows_pass_through_the_flat_posture(windows: int) -> None:
+def test_windows_pass_through_the_flat_configuration(windows: int) -> None:
     run = _run(lagc.load("classic/n_four_bar").compile(parameters={"N": windows}), 10.0, 1e-9)
     assert abs(run.energy.imbalance) <= 5e-5
     for i in range(1, windows + 1):  # on the branch of the parallelograms: couplers stay level
@@ -53,7 +53,7 @@ def test_windows_pass_through_the_flat_posture(windows: int) -> None:
 @pytest.mark.sample(4)
 @pytest.mark.parametrize("windows", [1, 4])
 @pytest.mark.parametrize("away", [1e-2, 1e-4, 1e-6, 1e-8, 0.0])
-def test_windows_started_at_the_flat_posture(windows: int, away: float) -> None:
+def test_windows_started_at_the_flat_configuration(windows: int, away: float) -> None:
     system = lagc.load("classic/n_four_bar").compile(parameters={"N": windows})
     starts = {f"th[{i}]": math.pi / 2.0 + away for i in range(1, windows + 2)}
     run = _run(system, 10.0, 1e-9, starts)
@@ -67,7 +67,7 @@ def test_windows_started_at_the_flat_posture(windows: int, away: float) -> None:
 
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("windows", [1, 4])
-def test_what_is_claimed_from_the_flat_posture_is_true(windows: int) -> None:
+def test_what_is_claimed_from_the_flat_configuration_is_true(windows: int) -> None:
     """There multipliers are quotients of rounding, and what a first step does is chance: energy is no bound.
     So the motion is compared with the pendulum that it is; where a fine accuracy is not claimed, the row
     is named."""
@@ -89,7 +89,7 @@ def test_what_is_claimed_from_the_flat_posture_is_true(windows: int) -> None:
 
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("windows", [1, 2, 4])
-def test_windows_pass_the_flat_posture_at_any_tolerance(windows: int) -> None:
+def test_windows_pass_the_flat_configuration_at_any_tolerance(windows: int) -> None:
     # each passage meets it at other distances, down to where multipliers are nothing but rounding
     model = lagc.load("classic/n_four_bar").compile(parameters={"N": windows})
     system = model.load(BACKEND)
@@ -106,7 +106,7 @@ def test_windows_pass_the_flat_posture_at_any_tolerance(windows: int) -> None:
             assert "hinge[" in verdict(system, done, 10.0)[1]
     assert len(ratios) >= 0.9 * len(tolerances)
     # some 60 steps of one tolerance each; of one in thousands, that leaps two radians through the
-    # flat posture, the difference of two embedded formulas may tell a thousandth of the error
+    # flat configuration, the difference of two embedded formulas may tell a thousandth of the error
     assert median(ratios) <= 10.0 and max(ratios) <= 1e3
 
 

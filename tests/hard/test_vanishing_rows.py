@@ -1,4 +1,4 @@
-"""Rows whose gradient vanishes at a posture, where the others determine the motion: a wheel that rolls
+"""Rows whose gradient vanishes at a configuration, where the others determine the motion: a wheel that rolls
 in or on a circular track, its rolling written as one vector, against the one-coordinate pendulum
 theta'' = -g sin(theta) / (s (1 + k)), s the distance of the centres and k m r^2 the moment of inertia."""
 

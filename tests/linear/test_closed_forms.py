@@ -144,7 +144,8 @@ def test_a_pendulum_on_a_cart_is_free_to_be_anywhere() -> None:
 
 
 def test_two_pendulums_have_four_equilibria() -> None:
-    """M y'' = -K y with K of the postures: (m1 + m2) g l cos theta1, m2 g l cos theta2; equal masses."""
+    """M y'' = -K y with K of the configurations: (m1 + m2) g l cos theta1, m2 g l cos theta2; equal
+    masses."""
     linears = found("classic/double_pendulum", "small")
     assert [linear.stability == "unstable" for linear in linears] == [False, True, True, True]
     assert len(linears) == 4
@@ -411,9 +412,9 @@ def test_at_rest_dry_friction_pushes_neither_way() -> None:
     A search that friction makes uneven: which tries end depends on the machine's last bits."""
     model = lagc.loads(RUBBED).compile(backend="numpy")
     system = model.differentiated()
-    postures = equilibria.equilibria(system, system.start(), tries=TRIES)
-    assert postures
-    for one in postures:
+    configurations = equilibria.equilibria(system, system.start(), tries=TRIES)
+    assert configurations
+    for one in configurations:
         assert abs(cos(one.x[0])) < CLOSE and one.x[3:] == [0.0, 0.0, 0.0]
     with pytest.raises(ArithmeticError, match="forces are discontinuous"):
         model.equilibria(tries=TRIES)
@@ -467,7 +468,7 @@ end Skate;
 
 
 @pytest.mark.full
-def test_a_blade_holds_along_a_line_of_postures_of_other_energies() -> None:
+def test_a_blade_holds_along_a_line_of_configurations_of_other_energies() -> None:
     """Along and against the axis it stands anywhere, held by its multiplier against the spring, and turns by
     6 a'' = sin(a): two families."""
     one, other = lagc.loads(SKATE).compile(backend="numpy").equilibria()
@@ -485,8 +486,8 @@ def test_no_equilibrium() -> None:
 
 
 @pytest.mark.full
-def test_a_posture_where_nothing_is_finite_leaves_the_others() -> None:
-    """Of the car axis, some random postures lie where roots have no derivative."""
+def test_a_configuration_where_nothing_is_finite_leaves_the_others() -> None:
+    """Of the car axis, some random configurations lie where roots have no derivative."""
     found = lagc.load("classic/car_axis").compile(backend="numpy").equilibria()
     assert found and all(np.isfinite(linear.A).all() for linear in found)
 
@@ -498,7 +499,7 @@ CHAIN = """model Many
 end Many;"""
 
 
-def test_large_systems_are_looked_at_from_fewer_postures() -> None:
+def test_large_systems_are_looked_at_from_fewer_configurations() -> None:
     """So that what they cost is bounded."""
     found = [
         equilibria.tries_for(

@@ -258,7 +258,7 @@ def parallelogram_flat() -> Analysis:
     return analyse(derive(b.model()))
 
 
-def test_a_posture_that_adds_a_freedom_is_told() -> None:
+def test_a_configuration_that_adds_a_freedom_is_told() -> None:
     """The flat parallelogram may fold either way; each way has one degree of freedom."""
     a = parallelogram_flat()
     assert (a.degrees_of_freedom, a.more_at_start, a.redundant) == (1, 1, ())

@@ -140,7 +140,7 @@ def test_relations_that_cannot_change_are_no_breaks(u: str, w: str) -> None:
             assert codes(template.format(e=e)) == set(), e
 
 
-def test_singular_postures_are_left_to_the_run() -> None:
+def test_singular_configurations_are_left_to_the_run() -> None:
     """Norms, quotients and angles may have a bad point that no motion gets to."""
     for row in (
         "z = norm({x, 2*x, 0})",

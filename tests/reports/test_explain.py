@@ -32,8 +32,8 @@ def test_pendulum_on_a_string() -> None:
     assert "energy" in [c["name"] for c in found["conserved"]]
 
 
-def test_rolling_disc_has_more_postures_than_velocities() -> None:
-    """6 coordinates, the contact, 2 rows of rolling: 3 degrees of freedom, postures of 5."""
+def test_rolling_disc_has_more_configurations_than_velocities() -> None:
+    """6 coordinates, the contact, 2 rows of rolling: 3 degrees of freedom, configurations of 5."""
     found = facts("classic/rolling_disc")
     assert [c["kind"] for c in found["constraints"]] == ["holonomic", "non-holonomic", "non-holonomic"]
     assert not any(c["integrable"] for c in found["constraints"])

@@ -44,7 +44,7 @@ def start_of(text: str, **given: float) -> dict[str, float]:
     """The consistent start of a text by name; a coordinate's rate is `der(x)`."""
     system = system_of(text)
     found = consistent_start(system, 0.0, given)
-    assert not found.missed, found.missed
+    assert not found.unmet, found.unmet
     return dict(zip((*system.interface.q_names, *system.interface.v_names), found.x))
 
 

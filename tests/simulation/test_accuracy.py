@@ -18,7 +18,7 @@ from lagc.simulation.verdict import verdict
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 
-# through postures or saddles where 1e-9 of the states is beyond a reference in double precision
+# through configurations or saddles where 1e-9 of the states is beyond a reference in double precision
 SENSITIVE = {f"classic/{name}" for name in ("arenstorf_orbit", "double_well", "n_four_bar")}
 MODELS = Random(20).sample(sorted(set(library_models()) - SENSITIVE), 10)
 
@@ -140,7 +140,7 @@ def test_what_is_estimated_belongs_to_what_is_returned() -> None:
     assert run.estimated is not None and run.estimated <= 1e-6
 
 
-def test_posture_that_loses_rank_is_named() -> None:
+def test_configuration_that_loses_rank_is_named() -> None:
     model = lagc.load("classic/n_four_bar").compile(backend="numpy")
     system = model.load("numpy")
     upright = system.start()

@@ -1,5 +1,5 @@
 """Rows that depend on each other in code without a dense matrix: accelerations, the shortest multipliers and
-contradictions, against the pseudo-inverse in 50 digits; motions through postures where rank is lost."""
+contradictions, against the pseudo-inverse in 50 digits; motions through configurations where rank is lost."""
 
 from __future__ import annotations
 
@@ -187,7 +187,7 @@ UNEVEN = TWICE.replace("  effect", "  body tip = Particle(mass = 1e6*m, at = P[2
 
 
 def upright(e: EquationsOfMotion, away: float) -> State:
-    """Windows so far from their flat posture."""
+    """Windows so far from their flat configuration."""
     state = random_state(e, 1)
     state.update((q, math.pi / 2.0 - away if q.value.name.startswith("th") else 0.0) for q in e.q)
     state.update((v, 1.0 if "th" in v.value.name else 0.0) for v in e.v)
@@ -323,7 +323,8 @@ end Many;
 
 @pytest.mark.full
 def test_many_spatial_loops_are_braked_to_rest(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Through the folded posture, where each loses another row; G. T. Bennett's relations of the angles."""
+    """Through the folded configuration, where each loses another row; G. T. Bennett's relations of the
+    angles."""
     monkeypatch.undo()
     compiled = lagc.loads(MANY_BENNETTS).compile(backend="c" if compiler_of_c() else "numpy")
     assert "system" not in compiled.program.functions
@@ -362,7 +363,7 @@ def test_backends_agree(backend: str) -> None:
 
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("n", [2, 7])
-def test_windows_pass_the_flat_posture(n: int) -> None:
+def test_windows_pass_the_flat_configuration(n: int) -> None:
     """As the pendulum that they are."""
     system = compiled(equations(WINDOWS, N=n), "numpy")
     names = [*system.interface.q_names, *system.interface.v_names]

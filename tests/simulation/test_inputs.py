@@ -182,7 +182,7 @@ def test_one_workspace_serves_many_states(name: str, backend: str, method: str) 
 @BACKENDS
 @METHODS
 def test_dependent_rows_are_known_to_the_state_alone(backend: str, method: str) -> None:
-    """Linkages that pass postures where rows depend on others, each at its own time, through one
+    """Linkages that pass configurations where rows depend on others, each at its own time, through one
     workspace: what one has met is nothing to the others."""
     system = build(four_bar(2, 0.0, -4.0), backend)
     options = Options(method=method, rtol=1e-7, atol=1e-7)

@@ -1,4 +1,4 @@
-"""Linear equations of any rank, and motions through postures where constraints lose rank."""
+"""Linear equations of any rank, and motions through configurations where constraints lose rank."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def test_rows_without_entries() -> None:
 @BACKENDS
 @pytest.mark.parametrize("angle", [pi / 2, 1e-2, 1e-4, 1e-8, 0.0])
 @pytest.mark.parametrize("count", [1, 3])
-def test_parallelograms_go_through_the_flat_posture(backend: str, count: int, angle: float) -> None:
+def test_parallelograms_go_through_the_flat_configuration(backend: str, count: int, angle: float) -> None:
     """10 s with several turns: the cranks stay parallel, the energy is kept."""
     if backend == "numpy" and (count, angle) not in ((1, 1e-2), (1, 0.0)):
         pytest.skip("the same bits as the C library")
@@ -119,7 +119,7 @@ def test_parallelograms_go_through_the_flat_posture(backend: str, count: int, an
 
 
 @BACKENDS
-def test_dependent_rows_are_free_again_after_the_posture(backend: str) -> None:
+def test_dependent_rows_are_free_again_after_the_configuration(backend: str) -> None:
     system = build(four_bar(1, 0.0, -4.0), backend)
     x = system.start()
     assert system.rhs(0.0, x, [0.0] * 8, [0.0] * 3) == REDUNDANT

@@ -1,4 +1,5 @@
-"""The tip of a planar chain is stated; its angles are not: a posture is found wherever the tip can be."""
+"""The tip of a planar chain is stated; its angles are not: a configuration is found wherever the tip can
+be."""
 
 from __future__ import annotations
 

@@ -83,7 +83,7 @@ def turned(angle: float) -> float:
 
 
 def stated_moves(start: Start) -> list[str]:
-    assert not start.missed, start.missed
+    assert not start.unmet, start.unmet
     return [c.name for c in start.changes if c.stated]
 
 
@@ -107,8 +107,8 @@ def near(twins: Twins, given: dict[str, float]) -> dict[str, float]:
 @pytest.mark.parametrize("seed", range(2))
 def test_cranks_follow_the_one_that_is_stated(seed: int) -> None:
     """All are at its angle and turn with it, whole turns aside; the bar is level: the loop has no other
-    posture.  As exact as rows that are met to 1e-15 tell where cos or sin is flat: 1e-6 rad near the dead
-    centres, which are kept away from by 2 degrees."""
+    configuration.  As exact as rows that are met to 1e-15 tell where cos or sin is flat: 1e-6 rad near the
+    dead centres, which are kept away from by 2 degrees."""
     dice = random.Random(seed)
     n = 3 + seed
     twins = Twins(program_of(cranks(n, dice.uniform(0.1, 1.0), dice.uniform(0.1, 1.0))))

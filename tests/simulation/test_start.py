@@ -31,7 +31,7 @@ def test_without_conditions_nothing_changes() -> None:
 def test_guesses_go_to_the_circle_and_its_tangent() -> None:
     start = consistent_start(Pendulum())
     x, y, u, v = start.x
-    assert not start.missed
+    assert not start.unmet
     assert abs(x * x + y * y - 1.0) < 1e-14 and abs(x * u + y * v) < 1e-14
     # with equal weights the nearest point is along the radius, and speeds lose their radial part;
     # steps of minimum norm end within the square of the change of it
@@ -54,20 +54,20 @@ def test_given_values_are_held_where_they_can() -> None:
         pytest.approx(-0.6, abs=1e-14),
     ]
     start = consistent_start(Pendulum(), given={"x": 3.0})
-    assert not start.missed and norm(start.x[:2]) == pytest.approx(1.0)
+    assert not start.unmet and norm(start.x[:2]) == pytest.approx(1.0)
     assert "x" in {c.name for c in start.changes}
 
 
-def test_a_guess_in_a_singular_posture_is_left() -> None:
+def test_a_guess_in_a_singular_configuration_is_left() -> None:
     start = consistent_start(Pendulum(guess=(0.0, 0.0, 1.0, 0.0)))
-    assert not start.missed
+    assert not start.unmet
     assert norm(start.x[:2]) == pytest.approx(1.0)
 
 
 def test_contradicting_values_are_named() -> None:
     start = consistent_start(Pendulum(start_levels=(4, 4, 0, 0)))
-    assert [m.name for m in start.missed] == ["constraint `string` (m.lag:2)"]
-    assert start.missed[0].amount == pytest.approx(0.6**2 + 0.9**2 - 1.0)
+    assert [m.name for m in start.unmet] == ["constraint `string` (m.lag:2)"]
+    assert start.unmet[0].amount == pytest.approx(0.6**2 + 0.9**2 - 1.0)
     assert start.held == ("`x` (m.lag:1)", "`y` (m.lag:1)")
 
 
@@ -99,8 +99,8 @@ def test_a_condition_on_speeds_may_move_positions() -> None:
     """der(x) is held, so that x der(x) can be met by moving x alone; y = -x is then broken."""
     levels = (0, 0, 4, 0)
     start = consistent_start(Aimed(start_levels=levels))
-    assert "the condition at m.lag:8" in {m.name for m in start.missed} or "m.lag:7" in str(start.missed)
-    assert consistent_start(Aimed(wanted=0.5 * sqrt(0.5), start_levels=levels)).missed == ()
+    assert "the condition at m.lag:8" in {m.name for m in start.unmet} or "m.lag:7" in str(start.unmet)
+    assert consistent_start(Aimed(wanted=0.5 * sqrt(0.5), start_levels=levels)).unmet == ()
 
 
 def test_quaternions_are_normalised() -> None:

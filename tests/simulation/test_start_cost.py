@@ -63,7 +63,7 @@ def test_divisors_that_are_zero_at_a_guess_cost_no_more_than_others(
     again: list[object] = []
     monkeypatch.setitem(system.model.module, "_again", lambda *given: again.append(given))  # type: ignore[attr-defined]
     found = consistent_start(system)
-    assert not found.missed and not again
+    assert not found.unmet and not again
     x, z = [0.0, *found.x[:6]], [0.0, *found.x[6:12]]
     assert [hypot(x[k + 1] - x[k], z[k + 1] - z[k]) for k in range(6)] == pytest.approx([1.0] * 6)
 
@@ -203,8 +203,8 @@ def test_a_stated_rate_that_is_not_finite_is_named() -> None:
     assert repr(found) == repr(twins.by_c(0.0, twins.guess, None))
     assert found[:2] == (NOT_FINITE, twins.n)
     start = consistent_start(system_of(TURNED.format(rate="v/(v - 1 [m/s])*v")))
-    (missed,) = map(str, start.missed)
-    assert missed == "what `der(x)` (m.lag:4) is stated to be is no finite number there"
+    (unmet,) = map(str, start.unmet)
+    assert unmet == "what `der(x)` (m.lag:4) is stated to be is no finite number there"
 
 
 def test_a_step_beyond_all_numbers_ends_the_attempt() -> None:

@@ -87,7 +87,7 @@ def test_a_stated_zero_is_stated() -> None:
     text = wheel(x="(rate = 10 [m/s])", th="(rate = 0)")
     system = system_of(text)
     start = consistent_start(system)
-    assert not start.missed
+    assert not start.unmet
     assert len([c for c in start.changes if c.stated]) == 1
     assert start_of(wheel(x="(rate = 10 [m/s])"))["der(x)"] == 10.0
 
@@ -270,7 +270,7 @@ model M
 end M;
 """
     start = consistent_start(system_of(text))
-    assert [m.name for m in start.missed] == ["constraint `a` (m.lag:7)"]
+    assert [m.name for m in start.unmet] == ["constraint `a` (m.lag:7)"]
     assert start.held == ("`x` (m.lag:2)", "`y` (m.lag:3)")
 
 

@@ -38,7 +38,7 @@ def test_mechanisms_follow_what_is_stated_of_them(seed: int) -> None:
     h, x = 10.0 ** dice.uniform(-6.0, 9.0), dice.uniform(0.22, 0.38)
     given = {"h": h, "y": x * (x / 0.01) ** 5}
     start = consistent_start(system, 0.0, given)
-    assert not start.missed and not [c for c in start.changes if c.stated]
+    assert not start.unmet and not [c for c in start.changes if c.stated]
     found = dict(zip(system.interface.q_names, start.x))
     assert {name: found[name] for name in given} == given
     angle, off = math.log(h / 0.01) / 2.0, 1e-12 + 4e-15 * max(given.values()) / 1024
@@ -69,7 +69,7 @@ end Two;
     system = system_of(text)
     given = {"x": math.exp(dice.uniform(-6.0, 10.0)), "w": math.exp(dice.uniform(-6.0, 10.0))}
     start = consistent_start(system, 0.0, given)
-    assert not start.missed
+    assert not start.unmet
     found = dict(zip(system.interface.q_names, start.x))
     assert {name: found[name] for name in given} == given
     a, b, whole = math.log(given["x"]), math.log(given["w"]), i * l - j * k

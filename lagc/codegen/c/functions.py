@@ -100,7 +100,7 @@ def _head(run: Run, _: Sequence[Running]) -> str:
 def _forms(real: Arithmetic, pieces: Sequence[int]) -> Forms:
     """Return the forms of C. With pieces the kept values are initialized, since compilers cannot see that
     only written ones are read."""
-    room = "lagc_real kept[{size}]" + (" = {{0}};" if pieces else ";")
+    array = "lagc_real kept[{size}]" + (" = {{0}};" if pieces else ";")
 
     def table(name: str, values: Sequence[float]) -> list[str]:
         whole = all([isinstance(value, int) for value in values])
@@ -109,7 +109,7 @@ def _forms(real: Arithmetic, pieces: Sequence[int]) -> Forms:
         return [f"static const {'int' if whole else 'lagc_real'} {name}[{len(values)}] = {{", *entries, "};"]
 
     return Forms(
-        room=room, variable="lagc_real {name} = {value};",
+        array=array, variable="lagc_real {name} = {value};",
         fixed="const lagc_real {name} = {value};", change="{name} = {value};", table=table,
         head=_head, end="}", only="if (first <= {piece} && {piece} < last) {{",
     )  # fmt: skip
@@ -117,7 +117,7 @@ def _forms(real: Arithmetic, pieces: Sequence[int]) -> Forms:
 
 def _divided(function: Function, parts: Sequence[list[str]], cleared: list[str]) -> str:
     """Return functions of about LONGEST lines that share the kept values."""
-    room, *parts = parts
+    array, *parts = parts
     blocks = [["{", *(f"    {line}" for line in part), "}"] for part in parts]
     groups: list[list[str]] = [[]]
     for block in blocks:
@@ -126,15 +126,15 @@ def _divided(function: Function, parts: Sequence[list[str]], cleared: list[str])
         groups[-1] += block
     name, own = f"lagc_fn_{function.spelled}", function.pieces
     some = {"first": "int first", "last": "int last"} if own else {}
-    more = {**some, "kept": "lagc_real *kept"} if room else some
+    more = {**some, "kept": "lagc_real *kept"} if array else some
     inner = f"{name}_some" if own else name
     if len(groups) == 1:
-        text = [_definition(inner, function, [*room, *cleared, *groups[0]], some)]
+        text = [_definition(inner, function, [*array, *cleared, *groups[0]], some)]
     else:
         text = [_definition(f"{name}_{k}", function, group, more) for k, group in enumerate(groups, 1)]
         arguments = ", ".join([*_order(function), *more])
         calls = [f"{name}_{k}({arguments});" for k in range(1, len(groups) + 1)]
-        text.append(_definition(inner, function, [*room, *cleared, *calls], some))
+        text.append(_definition(inner, function, [*array, *cleared, *calls], some))
     return "\n".join(text)
 
 

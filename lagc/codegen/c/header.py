@@ -112,7 +112,7 @@ def constants(interface: Interface) -> str:
 
 _SIZES = {
     "NQ": "coordinates q", "NV": "speeds v", "NZ": "work integral, the last of x",
-    "NX": "state x = (q, v, z)", "NC": "constraint rows, multipliers lambda",
+    "NX": "state x = (q, v, z)", "NC": "constraint equations, multipliers lambda",
     "NH": "holonomic ones, the first of these", "NP": "parameters and inputs",
     "NGROUP": "scaling groups: coordinates, or speeds, of one unit", "NWORK": "entries of the sparse factors",
     "NY": "outputs y", "NQUAT": "unit quaternions in q",

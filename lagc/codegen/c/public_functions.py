@@ -90,7 +90,7 @@ _DIRECT = {
         "psi",
     ),
     "scales": _direct(
-        "scales", "s[NC] > 0: scale of each constraint row; residuals are compared with it.", "s"
+        "scales", "s[NC] > 0: scale of each constraint equation; residuals are compared with it.", "s"
     ),
     "displace": PublicFunction(
         "dq[NQ] = N(t,q) d, for an infinitesimal displacement d[NV].",
@@ -220,15 +220,15 @@ def _of_accelerations(program: Program, name: str, comment: str, output: str) ->
     )
 
 
-def _in_own_modes(name: str, last: str, switches: int) -> str:
+def _in_own_modes(name: str, last: str, relations: int) -> str:
     """The call of `stack` or of derivatives, in the modes of the state."""
-    if not switches:
+    if not relations:
         return f"    lagc_fn_{name}(p, t, x, a, lambda, {last});\n"
-    return (f"    lagc_real modes[{switches}];\n    lagc_fn_modes(p, t, x, modes);\n"
+    return (f"    lagc_real modes[{relations}];\n    lagc_fn_modes(p, t, x, modes);\n"
             f"    lagc_fn_{name}_on(p, t, x, modes, a, lambda, {last});\n")  # fmt: skip
 
 
-def _derivatives(group: str, pattern: Sequence[tuple[int, int]], switches: int) -> list[PublicFunction]:
+def _derivatives(group: str, pattern: Sequence[tuple[int, int]], relations: int) -> list[PublicFunction]:
     if not pattern:
         return []
     columns = _COLUMNS[group]
@@ -241,7 +241,7 @@ def _derivatives(group: str, pattern: Sequence[tuple[int, int]], switches: int) 
             f"J[{len(pattern)}]: derivatives of lagc_stack by {columns}, those that are not\n"
             " * identically zero.",
             f"void lagc_by_{group}({_POINT}, const lagc_real *a, const lagc_real *lambda, lagc_real *J)",
-            _in_own_modes(f"by_{group}", "J", switches)),
+            _in_own_modes(f"by_{group}", "J", relations)),
         PublicFunction(
             "Set rows and columns to the places of these derivatives; return their number.",
             f"int lagc_by_{group}_pattern(const int **rows, const int **columns)",
@@ -249,14 +249,14 @@ def _derivatives(group: str, pattern: Sequence[tuple[int, int]], switches: int) 
     ]  # fmt: skip
 
 
-def _stack(switches: int) -> PublicFunction:
+def _stack(relations: int) -> PublicFunction:
     return PublicFunction(
         "s[LAGC_D_END]: the differentiated functions at any a[NV] and lambda[NC].  From row LAGC_D_...:\n"
         " * QDOT: rates of q; INERTIA: M a; FORCE: tau - h + G^T lambda; ROW: G a - gamma; CONDITION:\n"
         " * initial equations; START: start values; OUTPUT: outputs; INDICATOR: event indicators; REINIT:\n"
         " * new values of states.",
         f"void lagc_stack({_POINT}, const lagc_real *a, const lagc_real *lambda, lagc_real *s)",
-        _in_own_modes("stack", "s", switches))  # fmt: skip
+        _in_own_modes("stack", "s", relations))  # fmt: skip
 
 
 def _along(interface: Interface) -> PublicFunction:

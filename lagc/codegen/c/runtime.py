@@ -18,8 +18,8 @@ from lagc.codegen.kernel_compiler.linker import (
     Part,
     chosen,
     codes,
+    flags_of,
     sizes_of,
-    switches_of,
     tables_of,
 )
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
@@ -48,7 +48,7 @@ class Runtime:
         roots += CALLED[2:] if interface.nc and "scales" in functions else []
         roots += ["assemble_slopes"] if interface.part_ends else []
         self.parts = parts(real)
-        self.use = chosen(self.parts, switches_of(interface, complete), roots)
+        self.use = chosen(self.parts, flags_of(interface, complete), roots)
         self.sizes = sizes_of(interface)
         self.public = {name for name, _, _ in header.sizes(interface)}
 
@@ -103,7 +103,7 @@ class Runtime:
             lines = []
             for name, kind, _, lead, trail in members:
                 lines += [f"    {line}" for line in block_comment("\n".join(lead)).splitlines()]
-                lines += _annotated(f"    {printer.room(tuple(kind), name)};", trail)
+                lines += _annotated(f"    {printer.declared(tuple(kind), name)};", trail)
             head, body = block_comment(part["doc"]), "\n".join(lines)
             found[part["name"]] = f"{head}typedef struct {{\n{body}\n}} lagc_{snake(part['name'])};\n"
         return found

@@ -50,7 +50,7 @@ class CPrinter:
             return text, PRODUCT if "*" in text else SUM if " " in text else ATOM
         return f"LAGC_{name}", ATOM
 
-    def room(self, kind: Type, name: str) -> str:
+    def declared(self, kind: Type, name: str) -> str:
         """Return the declaration of a variable or member."""
         lengths = kind[1:] if kind[0] in ("Vec", "IVec", "Mat") else ()
         return self.ctype(kind) + name + "".join(f"[{self.size(n)}]" for n in lengths)
@@ -96,7 +96,7 @@ class CPrinter:
                 return f"{const}{self.ctype(kind)}(*{name})[{self.size(kind[2])}]"
             return f"{const}{self.ctype(kind)}*{name}"
         once = self.now.assigned[name] == 1 and self.places[name] is not None
-        return ("const " if once and kind in SCALARS else "") + self.room(kind, name)
+        return ("const " if once and kind in SCALARS else "") + self.declared(kind, name)
 
     def block(self, body: Sequence[ast.stmt], indent: str, out: list[str]) -> None:
         for node in body:

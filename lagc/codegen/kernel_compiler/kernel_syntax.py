@@ -21,7 +21,7 @@ class Outside(Exception):
 
 
 class Missing(Outside):
-    """A member of a record that models with these switches do not have."""
+    """A member of a record that models with these flags do not have."""
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
-"""The library of printed kernels: every kernel for every choice of switches that changes it.
+"""The library of printed kernels: every kernel for every choice of flags that changes it.
 
-A function is a tree [switch, tree if true, tree if false] with texts as leaves.
+A function is a tree [flag, tree if true, tree if false] with texts as leaves.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from lagc.codegen.kernel_compiler.specialization import Statics, Undecided
 from lagc.codegen.kernel_compiler.type_check import INT, REAL, STATUS, Known, Signature, Type, Types, parsed
 from lagc.kernels import FILES, METHODS
 
-Tree = Any  # [switch, Tree, Tree] or what is printed, a dictionary
+Tree = Any  # [flag, Tree, Tree] or what is printed, a dictionary
 
 
 def _tree(name: str) -> ast.Module:
@@ -98,16 +98,16 @@ class Member:
 
 
 class Members(Mapping[str, Type]):
-    """The members of a record for one choice of switches. Access may raise Undecided."""
+    """The members of a record for one choice of flags. Access may raise Undecided."""
 
-    def __init__(self, members: Mapping[str, Member], switches: Mapping[str, bool]):
-        self.members, self.switches = members, switches
+    def __init__(self, members: Mapping[str, Member], flags: Mapping[str, bool]):
+        self.members, self.flags = members, flags
 
     def exists(self, name: str) -> bool:
-        for switch, value in self.members[name].when:
-            if switch not in self.switches:
-                raise Undecided(switch)
-            if self.switches[switch] != value:
+        for flag, value in self.members[name].when:
+            if flag not in self.flags:
+                raise Undecided(flag)
+            if self.flags[flag] != value:
                 return False
         return True
 
@@ -212,18 +212,18 @@ class Library:
                     raise Outside(part.file, node, f"{error} is not a type of the subset") from None
                 members[node.target.id] = Member(kind, when, tuple(node.lead), node.trail)  # type: ignore[attr-defined]
             elif isinstance(node, ast.If):
-                switch = self._switch(part, node.test)
-                self._members(part, node.body, (*when, (switch, True)), members)
-                self._members(part, node.orelse, (*when, (switch, False)), members)
+                flag = self._flag(part, node.test)
+                self._members(part, node.body, (*when, (flag, True)), members)
+                self._members(part, node.orelse, (*when, (flag, False)), members)
             else:
                 raise Outside(part.file, node, "a record has fields only")
 
-    def _switch(self, part: Record, test: ast.expr) -> str:
+    def _flag(self, part: Record, test: ast.expr) -> str:
         try:
             Statics(part.file, {}, self.sizes, {}).test(test)
         except Undecided as found:
-            return found.switch
-        raise Outside(part.file, test, f"not a switch: {ast.unparse(test)}")
+            return found.flag
+        raise Outside(part.file, test, f"not a flag: {ast.unparse(test)}")
 
     # -- functions --
 
@@ -236,14 +236,14 @@ class Library:
         if name in self.signatures or name in self.constants:
             raise Outside(part.file, part.line, f"{name} is there already")
 
-        def typed(switches: Mapping[str, bool]) -> Types | str:
-            body = Statics(part.file, switches, self.sizes, known, prefix, own).block(part.body)
-            seen = Known(self.signatures, lambda r: Members(self.records[r], switches),
+        def typed(flags: Mapping[str, bool]) -> Types | str:
+            body = Statics(part.file, flags, self.sizes, known, prefix, own).block(part.body)
+            seen = Known(self.signatures, lambda r: Members(self.records[r], flags),
                          self.records.__contains__, self.constants, self.tables, self.sizes)  # fmt: skip
             try:
                 return Types(part, name, body, seen)
             except Missing as error:
-                if switches:
+                if flags:
                     return str(error)  # not for such a model
                 raise
 
@@ -279,12 +279,12 @@ class Library:
         }  # fmt: skip
 
 
-def _explored(find: Callable[[Mapping[str, bool]], Any], switches: Mapping[str, bool]) -> Tree:
+def _explored(find: Callable[[Mapping[str, bool]], Any], flags: Mapping[str, bool]) -> Tree:
     try:
-        return find(switches)
+        return find(flags)
     except Undecided as undecided:
-        switch = undecided.switch
-    return [switch, *(_explored(find, {**switches, switch: value}) for value in (True, False))]
+        flag = undecided.flag
+    return [flag, *(_explored(find, {**flags, flag: value}) for value in (True, False))]
 
 
 def _leaves(tree: Tree) -> list[Any]:

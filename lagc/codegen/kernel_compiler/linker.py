@@ -62,7 +62,7 @@ SPELLED = {  # in C
 
 @dataclass(frozen=True)
 class Chosen:
-    """The needed parts, in the order of the files: `functions` with their text for the switches of the
+    """The needed parts, in the order of the files: `functions` with their text for the flags of the
     model, `records` with their members, `numbers`; `names`: all names that these use, with tables and
     functions of the model."""
 
@@ -72,7 +72,7 @@ class Chosen:
     names: frozenset[str]
 
 
-def chosen(parts: Sequence[Part], switches: Mapping[str, bool], roots: Iterable[str]) -> Chosen:
+def chosen(parts: Sequence[Part], flags: Mapping[str, bool], roots: Iterable[str]) -> Chosen:
     """Return the functions `roots` and all that they call. Raises KeyError for an unknown name."""
     known = {part["name"]: part for part in parts if part["kind"] == "function"}
     leaves: dict[str, Part] = {}
@@ -80,30 +80,30 @@ def chosen(parts: Sequence[Part], switches: Mapping[str, bool], roots: Iterable[
     while wanted:
         name = wanted.pop()
         if name not in leaves:
-            leaves[name] = _leaf(known[name], switches)
+            leaves[name] = _leaf(known[name], flags)
             wanted += [call for call in leaves[name]["calls"] if call in known]
     names = {name for leaf in leaves.values() for name in (*leaf["uses"], *leaf["calls"])} | leaves.keys()
     records = {name for leaf in leaves.values() for name in leaf["records"]}
     return Chosen(
         tuple([(known[name], leaves[name]) for name in known if name in leaves]),
-        tuple([(p, members(p, switches)) for p in parts if p["kind"] == "record" and p["name"] in records]),
+        tuple([(p, members(p, flags)) for p in parts if p["kind"] == "record" and p["name"] in records]),
         tuple([p for p in parts if p["kind"] not in ("file", "record", "function") and p["name"] in names]),
         frozenset(names),
     )
 
 
-def _leaf(function: Part, switches: Mapping[str, bool]) -> Part:
+def _leaf(function: Part, flags: Mapping[str, bool]) -> Part:
     found = function["tree"]
     while isinstance(found, list):
-        found = found[1 if switches[found[0]] else 2]
+        found = found[1 if flags[found[0]] else 2]
     if "missing" in found:
         raise KeyError(f"{function['name']}: {found['missing']}")
     return found  # type: ignore[no-any-return]
 
 
-def members(record: Part, switches: Mapping[str, bool]) -> tuple[Sequence[Any], ...]:
-    """Return the members that a record has: name, type, switches, comments before and beside."""
-    return tuple([m for m in record["members"] if all(switches[name] == value for name, value in m[2])])
+def members(record: Part, flags: Mapping[str, bool]) -> tuple[Sequence[Any], ...]:
+    """Return the members that a record has: name, type, flags, comments before and beside."""
+    return tuple([m for m in record["members"] if all(flags[name] == value for name, value in m[2])])
 
 
 def codes(parts: Iterable[Part], file: str) -> list[Part]:
@@ -125,20 +125,20 @@ def sizes_of(interface: Interface) -> dict[str, int]:
                            interface.condition_columns, interface.quaternions,
                            interface.row_pieces, len(interface.massless))  # fmt: skip
     sums = max(len(interface.part_ends) - len(interface.condition_ends), 0)
-    switches, free = len(interface.relations), len(interface.relations) - interface.timed_relations
+    relations, free = len(interface.relations), len(interface.relations) - interface.timed_relations
     own = {
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NC": interface.nc, "NH": interface.nh,
         "NP": len(fields), "NGROUP": max(interface.kinds, default=0) + 1, "NWORK": interface.work_size,
         "NHEALTH": max(interface.health, 2),
         "NBOUNDED": sum(isfinite(f.minimum) or isfinite(f.maximum) for f in fields),
-        "NMODE": switches, "NTIMED": interface.timed_relations, "NFREE": free, "NENDS": 2 * free,
+        "NMODE": relations, "NTIMED": interface.timed_relations, "NFREE": free, "NENDS": 2 * free,
         "NWHEN": len(interface.whens), "NJUMP": sum(len(c.states) for c in interface.whens),
         "NACTS": MOST_ACTS * len(interface.whens),
         "NFEAT": interface.features, "NBOUNDS": 2 * interface.features,
         "NPOLE": interface.poles, "NNEAR": 2 * interface.poles,
         "NGUARD": interface.features + interface.poles,
         "NSEARCH": free + interface.features + interface.poles,
-        "NEDGES": 2 * switches if "edges" in interface.functions else 0,
+        "NEDGES": 2 * relations if "edges" in interface.functions else 0,
         "NBOX": 2 * (1 + nq + nv),
         "NLIMITS": len(interface.limits), "NPREPARED": interface.prepared, "NREAD": len(interface.read),
         "NSUM": sums, "NPARTS": len(interface.part_columns),
@@ -173,8 +173,8 @@ def _derived(sizes: dict[str, int]) -> dict[str, int]:
     return found
 
 
-def switches_of(interface: Interface, complete: bool) -> dict[str, bool]:
-    """Return the switches of a model: `N > 0` for each size, and the names in `specialization.SWITCHES`."""
+def flags_of(interface: Interface, complete: bool) -> dict[str, bool]:
+    """Return the flags of a model: `N > 0` for each size, and the names in `specialization.FLAGS`."""
     return {
         **{name: value > 0 for name, value in sizes_of(interface).items()},
         "STRAIGHT": interface.solve == "straight", "HAS_DISPLACE": "displace" in interface.functions,

@@ -65,8 +65,8 @@ class Arithmetic:
 
 def meant(value: float) -> str | Fraction:
     """Return the number that a double approximates: its decimal digits if 12 are enough; else the nearest
-    quotient of small integers, or such a multiple of pi, 1/pi or pi^2; else its decimal digits, of which
-    the last are round-off."""
+    quotient of small integers, or such a multiple of pi, 1/pi or pi^2; else its decimal digits, although
+    the last ones are round-off."""
     from fractions import Fraction  # where reals are wider than doubles
 
     digits, pi = repr(float(value)), Fraction(PI)

@@ -1,7 +1,7 @@
-"""Specialization: decide compile-time switches, and unroll loops over known values.
+"""Specialization: decide compile-time flags, and unroll loops over known values.
 
-A switch is `N > 0` for a size N, or a name in SWITCHES. A kernel is specialized for a choice of switches;
-Undecided is raised if it needs a switch that the choice lacks. So each kernel is printed once for each
+A flag is `N > 0` for a size N, or a name in FLAGS. A kernel is specialized for a choice of flags;
+Undecided is raised if it needs a flag that the choice lacks. So each kernel is printed once for each
 choice that changes it.
 """
 
@@ -14,13 +14,13 @@ from typing import Any
 
 from lagc.codegen.kernel_compiler.kernel_syntax import Outside, clone, exact, identifier
 
-SWITCHES = ("STRAIGHT", "HAS_DISPLACE", "COMPLETE")
-Switches = Mapping[str, bool]
+FLAGS = ("STRAIGHT", "HAS_DISPLACE", "COMPLETE")
+Flags = Mapping[str, bool]
 
 
 class Undecided(Exception):
-    def __init__(self, switch: str):
-        self.switch = switch
+    def __init__(self, flag: str):
+        self.flag = flag
 
 
 class NotStatic(Exception):
@@ -35,9 +35,9 @@ class Statics:
     is printed several times.
     """
 
-    def __init__(self, file: str, switches: Switches, sizes: frozenset[str], known: Mapping[str, Any],
+    def __init__(self, file: str, flags: Flags, sizes: frozenset[str], known: Mapping[str, Any],
                  prefix: str = "", own: frozenset[str] = frozenset()):  # fmt: skip
-        self.file, self.switches, self.sizes, self.known = file, switches, sizes, known
+        self.file, self.flags, self.sizes, self.known = file, flags, sizes, known
         self.prefix, self.own = prefix, own
 
     def block(self, body: list[ast.stmt]) -> list[ast.stmt]:
@@ -62,7 +62,7 @@ class Statics:
             out = []
             for value in self.value(node.iter.args[0], node):
                 known = {**self.known, node.target.id: value}
-                inner = Statics(self.file, self.switches, self.sizes, known, self.prefix, self.own)
+                inner = Statics(self.file, self.flags, self.sizes, known, self.prefix, self.own)
                 out += inner.block(node.body)
             return _led(node, out)
         copy = _bare(node)
@@ -91,7 +91,7 @@ class Statics:
 
     def test(self, node: ast.expr) -> ast.expr | bool:
         """Return a condition, or its value if it is known; known operands of `and` and `or` are dropped."""
-        found = self.switch(node)
+        found = self.flag(node)
         if found is not None:
             return found
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
@@ -117,18 +117,18 @@ class Statics:
         except NotStatic:
             return self.expression(node)
 
-    def switch(self, node: ast.expr) -> bool | None:
+    def flag(self, node: ast.expr) -> bool | None:
         name = ""
         match node:
-            case ast.Name(id=found) if found in SWITCHES:
+            case ast.Name(id=found) if found in FLAGS:
                 name = found
             case ast.Compare(left=ast.Name(id=found), ops=[ast.Gt()], comparators=[ast.Constant(value=0)]):
                 name = found if found in self.sizes else ""
         if not name:
             return None
-        if name not in self.switches:
+        if name not in self.flags:
             raise Undecided(name)
-        return self.switches[name]
+        return self.flags[name]
 
     # -- expressions --
 

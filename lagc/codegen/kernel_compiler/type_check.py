@@ -55,7 +55,7 @@ class Signature:
 
 @dataclass
 class Known:
-    """The names that a kernel may use besides its own, for one choice of switches."""
+    """The names that a kernel may use besides its own, for one choice of flags."""
 
     signatures: Mapping[str, Signature]  # of kernels before it, and of functions of the model
     members: Callable[[str], Mapping[str, Type]]  # of a record; KeyError

@@ -23,7 +23,7 @@ class Equations:
 
     @property
     def culprit(self):
-        """What the last status refers to: an index of v or x, or a constraint row."""
+        """The culprit of the last status: an index of v or x, or a constraint equation."""
         return self.work.culprit
 
     @property

@@ -80,7 +80,7 @@ def _some_of(array: str, first: int, stride: int | None) -> str:
 _STRAIGHT = 10_000  # operations up to which straight code is faster than loops
 
 FORMS = Forms(
-    room="kept = [0.0] * {size}",
+    array="kept = [0.0] * {size}",
     variable="{name} = {value}",
     fixed="{name} = {value}",
     change="{name} = {value}",

@@ -1,6 +1,6 @@
 """The kernels of the initialization as Python code for any initial equations, without a model.
 
-The code is the same for all that have the same switches, and is kept in the cache.
+The code is the same for all that have the same flags, and is kept in the cache.
 """
 
 from __future__ import annotations
@@ -12,17 +12,17 @@ from lagc.host import cache as store
 from lagc.host.cache import tool_fingerprint
 
 ROOTS = ("prepare", "reach_start", "evaluate_all")
-SWITCHES = ("NCOND", "NRATE", "NQUAT", "NP", "NPIECE", "NMASSLESS")
+FLAGS = ("NCOND", "NRATE", "NQUAT", "NP", "NPIECE", "NMASSLESS")
 
 
 @cache
 def code(kinds: tuple[bool, ...]) -> CodeType:
     """Return code that defines the kernels in a namespace with sizes, tables and `fn_` functions. `kinds`:
-    for each of SWITCHES whether there are any."""
-    return store.code(lambda: text(dict(zip(SWITCHES, kinds))), __file__, tool_fingerprint(), repr(kinds))
+    for each of FLAGS whether there are any."""
+    return store.code(lambda: text(dict(zip(FLAGS, kinds))), __file__, tool_fingerprint(), repr(kinds))
 
 
-def text(switches: dict[str, bool]) -> str:
+def text(flags: dict[str, bool]) -> str:
     """Return the text of the kernels."""
     from lagc.codegen.kernel_compiler.linker import chosen
     from lagc.codegen.kernel_compiler.shipped import parts
@@ -30,5 +30,5 @@ def text(switches: dict[str, bool]) -> str:
     from lagc.codegen.python.runtime import kernels, numbers
 
     # initial equations are evaluated with parameters alone
-    use = chosen(parts(), {**switches, "NPREPARED": False, "NSUM": False}, ROOTS)
+    use = chosen(parts(), {**flags, "NPREPARED": False, "NSUM": False}, ROOTS)
     return "\n\n".join([ARITHMETIC, numbers(use.names), *kernels(use)])

@@ -94,13 +94,13 @@ def consistent(x=None, t=0.0, p=None, levels=None):
     if levels is not None and not (len(levels) == NU and set(levels) <= set(range(FIXED + 1))):
         raise ValueError(f"levels are {NU} numbers from {UNSTATED} to {FIXED}: not {levels!r}")
     guess = start(p) if x is None else _floats(x)
-    room = StartWork()
-    status = prepare(model.p, float(t), guess, levels, room)
+    work = StartWork()
+    status = prepare(model.p, float(t), guess, levels, work)
     if status == OK:
-        status = reach_start(model.p, float(t), room)
+        status = reach_start(model.p, float(t), work)
     if status in FAILED:
-        raise ArithmeticError(f"{STATUSES[status]} Index: {room.culprit}.")
-    return [*room.y[: NQ + NV], *guess[NQ + NV :]]
+        raise ArithmeticError(f"{STATUSES[status]} Index: {work.culprit}.")
+    return [*work.y[: NQ + NV], *guess[NQ + NV :]]
 '''
 
 _SYSTEM = '''\

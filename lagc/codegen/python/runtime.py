@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Sequence
 from functools import cache
 from typing import Any
 
-from lagc.codegen.kernel_compiler.linker import Chosen, Part, chosen, codes, sizes_of, switches_of, tables_of
+from lagc.codegen.kernel_compiler.linker import Chosen, Part, chosen, codes, flags_of, sizes_of, tables_of
 from lagc.codegen.kernel_compiler.shipped import parts
 from lagc.codegen.python.classes import EQUATIONS, STATES
 from lagc.kernels import METHODS
@@ -49,7 +49,7 @@ def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chose
     dense = "system" in interface.functions
     without = {*(() if dense else OF_SYSTEM), *(() if dense or interface.nc else OF_ANY_RANK)}
     there = [root for root in roots if root not in without]
-    return chosen(parts(), switches_of(interface, complete), (*there, *more))
+    return chosen(parts(), flags_of(interface, complete), (*there, *more))
 
 
 def _constants(interface: Interface, use: Chosen, given: frozenset[str]) -> str:

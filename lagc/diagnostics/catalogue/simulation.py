@@ -57,9 +57,9 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0612": Entry(
         "a mass matrix that is singular at the initial state",
-        "A speed has no inertia: a mass or a moment of inertia is zero, or the initial posture is "
+        "A speed has no inertia: a mass or a moment of inertia is zero, or the initial configuration is "
         "singular for the chosen coordinates, as the longitude at a pole. Add inertia, start in another "
-        "posture, or choose other coordinates.",
+        "configuration, or choose other coordinates.",
         """
 model Bob
   parameter Mass m = 0;
@@ -99,8 +99,8 @@ end Bead;
     "LAG0614": Entry(
         "constraints that contradict each other at the initial state",
         "The initial state satisfies the constraints and their first time derivatives, but no "
-        "acceleration satisfies their second derivatives: in this posture the constraint equations are "
-        "dependent and contradictory. Remove one of them, or start in another posture.",
+        "acceleration satisfies their second derivatives: in this configuration the constraint equations are "
+        "dependent and contradictory. Remove one of them, or start in another configuration.",
     ),
     "LAG0615": Entry(
         "a negative kinetic energy",

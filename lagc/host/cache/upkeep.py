@@ -10,7 +10,7 @@ from time import time
 
 from lagc.base.records import dataclass
 from lagc.base.text import size as size_of
-from lagc.host.atomic_write import SOON, gone
+from lagc.host.atomic_write import ABANDONED, gone
 from lagc.host.cache.folders import Folder, Unfit, note, reason
 
 LIMIT = 1_000_000_000  # bytes, without LAGC_CACHE_SIZE
@@ -108,7 +108,7 @@ def _sweep(place: Folder) -> None:
     If a process of another machine is still running, it only fails to store its entry.
     """
     for name, match, status in _files(place, _TEMPORARY):
-        if time() - status.st_mtime > SOON or gone(int(match[1])):
+        if time() - status.st_mtime > ABANDONED or gone(int(match[1])):
             place.remove(name)
 
 

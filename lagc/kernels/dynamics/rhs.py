@@ -40,8 +40,8 @@ from lagc.kernels.language.tolerances import (
     LARGEST_RESIDUAL,
     LEAST_PIVOT,
     REFINED_RESIDUAL,
+    REMAINS_DEPENDENT,
     SINGULAR,
-    STILL_DEPENDENT,
     TRUSTED_PIVOT,
 )
 from lagc.kernels.language.words import Params, Real, Status, Vec, part, public, size
@@ -104,16 +104,16 @@ def measure_regularity(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     enlarge_sizes(x, w.group_sizes)
     w.group_sizes[0] += 1.0
     w.constraint_violation = 0.0
-    fn_scales(p, t, x, w.row_room2)
+    fn_scales(p, t, x, w.row_buffer2)
     fn_reaches(p, t, x, w.group_sizes, w.reaches)
     if NH > 0:
-        fn_position(p, t, x, w.row_room)
+        fn_position(p, t, x, w.row_buffer)
         for i in range(NH):
-            miss = fabs(w.row_room[i]) / (w.row_room2[i] + VANISHING_ROW * w.reaches[i])
+            miss = fabs(w.row_buffer[i]) / (w.row_buffer2[i] + VANISHING_ROW * w.reaches[i])
             if not miss <= w.constraint_violation:
                 w.constraint_violation = miss
     for i in range(NC):
-        w.regularity[i] = w.reaches[i] / w.row_room2[i] if w.reaches[i] < w.row_room2[i] else 1.0
+        w.regularity[i] = w.reaches[i] / w.row_buffer2[i] if w.reaches[i] < w.row_buffer2[i] else 1.0
 
 
 def mark_faint_gradients(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
@@ -124,22 +124,22 @@ def mark_faint_gradients(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
             total = 0.0
             for j in range(NV):
                 total += fabs(w.G[i * NV + j])
-            w.row_room[i] = total
+            w.row_buffer[i] = total
     else:
-        fn_gradients(p, t, x, w.row_room)
+        fn_gradients(p, t, x, w.row_buffer)
     largest = 0.0
     smallest = inf
     for i in range(NC):
-        if w.row_room[i] > largest:
-            largest = w.row_room[i]
-        if w.row_room[i] < smallest:
-            smallest = w.row_room[i]
+        if w.row_buffer[i] > largest:
+            largest = w.row_buffer[i]
+        if w.row_buffer[i] < smallest:
+            smallest = w.row_buffer[i]
     if not smallest < FAINT_GRADIENT * largest:
         return
-    fn_gradient_sizes(p, t, x, w.row_room2)
+    fn_gradient_sizes(p, t, x, w.row_buffer2)
     for i in range(NC):
-        if w.row_room[i] > 0.0 and w.row_room[i] < w.regularity[i] * w.row_room2[i]:
-            w.regularity[i] = w.row_room[i] / w.row_room2[i]
+        if w.row_buffer[i] > 0.0 and w.row_buffer[i] < w.regularity[i] * w.row_buffer2[i]:
+            w.regularity[i] = w.row_buffer[i] / w.row_buffer2[i]
 
 
 def system_fault(x: Vec[NX], w: Work) -> int:
@@ -167,11 +167,12 @@ def system_fault(x: Vec[NX], w: Work) -> int:
 
 
 def least_share(w: Work) -> Real:
-    """Return the independent share below which a row counts as dependent. At a posture where two branches
-    of a mechanism cross, round-off rounds the corner between them within about 1e-8; the motion continues
-    straight only if the row is left out before. The limit is higher once rows are known to be dependent,
-    and off the constraints, where dependent rows have an independent share of the size of the violation."""
-    least = STILL_DEPENDENT if w.rank_deficient else DEPENDENT
+    """Return the independent share below which a row counts as dependent. At a configuration where two
+    branches of a mechanism cross, round-off rounds the corner between them within about 1e-8; the motion
+    continues straight only if the row is left out before. The limit is higher once rows are known to be
+    dependent, and off the constraints, where dependent rows have an independent share of the size of the
+    violation."""
+    least = REMAINS_DEPENDENT if w.rank_deficient else DEPENDENT
     if 30.0 * w.constraint_violation > least:
         least = 30.0 * w.constraint_violation if 30.0 * w.constraint_violation < 0.1 else 0.1
     return least

@@ -172,9 +172,9 @@ def excludes_crossings(p: Params, s: State, w: Work) -> bool:
 
 
 def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right: Real, w: Work) -> Real:
-    """Return the part of the step where the smallest margin changes sign, to the last place of the time
-    and just beyond the crossing, with w.crossed. Illinois method (M. Dowell, P. Jarratt, BIT 11 (1971)
-    168-174); each third iteration bisects."""
+    """Return the part of the step where the smallest margin changes sign, to one unit in the last place of
+    the time and just beyond the crossing, with w.crossed. Illinois method (M. Dowell, P. Jarratt, BIT 11
+    (1971) 168-174); each third iteration bisects."""
     low = left
     high = right
     method_dense_at(method, low, s, w.x_part_middle)
@@ -307,7 +307,7 @@ def estimate_indicator_roundoff(p: Params, s: State, reach: Vec[NX], w: Work) ->
         w.indicator_roundoff[j] = far if far >= 0.0 and far < inf else 0.0
 
 
-def is_still_sliding(k: int, s: State, w: Work) -> bool:
+def is_within_slack(k: int, s: State, w: Work) -> bool:
     """Return whether an indicator in sliding mode, w.indicators_before, is within its slack."""
     return s.modes[k] == 0.0 and has_edges[k] == 0 and fabs(w.indicators_before[k]) <= s.slack[k]
 
@@ -344,10 +344,10 @@ def increase_slack(p: Params, s: State, k: int, w: Work) -> None:
     estimate_indicator_roundoff(p, s, w.x_part_middle, w)
     j = k - NTIMED
     off = fabs(margin(k, w.indicators_before[k], s.slack[k], w)) + fabs(w.margins[j])
-    blur = w.indicator_roundoff[j]
-    if off < blur:
+    roundoff = w.indicator_roundoff[j]
+    if off < roundoff:
         least = s.slack[k] if s.slack[k] > off else off
-        off = blur * sqrt(sqrt(least / blur))
+        off = roundoff * sqrt(sqrt(least / roundoff))
     s.slack[k] += SLACK_GROWTH * off
 
 
@@ -358,7 +358,7 @@ def confirm_crossings(p: Params, s: State, direction: Real, w: Work) -> bool:
         if w.crossed[k] > 0:
             if k >= NTIMED:
                 crosses = is_crossing(k, direction, w)
-                if not crosses or is_still_sliding(k, s, w):
+                if not crosses or is_within_slack(k, s, w):
                     increase_slack(p, s, k, w)
                 if not crosses:
                     w.crossed[k] = 0
@@ -404,30 +404,30 @@ def next_time_event(p: Params, s: State, t1: Real, direction: Real, w: Work) -> 
     first."""
     fn_slopes_on(p, w.modes, w.indicator_slopes)
     fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
-    soon = inf * direction
+    earliest = inf * direction
     first = 0
     for k in range(NMODE):
         w.crossed[k] = 0
     for k in range(NTIMED):
         w.event_times[k] = crossing_time(k, s.t, direction, w)
-        if (w.event_times[k] - soon) * direction < 0.0:
-            soon = w.event_times[k]
+        if (w.event_times[k] - earliest) * direction < 0.0:
+            earliest = w.event_times[k]
             first = k
-    if not fabs(soon) < inf:
+    if not fabs(earliest) < inf:
         return t1
-    fn_indicators_on(p, soon, s.x, w.modes, w.indicators)
-    soon = crossing_time(first, soon, direction, w)
-    near = 8.0 * SPACING * (fabs(soon) + fabs(s.t))
-    if (soon - s.t) * direction < 0.0:
-        soon = s.t
-    if fabs(soon - t1) <= near:
-        soon = t1
-    if (soon - t1) * direction > 0.0:
+    fn_indicators_on(p, earliest, s.x, w.modes, w.indicators)
+    earliest = crossing_time(first, earliest, direction, w)
+    near = 8.0 * SPACING * (fabs(earliest) + fabs(s.t))
+    if (earliest - s.t) * direction < 0.0:
+        earliest = s.t
+    if fabs(earliest - t1) <= near:
+        earliest = t1
+    if (earliest - t1) * direction > 0.0:
         return t1
     for k in range(NTIMED):
-        if fabs(w.event_times[k] - soon) <= near:
+        if fabs(w.event_times[k] - earliest) <= near:
             w.crossed[k] = 1
-    return soon
+    return earliest
 
 
 def is_time_event_due(w: Work) -> bool:

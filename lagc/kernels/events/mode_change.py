@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import fabs
 
 from lagc.kernels.dynamics.rhs import rhs_at
-from lagc.kernels.events.location import confirm_crossings, is_still_sliding
+from lagc.kernels.events.location import confirm_crossings, is_within_slack
 from lagc.kernels.events.modes import accept_modes, propagate_changes, sign_of, step_mode, update_edges
 from lagc.kernels.events.sliding import (
     set_sliding_slack,
@@ -99,7 +99,7 @@ def leave_modes(s: State, direction: Real, w: Work) -> None:
             elif w.modes[i] == 0.0:
                 away = (
                     w.old_indicator_rates[i] * direction
-                    if is_still_sliding(i, s, w)
+                    if is_within_slack(i, s, w)
                     else w.indicators_before[i]
                 )
                 w.modes[i] = sign_of(away)
@@ -118,7 +118,7 @@ def is_driven_back(p: Params, s: State, direction: Real, w: Work) -> bool:
             and turns_back(k, rate, w.old_indicator_rates[k], direction, w)
         ):
             # An indicator leaves its sliding mode only if it does not return.
-            left = s.modes[k] == 0.0 and not is_still_sliding(k, s, w)
+            left = s.modes[k] == 0.0 and not is_within_slack(k, s, w)
             if left or not slides(p, s, k, rate, w.old_indicator_rates[k], w):
                 w.culprit = k
                 return True

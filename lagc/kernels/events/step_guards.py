@@ -71,8 +71,11 @@ def find_steep_quarter(p: Params, s: State, method: int, a: Trial, w: Work) -> R
         method_dense_at(method, right, s, w.x_part_middle)
         features_at(p, s.t + right * a.h, w.x_part_middle, w.feature_values, w)
         for k in range(NFEAT):
-            way = fabs(w.feature_high[k] - w.feature_low[k])
-            if way > VISIBLE_CHANGE and fabs(w.feature_values[k] - w.feature_bounds[k]) > STEEP_SHARE * way:
+            change = fabs(w.feature_high[k] - w.feature_low[k])
+            if (
+                change > VISIBLE_CHANGE
+                and fabs(w.feature_values[k] - w.feature_bounds[k]) > STEEP_SHARE * change
+            ):
                 return right - 0.25
         for k in range(NFEAT):
             w.feature_bounds[k] = w.feature_values[k]

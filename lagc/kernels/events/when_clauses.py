@@ -171,8 +171,8 @@ def has_left_crossing(p: Params, s: State, direction: Real, w: Work) -> bool:
         for j in range(NFREE):
             k = NTIMED + j
             if w.crossed[k] > 0 and w.indicator_jumped[k] == 0:
-                way = fabs(w.old_indicator_rates[k]) * fabs(s.t - s.crossing_times[j])
-                if way <= SLACK_GROWTH * w.indicator_roundoff[j] or turns_back(
+                distance = fabs(w.old_indicator_rates[k]) * fabs(s.t - s.crossing_times[j])
+                if distance <= SLACK_GROWTH * w.indicator_roundoff[j] or turns_back(
                     k, w.old_indicator_rates[k], w.old_indicator_rates[k], direction, w
                 ):
                     return False

@@ -206,8 +206,8 @@ def reset_traces(w: StartWork) -> bool:
     owned = w.unknown_count
     for k in range(owned):
         i = w.unknowns[k]
-        way = fabs(w.y[i] - w.guess[i])
-        if w.free[i] == 1 and 0.0 < way and way <= TRACE * w.scaling[i]:
+        move = fabs(w.y[i] - w.guess[i])
+        if w.free[i] == 1 and 0.0 < move and move <= TRACE * w.scaling[i]:
             w.combined[i] = w.guess[i]
             w.free[i] = 0
             found = True

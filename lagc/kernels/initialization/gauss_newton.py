@@ -22,16 +22,16 @@ from lagc.kernels.language.tolerances import ACCEPTED, CLOSE, EXACT, FOLLOWING, 
 from lagc.kernels.language.words import Params, Real, Size, Vec
 
 NEWTON_STEPS = 60
-LATE = 8  # steps in which what is missed halves, or the iteration ends
-ALONG = 8  # rows, of which a step straightens one bend after the other: one more
-WHOLE = 0.6  # the same, where only the longest step is tried
-EXACTLY = 2  # the last turn, at which rows are taken entry by entry
-SHORTEST = 1.0 / 16384.0  # part of a step that is tried at last
-POLISHED = 4  # steps
-OVERSHOT = 2.0  # of what was missed: a step that misses more is too long, whatever part it is
-TINIEST = 1e-30  # part of a step, of such a one
-HOMEWARD = 20  # steps back towards the guess
-TURN = 6.283185307179586
+STALLED_STEPS = 8  # the iteration ends if the residual is not halved in this many steps
+ROWS_PER_STEP = 8  # equations for each further step: errors may pass from one to the next
+FULL_STEP = 0.6  # least fraction of the longest step, where no halving is tried
+ENTRYWISE = 2  # number of the last trial: round-off is removed entry by entry
+LEAST_HALVING = 1.0 / 16384.0  # least fraction of the longest step that is tried
+POLISH_STEPS = 4
+OVERSHOOT = 2.0  # ratio of residuals: a step that increases the residual more is too long
+LEAST_FRACTION = 1e-30  # least fraction of a step that is too long
+PULL_STEPS = 20  # steps towards the guess
+FULL_TURN = 6.283185307179586
 
 
 def select_columns(first: Size, end: Size, w: StartWork) -> None:
@@ -112,36 +112,38 @@ def largest_fraction(w: StartWork) -> Real:
     count = w.column_count
     for k in range(count):
         i = w.columns[k]
-        turn = fabs(w.step[k]) * w.step_scaling[i]
-        if angle[i] == 1 and turn * factor > 1.0:
-            factor = 1.0 / turn
+        rotation = fabs(w.step[k]) * w.step_scaling[i]
+        if angle[i] == 1 and rotation * factor > 1.0:
+            factor = 1.0 / rotation
     return factor
 
 
-def line_search(p: Params, t: Real, y: Vec[NU], first: int, end: int, missed: Real, longest: Real,
+def line_search(p: Params, t: Real, y: Vec[NU], first: int, end: int, residual: Real, longest: Real,
               shortest: Real, w: StartWork) -> Real:  # fmt: skip
-    """What is missed at w.trial, y and a part of w.step that helps: the whole, where all is linear and whole
-    turns are gone, else the longest and its halves down to the shortest; -1 where none does."""
+    """Return the residual at w.trial, which is y plus the first fraction of w.step that reduces it: 1, then
+    `longest`, its half and so on down to `shortest` of it. -1 if none does."""
     least = shortest * longest
     factor = 1.0
     size = inf
     w.trial[:] = y
-    while least > 0.0 and factor >= (least if w.full_steps or size < OVERSHOT * missed else TINIEST):
+    while least > 0.0 and factor >= (
+        least if w.full_steps or size < OVERSHOOT * residual else LEAST_FRACTION
+    ):
         move_along(w.trial, y, factor, w)
         evaluate_rows(p, t, w.trial, w.trial_c, w.trial_J, w.trial_term_sizes, w)
         size = residual_norm(w.trial_c, first, end, w)
-        if size < missed * (1.0 - (0.1 * factor if factor <= longest else 0.999)):
+        if size < residual * (1.0 - (0.1 * factor if factor <= longest else 0.999)):
             return size
         factor = 0.5 * factor if factor <= longest else longest
     return -1.0
 
 
-def solve_step(w: StartWork, m: int, turn: int) -> bool:
+def solve_step(w: StartWork, m: int, trial_number: int) -> bool:
     """Set w.step to the least-norm solution of the m rows of w.matrix.  Rows count as dependent below a
-    threshold that is larger in the second turn; in the third, round-off is removed entry by entry."""
-    if turn == EXACTLY:
+    threshold, which is larger in the second trial; in the third, round-off is removed entry by entry."""
+    if trial_number == ENTRYWISE:
         return least_norm(w, m, w.column_count, 0.0, FOLLOWING)
-    return least_norm(w, m, w.column_count, FOLLOWING if turn == 0 else SURELY_FOLLOWING, 0.0)
+    return least_norm(w, m, w.column_count, FOLLOWING if trial_number == 0 else SURELY_FOLLOWING, 0.0)
 
 
 def unscaled_norm(c: Vec[NE], sizes: Vec[NE], first: int, end: int, w: StartWork) -> Real:
@@ -164,22 +166,22 @@ def unscaled_norm(c: Vec[NE], sizes: Vec[NE], first: int, end: int, w: StartWork
 
 
 def polish(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) -> None:
-    """Take steps that reduce residuals relative to their own terms, where all equations are met by scale."""
-    missed = unscaled_norm(w.c, w.term_sizes, first, end, w)
-    for n in range(POLISHED):
-        if missed <= CLOSE:
+    """Take steps that reduce residuals relative to their own terms, if all scaled residuals vanish."""
+    residual = unscaled_norm(w.c, w.term_sizes, first, end, w)
+    for n in range(POLISH_STEPS):
+        if residual <= CLOSE:
             return
         fill(first, end, w)
         w.work += 1
-        if not solve_step(w, end - first, EXACTLY):
+        if not solve_step(w, end - first, ENTRYWISE):
             return
         w.trial[:] = y
         move_along(w.trial, y, 1.0, w)
         evaluate_rows(p, t, w.trial, w.trial_c, w.trial_J, w.trial_term_sizes, w)
         left = unscaled_norm(w.trial_c, w.trial_term_sizes, first, end, w)
-        if not (left < 0.5 * missed and residual_norm(w.trial_c, first, end, w) <= CLOSE):
+        if not (left < 0.5 * residual and residual_norm(w.trial_c, first, end, w) <= CLOSE):
             return
-        missed = left
+        residual = left
         accept_trial(y, w)
 
 
@@ -199,48 +201,50 @@ def iterate(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) 
         return
     evaluate_rows(p, t, y, w.c, w.J, w.term_sizes, w)
     scale_rows(y, w.J, w.term_sizes, w)
-    missed = residual_norm(w.c, first, end, w)
+    residual = residual_norm(w.c, first, end, w)
     w.entry_roundoff[:] = w.slope_roundoff
-    if missed <= CLOSE:
+    if residual <= CLOSE:
         polish(p, t, y, first, end, w)
         return
-    if only_speeds(w):  # what is rounding of positions stays so
+    if only_speeds(w):  # the round-off of positions stays the same
         estimate_slope_roundoff(p, t, y, w.scaling, w)
     left = 1.0
     longest = 1.0
-    more = (end - first) // ALONG
+    more = (end - first) // ROWS_PER_STEP
     for n in range(NEWTON_STEPS + more):
-        if not (EXACT < missed and missed < inf):
+        if not (EXACT < residual and residual < inf):
             polish(p, t, y, first, end, w)
             return
-        if n > 0 and n % (LATE + more) == 0:
+        if n > 0 and n % (STALLED_STEPS + more) == 0:
             if longest == 1.0 and not left < 0.5:
                 return
             left = 1.0
         size = -1.0
-        some = False
-        for turn in range(3):
-            if turn == EXACTLY and not some:
+        rows_dropped = False
+        for trial_number in range(3):
+            if trial_number == ENTRYWISE and not rows_dropped:
                 break
             fill(first, end, w)
             w.work += 1
-            if not solve_step(w, end - first, turn):
+            if not solve_step(w, end - first, trial_number):
                 return
             longest = largest_fraction(w)
-            some = some or (turn == 0 and w.dropped_rows > 0)
-            shortest = WHOLE if turn == EXACTLY or missed <= CLOSE or w.full_steps else SHORTEST
-            size = line_search(p, t, y, first, end, missed, longest, shortest, w)
+            rows_dropped = rows_dropped or (trial_number == 0 and w.dropped_rows > 0)
+            shortest = (
+                FULL_STEP if trial_number == ENTRYWISE or residual <= CLOSE or w.full_steps else LEAST_HALVING
+            )
+            size = line_search(p, t, y, first, end, residual, longest, shortest, w)
             if size >= 0.0:
                 break
         if size < 0.0:
             return
-        left *= size / missed
+        left *= size / residual
         accept_trial(y, w)
-        missed = residual_norm(w.c, first, end, w)
+        residual = residual_norm(w.c, first, end, w)
 
 
 def attempt(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
-    """Solve for positions, then for speeds; for all together where that is not enough."""
+    """Solve for positions, then for speeds; for all together if that is not enough."""
     select_columns(0, NQ, w)
     iterate(p, t, y, 0, w.position_rows, w)
     if not largest_residual(p, t, y, w.position_rows, w) <= ACCEPTED:
@@ -265,8 +269,8 @@ def distance(y: Vec[NU], w: StartWork) -> Real:
     owned = w.unknown_count
     for k in range(owned):
         i = w.unknowns[k]
-        way = (y[i] - w.guess[i]) / w.step_scaling[i]
-        total += way * way
+        move = (y[i] - w.guess[i]) / w.step_scaling[i]
+        total += move * move
     return sqrt(total)
 
 
@@ -277,12 +281,12 @@ def unstated_distance(y: Vec[NU], w: StartWork) -> Real:
     for k in range(owned):
         i = w.unknowns[k]
         if w.levels[i] == UNSTATED:
-            way = (y[i] - w.guess[i]) / w.scaling[i]
-            total += way * way
+            move = (y[i] - w.guess[i]) / w.scaling[i]
+            total += move * move
     return sqrt(total)
 
 
-def step_to_guess(p: Params, t: Real, y: Vec[NU], end: int, turn: int, w: StartWork) -> bool:
+def step_to_guess(p: Params, t: Real, y: Vec[NU], end: int, trial_number: int, w: StartWork) -> bool:
     """Set w.step: from the guess to the nearest point that meets the equations linearised at y; False where a
     number is not finite."""
     evaluate_rows(p, t, y, w.c, w.J, w.term_sizes, w)
@@ -297,11 +301,11 @@ def step_to_guess(p: Params, t: Real, y: Vec[NU], end: int, turn: int, w: StartW
             value += w.matrix[r][k] * ((y[i] - w.guess[i]) / w.step_scaling[i])
         w.right[r] = value
     w.work += 1
-    return solve_step(w, end, turn)
+    return solve_step(w, end, trial_number)
 
 
 def pull_to_guess(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
-    """Move y to a start nearer to the guess, as far as least-norm steps lead; positions alone, where the
+    """Move y to a start nearer to the guess, as far as least-norm steps lead; positions alone, if the
     guessed speeds allow it."""
     alone = True
     w.tried[:] = w.guess
@@ -311,9 +315,9 @@ def pull_to_guess(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
         y[:] = w.tried
     else:
         alone = False
-    far = distance(y, w)
+    distance_before = distance(y, w)
     end = w.position_rows if alone else w.row_count
-    for n in range(HOMEWARD):
+    for n in range(PULL_STEPS):
         select_columns(0, NQ if alone else NU, w)
         if w.column_count == 0 or end == 0:
             return
@@ -322,24 +326,26 @@ def pull_to_guess(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
         w.tried[:] = w.guess
         move_along(w.tried, w.guess, 1.0, w)
         attempt(p, t, w.tried, w)
-        near = distance(w.tried, w)
-        if not (near < far and largest_residual(p, t, w.tried, w.row_count, w) <= ACCEPTED):
+        distance_now = distance(w.tried, w)
+        if not (
+            distance_now < distance_before and largest_residual(p, t, w.tried, w.row_count, w) <= ACCEPTED
+        ):
             return
         y[:] = w.tried
-        far = near
+        distance_before = distance_now
 
 
 def remove_turns(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
     """Remove whole turns of angles in y, where that is a start too."""
-    wound = False
+    has_turns = False
     w.tried[:] = y
     owned = w.unknown_count
     for k in range(owned):
         i = w.unknowns[k]
         if angle[i] == 1:
-            turns = floor((y[i] - w.guess[i]) / TURN + 0.5)
+            turns = floor((y[i] - w.guess[i]) / FULL_TURN + 0.5)
             if turns != 0.0:
-                w.tried[i] = y[i] - TURN * turns
-                wound = True
-    if wound and leads_to_start(p, t, w.tried, w):
+                w.tried[i] = y[i] - FULL_TURN * turns
+                has_turns = True
+    if has_turns and leads_to_start(p, t, w.tried, w):
         y[:] = w.tried

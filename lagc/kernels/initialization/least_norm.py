@@ -244,7 +244,7 @@ def choose_row(w: StartWork, i: int, near: int, m: int, lost: Real) -> bool:
 
 
 def step_along(w: StartWork, i: int) -> None:
-    """Add to w.step what equation i still needs, along its row of w.orthogonal."""
+    """Add a multiple of row i of w.orthogonal to w.step, so that equation i is met."""
     direction = w.orthogonal[i]
     above = w.right[i] - inner(w.matrix[i], w.step, w.first_column[i], w.end_column[i])
     factor = above / along_direction(w, i)

@@ -27,7 +27,7 @@ BESIDE = 2  # the beginning that leaves a singular guess well behind
 NEAR = 8.0  # scaled distance from the guess: a start within it ends the search
 SURE = 1e3  # a derivative this many times its round-off is significant
 ALIKE = 1.01  # ratio of residuals: attempts that end with such ended at the same point
-MEANINGLESS = 0.5  # a relative residual this large tells nothing
+MEANINGLESS = 0.5  # a relative residual this large gives no information
 
 
 def spread_of(k: int) -> Real:
@@ -63,10 +63,10 @@ def perturb_guess(y: Vec[NU], k: int, w: StartWork) -> None:
         i = w.unknowns[n]
         state = (1103515245 * state + 12345) & 2147483647
         if w.free[i] == 1:
-            way = float(state) / 1073741824.0 - 1.0
+            offset = float(state) / 1073741824.0 - 1.0
             if n < SIDES:
-                way = side_of(k, n) * fabs(way)
-            y[i] += spread_of(k) * w.unit_scaling[i] * way
+                offset = side_of(k, n) * fabs(offset)
+            y[i] += spread_of(k) * w.unit_scaling[i] * offset
     if NQUAT > 0:
         normalise(y)
 

@@ -40,7 +40,9 @@ from lagc.kernels.language.sizes import (
 from lagc.kernels.language.tolerances import FOUR_ULPS
 from lagc.kernels.language.words import IVec, Params, Real, Size, Vec, present, size, vector
 
-SLIGHT = 1.0 / 1024.0  # of the weights: the least that rows are judged against; how far what is stated moves
+SLIGHT = (
+    1.0 / 1024.0
+)  # weight of the unknowns' magnitudes in the scale of a row, and of stated values in a step
 
 
 def part_begin(i: int) -> int:
@@ -127,7 +129,7 @@ def evaluate_all(p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: 
 def evaluate_rows(
     p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE], w: StartWork
 ) -> None:
-    """The same of w.rows alone; what belongs to other rows may be of another place."""
+    """Evaluate the same of w.rows alone. Values of other rows may belong to another point."""
     if NPIECE > 0:
         fn_conditions_some(p, t, y, c, J, sizes, w.first_piece, w.end_piece)
         if NRATE > 0 or NQUAT > 0:
@@ -139,8 +141,8 @@ def evaluate_rows(
 
 
 def set_scales(even: bool, w: StartWork) -> None:
-    """Set w.step_scaling: how far each unknown moves where others could move instead; even: alike in a
-    unit."""
+    """Set w.step_scaling, by which a step prefers unstated unknowns to stated ones; even: the same for all
+    unknowns of a unit."""
     for i in range(NU):
         if even:
             w.step_scaling[i] = w.unit_scaling[i]
@@ -178,7 +180,7 @@ def relative_residual(value: Real, floor: Real, scale: Real) -> Real:
 
 
 def residual_norm(c: Vec[NE], first: int, end: int, w: StartWork) -> Real:
-    """The norm of the relative residuals of w.rows[first..end-1]; infinity where one is not a number."""
+    """The norm of the relative residuals of w.rows[first..end-1]; infinity if one is not a number."""
     total = 0.0
     for k in range(first, end):
         i = w.rows[k]
@@ -188,7 +190,7 @@ def residual_norm(c: Vec[NE], first: int, end: int, w: StartWork) -> Real:
 
 
 def largest_residual(p: Params, t: Real, y: Vec[NU], end: int, w: StartWork) -> Real:
-    """The largest relative residual of w.rows[..end-1] at y; infinity where one is not a number."""
+    """The largest relative residual of w.rows[..end-1] at y; infinity if one is not a number."""
     evaluate_rows(p, t, y, w.c, w.J, w.term_sizes, w)
     scale_rows(y, w.J, w.term_sizes, w)
     w.culprit = -1

@@ -13,11 +13,11 @@ from lagc.kernels.language.tolerances import FOUR_ULPS, LEAST_WEIGHT, MOST_WEIGH
 from lagc.kernels.language.words import Params, Real, Vec, params
 
 
-def perturb_parameters(p: Params, way: Real, other: Params) -> None:
+def perturb_parameters(p: Params, change: Real, other: Params) -> None:
     """Perturb parameters by four units in the last place, every other one in the opposite direction."""
     other[:] = p
     for k in range(NP):
-        other[k] *= 1.0 + way if k % 2 == 0 else 1.0 - way
+        other[k] *= 1.0 + change if k % 2 == 0 else 1.0 - change
     if NPREPARED > 0:
         bind(other)
 
@@ -48,8 +48,8 @@ def estimate_roundoff(p: Params, t: Real, w: StartWork) -> None:
 
 
 def estimate_slope_roundoff(p: Params, t: Real, y: Vec[NU], sizes: Vec[NU], w: StartWork) -> None:
-    """Set w.entry_roundoff: the change of the derivatives at y where positions, of these sizes, are
-    perturbed in the last place."""
+    """Set w.entry_roundoff: the change of the derivatives at y if positions, of these sizes, are
+    perturbed by four units in the last place."""
     w.trial[:] = y
     for i in range(NQ):
         size = fabs(y[i]) if fabs(y[i]) > fabs(sizes[i]) else fabs(sizes[i])
@@ -147,13 +147,13 @@ def size_several(w: StartWork) -> bool:
 
 
 def propagate_magnitudes(w: StartWork) -> None:
-    """Set w.magnitude of each unknown from stated values, and from equation to equation; infinite where none
+    """Set w.magnitude of each unknown from stated values, and from equation to equation; infinite if none
     determines it."""
     for i in range(NU):
         w.magnitude[i] = fabs(w.guess[i]) if w.guess[i] != 0.0 or w.levels[i] > UNSTATED else inf
     for i in range(NE):
         w.chosen[i] = 0
-    for turn in range(2):  # what is stated to be zero at last, where its unit has no size
+    for turn in range(2):  # values stated as zero come last if their unit has no size
         while True:
             if not size_single(w) and not size_several(w):
                 break
@@ -163,7 +163,7 @@ def propagate_magnitudes(w: StartWork) -> None:
     for i in range(NU):
         if (
             angle[i] == 1 and w.guess[i] == 0.0 and w.magnitude[i] < SLIGHT
-        ):  # turns are of the size of a radian
+        ):  # angles have the size of a radian
             w.magnitude[i] = inf
 
 

@@ -15,7 +15,7 @@ FIXED = Code(4)
 
 @record
 class StartWork:
-    """Room for lagc_consistent; no need to fill it."""
+    """Workspace of lagc_consistent. Its initial content does not matter."""
 
     # Of a failure: the equation with the largest residual; of NOT_FINITE the index in q, v and the stated
     # rates; of INVALID see LAGC_BAD_...
@@ -38,7 +38,7 @@ class StartWork:
     # Scaling.
     scaling: Vec[NU]  # the size of each unknown
     unit_scaling: Vec[NU]  # the same, alike in a unit
-    step_scaling: Vec[NU]  # how far an unknown moves where others could move instead
+    step_scaling: Vec[NU]  # weights of the unknowns in a least-norm step
     unit_size: Vec[NU]  # by number of the unit
     magnitude: Vec[NU]  # how large each unknown may be
     # Points of the search.
@@ -56,7 +56,7 @@ class StartWork:
     least_residual: Real  # of attempts that failed
     most_residual: Real
     nearest: Real  # distance of the best start from the guess, scaled
-    work: int  # factorisations so far
+    work: int  # number of factorisations
     full_steps: bool  # no line search
     # The selected equations; equations of positions come first.
     rows: IVec[NE]

@@ -26,9 +26,9 @@ def extend_groups_at_rest(s: State, h: Real, w: Work, sizes: Vec[NGROUP]) -> Non
     longer = w.longest_step / fabs(h)
     for i in range(NQ + NV):
         if s.sizes[scaling_group[i]] == 0.0:
-            way = fabs(s.x_new[i] - s.x[i]) * longer
-            if way > sizes[scaling_group[i]]:
-                sizes[scaling_group[i]] = way
+            distance = fabs(s.x_new[i] - s.x[i]) * longer
+            if distance > sizes[scaling_group[i]]:
+                sizes[scaling_group[i]] = distance
 
 
 def set_error_weights(s: State, o: Options, h: Real, w: Work) -> None:
@@ -47,12 +47,12 @@ def set_error_weights(s: State, o: Options, h: Real, w: Work) -> None:
             sizes[k] = w.trial_sizes[k]
     rtol = o.rtol
     atol = o.atol
-    blur = 10.0 * fabs(h)
+    ten_steps = 10.0 * fabs(h)
     for i in range(NQ + NV):
         size = sizes[scaling_group[i]]
         if scaling_group[i] == 0 and size > 1.0:
             size = fabs(s.x_new[i]) if fabs(s.x_new[i]) > 1.0 else 1.0
-        weight = atol + rtol * size + blur * (w.rate_roundoff[i] + w.coordinate_roundoff[i])
+        weight = atol + rtol * size + ten_steps * (w.rate_roundoff[i] + w.coordinate_roundoff[i])
         w.error_weights[i] = weight if weight > TINY else TINY
 
 
@@ -68,9 +68,9 @@ def shortest_time_scale(
     """Return the shortest time in which a scaling group changes by its own size, by its rates and their
     change over h; at most `most`, and 0 if the rates after h do not exist. Times within round-off of an
     event time do not count."""
-    bends = vector(NGROUP)
+    curvatures = vector(NGROUP)
     for k in range(NGROUP):
-        bends[k] = 0.0
+        curvatures[k] = 0.0
     for k in range(NX):
         s.x_new[k] = s.x[k] + h * direction * s.k[0][k]
     s.rhs += 1
@@ -78,19 +78,19 @@ def shortest_time_scale(
         return 0.0
     for k in range(NX):
         s.x_new[k] = (s.k[1][k] - s.k[0][k]) / h
-    enlarge_sizes(s.x_new, bends)
+    enlarge_sizes(s.x_new, curvatures)
     best = most
-    soon = event_time_roundoff(s)
+    shortest = event_time_roundoff(s)
     for k in range(NGROUP):
-        if not bends[k] > 0.0:
+        if not curvatures[k] > 0.0:
             continue
-        way = sqrt(sizes[k] / bends[k])
-        if sizes[k] < way * rates[k]:
-            way = sizes[k] / rates[k]
-        if rates[k] > way * bends[k]:
-            way = rates[k] / bends[k]
-        if way > soon and way < best:
-            best = way
+        scale = sqrt(sizes[k] / curvatures[k])
+        if sizes[k] < scale * rates[k]:
+            scale = sizes[k] / rates[k]
+        if rates[k] > scale * curvatures[k]:
+            scale = rates[k] / curvatures[k]
+        if scale > shortest and scale < best:
+            best = scale
     return best
 
 

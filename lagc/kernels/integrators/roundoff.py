@@ -100,9 +100,9 @@ def norm_of_error(h: Real, parts: Mat[TWO, NX], w: Work) -> Real:
 
 
 def is_nearly_dependent(p: Params, s: State, h: Real, w: Work) -> bool:
-    """Return whether constraint rows are nearly dependent within the motion of the attempted step over h,
-    or within a thousandth of the distance to such a posture. Coordinates of a group that moves by less
-    than the residual of the projection are round-off: sets w.coordinate_roundoff."""
+    """Return whether constraint equations are nearly dependent within the motion of the attempted step over
+    h, or within a thousandth of the distance to such a configuration. Coordinates of a group that moves by
+    less than the residual of the projection are round-off: sets w.coordinate_roundoff."""
     if not perturb_off_constraints(p, s.t, s.x, s.sizes, w):
         return False
     moved = vector(NGROUP)
@@ -134,7 +134,7 @@ def is_nearly_dependent(p: Params, s: State, h: Real, w: Work) -> bool:
 
 
 def error_along_constraints(p: Params, s: State, t: Real, h: Real, error: Real, method: int, w: Work) -> Real:
-    """Return the error of a rejected step to t near a posture with dependent rows. The step is repeated
+    """Return the error of a rejected step to t near a configuration with dependent rows. The step is repeated
     from a state perturbed by the residual of the projection. If its error changes by more than a tenth, it
     is mostly round-off of multipliers, which no shorter step reduces; then only the part of the error
     along the constraints counts, as the projection removes the rest."""

@@ -78,10 +78,10 @@ class Work:
     """Workspace of the functions below.  Fill it with zeros before the first use.  It may serve any states
     in any order: between calls it keeps nothing, except from lagc_assemble to lagc_solve."""
 
-    culprit: int  # what a status refers to: an index of v or x, or a constraint row
+    culprit: int  # what a status refers to: an index of v or x, or a constraint equation
     fallbacks: Count  # linear solves that used the slower, rank-revealing factorization
     if NC > 0:
-        redundant: IVec[NC]  # 1: this constraint row was found to depend on others
+        redundant: IVec[NC]  # 1: this constraint equation was found to depend on others
     # Private from here on: the library alone reads and writes these fields.
     # Right-hand side
     lam: Vec[NC]
@@ -106,7 +106,7 @@ class Work:
         # Solves with [M G^T; G 0]
         kkt_rhs: Vec[NR]
         kkt_solution: Vec[NR]
-        rank_deficient: bool  # constraint rows are known to depend on others
+        rank_deficient: bool  # constraint equations are known to depend on others
         is_assembled: bool  # the factors of this projection exist
         if NM > 0:
             is_dense: bool  # the factors are those of the rank-revealing factorization
@@ -122,8 +122,8 @@ class Work:
         constraint_violation: Real  # scaled distance of x from the constraints
         group_sizes: Vec[NGROUP]
         row_values: Vec[NC]
-        row_room: Vec[NC]
-        row_room2: Vec[NC]
+        row_buffer: Vec[NC]
+        row_buffer2: Vec[NC]
         redundant_before: IVec[NC]
         if NM > 0:
             # Rank-revealing factorization L^-1 G^T = Q F diag(row_lengths)
@@ -272,7 +272,7 @@ class State:
     roundoff_memory: Real  # 1 when round-off decided on a step; fades with the distance from it to 0
     rate_roundoff: Vec[NX]  # remembered from accepted steps
     if NC > 0:
-        rank_deficient: bool  # constraint rows are known to depend on others
+        rank_deficient: bool  # constraint equations are known to depend on others
     if NMODE > 0:
         # Events
         modes: Vec[NMODE]  # of the next step: sign(z) or floor(z) of each indicator z

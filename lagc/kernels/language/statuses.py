@@ -7,9 +7,10 @@ from lagc.kernels import Status
 OK = Status(0)  # Success.
 # The mass matrix is singular or not positive definite; culprit: an index of v
 SINGULAR_MASS = Status(1)
-# Success with redundant constraints: the multipliers are the smallest that fit; culprit: a constraint row
+# Success with redundant constraints: the multipliers are the smallest that fit; culprit: a constraint
+# equation
 REDUNDANT = Status(2)
-INCONSISTENT = Status(3)  # The constraints contradict each other; culprit: a constraint row
+INCONSISTENT = Status(3)  # The constraints contradict each other; culprit: a constraint equation
 # A value is not finite; culprit: the index of x that is not finite, or whose rate is not
 NOT_FINITE = Status(4)
 STEP_UNDERFLOW = Status(5)  # The step size underflowed; culprit: none

@@ -19,28 +19,28 @@ REFINED_RESIDUAL = by_type(1e-11, 1e-28, "1e-64")
 LARGEST_RESIDUAL = by_type(1e-7, 1e-20, "1e-50")  # squared residual above which a sparse solve has failed
 FAINT_GRADIENT = by_type(1e-2, 1e-6, "1e-13")  # of the longest one: a gradient that may be round-off
 DEPENDENT = by_type(1e-2, 1e-5, "1e-5")  # independent share below which a row counts as dependent
-STILL_DEPENDENT = by_type(5e-2, 1e-4, "1e-4")  # the same once rows are known to be dependent
+REMAINS_DEPENDENT = by_type(5e-2, 1e-4, "1e-4")  # the same once rows are known to be dependent
 CONTRADICTION = by_type(1e-2, 1e-3, "1e-3")  # of the size of accelerations: residual of a dependent row
 ROUNDOFF_RESIDUAL = by_type(1e-6, 1e-15, "1e-32")  # scaled residual that counts as round-off
 # Scaled residual below which a projection does nothing.  It is smaller than the one before, since residuals
-# that are left at every step have the same sign for long and add up.
+# that remain at every step have the same sign for many steps and add up.
 UNPROJECTED_RESIDUAL = by_type(1e-7, 1e-16, "1e-33")
-EVENT_TIME_ULPS = 100.0  # round-off of an event time, in units of its last place
+EVENT_TIME_ULPS = 100.0  # round-off of an event time, in units in the last place
 LEAST_STEP = by_type(1e-30, 1e-40, "1e-400")  # step size over the remaining time
 FOUR_ULPS = by_type(4.8e-7, 8.881784197001252e-16, "7.7e-34")  # four units in the last place of 1
-# Distance to a posture with dependent rows, over the size of the coordinates: the product of motion and
+# Distance to a configuration with dependent rows, over the size of the coordinates: the product of motion and
 # projection residual, and the projection residual.
 CROSSING_BRANCHES = by_type(1e-6, 3e-15, "1e-30")
 BRANCH_DISTANCE = by_type(1e-5, 1e-12, "1e-28")
-# Of a consistent start: scaled residuals at which one is taken, if nothing improves it; at which it is left
-# as it is; at which the iteration ends.
+# Scaled residuals of initial conditions: the largest that is accepted if the iteration stalls; below this,
+# nothing is iterated; below this, the iteration ends.
 ACCEPTED = by_type(1e-4, 1e-9, "1e-18")
 CLOSE = by_type(3e-6, 1e-13, "1e-30")
 EXACT = by_type(3e-7, 1e-15, "1e-32")
-FOLLOWING = by_type(1e-4, 1e-11, "1e-24")  # of its length: the rest of a row that follows from others
+FOLLOWING = by_type(1e-4, 1e-11, "1e-24")  # remainder of a dependent row over its length
 FADED = by_type(1e-14, 1e-30, "1e-60")  # an entry of a unit vector that is far below its rounding
 SURELY_FOLLOWING = by_type(1e-2, 1e-5, "1e-12")
-LEAST_SHARE = by_type(1e-3, 1e-7, "1e-14")  # of its size: a move of a stated value that vanishes
+LEAST_SHARE = by_type(1e-3, 1e-7, "1e-14")  # move of a stated value over its size that counts as none
 LEAST_WEIGHT = by_type(1e-30, 1e-290, "1e-4900")  # of an unknown
 MOST_WEIGHT = by_type(1e30, 1e290, "1e4900")
 # Of its size: a move of an unknown that may be none; where rows are quadratic, rounding leaves its root.

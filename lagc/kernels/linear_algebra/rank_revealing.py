@@ -93,12 +93,12 @@ def next_row(w: Work, k: int, longest: Real) -> int:
     steadiest = inf
     for j in range(k, NC):
         i = w.row_order[j]
-        if w.row_room[i] >= 0.1 * longest and gamma_ratio(w, i) < steadiest:
+        if w.row_buffer[i] >= 0.1 * longest and gamma_ratio(w, i) < steadiest:
             steadiest = gamma_ratio(w, i)
     best = -1
     for j in range(k, NC):
         i = w.row_order[j]
-        if w.row_room[i] < 0.1 * longest or gamma_ratio(w, i) > 100.0 * steadiest:
+        if w.row_buffer[i] < 0.1 * longest or gamma_ratio(w, i) > 100.0 * steadiest:
             continue
         if best < 0 or i < w.row_order[best]:
             best = j
@@ -115,7 +115,7 @@ def orthogonalise(w: Work, dependent: Real) -> None:
         longest = 0.0
         for j in range(k, NC):
             value = squared_length(w, w.row_order[j])
-            w.row_room[w.row_order[j]] = value
+            w.row_buffer[w.row_order[j]] = value
             if value > longest:
                 longest = value
         if not longest > dependent * dependent:
@@ -182,7 +182,7 @@ def shortest_multipliers(w: Work, c: Vec[NC], lam: Vec[NC]) -> None:
     T y|^2 + |y|^2, T being w.dependence."""
     rank = w.rank
     count = NC - w.rank
-    y = w.row_room
+    y = w.row_buffer
     solve_triangle(w, c)
     for k in range(rank):
         lam[w.row_order[k]] = c[k]
@@ -224,7 +224,7 @@ def solve_rank_revealing(w: Work, r2: Vec[NC], z: Vec[NV], lam: Vec[NC]) -> Stat
     alone remain where its gradient vanishes."""
     rank = w.rank
     status = OK if w.rank == NC else REDUNDANT
-    c = w.row_room2
+    c = w.row_buffer2
     if w.penalty > 0.0:
         for i in range(NC):
             factor = w.penalty * r2[i]

@@ -144,11 +144,11 @@ def find_contradiction(r: Vec[NR], s: Vec[NR], w: Work) -> Status:
         if independent_part(w, i) > 0.0:
             continue
         terms = sqrt(row_size(w, i)) / w.regularity[i] * extent + w.gamma_sizes[i]
-        missed = fabs(w.kkt_residual[NV + i]) / (fabs(r[NV + i]) + terms + TINY)
-        if missed > worst:
+        residual = fabs(w.kkt_residual[NV + i]) / (fabs(r[NV + i]) + terms + TINY)
+        if residual > worst:
             status = INCONSISTENT
             w.culprit = i
-            worst = missed
+            worst = residual
     return status
 
 
@@ -167,9 +167,9 @@ def size_of_forces(lam: Vec[NC], w: Work) -> Real:
     return total
 
 
-def project_to_null_space(missed: Real, lam: Vec[NC], w: Work) -> Real:
+def project_to_null_space(reduction: Real, lam: Vec[NC], w: Work) -> Real:
     """Replace lam by its part without forces; return its squared size, or 0 if it is round-off. Each
-    iteration reduces the part with forces by `missed`."""
+    iteration reduces the part with forces by `reduction`."""
     whole = size_of_forces(lam, w)
     left = whole
     spare = whole
@@ -181,7 +181,7 @@ def project_to_null_space(missed: Real, lam: Vec[NC], w: Work) -> Real:
         fn_solve(w.kkt_entries, w.kkt_residual, w.kkt_correction)
         lam[:] = part(w.kkt_correction, NV, NV + NC)
         spare = size_of_forces(lam, w)
-        left *= missed * missed
+        left *= reduction * reduction
         if not spare > CG_CONVERGED * whole:
             return 0.0
         if left <= SPACING * SPACING * spare:
@@ -192,22 +192,22 @@ def project_to_null_space(missed: Real, lam: Vec[NC], w: Work) -> Real:
 def shorten_multipliers(s: Vec[NR], w: Work) -> None:
     """Replace s2 by the shortest multipliers with the same forces: conjugate gradients in the null space,
     in the measure of the sizes."""
-    missed = DAMPED / (DAMPED + least_independent_part(w))
+    reduction = DAMPED / (DAMPED + least_independent_part(w))
     factor_all_damped(w)
     before = 1.0
     for n in range(MOST_CG_STEPS):
         for i in range(NC):
             extent = row_size(w, i)
-            w.row_room2[i] = s[NV + i] / extent if extent > 0.0 else 0.0
-        spare = project_to_null_space(missed, w.row_room2, w)
+            w.row_buffer2[i] = s[NV + i] / extent if extent > 0.0 else 0.0
+        spare = project_to_null_space(reduction, w.row_buffer2, w)
         if spare == 0.0:
             break
         norm = 0.0
         for i in range(NC):
-            w.row_room[i] = w.row_room2[i] + (spare / before * w.row_room[i] if n > 0 else 0.0)
-            norm += w.row_room[i] * w.row_room[i]
+            w.row_buffer[i] = w.row_buffer2[i] + (spare / before * w.row_buffer[i] if n > 0 else 0.0)
+            norm += w.row_buffer[i] * w.row_buffer[i]
         for i in range(NC):
-            s[NV + i] -= spare / norm * w.row_room[i]
+            s[NV + i] -= spare / norm * w.row_buffer[i]
         before = spare
 
 

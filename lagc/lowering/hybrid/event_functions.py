@@ -43,13 +43,13 @@ def _modes(natural: Places, relations: Sequence[EventRelation]) -> Function:
 
 def _indicators(along: Places, relations: Sequence[EventRelation]) -> Function:
     values = [relation.side for relation in relations]
-    return made(along, "indicators", along.state, (("e", values),), "event indicators", seldom=True)
+    return made(along, "indicators", along.state, (("e", values),), "event indicators", rare=True)
 
 
 def _own(along: Places, relations: Sequence[EventRelation]) -> Function:
     values = [relation.own for relation in relations]
     return made(
-        along, "own_modes", along.state, (("e", values),), "the mode that each indicator gives", seldom=True
+        along, "own_modes", along.state, (("e", values),), "the mode that each indicator gives", rare=True
     )
 
 
@@ -57,7 +57,7 @@ def _edges(along: Places, relations: Sequence[EventRelation]) -> Function:
     """Of those that count; else zeros."""
     zero = along.graph.zero
     values = [end for relation in relations for end in relation.edges or (zero, zero)]
-    return made(along, "edges", ("modes",), (("e", values),), "edges of the modes", seldom=True)
+    return made(along, "edges", ("modes",), (("e", values),), "edges of the modes", rare=True)
 
 
 def _rates(along: Places, relations: Sequence[EventRelation]) -> Function:
@@ -69,15 +69,13 @@ def _rates(along: Places, relations: Sequence[EventRelation]) -> Function:
     values = tangent(graph, [relation.side for relation in relations], seeds)
     more = replace(along, arrays={**along.arrays, **{node: ("d", k) for k, node in enumerate(rates)}})
     inputs = (*along.state, "d")
-    return made(
-        more, "indicator_rates", inputs, (("e", values),), "rates of the event indicators", seldom=True
-    )
+    return made(more, "indicator_rates", inputs, (("e", values),), "rates of the event indicators", rare=True)
 
 
 def _slopes(along: Places, timed: Sequence[EventRelation]) -> Function:
     values = [relation.slope for relation in timed if relation.slope is not None]
     return made(
-        along, "slopes", ("p", "modes"), (("e", values),), "slopes of indicators of time alone", seldom=True
+        along, "slopes", ("p", "modes"), (("e", values),), "slopes of indicators of time alone", rare=True
     )
 
 
@@ -88,7 +86,7 @@ def _enclosure(along: Places, others: Sequence[EventRelation]) -> Function:
     ends = enclosures(along.graph, [relation.side for relation in others], boxes)
     values = [end for pair in ends for end in pair]
     inputs = ("p", "modes", "box")
-    return made(more, "enclosure", inputs, (("e", values),), "bounds of indicators in a box", seldom=True)
+    return made(more, "enclosure", inputs, (("e", values),), "bounds of indicators in a box", rare=True)
 
 
 def boxed(along: Places) -> tuple[Places, dict[Node, Ends]]:
@@ -113,8 +111,8 @@ def in_boxes(along: Places, found: Sequence[Node], name: str, about: str) -> lis
     inputs = ("p", *along.state[3:], "box")
     bounds = "bounds of these in a box"
     return [
-        made(along, f"{name}s", along.state, (("e", found),), about, seldom=True),
-        made(places, f"{name}_bounds", inputs, (("e", ends),), bounds, seldom=True),
+        made(along, f"{name}s", along.state, (("e", found),), about, rare=True),
+        made(places, f"{name}_bounds", inputs, (("e", ends),), bounds, rare=True),
     ]
 
 
@@ -142,9 +140,9 @@ def whens(at: Places, along: Places) -> list[Function]:
         return []
     truths = [graph.select(when.condition, graph.one, graph.zero) for when in clauses]
     described = "1 where the condition of a `when` holds"
-    found = [made(along, "holds", along.state, (("c", truths),), described, seldom=True)]
+    found = [made(along, "holds", along.state, (("c", truths),), described, rare=True)]
     values = [value for when in clauses for _, value in when.changes]
     if values:
         described = "what states are when conditions become true"
-        found.append(made(at, "reinit", STATE, (("r", values),), described, seldom=True))
+        found.append(made(at, "reinit", STATE, (("r", values),), described, rare=True))
     return found

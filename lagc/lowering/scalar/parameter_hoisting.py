@@ -51,7 +51,7 @@ class Preparation:
 
     def separated(self, function: Function) -> Function:
         """`function` with what is prepared as entries of PREPARED, by their value numbers in the block."""
-        if "p" not in function.inputs or len(function.inputs) == 1:  # one of p alone is called as seldom
+        if "p" not in function.inputs or len(function.inputs) == 1:  # one of p alone is called as rare
             return function
         return _Separation(self, function).run()
 

@@ -85,7 +85,7 @@ class Analysis:
     unseen: tuple[str, ...]  # labels of rows that do not, though double precision cannot tell
     degrees_of_freedom: int  # of the velocities: n less the rank of the rows where they hold
     positional_freedom: int  # degrees of freedom of the positions: integrable rows count
-    more_at_start: int  # degrees of freedom that the initial posture alone adds
+    more_at_start: int  # degrees of freedom that the initial configuration alone adds
     kinetic_parts: tuple[Node, Node, Node] | None
     cyclic: tuple[str, ...]
     conserved: tuple[Conserved, ...]

@@ -48,9 +48,9 @@ def classify(states: States) -> list[Classified]:
     gammas = tangent(states.graph, rates, states.drift)
     in_time = depends(residuals, [model.time])
     jacobians = gradients(states.graph, rates, states.place_of_v)
-    bent = depends(formed_of(jacobians), states.v)
+    varies = depends(formed_of(jacobians), states.v)
     affine = [
-        residual in rate_of or not bent or not depends(own.values(), states.v)
+        residual in rate_of or not varies or not depends(own.values(), states.v)
         for residual, own in zip(residuals, jacobians)
     ]
     found: list[Classified] = []

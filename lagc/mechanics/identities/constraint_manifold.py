@@ -118,7 +118,8 @@ class _Manifold:
 
     def start(self, given: Mapping[Node, float]) -> State | None:
         """`given` on the rows, with what was stated where it is, if that can be: from guesses of what nobody
-        stated, or beside them, where they lead to a posture that is met as slowly as where surfaces touch."""
+        stated, or beside them, where they lead to a configuration that is met as slowly as where surfaces
+        touch."""
         states = self.states
         free = [x for x, s in zip(states.q, states.starts_q) if s.stated.level == UNSTATED]
         slowly: State | None = None
@@ -158,8 +159,8 @@ class _Manifold:
         for _ in range(min(len(self.states.q), _MANY) + 1):
             moved = self._displaced(start, _SHORT)
             if self._solve(self.positions, self.slopes, self.states.q, moved):
-                way = [(moved[x] - start[x]) / (_SHORT * self.scales[x]) for x in self.states.q]
-                found.append(way)
+                direction = [(moved[x] - start[x]) / (_SHORT * self.scales[x]) for x in self.states.q]
+                found.append(direction)
         return dimension(found, _AWAY)
 
     def steps(self, start: State, size: float, count: int, restart: bool = False) -> Iterator[State]:

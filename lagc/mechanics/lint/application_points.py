@@ -14,7 +14,7 @@ from itertools import chain
 from lagc.diagnostics.faults import Fault
 from lagc.mechanics.formulation.equations import Row
 from lagc.mechanics.formulation.states import States
-from lagc.mechanics.lint.velocity_maps import KEPT, LARGEST, Maps, Matrix, Posture, combined, postures
+from lagc.mechanics.lint.velocity_maps import KEPT, LARGEST, Maps, Matrix, Pose, combined, poses
 from lagc.semantics.model import Body, Force, Frame
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.evaluate import evaluate
@@ -33,15 +33,15 @@ def points_of_their_own(states: States, rows: Sequence[Row]) -> Iterator[Fault]:
     if not forces or len(states.v) > LARGEST:
         return
     moved_by = [(body, _coordinates([*body.position, *_axes(body)])) for body in bodies]
-    maps, free = Maps(states), postures(states)
-    bound = postures(states, rows) if rows else []
+    maps, free = Maps(states), poses(states)
+    bound = poses(states, rows) if rows else []
     for force in forces:
         assert force.at is not None
         near = _tied(force.at, moved_by)
         tied = [body for body in near if body.frame is not None]
         if any(_carries(maps, body, force, force.at, at) for at in (free, bound) if at for body in near):
             continue
-        if all(not any(map(any, maps.at(force.velocity, posture))) for posture in free):
+        if all(not any(map(any, maps.at(force.velocity, pose))) for pose in free):
             yield _unmoved(force, [body for body in bodies if body.frame is not None])
         elif tied and not _is_of_a_link(states, maps, force, force.at, tied, free):
             yield _two_readings(force, tied[0])
@@ -62,33 +62,33 @@ def _coordinates(nodes: Sequence[Node]) -> set[Node]:
     return {x for x in symbols(nodes) if x.record.kind == "coordinate"}
 
 
-def _carries(maps: Maps, body: Body, force: Force, at: Vector, tried: Sequence[Posture]) -> bool:
+def _carries(maps: Maps, body: Body, force: Force, at: Vector, tried: Sequence[Pose]) -> bool:
     """Return whether the point moves like the material point of the body that is there."""
-    for posture in tried:
+    for pose in tried:
         if body.frame is None:
-            arm = _arm(at, body.position, posture)
-            if max(map(abs, arm)) > KEPT * max(map(abs, evaluate(at, posture.state))):
+            arm = _arm(at, body.position, pose)
+            if max(map(abs, arm)) > KEPT * max(map(abs, evaluate(at, pose.state))):
                 return False
-        elif not _turns_about(maps, body.frame, body.position, body.velocity, force, at, posture):
+        elif not _turns_about(maps, body.frame, body.position, body.velocity, force, at, pose):
             return False
     return True
 
 
 def _turns_about(
-    maps: Maps, frame: Frame, place: Vector, velocity: Vector, force: Force, at: Vector, posture: Posture
+    maps: Maps, frame: Frame, place: Vector, velocity: Vector, force: Force, at: Vector, pose: Pose
 ) -> bool:
     """Return whether the point moves as if it were fixed in a frame that moves with a place."""
-    turning = _turning(maps, frame, _arm(at, place, posture), posture)
-    parts = [maps.at(force.velocity, posture), maps.at(velocity, posture), turning]
-    own, carried, turned = (posture.along(part) for part in parts)
+    turning = _turning(maps, frame, _arm(at, place, pose), pose)
+    parts = [maps.at(force.velocity, pose), maps.at(velocity, pose), turning]
+    own, carried, turned = (pose.along(part) for part in parts)
     slip = combined([(1.0, own), (-1.0, carried), (-1.0, turned)])
     most = [max(abs(row[j]) for part in (own, carried, turned) for row in part) for j in range(len(own[0]))]
     return not any(abs(x) > KEPT * size for row in slip for x, size in zip(row, most))
 
 
-def _turning(maps: Maps, frame: Frame, arm: Sequence[float], posture: Posture) -> Matrix:
+def _turning(maps: Maps, frame: Frame, arm: Sequence[float], pose: Pose) -> Matrix:
     """Return the map of the velocity that the spin of a frame brings at the end of an arm."""
-    x, y, z = maps.at(frame.spin, posture)
+    x, y, z = maps.at(frame.spin, pose)
     a, b, c = arm
     return [
         [c * v - b * w for v, w in zip(y, z)],
@@ -97,12 +97,12 @@ def _turning(maps: Maps, frame: Frame, arm: Sequence[float], posture: Posture) -
     ]
 
 
-def _arm(at: Vector, place: Vector, posture: Posture) -> list[float]:
-    return [a - b for a, b in zip(evaluate(at, posture.state), evaluate(place, posture.state))]
+def _arm(at: Vector, place: Vector, pose: Pose) -> list[float]:
+    return [a - b for a, b in zip(evaluate(at, pose.state), evaluate(place, pose.state))]
 
 
 def _is_of_a_link(
-    states: States, maps: Maps, force: Force, at: Vector, tied: Sequence[Body], tried: Sequence[Posture]
+    states: States, maps: Maps, force: Force, at: Vector, tied: Sequence[Body], tried: Sequence[Pose]
 ) -> bool:
     """Return whether the point is fixed in a frame that turns it about a point of the model: on a massless
     link.  The frames that a solid beside it turns in (the lean of a rolling disc) are no links."""

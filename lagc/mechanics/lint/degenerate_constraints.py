@@ -26,7 +26,7 @@ from lagc.syntax import tree
 _STATES = 3
 _HOLDS = 1e-7  # of its terms, at a state that meets other constraints to 1e-12
 _EVEN = ("cos", "cosh")  # 1 at an argument of 0, which is an extreme
-_BENT = ("max", "min", "abs")  # no constraints by themselves
+_KINKED = ("max", "min", "abs")  # no constraints by themselves
 
 
 def refuse_degenerate(states: States, classified: Sequence[Classified]) -> tuple[Fault, ...]:
@@ -209,7 +209,7 @@ def _factors(e: tree.Expression) -> list[tree.Expression]:
 
 
 def _vanishes(e: tree.Expression) -> list[str] | None:
-    if isinstance(e, tree.Call) and _name(e) in _BENT:
+    if isinstance(e, tree.Call) and _name(e) in _KINKED:
         return None
     if isinstance(e, tree.Binary) and e.op == "-":
         return [f"{_words(e.left)} = {_words(e.right)}"]

@@ -1,9 +1,8 @@
 """Passivity check: loads and dissipations that can bring energy where friction was meant.  Warnings only.
 
 A load opposes a velocity where the quadratic form of minus its power on that velocity is nowhere negative.
-The form is made of the derivatives by the speeds, at a few postures with the parameters' values.  Those of a
-law that is not linear are taken at random speeds.
-"""
+The form is made of the derivatives by the speeds, at a few configurations with the parameters' values.  Those
+of a law that is not linear are taken at random speeds."""
 
 from __future__ import annotations
 
@@ -19,10 +18,10 @@ from lagc.mechanics.lint.velocity_maps import (
     LARGEST,
     Maps,
     Matrix,
-    Posture,
+    Pose,
     combined,
     has_minimum,
-    postures,
+    poses,
     power_form,
 )
 from lagc.mechanics.numeric.cancellation import VANISHES, magnitudes
@@ -63,40 +62,40 @@ class _Pair:
 
 
 class _Forms:
-    """Forms of power at the postures, bare and on the constraints."""
+    """Forms of power at configurations, bare and on the constraints."""
 
     def __init__(self, states: States, rows: Sequence[Row]):
         self.maps = Maps(states)
-        self.bare = postures(states)
-        self.bound = postures(states, rows) if rows else self.bare
+        self.bare = poses(states)
+        self.bound = poses(states, rows) if rows else self.bare
 
-    def of(self, load: Load, velocity: _Velocity, posture: Posture) -> Matrix:
-        moved = combined((sign, self.maps.at(vector, posture)) for sign, vector in velocity.terms)
-        return power_form(posture.along(self.maps.at(load.vector, posture)), posture.along(moved))
+    def of(self, load: Load, velocity: _Velocity, pose: Pose) -> Matrix:
+        moved = combined((sign, self.maps.at(vector, pose)) for sign, vector in velocity.terms)
+        return power_form(pose.along(self.maps.at(load.vector, pose)), pose.along(moved))
 
-    def takes(self, load: Load, velocity: _Velocity, at: Sequence[Posture]) -> bool:
+    def takes(self, load: Load, velocity: _Velocity, at: Sequence[Pose]) -> bool:
         """Return whether the form is nowhere negative, and not zero throughout."""
-        forms = [self.of(load, velocity, posture) for posture in at]
+        forms = [self.of(load, velocity, pose) for pose in at]
         return all(map(has_minimum, forms)) and any(x for form in forms for row in form for x in row)
 
-    def brings(self, loads: Sequence[tuple[Load, _Velocity]], at: Sequence[Posture]) -> bool:
+    def brings(self, loads: Sequence[tuple[Load, _Velocity]], at: Sequence[Pose]) -> bool:
         """Return whether the sum of the forms is negative in some direction."""
-        for posture in at:
-            forms = [(1.0, self.of(load, velocity, posture)) for load, velocity in loads]
+        for pose in at:
+            forms = [(1.0, self.of(load, velocity, pose)) for load, velocity in loads]
             if not has_minimum(combined(forms)):
                 return True
         return False
 
-    def is_law(self, pair: _Pair, posture: Posture) -> bool:
+    def is_law(self, pair: _Pair, pose: Pose) -> bool:
         """Return whether the vector depends on the velocity that is acted on, and on nothing else that moves,
         with power of both signs on it."""
-        moved = combined((sign, self.maps.at(vector, posture)) for sign, vector in pair.acted.terms)
-        force, held = self.maps.at(pair.load.vector, posture), Spanned(moved)
+        moved = combined((sign, self.maps.at(vector, pose)) for sign, vector in pair.acted.terms)
+        force, held = self.maps.at(pair.load.vector, pose), Spanned(moved)
         for row in force:
             rest = held.remainder(row)
             if dot(rest, rest) > KEPT**2 * dot(row, row):
                 return False
-        form = self.of(pair.load, pair.acted, posture)
+        form = self.of(pair.load, pair.acted, pose)
         return not has_minimum(form) and not has_minimum(combined([(-1.0, form)]))
 
 
@@ -175,11 +174,11 @@ def _paired(forms: _Forms, loads: Sequence[Load]) -> list[_Pair]:
     return found
 
 
-def _ratio(one: Load, other: Load, at: Sequence[Posture]) -> float:
+def _ratio(one: Load, other: Load, at: Sequence[Pose]) -> float:
     """Return 1 or -1 where the vectors are equal or opposite, else 0."""
     signs = [1.0, -1.0]
-    for posture in at:
-        a, b = (evaluate(x.vector, posture.state) for x in (one, other))
+    for pose in at:
+        a, b = (evaluate(x.vector, pose.state) for x in (one, other))
         size = VANISHES * (max(map(abs, a)) + max(map(abs, b)))
         signs = [s for s in signs if all(abs(x - s * y) <= size for x, y in zip(a, b))]
     return signs[0] if signs and at else 0.0
@@ -306,17 +305,15 @@ def _falls(states: States, rows: Sequence[Row], c: Contribution) -> bool:
     slopes = [gradient(graph, {force: -graph.one}, states.place_of_v) for force in forces]
     if depends([x for own in slopes for x in own.values()], states.v):
         return False
-    falling = [_is_unbounded(states, c, slopes, posture) for posture in postures(states)]
+    falling = [_is_unbounded(states, c, slopes, pose) for pose in poses(states)]
     if not any(falling) or not rows:
         return any(falling)
-    return any(_is_unbounded(states, c, slopes, posture) for posture in postures(states, rows))
+    return any(_is_unbounded(states, c, slopes, pose) for pose in poses(states, rows))
 
 
-def _is_unbounded(
-    states: States, c: Contribution, slopes: Sequence[Mapping[Node, Node]], posture: Posture
-) -> bool:
+def _is_unbounded(states: States, c: Contribution, slopes: Sequence[Mapping[Node, Node]], pose: Pose) -> bool:
     n, place = len(states.v), states.place_of_v
-    rest = {**posture.state, **dict.fromkeys(states.v, 0.0)}
+    rest = {**pose.state, **dict.fromkeys(states.v, 0.0)}
     values = iter(magnitudes([x for own in slopes for x in own.values()], rest))
     matrix = [[0.0] * n for _ in range(n)]
     for j, own in zip(c.forces, slopes):
@@ -328,8 +325,8 @@ def _is_unbounded(
     force = [0.0] * n
     for j, (x, size) in zip(c.forces, magnitudes(list(c.forces.values()), rest)):
         force[j] = x if abs(x) > VANISHES * size else 0.0
-    if posture.allowed is not None:
-        halves = posture.along(matrix)
-        matrix = posture.along([list(column) for column in zip(*halves)])
-        (force,) = posture.along([force])
+    if pose.allowed is not None:
+        halves = pose.along(matrix)
+        matrix = pose.along([list(column) for column in zip(*halves)])
+        (force,) = pose.along([force])
     return not has_minimum(matrix, force)

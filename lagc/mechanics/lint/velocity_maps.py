@@ -1,4 +1,5 @@
-"""Velocities and loads as linear maps of the speeds, at a few postures, and the forms of their power."""
+"""Velocities and loads as linear maps of the speeds, at a few configurations, and the forms of their
+power."""
 
 from __future__ import annotations
 
@@ -15,24 +16,24 @@ from lagc.mechanics.numeric.samples import samples
 from lagc.symbolic.derivative import gradient
 from lagc.symbolic.graph import Node
 
-LARGEST = 60  # speeds and constraints beyond which postures are not compared
-_POSTURES = 2
+LARGEST = 60  # speeds and constraints beyond which poses are not compared
+_CONFIGURATIONS = 2
 _SLOW = 1e-2  # of random speeds: so slow that laws as tanh(v/v0) are not saturated
-KEPT = 1e-7  # of the largest: less is round-off, or the residual of a posture on the constraints
+KEPT = 1e-7  # of the largest: less is round-off, or the residual of a pose on the constraints
 
 Matrix = list[list[float]]
 
 
 @dataclass(frozen=True, slots=True)
-class Posture:
+class Pose:
     """A state with speeds, and `allowed` directions of the speeds; None: all."""
 
     state: Mapping[Node, float]
     allowed: Matrix | None = None
 
-    def given(self, values: Mapping[Node, float]) -> Posture:
-        """Return the posture with other values of parameters."""
-        return Posture({**self.state, **values}, self.allowed)
+    def given(self, values: Mapping[Node, float]) -> Pose:
+        """Return the configuration with other values of parameters."""
+        return Pose({**self.state, **values}, self.allowed)
 
     def along(self, matrix: Matrix) -> Matrix:
         """Return a map on the allowed directions."""
@@ -43,20 +44,21 @@ class Posture:
         return [[x if abs(x) > KEPT * most else 0.0 for x in row] for row in found]
 
 
-def postures(states: States, rows: Sequence[Row] = ()) -> list[Posture]:
-    """Return postures near the start with the parameters' values: those that `rows` allow, where given."""
+def poses(states: States, rows: Sequence[Row] = ()) -> list[Pose]:
+    """Return configurations near the start with the parameters' values: those that `rows` allow, where
+    given."""
     slow = [*states.v, *states.rates]
     found = [
         {**state, **{x: _SLOW * state[x] for x in slow}}
-        for state in samples(states.model, _POSTURES, vary=False)
+        for state in samples(states.model, _CONFIGURATIONS, vary=False)
     ]
     if not rows:
-        return [Posture(state) for state in found]
+        return [Pose(state) for state in found]
     if len(rows) + len(states.v) > LARGEST:
         return []
     sizes = [scales(states)[v] for v in states.v]
     met = [state for state in map(onto(states, rows), found) if state is not None]
-    return [Posture(state, _directions(rows, sizes, state)) for state in met]
+    return [Pose(state, _directions(rows, sizes, state)) for state in met]
 
 
 def _directions(rows: Sequence[Row], sizes: Sequence[float], state: Mapping[Node, float]) -> Matrix:
@@ -85,10 +87,10 @@ class Maps:
             ]
         return self._slopes[key]
 
-    def at(self, vector: Sequence[Node], posture: Posture) -> Matrix:
+    def at(self, vector: Sequence[Node], pose: Pose) -> Matrix:
         """Return the derivatives, a row a component."""
         slopes = self.slopes(vector)
-        entries = magnitudes([x for row in slopes for x in row.values()], posture.state)
+        entries = magnitudes([x for row in slopes for x in row.values()], pose.state)
         most = max((size for _, size in entries if math.isfinite(size)), default=0.0)
         found = iter(entries)
         place = self._states.place_of_v

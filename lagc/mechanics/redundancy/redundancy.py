@@ -245,7 +245,7 @@ def _labels(rows: Sequence[Row]) -> str:
 
 def follows(states: States, row: Row, others: Sequence[Row]) -> bool:
     """It is proved, where positions are on the constraints: rate and Jacobian of `row` are one combination of
-    those of `others`, with numbers that are the same for all postures, speeds and parameters and
+    those of `others`, with numbers that are the same for all configurations, speeds and parameters and
     whatever comparisons say, of parameters too, which a run may give other values."""
     from lagc.mechanics.identities.sampling_domains import on_rows  # loaded where there is a question
     from lagc.mechanics.identities.zero_test import ZeroTest

@@ -88,14 +88,14 @@ def _sizes(solution: Solution, run: Trajectory) -> dict[str, float]:
     from lagc.simulation.global_error.roundoff_estimate import generic
 
     system, interface = solution.system, solution.system.interface
-    way = [0.0] * system.nx
+    direction = [0.0] * system.nx
     for group, size in sizes(run, interface):
         for i in group:
-            way[i] = generic(i) * (min(size, 1.0) if interface.kinds[i] == 0 else size)
+            direction[i] = generic(i) * (min(size, 1.0) if interface.kinds[i] == 0 else size)
     found = [0.0] * len(interface.outputs)
     step = max(1, len(solution) // SAMPLES)
     for t, x in [*zip(solution.times, solution.states)][::step] if found else ():
-        beside = system.outputs(t, [a + BESIDE * b for a, b in zip(x, way)])
+        beside = system.outputs(t, [a + BESIDE * b for a, b in zip(x, direction)])
         changes = [abs(b - a) / BESIDE for a, b in zip(system.outputs(t, x), beside)]
         found = [max(a, b) if isfinite(b) else a for a, b in zip(found, changes)]
     return {output.name: size for output, size in zip(interface.outputs, found)}

@@ -307,7 +307,7 @@ def plot_modes(linear: Linear, title: str, path: str | None = None) -> Figure:
         figure = Figure(layout="constrained")
         axes, lowest = panels(figure, max(1, len(shown)), 1.6)
         entitle(figure, title)
-        told = False
+        labelled = False
         for axis, k in zip(axes, shown):
             value, mode = complex(linear.eigenvalues[k]), linear.modes[:nq, k]
             turned = abs(mode.imag).max(initial=0.0) > AT_REST_RATE
@@ -317,11 +317,11 @@ def plot_modes(linear: Linear, title: str, path: str | None = None) -> Figure:
             if turned:
                 axis.bar([i + aside for i in range(nq)], mode.imag, width=0.4, fill=False,
                          edgecolor=COLORS[1], label="imaginary part")  # fmt: skip
-                if not told:
+                if not labelled:
                     axis.legend(
                         loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.0, fontsize=8
                     )
-                told = True
+                labelled = True
             axis.set_axisbelow(True)
             axis.set(xlim=(-0.6, nq - 0.4), ylim=(-1.15, 1.15))
             axis.set_title(_caption(value), fontsize=8, loc="left")

@@ -176,7 +176,7 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
     source = entry.source
     assert isinstance(source, tree.Declarator)
     call = tree.Call(tree.Name("Gravity", source.name_span), source.arguments, source.span)
-    strength, way = match(context, call, ("g", "direction"), 0, "`Gravity`")
+    strength, given = match(context, call, ("g", "direction"), 0, "`Gravity`")
     if entry.modifiers:
         raise Wrong(
             "LAG0209", f"`{entry.name}` cannot be changed from outside", entry.modifiers[0].argument.span
@@ -185,10 +185,10 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
     entry.parts["g"] = Scalar(g, GRAVITY)
     graph = context.graph
     direction: Vector = (graph.zero, graph.zero, graph.const(-1.0))
-    if way is not None:
-        vector, found = vector_of(evaluate(context, way, entry.environment), way.span, "a direction")
-        expect(found, NONE, way.span, "a direction")
-        direction = unit_vector(context, vector, way.span)
+    if given is not None:
+        vector, found = vector_of(evaluate(context, given, entry.environment), given.span, "a direction")
+        expect(found, NONE, given.span, "a direction")
+        direction = unit_vector(context, vector, given.span)
     total = graph.zero
     for other in entry.environment.instance.in_order():
         if other.kind == "body" and other.elements is None:
@@ -202,8 +202,8 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
 
 def _note_field(context: Context, entry: Entry, body: Entry, direction: Vector) -> None:
     """Warn if another gravity acts on the same body in the same direction, up to round-off."""
-    way = tuple([round(x.value, _SAME) if x.op == "const" else x for x in direction])
-    first = context.fields.setdefault((body.path, way), entry)
+    rounded = tuple([round(x.value, _SAME) if x.op == "const" else x for x in direction])
+    first = context.fields.setdefault((body.path, rounded), entry)
     pair = (first.span, entry.span)
     if first is not entry and pair not in context.warnings:
         context.warnings[pair] = _twice(first, entry, body)

@@ -44,8 +44,8 @@ def _table(
     `over`.
     """
     at = scalar_of(x.value, x.span, "the argument of a table")
-    way = _choice(interpolation, tuple(KINDS), "linear")
-    beyond = _choice(extrapolation, BEYOND, "line" if way == "cubic" else "hold")
+    kind = _choice(interpolation, tuple(KINDS), "linear")
+    beyond = _choice(extrapolation, BEYOND, "line" if kind == "cubic" else "hold")
     name, file = "table", ""
     if isinstance(data.value, Text):
         file = data.value.text
@@ -58,37 +58,37 @@ def _table(
         message = f"the table has the argument {describe(knots.dimension)}; this is {describe(at.dimension)}"
         raise Wrong("LAG0301", message, x.span, related=((data.span, describe(knots.dimension)),))
     points = knots.numbers, found.numbers
-    node = through(context, at.node, *points, way, beyond == "line", name, data.span, file)
+    node = through(context, at.node, *points, kind, beyond == "line", name, data.span, file)
     return Scalar(node, found.dimension, found.bare)
 
 
 def through(
-    context: Context, x: Node, knots: Sequence[float], values: Sequence[float], way: str, straight: bool,
+    context: Context, x: Node, knots: Sequence[float], values: Sequence[float], kind: str, straight: bool,
     name: str, span: Span | None, file: str = "",
 ) -> Node:  # fmt: skip
     """Return the `interpolant` with a unique name (letters, digits and `_`) from the column of a `file`.
     Raises Wrong."""
     check_order(knots, span)
-    key, count, column = key_of(knots, values, way, straight), 1, name
+    key, count, column = key_of(knots, values, kind, straight), 1, name
     own = name = re.sub(r"\W+", "_", name).strip("_") or "table"
     while context.curves.setdefault(own, objects.Table(own, key, file, column if file else "")).key != key:
         count += 1
         own = f"{name}_{count}"
     try:
-        return interpolant(x, knots, values, way, straight, own)
+        return interpolant(x, knots, values, kind, straight, own)
     except (OverflowError, ZeroDivisionError):
         raise Wrong("LAG0314", "the slope of the table between two points is not finite", span) from None
 
 
 def over_time(context: Context, points: Points, name: str) -> Node:
     """Return the interpolant through `points` of time and value.  Raises Wrong."""
-    knots, values, way = points
-    if way not in KINDS:
-        raise Wrong("LAG0307", f"the interpolation is one of {', '.join(KINDS)}, not {way!r}", None)
+    knots, values, kind = points
+    if kind not in KINDS:
+        raise Wrong("LAG0307", f"the interpolation is one of {', '.join(KINDS)}, not {kind!r}", None)
     if len(knots) != len(values) or not all(map(math.isfinite, [*knots, *values])):
         message = f"`{name}` needs as many finite values as times"
         raise Wrong("LAG0314", message, None)
-    return through(context, context.time, knots, values, way, way == "cubic", name, None)
+    return through(context, context.time, knots, values, kind, kind == "cubic", name, None)
 
 
 def check_order(knots: Sequence[float], span: Span | None, lines: Sequence[int] = ()) -> None:

@@ -349,8 +349,8 @@ def _spin(
     moved = (x, y, z)
     if known is None:
         moved = add(in_frame(context, parent, moved), cross(own, parent.angular_velocity))
-    bent = add(scale(graph.sin(angle), moved), scale(graph.cos(angle) - 1.0, cross(own, moved)))
-    return add(scale(rate, own), bent)
+    second_order = add(scale(graph.sin(angle), moved), scale(graph.cos(angle) - 1.0, cross(own, moved)))
+    return add(scale(rate, own), second_order)
 
 
 def _oriented(context: Context, parent: Frame, o: Orientation) -> Frame:

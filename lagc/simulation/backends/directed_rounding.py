@@ -56,11 +56,11 @@ def by_turns(run: Callable[[Progress], T], direction: int, progress: Progress | 
         directions = turns(direction)
         with directed(next(directions)) as turn:
 
-            def told(t: float) -> None:
+            def reported(t: float) -> None:
                 turn(next(directions))
                 tell(t)
 
-            return run(told)
+            return run(reported)
 
     return followed(work, progress)
 
@@ -81,13 +81,13 @@ def followed(work: Callable[[Progress], T], progress: Progress | None = None) ->
     """
     done: list[T] = []
     failed: list[BaseException] = []
-    told: list[float] = []
+    reported: list[float] = []
     raised: list[BaseException] = []
     ended = allocate_lock()
     ended.acquire()
 
     def tell(t: float) -> None:
-        told[:] = [t]
+        reported[:] = [t]
         if raised:
             raise raised.pop(0)
 
@@ -113,8 +113,8 @@ def followed(work: Callable[[Progress], T], progress: Progress | None = None) ->
                 raise MemoryError
             try:
                 ended.acquire(timeout=LOOK)
-                if told and progress is not None and not raised:
-                    progress(told[0])
+                if reported and progress is not None and not raised:
+                    progress(reported[0])
             except BaseException as error:
                 raised.append(error)
     finally:

@@ -15,8 +15,8 @@ from lagc.simulation.error_measure import Sizes
 from lagc.simulation.system import System, Trajectory
 
 RECORDED = 48  # states at which the balance is evaluated
-FEW = 12  # states at first; more if a run had FEW times SELDOM evaluations
-SELDOM = 400
+FEW = 12  # states at first; more if a run had FEW times EVALUATIONS_PER_STATE evaluations
+EVALUATIONS_PER_STATE = 400
 PROBED = 6  # states at which the derivative of the energy is estimated
 STEP = 1e-6  # of a size, for differences
 MARGIN = 10.0  # factor on the effect of state errors
@@ -47,7 +47,7 @@ def balance(system: System, trajectory: Trajectory, groups: Sizes, accuracy: flo
     states = trajectory.states
     if not states:
         return Balance(0.0, 0.0, 0.0)
-    times, count = trajectory.times, max(FEW, min(RECORDED, trajectory.rhs // SELDOM))
+    times, count = trajectory.times, max(FEW, min(RECORDED, trajectory.rhs // EVALUATIONS_PER_STATE))
     drawn = _Drawn(system, times, states, _picked(len(states), count))
     explained = accuracy * MARGIN * 2.0 * drawn.kinetic()
     found = drawn.balance(explained)

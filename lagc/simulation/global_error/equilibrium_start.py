@@ -15,7 +15,7 @@ CLEAR = (
 )  # ratio of a rate to its round-off estimate: a rate with half its digits correct is not round-off
 SEVERAL = 2.0  # ratio of a rate to its round-off estimate: it is round-off
 NORMAL = sys.float_info.min  # a rounding unit of smaller numbers may be all of the number
-MET = 1e-13  # scaled residual: with a larger one, a mechanism near a singular posture may seem locked
+MET = 1e-13  # scaled residual: with a larger one, a mechanism near a singular configuration may seem locked
 
 
 def rests(system: System, x: Sequence[float], times: Sequence[float]) -> bool:

@@ -18,7 +18,7 @@ from lagc.simulation.global_error.roundoff_estimate import (
     Quick,
     close_estimate,
     event_shift,
-    nudged,
+    neighbour,
     quick_bound,
 )
 from lagc.simulation.system import FAILED, INTERRUPTED, System, Trajectory, arrived
@@ -156,7 +156,7 @@ class Rounding:
         sides: list[Trajectory] = []
         for direction in (1, -1):
             if not sides or sides[0].status != INTERRUPTED:
-                sides.append(self.integrate(tol, nudged(run.states[0], direction), direction))
+                sides.append(self.integrate(tol, neighbour(run.states[0], direction), direction))
         more = max(1.0, steps / max(run.steps, 1))
         left_out = {k for side in sides for k in between(side, run)}
         moving = [(i, more / size) for group, size in groups if size > 0.0 for i in group]

@@ -59,9 +59,9 @@ def quick_estimate(system: System, trajectory: Trajectory, groups: Sizes) -> Qui
         worst = [max(w, abs(u - r), abs(d - r), least * abs(r)) for w, r, u, d in zip(worst, one, up, down)]
         a, b = span * generic(k), span * generic(-k - 1)
         direction = [w + a * (u - r) + b * (d - r) for w, r, u, d in zip(direction, one, up, down)]
-    soon = span / max(trajectory.steps, 1)  # what moves the speeds moves the coordinates then
+    step = span / max(trajectory.steps, 1)  # what moves the speeds moves the coordinates then
     moved = system.displace(times[0], states[0], direction[system.nq : system.nq + system.nv])
-    return worst, [w + soon * m for w, m in zip(direction, moved)] + direction[system.nq :]
+    return worst, [w + step * m for w, m in zip(direction, moved)] + direction[system.nq :]
 
 
 def _least(system: System) -> float:
@@ -83,12 +83,12 @@ def quick_bound(system: System, trajectory: Trajectory, groups: Sizes, changes: 
 
 def event_shift(system: System, trajectory: Trajectory, groups: Sizes) -> float:
     """How far the round-off of event times moves the states, relative to their sizes."""
-    jolts, nq = trajectory.event_roundoff, system.nq
-    if not any(jolts):
+    shifts, nq = trajectory.event_roundoff, system.nq
+    if not any(shifts):
         return 0.0
     span = abs(trajectory.times[-1] - trajectory.times[0])
-    direction = system.displace(trajectory.times[0], trajectory.states[0], jolts[nq : nq + system.nv])
-    moved = [a + span * abs(b) for a, b in zip(jolts, direction)] + [*jolts[nq:]]
+    direction = system.displace(trajectory.times[0], trajectory.states[0], shifts[nq : nq + system.nv])
+    moved = [a + span * abs(b) for a, b in zip(shifts, direction)] + [*shifts[nq:]]
     return max((moved[i] / size for group, size in groups if size > 0.0 for i in group), default=0.0)
 
 
@@ -126,7 +126,7 @@ def _shifted(x: Sequence[float], k: int) -> list[float]:
             for i, a in enumerate(x)]  # fmt: skip
 
 
-def nudged(x: Sequence[float], direction: int) -> list[float]:
+def neighbour(x: Sequence[float], direction: int) -> list[float]:
     """Every state replaced by the next number, up or down without a pattern; the other way for -1."""
     return [nextafter(a, inf if (i * 0x9E3779B1 & 0x4000 > 0) == (direction > 0) else -inf) if a else a
             for i, a in enumerate(x)]  # fmt: skip
@@ -153,8 +153,8 @@ def close_estimate(system: System, trajectory: Trajectory, groups: Sizes) -> lis
         worst = 0.0
         for group, size in moving:
             change, rate = max(changes[i] for i in group), max(rates[i] for i in group)
-            direction = _way(trajectory, group, first, last)
-            worst = max(worst, change * (min(time, direction / rate) if rate > 0.0 else time) / size)
+            distance = _distance(trajectory, group, first, last)
+            worst = max(worst, change * (min(time, distance / rate) if rate > 0.0 else time) / size)
         found.append((k, worst))
     return found
 
@@ -171,21 +171,21 @@ def _estimates(system: System, trajectory: Trajectory) -> list[Estimate]:
             moved = [a * (1.0 + (direction if i % 2 else -direction) * ULP) for i, a in enumerate(x)]
             with directed(direction):
                 found.append(rates_at(on.bind(system.parameters), trajectory.times[k], moved))
-        told = [f for f in found if f is not None]
-        if len(told) == 3:
-            changes = [max(abs(u - r), abs(d - r), least * abs(r)) for r, u, d in zip(*told)]
-            estimates.append((k, changes, [*map(abs, told[0])]))
+        values = [f for f in found if f is not None]
+        if len(values) == 3:
+            changes = [max(abs(u - r), abs(d - r), least * abs(r)) for r, u, d in zip(*values)]
+            estimates.append((k, changes, [*map(abs, values[0])]))
     return estimates
 
 
-def _way(trajectory: Trajectory, group: Sequence[int], first: int, last: int) -> float:
+def _distance(trajectory: Trajectory, group: Sequence[int], first: int, last: int) -> float:
     """The distance that a group travels between two recorded states.
 
     Turns between recorded states are counted by the number of steps.
     """
     states = trajectory.states[first : last + 1]
-    direction = sum(max(abs(y[i] - x[i]) for i in group) for x, y in pairwise(states))
-    return direction * max(1.0, trajectory.steps / max(len(trajectory.states) - 1, 1))
+    distance = sum(max(abs(y[i] - x[i]) for i in group) for x, y in pairwise(states))
+    return distance * max(1.0, trajectory.steps / max(len(trajectory.states) - 1, 1))
 
 
 FAINT = 1e4  # times the round-off of its rates over the time: a group that exceeds this soon moves
@@ -209,9 +209,9 @@ def find_noise_groups(system: System, run: Trajectory, groups: Sizes, estimate: 
     fresh = [k for k, (group, _) in enumerate(groups) if not any(first[i] for i in group)]
     amounts = [span * max(changes[i] for i in group) for group, _ in groups]
     where = picked(run)
-    soon = run.states[: where[1] + 1]  # later, round-off may have grown
+    early = run.states[: where[1] + 1]  # later, round-off may have grown
     speeds = [k for k in fresh if groups[k][0][0] >= nq and amounts[k] > 0.0
-              and max(abs(x[i]) for x in soon for i in groups[k][0]) <= FAINT * amounts[k]]  # fmt: skip
+              and max(abs(x[i]) for x in early for i in groups[k][0]) <= FAINT * amounts[k]]  # fmt: skip
     if not speeds:
         return {}
     small = [(i, SEVERAL * amounts[k]) for k in speeds for i in groups[k][0]]
@@ -280,8 +280,8 @@ def _limits(
         y = _without(x, zero)
         last = [generic(7 * k + i) * ULP * abs(a) for i, a in enumerate(y[:n])]
         off = [a + generic(5 * k) * b for a, b in zip(last[nq:], direction[nq:])]
-        soon = max(step, abs(t - run.times[0]))
-        directions = [a + soon * b for a, b in zip(last, system.displace(t, y, off))] + off
+        elapsed = max(step, abs(t - run.times[0]))
+        directions = [a + elapsed * b for a, b in zip(last, system.displace(t, y, off))] + off
         other = _without([a + b for a, b in zip(y, directions)] + y[n:], zero)
         on = system.on(t, x)
         one, two = rates_at(on, t, y), rates_at(on, t, other)

@@ -66,7 +66,7 @@ def remember(name: str, found: Remembered) -> None:
     cache.store("accuracy", name, marshal.dumps([getattr(found, name) for name in names(Remembered)], FORMAT))
 
 
-def strays(trajectory: Trajectory, end: Sequence[float], groups: Sizes) -> float:
+def distance_from(trajectory: Trajectory, end: Sequence[float], groups: Sizes) -> float:
     """The scaled distance between the last state of `trajectory` and `end`."""
     last = trajectory.states[-1]
     return max((abs(last[i] - end[i]) / size for group, size in groups if size for i in group), default=0.0)
@@ -136,7 +136,7 @@ def verified_run(
         if arrived(trajectory):
             noise = dict(remembered.noise)
             groups = moving(sizes(trajectory, system.interface), noise)
-            if strays(trajectory, remembered.end, groups) <= remembered.estimated:
+            if distance_from(trajectory, remembered.end, groups) <= remembered.estimated:
                 return Verified(trajectory, options, remembered.estimated, tried=search.tried, noise=noise)
     before = search.tried
     search = _Search(system, x0, times, accuracy, progress, max_step)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.lowering.program import Interface
-from lagc.simulation.initialization.result import Anchor, Change, Missed, Start
+from lagc.simulation.initialization.result import Anchor, Change, Start, Unmet
 from lagc.simulation.initialization.solver import Conditions, Consistency, least_norm
 from lagc.simulation.system import FIXED, NOT_FINITE, OK, RUN, UNSTATED, System
 
@@ -35,13 +35,13 @@ def search(system: System, t: float, guess: list[float], levels: list[int]) -> S
     return Start(x, (), *found.conflict(tried))
 
 
-def _strange(interface: Interface, rate: int) -> tuple[Missed, ...]:
+def _strange(interface: Interface, rate: int) -> tuple[Unmet, ...]:
     """The stated rate that is not finite; nothing where it is another start value."""
     if rate < 0:
         return ()
     place = interface.start_places[len(interface.start_places) - len(interface.rate_names) + rate]
     name = f"what `{interface.rate_names[rate]}` ({place}) is stated to be"
-    return (Missed(name, float("nan"), interface.rate_units[rate], ("start", interface.rate_names[rate])),)
+    return (Unmet(name, float("nan"), interface.rate_units[rate], ("start", interface.rate_names[rate])),)
 
 
 def conditions_of(system: System) -> Conditions:
@@ -70,7 +70,7 @@ class _Words:
         self.rows = _rows(interface)
 
     def changes(self, search: Consistency) -> tuple[Change, ...]:
-        """What is not as given, of the rates that were stated too."""
+        """Return the values that differ from the given ones, stated rates included."""
         y, weights, free, part = search.y, search.weights, search.free, search.part
         moved = []
         for i, (given, used) in enumerate(zip(self.given, y)):
@@ -122,10 +122,10 @@ class _Words:
             kept = (_combined(slopes, right, [i for i in kept if i != k]) if k in kept else None) or kept
         return tuple([self.rows[rows[k]][0] for k in kept])
 
-    def conflict(self, search: Consistency) -> tuple[tuple[Missed, ...], tuple[str, ...], tuple[Anchor, ...]]:
+    def conflict(self, search: Consistency) -> tuple[tuple[Unmet, ...], tuple[str, ...], tuple[Anchor, ...]]:
         """The conditions, and the values that are fixed, that contradict each other; none is superfluous."""
         c = search.evaluate(search.y)[0]
-        at_guess = search.evaluate(search.home)[0]
+        at_guess = search.evaluate(search.guess)[0]
         strange = [k for k, value in enumerate(at_guess) if not abs(value) < float("inf")]
         if not strange and not search.has_begun:
             strange = [search.culprit]
@@ -143,15 +143,15 @@ class _Words:
                     held.append(f"`{name}` ({self.interface.start_places[i]})")
                     anchors.append(("start", self.names[i]))
         amounts = [abs(c[k]) if abs(at_guess[k]) < float("inf") else float("nan") for k in rows]
-        missed = [Missed(self.rows[k][0], a, *self.rows[k][1:]) for k, a in zip(rows, amounts)]
-        return tuple(missed), tuple(held), tuple(anchors)
+        unmet = [Unmet(self.rows[k][0], a, *self.rows[k][1:]) for k, a in zip(rows, amounts)]
+        return tuple(unmet), tuple(held), tuple(anchors)
 
     def _minimal(self, levels: list[int], search: Consistency) -> list[int]:
-        """Of the rows of `search`, which have no common solution, some that have none either, but any fewer
-        of them do; where such are not found, all of them, less the rates where those of positions do.
+        """Return a minimal inconsistent set of the equations of `search`, which have no common solution. If
+        none is found, return all of them, without the rates if the positions alone are inconsistent.
 
-        What is left out sets others free to go far, as all links of a chain but the last ones: that no start
-        is near the guess does not say yet that there is none.
+        Without some equations, others may have a solution far from the guess, as for all links of a chain
+        but the last ones. So the search for one is repeated with more patience.
         """
         rows, ended = search.rows, self._ended(search, self.guess)
         for patience in _PATIENCE:
@@ -193,8 +193,10 @@ def _combined(slopes: Sequence[Sequence[float]], right: list[float], rows: Seque
     """Those of `rows`, columns of `slopes`, that take part in a combination that is `right`, if one is."""
     table = [[slope[k] for k in rows] for slope in slopes]
     factors = least_norm(table, right, _SHOWN) if rows and slopes else []
-    missed = [abs(sum(a * b for a, b in zip(slope, factors)) - wanted) for slope, wanted in zip(table, right)]
-    if not factors or not max(missed) < _PART:
+    residuals = [
+        abs(sum(a * b for a, b in zip(slope, factors)) - wanted) for slope, wanted in zip(table, right)
+    ]
+    if not factors or not max(residuals) < _PART:
         return None
     least = _PART * max(map(abs, factors))
     return [k for k, factor in zip(rows, factors) if abs(factor) > least]

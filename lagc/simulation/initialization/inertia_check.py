@@ -33,8 +33,8 @@ def negative_speed(system: System, t: float, x: Sequence[float]) -> int | None:
     bound = len(basis)
     for unit in units:
         _extend(basis, unit)
-    ways = [[a * b for a, b in zip(way, sizes)] for way in basis[bound:]]
-    found = _negative(ways, form)
+    directions = [[a * b for a, b in zip(direction, sizes)] for direction in basis[bound:]]
+    found = _negative(directions, form)
     return None if found is None else max(range(nv), key=lambda j: abs(basis[bound + found][j]))
 
 
@@ -62,13 +62,13 @@ def _unit(k: int, n: int) -> list[float]:
     return [float(i == k) for i in range(n)]
 
 
-def _negative(ways: Sequence[Sequence[float]], form: Form) -> int | None:
-    """The first way along which, less what those before share of it, `form` is negative."""
-    n, own = len(ways), [form(way) for way in ways]
-    table = [[0.0] * n for _ in ways]
+def _negative(directions: Sequence[Sequence[float]], form: Form) -> int | None:
+    """The first direction along which, less what those before share of it, `form` is negative."""
+    n, own = len(directions), [form(direction) for direction in directions]
+    table = [[0.0] * n for _ in directions]
     for k in range(n):
         for i in range(k):
-            both = form([a + b for a, b in zip(ways[k], ways[i])])
+            both = form([a + b for a, b in zip(directions[k], directions[i])])
             table[k][i] = table[i][k] = 0.5 * (both - own[k] - own[i])
         table[k][k] = own[k]
     for k in range(n):

@@ -1,4 +1,4 @@
-"""What must be there before the first step: a consistent start at which the motion is determined."""
+"""Find consistent initial conditions, and check that they determine the motion."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.host.budgets import doing
-from lagc.simulation.initialization.result import Anchor, Start, told
+from lagc.simulation.initialization.result import Anchor, Start, unmet_lines
 from lagc.simulation.request import Request, keep_limits
 from lagc.simulation.system import (
     FAILED,
@@ -54,8 +54,8 @@ def begin(system: System, request: Request) -> Start:
     doing("finding the start")
     began = perf_counter()
     start = consistent_start(system, 0.0, request.starts, request.guesses)
-    if start.missed:
-        anchors = [*(m.anchor for m in start.missed), *start.anchors]
+    if start.unmet:
+        anchors = [*(m.anchor for m in start.unmet), *start.anchors]
         raise NoStart(_conflict(start), anchors, start.x, system)
     for i, value in enumerate(start.x):
         if not isfinite(value):
@@ -127,7 +127,7 @@ def demand(system: System, run: Trajectory) -> None:
 
 
 def undetermined(system: System, status: int, k: int, x: Sequence[float]) -> NoStart:
-    """What the status (one of FAILED) of the equations at the start means, k its culprit."""
+    """Explain the status (one of FAILED) of the equations at the start; k is its culprit."""
     interface = system.interface
     if status == SINGULAR_MASS:
         if not 0 <= k < system.nv:
@@ -140,7 +140,7 @@ def undetermined(system: System, status: int, k: int, x: Sequence[float]) -> NoS
         fault, anchors = Fault("LAG0612", message), [("speed", name) for name in interface.v_names[k : k + 1]]
     elif status == INCONSISTENT:
         message = f"the constraints contradict each other at the start: {row_name(system, k)}"
-        fault = Fault("LAG0614", message, remedy="let one of them go, or begin in another posture")
+        fault = Fault("LAG0614", message, remedy="let one of them go, or begin in another configuration")
         anchors = [("row", interface.row_labels[k])] if k >= 0 else []
     else:
         message = f"the rate of {state_name(system, k)} is not a finite number at the start"
@@ -150,16 +150,16 @@ def undetermined(system: System, status: int, k: int, x: Sequence[float]) -> NoS
 
 
 def _conflict(start: Start) -> Fault:
-    missed, held = told(start.missed), list(start.held)
-    named = f"{'; '.join(missed[:MOST_NAMED])}{more(missed, MOST_NAMED)}"
+    unmet, held = unmet_lines(start.unmet), list(start.held)
+    named = f"{'; '.join(unmet[:MOST_NAMED])}{more(unmet, MOST_NAMED)}"
     message = f"no start was found that meets all conditions: {named}"
     if held:
         verb = "is" if len(held) == 1 else "are"
         message += f", where {', '.join(held[:MOST_NAMED])}{more(held, MOST_NAMED)} {verb} held fixed"
     remedy = (
-        "state values nearer to a start, or let one of these conditions go" if len(start.missed) > 1 else None
+        "state values nearer to a start, or let one of these conditions go" if len(start.unmet) > 1 else None
     )
-    if any(not abs(one.amount) < inf for one in start.missed):
+    if any(not abs(one.amount) < inf for one in start.unmet):
         remedy = "state other values: where they are zero `norm` and `sqrt` have no slope, `log` no value"
     if held:
         remedy = f"let one of {', '.join(held[:MOST_NAMED])} go" if len(held) > 1 else f"let {held[0]} go"

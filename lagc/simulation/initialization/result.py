@@ -38,12 +38,12 @@ class Change:
         return f"`{self.name}` starts at {values}{place}{forced}"
 
 
-# What of the model: ("row", label), ("initial", number), ("start" or "state" or "speed", name).
+# A part of the model: ("row", label), ("initial", number), ("start" or "state" or "speed", name).
 Anchor: TypeAlias = tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True)
-class Missed:
+class Unmet:
     """A condition that the start does not meet: `name` as the user knows it, by how much (SI)."""
 
     name: str
@@ -57,12 +57,12 @@ class Missed:
         return f"{self.name} is missed by {self.amount:.3g}{' ' + self.unit if self.unit else ''}"
 
 
-def told(missed: Sequence[Missed]) -> list[str]:
+def unmet_lines(unmet: Sequence[Unmet]) -> list[str]:
     """A sentence for each, and one for those of a family: elements of arrays, and their instances."""
     import re
 
-    families: dict[tuple[str, bool], list[Missed]] = {}
-    for one in missed:
+    families: dict[tuple[str, bool], list[Unmet]] = {}
+    for one in unmet:
         family = re.sub(r"\[[^\]]*\]", "[]", one.name), abs(one.amount) < float("inf")
         families.setdefault(family, []).append(one)
     found: list[str] = []
@@ -78,20 +78,20 @@ def told(missed: Sequence[Missed]) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """The state to begin with.  `missed` is empty where it is consistent; else these conditions and
+    """The state to begin with.  `unmet` is empty if it is consistent; else these conditions and
     the values `held` contradict each other, and each of them takes part."""
 
     x: list[float]
     changes: tuple[Change, ...] = ()
-    missed: tuple[Missed, ...] = ()
+    unmet: tuple[Unmet, ...] = ()
     held: tuple[str, ...] = ()
     anchors: tuple[Anchor, ...] = ()  # of the values held
     seconds: float = 0.0  # that it took
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is worth telling: each stated value that moved, in one line where they are many or moved
-        little; the others in one line."""
+        """Return a line for each stated value that moved, or one line if they are many or moved little; and
+        one line for the other values."""
         stated = [c for c in self.changes if c.stated]
         found = [c for c in self.changes if not c.stated]
         lines = [str(c) for c in stated]

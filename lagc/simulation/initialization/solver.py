@@ -17,7 +17,7 @@ from lagc.codegen.kernel_compiler.linker import (
     stretches,
     with_quaternions,
 )
-from lagc.codegen.python.initialization import SWITCHES, code
+from lagc.codegen.python.initialization import FLAGS, code
 from lagc.simulation.system import OK, UNSTATED
 
 MET = 8  # points whose conditions are remembered: a search of all of them comes back, two times of three
@@ -85,7 +85,7 @@ class Conditions:
             "row_piece": self.row_pieces, "massless": self.massless, "fn_measures": self._measures,
             "fn_conditions": self._conditions, "fn_conditions_some": self._some,
         }  # fmt: skip
-        exec(code(tuple([found[name] > 0 for name in SWITCHES])), found)
+        exec(code(tuple([found[name] > 0 for name in FLAGS])), found)
         return found
 
     def _conditions(self, p: list[float], t: float, y: list[float], c: list[float], jacobian: list[float],
@@ -129,25 +129,25 @@ class Consistency:
                  given: Sequence[int] | None = None):  # fmt: skip
         self.conditions, self.t = conditions, t
         self.kernels, self.n = conditions.kernels, conditions.n
-        self.room = self.kernels["StartWork"]()
-        self.status: int = self.kernels["prepare"](conditions.parameters, t, x, levels, self.room)
+        self.work_space = self.kernels["StartWork"]()
+        self.status: int = self.kernels["prepare"](conditions.parameters, t, x, levels, self.work_space)
         self.has_begun = self.status == OK  # else `culprit` is what of the guess has no value or no direction
         if not self.has_begun:
-            self.room.y[:] = self.room.guess
+            self.work_space.y[:] = self.work_space.guess
         elif given is not None:
-            self.room.selected[: len(given)] = given
-            self.kernels["select_equations"](len(given), self.room)
+            self.work_space.selected[: len(given)] = given
+            self.kernels["select_equations"](len(given), self.work_space)
 
     def run(self) -> int:
         """OK, INCONSISTENT or NOT_FINITE."""
         if self.has_begun:
-            self.status = self.kernels["reach_start"](self.conditions.parameters, self.t, self.room)
+            self.status = self.kernels["reach_start"](self.conditions.parameters, self.t, self.work_space)
         return self.status
 
     def solve(self, first: int, end: int) -> bool:
         """Whether attempts first..end-1 alone lead to a start, what is free moving."""
         found: bool = self.has_begun and self.kernels["multistart"](
-            self.conditions.parameters, self.t, first, end, self.room
+            self.conditions.parameters, self.t, first, end, self.work_space
         )
         return found
 
@@ -160,54 +160,54 @@ class Consistency:
 
     @property
     def y(self) -> list[float]:
-        return list(self.room.y)
+        return list(self.work_space.y)
 
     @property
-    def home(self) -> list[float]:
-        return list(self.room.guess)
+    def guess(self) -> list[float]:
+        return list(self.work_space.guess)
 
     @property
     def weights(self) -> list[float]:
-        return list(self.room.scaling)
+        return list(self.work_space.scaling)
 
     @property
     def levels(self) -> list[int]:
-        return list(self.room.levels)
+        return list(self.work_space.levels)
 
     @property
     def free(self) -> list[bool]:
-        return [loose == 1 for loose in self.room.free]
+        return [free == 1 for free in self.work_space.free]
 
     @property
     def part(self) -> list[bool]:
         """Of a quaternion, behind its first."""
-        return [part == 1 for part in self.room.part]
+        return [part == 1 for part in self.work_space.part]
 
     @property
     def rows(self) -> list[int]:
-        return list(self.room.rows[: self.room.row_count])
+        return list(self.work_space.rows[: self.work_space.row_count])
 
     @property
     def culprit(self) -> int:
-        return int(self.room.culprit)
+        return int(self.work_space.culprit)
 
     @property
     def work(self) -> int:
         """Factorisations."""
-        return int(self.room.work)
+        return int(self.work_space.work)
 
 
 def least_norm(rows: Sequence[Sequence[float]], right: Sequence[float], dependent: float) -> list[float]:
     """The shortest y with rows . y = right; empty where a number is not finite.  Rows that depend on the ones
     before (to `dependent` of their length) are left out, the longest remaining row first."""
     kernels: dict[str, Any] = {}
-    exec(code((False,) * len(SWITCHES)), kernels)
+    exec(code((False,) * len(FLAGS)), kernels)
     m, n = len(rows), len(rows[0])
     filled = [[j for j, value in enumerate(row) if value != 0.0] for row in rows]
     line = list(dict.fromkeys([*(j for own in filled for j in own), *range(n)]))  # so that rows are narrow
     place = {j: k for k, j in enumerate(line)}
     ends = [(min(own), max(own) + 1) if own else (0, 0) for own in ([place[j] for j in f] for f in filled)]
-    room = SimpleNamespace(
+    work_space = SimpleNamespace(
         matrix=[[row[j] for j in line] for row in rows],
         orthogonal=[[0.0] * n for _ in rows], right=list(right),
         first_column=[begin for begin, _ in ends], end_column=[stop for _, stop in ends],
@@ -215,6 +215,6 @@ def least_norm(rows: Sequence[Sequence[float]], right: Sequence[float], dependen
         **{name: [0] * m for name in ("first_nonzero", "end_nonzero", "by_first", "reach_so_far",
                                       "neighbours", "chosen")},
     )  # fmt: skip
-    if not kernels["least_norm"](room, m, n, dependent, 0.0):
+    if not kernels["least_norm"](work_space, m, n, dependent, 0.0):
         return []
-    return [room.step[place[j]] for j in range(n)]
+    return [work_space.step[place[j]] for j in range(n)]

@@ -34,7 +34,7 @@ def placed(equations: EquationsOfMotion, found: NoStart) -> Refused:
     elif fault.code == "LAG0612":
         light = _light(equations, values)
         spans += [(body.span, f"the mass of `{body.name}` is {mass:g} kg") for body, mass in light]
-        remedy = "begin in another posture, or choose other coordinates: this one moves nothing there"
+        remedy = "begin in another configuration, or choose other coordinates: this one moves nothing there"
         if light:
             named = " or ".join([f"`{body.name}`" for body, _ in light[:MOST_SHOWN]])
             remedy = f"give {named} a positive mass, or inertia"
@@ -70,7 +70,7 @@ def _spans(equations: EquationsOfMotion, anchor: Anchor) -> Iterator[tuple[Span,
 
 
 def _begun(equations: EquationsOfMotion) -> list[Symbol]:
-    """What `equations.starts` are of."""
+    """Return the states and rates to which `equations.starts` belong."""
     rates = [s.symbol for s in equations.stated_rates]
     return [x.record for x in (*equations.q, *equations.v, *rates)]
 
@@ -102,7 +102,7 @@ def _strange(
 def _suspects(
     equations: EquationsOfMotion, code: str, found: NoStart
 ) -> Iterator[tuple[Span | None, Sequence[Node]]]:
-    """What may lack a value, what a person wrote before what was derived from it."""
+    """Yield the expressions that may lack a value: those of the model text first, then derived ones."""
     labels = {name for kind, name in found.anchors if kind == "row"}
     if code in ("LAG0610", "LAG0611"):
         for state, start in zip(_begun(equations), equations.starts):

@@ -142,16 +142,18 @@ def _put_back(point: Point, x: Array, sizes: Array) -> Array | None:
     x = x.copy()
     for _ in range(TURNS):
         rows = Point(system, point.t, x.tolist()).partial("condition", "state")[:nh, :nq] * sizes[:nq]
-        missed = np.array(system.position(point.t, x.tolist()))
+        residual = np.array(system.position(point.t, x.tolist()))
         norms = np.zeros((len(system.quaternions), nq))
         for k, first in enumerate(system.quaternions):
             part = x[first : first + 4]
             norms[k, first : first + 4] = part * sizes[first : first + 4]
-            missed = np.append(missed, (part @ part - 1.0) / 2.0)
+            residual = np.append(residual, (part @ part - 1.0) / 2.0)
         table = np.vstack([rows, norms])
-        if not (np.isfinite(table).all() and np.isfinite(missed).all()):
+        if not (np.isfinite(table).all() and np.isfinite(residual).all()):
             return None
         length = np.abs(table).max(axis=1)
         length[length == 0.0] = 1.0
-        x[:nq] -= sizes[:nq] * (np.linalg.pinv(table / length[:, None], rcond=DEPENDENT) @ (missed / length))
+        x[:nq] -= sizes[:nq] * (
+            np.linalg.pinv(table / length[:, None], rcond=DEPENDENT) @ (residual / length)
+        )
     return x

@@ -238,11 +238,11 @@ def _on_all_sides(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
         if jumps(point, own, modes, np.maximum(np.abs(point.x), sizes)):
             raise ArithmeticError(f"forces are discontinuous there, where {words}: there is no linear model")
     found = _linearized(system, t, x, own)
-    notes = [_bent(words, found, _linearized(system, t, x, modes)) for words, modes in others]
+    notes = [_branch_note(words, found, _linearized(system, t, x, modes)) for words, modes in others]
     return replace(found, notes=(*found.notes, *[note for note in notes if note]))
 
 
-def _bent(words: str, one: Linear, two: Linear) -> str:
+def _branch_note(words: str, one: Linear, two: Linear) -> str:
     """A note on the entries that differ on the other side, or ""."""
     from lagc.simulation.linearization.nonsmooth_points import differing
 

@@ -93,16 +93,16 @@ class _Consistent:
     def slopes(self, own: Array) -> tuple[Array, Array]:
         """The derivatives of the unknowns and their errors, if stated values change by `own`."""
         doubts = np.zeros_like(own)
-        rows, missed = self._conditions(own)
+        rows, residual = self._conditions(own)
         above, below = self._reached(NEARBY), self._reached(-NEARBY)
         free = _moving(above)
         if self.d.state in free:
             raise ArithmeticError(f"`{self.d.name}` cannot be stated: the initial equations determine it")
         self._demand(free, _moving(below))
-        offset, rank = self._shortest(rows, missed, own, free)
+        offset, rank = self._shortest(rows, residual, own, free)
         if rank < len(free):
             own[free], doubts[free] = self._chosen(free)
-            offset, _ = self._shortest(rows, missed, own, free)
+            offset, _ = self._shortest(rows, residual, own, free)
         own[free] += self.weights[free] * offset
         ahead = 2.0 * NEARBY * self.size * own
         apart = np.abs(np.array(above.y) - below.y - ahead) / self.weights
@@ -115,7 +115,7 @@ class _Consistent:
         point, system, n = self.point, self.system, len(self.point.x)
         count, rates = len(point.value("condition")), len(own) - n
         rows = np.zeros((count + len(system.quaternions), len(own)))
-        missed = np.zeros(len(rows))
+        residual = np.zeros(len(rows))
         rows[:count, :n] = point.partial("condition", "state")
         for k in range(rates):
             rows[count - rates + k, n + k] = -1.0
@@ -124,21 +124,21 @@ class _Consistent:
             rows[count + k, first : first + 4] = q
             own[first : first + 4] -= q * (q @ own[first : first + 4])
         if self.d.parameter is not None:
-            missed[:count] = point.partial("condition", "parameter")[:, self.d.parameter]
-        if not (np.isfinite(rows).all() and np.isfinite(missed).all()):
+            residual[:count] = point.partial("condition", "parameter")[:, self.d.parameter]
+        if not (np.isfinite(rows).all() and np.isfinite(residual).all()):
             raise ArithmeticError(f"the initial equations have no finite derivatives by `{self.d.name}`")
-        return rows, missed
+        return rows, residual
 
-    def _shortest(self, rows: Array, missed: Array, own: Array, free: list[int]) -> tuple[Array, int]:
+    def _shortest(self, rows: Array, residual: Array, own: Array, free: list[int]) -> tuple[Array, int]:
         """The smallest change of the free unknowns, relative to their sizes, that satisfies the equations
         when all unknowns change by `own`; and the rank."""
-        terms = np.abs(missed) + np.abs(rows) @ np.abs(own)
-        missed = missed + rows @ own
+        terms = np.abs(residual) + np.abs(rows) @ np.abs(own)
+        residual = residual + rows @ own
         table = rows[:, free] * self.weights[free]
         lengths = np.abs(table).max(axis=1, initial=0.0)
         scale = 1.0 / np.where(lengths > 0.0, lengths, 1.0)
-        offset, _, rank, _ = np.linalg.lstsq(table * scale[:, None], -missed * scale, rcond=DEPENDENT)
-        left = np.abs(table @ offset + missed)
+        offset, _, rank, _ = np.linalg.lstsq(table * scale[:, None], -residual * scale, rcond=DEPENDENT)
+        left = np.abs(table @ offset + residual)
         rounding = DEPENDENT * np.abs(table).sum(axis=1) * np.abs(offset).max(initial=0.0)
         if (left > MET * (terms + np.abs(table) @ np.abs(offset)) + rounding).any():
             raise ArithmeticError(f"the initial state has no derivative by `{self.d.name}`: no nearby "

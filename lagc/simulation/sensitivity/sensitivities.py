@@ -152,7 +152,7 @@ class Sensitivities:
             _doubts={},
         )  # fmt: skip
 
-    def told(self) -> dict[str, Any]:
+    def as_data(self) -> dict[str, Any]:
         """The summary for JSON."""
         return {
             "of": [d.name for d in self.directions],

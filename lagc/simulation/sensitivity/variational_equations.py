@@ -59,12 +59,12 @@ class Tableau:
     def coefficients(self, old: Array, new: Array, table: Array, h: float) -> list[Array]:
         """The coefficients of dense output of a step; `table` includes its stages."""
         change, first, last = new - old, table[0], table[self.stages]
-        bend = h * first - change
+        curvature = h * first - change
         return [
             old,
             change,
-            bend,
-            change - h * last - bend,
+            curvature,
+            change - h * last - curvature,
             *(h * combined(row, table) for row in self.dense),
         ]
 
@@ -356,12 +356,12 @@ class Variation:
             own[k : k + 4] -= np.outer(q, q @ own[k : k + 4]) / (q @ q)
         if nc:
             rows, inverse = point.partial("condition", "state")[: nh + nc], point.inverse
-            missed = np.zeros((nh + nc, own.shape[1]))
+            residual = np.zeros((nh + nc, own.shape[1]))
             if self.columns:
-                missed[:, self.by_p] = point.partial("condition", "parameter")[: nh + nc, self.columns]
-            phi = missed[:nh] + rows[:nh, :nq] @ own[:nq]
+                residual[:, self.by_p] = point.partial("condition", "parameter")[: nh + nc, self.columns]
+            phi = residual[:nh] + rows[:nh, :nq] @ own[:nq]
             own[:nq] -= point.partial("qdot", "state")[:, nq:] @ (inverse[:nv, nv : nv + nh] @ phi)
-            psi = missed[nh:] + rows[nh:] @ own
+            psi = residual[nh:] + rows[nh:] @ own
             own[nq:] -= inverse[:nv, nv:] @ psi
         return own
 

@@ -100,7 +100,7 @@ static void lagc_fn_watch(const lagc_params *p, lagc_real *health)
     health[1] = (t6 + (t4 * (t4 * prepared4) + t5 * (t5 * prepared2))) / t8;
 }
 
-/* mass matrix, forces and constraint rows */
+/* mass matrix, forces and constraint equations */
 static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *qdot, lagc_real *M, lagc_real *r, lagc_real *G, lagc_real *gamma)
 {
     const lagc_real u = x[3];
@@ -228,7 +228,7 @@ static void lagc_fn_position(const lagc_params *p, lagc_real t, const lagc_real 
     (void)(phi);
 }
 
-/* rates of the constraint rows */
+/* rates of the constraint equations */
 static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *psi)
 {
     /* edge, chaplygin_sleigh_speeds.lag:23 */
@@ -237,7 +237,7 @@ static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real 
     (void)(t);
 }
 
-/* size of the terms of each constraint row */
+/* size of the terms of each constraint equation */
 static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
 {
     s[0] = fabs(x[4]) * 2.0 + 1e-300;
@@ -263,7 +263,7 @@ static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc
     (void)(x);
 }
 
-/* reach of each constraint row */
+/* reach of each constraint equation */
 static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *c, lagc_real *s)
 {
     const lagc_real size2 = c[2];

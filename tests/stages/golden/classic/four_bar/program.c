@@ -264,7 +264,7 @@ static void lagc_fn_watch(const lagc_params *p, lagc_real *health)
     health[1] = (t6 * (t6 * prepared2) + t8 * (health18 * t8) + t12) / t14;
 }
 
-/* mass matrix, forces and constraint rows */
+/* mass matrix, forces and constraint equations */
 static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *qdot, lagc_real *M, lagc_real *r, lagc_real *G, lagc_real *gamma)
 {
     const lagc_real der_q1 = x[3];
@@ -568,7 +568,7 @@ static void lagc_fn_position(const lagc_params *p, lagc_real t, const lagc_real 
     (void)(t);
 }
 
-/* rates of the constraint rows */
+/* rates of the constraint equations */
 static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *psi)
 {
     const lagc_real q1 = x[0];
@@ -596,7 +596,7 @@ static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real 
     (void)(t);
 }
 
-/* size of the terms of each constraint row */
+/* size of the terms of each constraint equation */
 static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
 {
     const lagc_real q1 = x[0];
@@ -674,7 +674,7 @@ static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc
     (void)(t);
 }
 
-/* reach of each constraint row */
+/* reach of each constraint equation */
 static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *c, lagc_real *s)
 {
     const lagc_real size0 = c[0];

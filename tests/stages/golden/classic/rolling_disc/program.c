@@ -228,7 +228,7 @@ static void lagc_fn_watch(const lagc_params *p, lagc_real *health)
     health[1] = (t21 + (t17 + (t10 * (t10 * prepared2) + t11 * (health17 * t11)))) / t22;
 }
 
-/* mass matrix, forces and constraint rows */
+/* mass matrix, forces and constraint equations */
 static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *qdot, lagc_real *M, lagc_real *r, lagc_real *G, lagc_real *gamma)
 {
     qdot[0] = x[6];
@@ -546,7 +546,7 @@ static void lagc_fn_position(const lagc_params *p, lagc_real t, const lagc_real 
     (void)(t);
 }
 
-/* rates of the constraint rows */
+/* rates of the constraint equations */
 static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *psi)
 {
     const lagc_real r_ = p->r;
@@ -570,7 +570,7 @@ static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real 
     (void)(t);
 }
 
-/* size of the terms of each constraint row */
+/* size of the terms of each constraint equation */
 static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
 {
     const lagc_real lean = x[4];
@@ -660,7 +660,7 @@ static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc
     (void)(t);
 }
 
-/* reach of each constraint row */
+/* reach of each constraint equation */
 static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *c, lagc_real *s)
 {
     const lagc_real size0 = c[0];

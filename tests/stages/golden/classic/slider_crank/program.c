@@ -159,7 +159,7 @@ static void lagc_fn_watch(const lagc_params *p, lagc_real *health)
     health[1] = (t5 * (t5 * prepared1) - t7 * (health13 * t7) + t9) / t11;
 }
 
-/* mass matrix, forces and constraint rows */
+/* mass matrix, forces and constraint equations */
 static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *qdot, lagc_real *M, lagc_real *r, lagc_real *G, lagc_real *gamma)
 {
     const lagc_real der_phi = x[3];
@@ -345,7 +345,7 @@ static void lagc_fn_position(const lagc_params *p, lagc_real t, const lagc_real 
     (void)(t);
 }
 
-/* rates of the constraint rows */
+/* rates of the constraint equations */
 static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *psi)
 {
     const lagc_real psi_ = x[1];
@@ -360,7 +360,7 @@ static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real 
     (void)(t);
 }
 
-/* size of the terms of each constraint row */
+/* size of the terms of each constraint equation */
 static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
 {
     const lagc_real phi_ = x[0];
@@ -404,7 +404,7 @@ static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc
     (void)(t);
 }
 
-/* reach of each constraint row */
+/* reach of each constraint equation */
 static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *c, lagc_real *s)
 {
     const lagc_real size0 = c[0];

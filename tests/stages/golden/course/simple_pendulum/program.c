@@ -30,7 +30,7 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     (void)(lam);
 }
 
-/* mass matrix, forces and constraint rows */
+/* mass matrix, forces and constraint equations */
 static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *qdot, lagc_real *M, lagc_real *r, lagc_real *G, lagc_real *gamma)
 {
     qdot[0] = x[1];
