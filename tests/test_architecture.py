@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -96,3 +97,37 @@ def test_the_checkers_have_nothing_to_say(arguments: str) -> None:
 def test_every_room_says_what_it_is_for() -> None:
     silent = [path for path in (ROOT / "lagc").rglob("__init__.py") if not path.read_text().startswith('"""')]
     assert not silent
+
+
+FOLDERS = {
+    "docs",
+    "grammar",
+    "lagc",
+    "models",
+    "tests",
+    "tools",
+    *(p.name for p in (ROOT / "lagc").iterdir()),
+}
+
+
+def paths_in(text: str) -> list[str]:
+    """Return the paths in backticks: files of Python, and whatever begins with a folder of the project."""
+    named = re.findall(r"`([\w./-]+)`", text)
+    return [
+        path
+        for path in named
+        if re.search(r"\w\.py$", path) or (path.split("/")[0] in FOLDERS and "/" in path)
+    ]
+
+
+def test_documents_name_files_that_exist() -> None:
+    """A path begins at the root or in `lagc`; a bare name is that of a file of `lagc`."""
+    names = {path.name for path in (ROOT / "lagc").rglob("*.py")}
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")]
+    found = [(page.name, path) for page in pages for path in paths_in(page.read_text(encoding="utf-8"))]
+    assert ("events.md", "lagc/kernels/events") in found
+    assert not [
+        (page, path)
+        for page, path in found
+        if not ((ROOT / path).exists() or (ROOT / "lagc" / path).exists() or path in names)
+    ]

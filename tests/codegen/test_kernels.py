@@ -28,8 +28,8 @@ HEAD = "from lagc.kernels.language.words import *\n"
 
 
 def library(text: str) -> Library:
-    """The kernels of one file, for sizes NX, NC and the switch STRAIGHT."""
-    found = Library(DOUBLE, sizes=frozenset({"NX", "NC", "NZ"}))
+    """The kernels of one file, for sizes NX, NC and the flag STRAIGHT."""
+    found = Library(DOUBLE, sizes=frozenset({"NX", "NC", "NZ"}), tables={"level": ("IVec", "NX")})
     found.signatures = {"fn_model": Signature((("Vec", "NX"),), ("None",), [True])}
     found.module(module("a.py", text), {})
     return found
@@ -88,6 +88,9 @@ REFUSED = {
     "A = [1, 2]": "a constant is a number",
     "A = (1, 2)": "a constant is a number",
     "A = 1\nA = 2": "A is there already",
+    "def level(x: Real) -> Real:\n    return x": "level is there already",
+    "def table7(x: Real) -> Real:\n    return x": "table7 is there already",
+    "A = (1.0, 2.0)\ndef a(x: Real) -> Real:\n    return x": "a is there already",
     "def f(x: Pair) -> Real:\n    return 1.0": "a Pair is a result only",
     "def f(x: Real) -> Real:\n    return x, x": "not in the subset",
     "def f(x: Real) -> Pair:\n    return x": "not assigned",
@@ -107,7 +110,7 @@ def test_other_constructs_are_refused_with_their_place(text: str) -> None:
     assert REFUSED[text] in str(found.value)
 
 
-def test_every_kernel_is_printed_for_each_choice_of_switches() -> None:
+def test_every_kernel_is_printed_for_each_choice_of_flags() -> None:
     found = parts()
     names = [p["name"] for p in found if p["kind"] == "function"]
     assert len(names) == len(set(names)) > 60

@@ -8,6 +8,7 @@ from __future__ import annotations
 import ast
 import importlib
 import os
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -233,7 +234,8 @@ class Library:
 
     def function(self, part: Function, known: Mapping[str, Any], prefix: str, own: frozenset[str]) -> None:
         name = prefix + part.name
-        if name in self.signatures or name in self.constants:
+        taken = {*self.signatures, *self.constants, *self.tables, "piece"}
+        if name in taken or f"lagc_{name}" in self.spelled.values() or re.fullmatch(r"table\d+", name):
             raise Outside(part.file, part.line, f"{name} is there already")
 
         def typed(flags: Mapping[str, bool]) -> Types | str:
