@@ -35,6 +35,7 @@ FILES = (
     "events/when_clauses",
     "events/step_guards",
     "call_boundary",
+    "integrators/step_grid",
     "driver",
     "trajectory",
     "initialization/workspace",

@@ -30,9 +30,12 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
     s.error_old = 1e-4
     s.grid_begin = t
     s.grid_step = 0.0
+    s.grid_rest = 0.0
     s.position_drift = 0.0
     s.velocity_drift = 0.0
     s.grid_index = 0
+    s.grid_goal = 0
+    s.grid_stride = 1
     s.steps = 0
     s.rejected = 0
     s.rhs = 0
@@ -138,7 +141,6 @@ def evaluate_start(p: Params, s: State, direction: Real, w: Work) -> Status:
             again = True
             if NMODE > 0:
                 elsewhere = True
-            s.grid_step = 0.0
             s.roundoff_memory = 0.0
             enlarge_sizes(s.x, s.sizes)
             if NC > 0:

@@ -27,6 +27,7 @@ from lagc.kernels.events.when_clauses import handle_event
 from lagc.kernels.integrators.dispatch import last_stage, method_error, method_stages, needs_end_rate
 from lagc.kernels.integrators.error_weights import first_step_size, set_error_weights
 from lagc.kernels.integrators.roundoff import error_without_roundoff, fade_roundoff
+from lagc.kernels.integrators.step_grid import fixed_step_underflows, pass_grid, plan_fixed_step
 from lagc.kernels.integrators.step_size import (
     plan_step,
     rational_power,
@@ -34,7 +35,7 @@ from lagc.kernels.integrators.step_size import (
     shrink_step,
     step_underflows,
 )
-from lagc.kernels.language.records import ABSENT, READY, STAGES, Options, State, Trial, Work
+from lagc.kernels.language.records import ABSENT, OPEN, READY, STAGES, Options, State, Trial, Work
 from lagc.kernels.language.scaling_groups import enlarge_sizes, not_finite
 from lagc.kernels.language.sizes import NC, NFREE, NGUARD, NMODE, NQUAT, NTIMED, NWHEN, NX
 from lagc.kernels.language.statuses import CHATTERING, MAX_STEPS, NOT_FINITE, OK, STEP_UNDERFLOW, failed
@@ -49,8 +50,8 @@ SHORT_STEP = 1e6  # size of a step without truncation error, in units in the las
 LARGE_ERROR = 100.0  # error of a step that says little about the right step size
 
 
-def finish_step(p: Params, s: State, t: Real, o: Options, w: Work) -> Status:
-    """Project the new state onto the constraints and evaluate its rate."""
+def finish_step(p: Params, s: State, t: Real, o: Options, leaves_end_rate: bool, w: Work) -> Status:
+    """Project the new state onto the constraints and evaluate its rate, unless it is left open."""
     if NC > 0 or NQUAT > 0:
         if o.project:
             status = project(p, t, s.x_new, w.trial_sizes, w)
@@ -63,6 +64,8 @@ def finish_step(p: Params, s: State, t: Real, o: Options, w: Work) -> Status:
     w.culprit = not_finite(s.x_new, NX)  # also of states that appear in no equation
     if w.culprit >= 0:
         return NOT_FINITE
+    if leaves_end_rate:
+        return OK
     s.rhs += 1
     return rhs_at(p, t, s.x_new, s.k[last_stage(o.method)], w.lam, w)
 
@@ -76,7 +79,7 @@ def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
         return status
     set_error_weights(s, o, a.h, w)
     if needs_end_rate(o.method) or o.step > 0.0:
-        status = finish_step(p, s, a.t_new, o, w)
+        status = finish_step(p, s, a.t_new, o, a.leaves_end_rate, w)
         if failed(status) or o.step > 0.0:
             return status
     a.error = method_error(o.method, a.h, s, w)
@@ -86,7 +89,7 @@ def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     if a.roundoff_estimated:
         a.error = error_without_roundoff(p, s, a.t_new, a.h, o, a.error, w)
     if a.error <= 1.0 and not needs_end_rate(o.method):
-        return finish_step(p, s, a.t_new, o, w)
+        return finish_step(p, s, a.t_new, o, False, w)
     return status
 
 
@@ -115,6 +118,7 @@ def end_step_at_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> Sta
     a.size *= part
     a.h *= part
     a.ends_on_target = False
+    a.ends_on_grid = False
     a.t_new = s.t + a.h
     w.longest_step = s.longest_step
     if fabs(a.h) <= 4.0 * SPACING * fabs(s.t) + LEAST_STEP * a.size_before_event:
@@ -124,21 +128,10 @@ def end_step_at_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> Sta
     return try_step(p, s, o, a, w)
 
 
-def ends_early(a: Trial) -> bool:
-    """Return whether a fixed step ends before the next point of its grid."""
-    if NMODE > 0:
-        return a.ends_on_target or a.ends_at_event
-    return a.ends_on_target
-
-
 def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> None:
     """Make the new state the current one, and set the size of the next step."""
     if o.step > 0.0:
-        if a.ends_on_target and a.t_new == t1:
-            s.grid_begin = t1
-            s.grid_index = 0
-        elif not ends_early(a):
-            s.grid_index += 1
+        pass_grid(s, t1, a)
     else:
         s.grid_step = 0.0
         set_next_step(s, a, o)
@@ -155,8 +148,8 @@ def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
         s.x_before_event[:] = s.x_new
     enlarge_sizes(s.x_new, s.sizes)
     s.roundoff_estimated = a.roundoff_estimated
-    s.rate_place = READY
-    s.dense_place = STAGES
+    s.rate_place = ABSENT if a.leaves_end_rate else READY
+    s.dense_place = OPEN if a.leaves_end_rate else STAGES
     if NMODE > 0:
         s.modes_old[:] = w.modes
         s.after_event = False
@@ -174,10 +167,6 @@ def choose_step_size(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Wor
             s.h = o.first_step
         else:
             s.h = first_step_size(p, s, t1, a.direction, o, w)
-    if o.step > 0.0 and s.grid_step != o.step * a.direction:  # a new grid begins
-        s.grid_step = o.step * a.direction
-        s.grid_begin = s.t
-        s.grid_index = 0
     a.size = o.max_step if o.max_step > 0.0 and s.h > o.max_step else s.h
 
 
@@ -269,11 +258,16 @@ def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w
             if a.rejected > 0:
                 s.h = a.size
             return MAX_STEPS
-        plan_step(s, goal, o, a)
+        if o.step > 0.0:
+            plan_fixed_step(s, goal, t1, a)
+            if not NMODE > 0:
+                a.leaves_end_rate = a.ends_on_target
+        else:
+            plan_step(s, goal, a)
         if NMODE > 0:
             split_step_to(s, goal, t1, o, a)
         update_longest_step(s, a, w)
-        if step_underflows(s, t1, a):
+        if fixed_step_underflows(s, t1, a) if o.step > 0.0 else step_underflows(s, t1, a):
             return end_by_underflow(p, s, cause, a, w)
         status = try_step(p, s, o, a, w)
         if NGUARD > 0:
@@ -311,10 +305,12 @@ def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w
 
 def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     """Make one step towards t1, at most to it, and then exactly."""
-    if s.dense_place == STAGES:
+    if s.dense_place == STAGES or s.dense_place == OPEN:
         s.dense_place = ABSENT  # this step overwrites the stages
     a = Trial()
     a.direction = 1.0 if t1 >= s.t else -1.0
+    if o.step > 0.0:
+        a.direction = 1.0 if s.grid_step > 0.0 else -1.0
     if NWHEN > 0:
         changes = s.changes
     status = evaluate_start(p, s, a.direction, w)

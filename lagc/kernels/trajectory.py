@@ -10,7 +10,8 @@ from lagc.kernels.constraints.projection import project
 from lagc.kernels.driver import step_once
 from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.integrators.dispatch import last_stage, method_dense_at, method_dense_output, method_stages
-from lagc.kernels.language.records import ABSENT, BAD_BUDGET, BAD_TIME, READY, Options, State, Work
+from lagc.kernels.integrators.step_grid import begin_grid, is_reached
+from lagc.kernels.language.records import ABSENT, BAD_BUDGET, BAD_TIME, OPEN, READY, Options, State, Work
 from lagc.kernels.language.scaling_groups import not_finite
 from lagc.kernels.language.sizes import NC, NMODE, NQUAT, NWHEN, NX
 from lagc.kernels.language.statuses import INTERRUPTED, INVALID, NOT_FINITE, OK, failed
@@ -47,6 +48,12 @@ def compute_dense_output(s: State, w: Work) -> Status:
         status = recompute_stages(s, t, x, w)
         if failed(status):
             return status
+    elif s.dense_place == OPEN:
+        status = rhs_at(s.p, t, x, s.k[last_stage(s.method)], w.lam, w)
+        s.rhs += 1
+        if failed(status):
+            return status
+        s.rate_place = READY
     return method_dense_output(s.method, s.p, s.t_old, s.x_old, x, s.h_old, s, w)
 
 
@@ -114,6 +121,8 @@ def step(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     status = check_call(p, s, t1, o)
     if status != OK:
         return status
+    if o.step > 0.0:
+        begin_grid(s, t1, o)
     enter_call(s, w)
     return leave_call(s, step_once(p, s, t1, o, w), w)
 
@@ -121,12 +130,17 @@ def step(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
 @public
 def advance(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     """Integrate to t1 exactly, with error control and projection onto the constraints. A step that is
-    shortened to end at t1 does not shorten the next one."""
+    shortened to end at t1 does not shorten the next one. Fixed steps are counted: a call that ends within
+    round-off of a step ends with it, and calls of the same length make the same number of steps."""
     status = check_call(p, s, t1, o)
     if status != OK:
         return status
+    if o.step > 0.0:
+        begin_grid(s, t1, o)
+        if s.grid_goal > s.grid_index:
+            s.grid_stride = s.grid_goal - s.grid_index
     enter_call(s, w)
-    while status == OK and s.t != t1:
+    while status == OK and not is_reached(s, t1, o):
         status = step_once(p, s, t1, o, w)
         if NMODE > 0:
             if status == OK and o.report != 0 and s.after_event:
@@ -171,6 +185,8 @@ def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: 
     if not known and (done[0] > 0 or not are_in_order(s, times, n, direction)):
         s.culprit = BAD_TIME
         return INVALID
+    if o.step > 0.0:
+        begin_grid(s, t1, o)
     enter_call(s, w)
     count: Count = 0
     if NMODE > 0:

@@ -30,28 +30,17 @@ def rational_power(a: Real, exponent: Real) -> Real:
     return value
 
 
-def plan_step(s: State, t1: Real, o: Options, a: Trial) -> None:
-    """Set the end of an attempt of a.size. It is lengthened by up to 1 %, or shortened, to end at t1 or on
-    the grid of fixed steps."""
+def plan_step(s: State, t1: Real, a: Trial) -> None:
+    """Set the end of an attempt of a.size. It is lengthened by up to 1 %, or shortened, to end at t1."""
     rest = fabs(t1 - s.t)
     a.ends_on_target = a.size * 1.01 >= rest
     a.t_new = t1
-    if o.step > 0.0:
-        a.t_new = s.grid_begin + float(s.grid_index + 1) * o.step * a.direction
-        if NMODE > 0:
-            if (a.t_new - s.t) * a.direction <= 1e-9 * o.step:  # an event was just there
-                s.grid_index += 1
-                a.t_new = s.grid_begin + float(s.grid_index + 1) * o.step * a.direction
-        a.ends_on_target = (a.t_new - t1) * a.direction >= -1e-9 * o.step
-        a.size = fabs(a.t_new - s.t)
     if a.ends_on_target:
         a.size = rest
-        a.t_new = t1
         a.h = t1 - s.t
     else:
         a.h = a.size * a.direction
-        if not o.step > 0.0:
-            a.t_new = s.t + a.h
+        a.t_new = s.t + a.h
 
 
 def step_underflows(s: State, t1: Real, a: Trial) -> bool:

@@ -54,6 +54,7 @@ BAD_PARAMETER = Code(16)
 ABSENT = 0  # a rate or dense output that is not stored
 STAGES = 1  # a rate in the first stage; a dense output that the stages determine
 READY = 2  # a rate in the last stage; a dense output whose coefficients are known
+OPEN = 3  # a dense output that the stages determine with the rate at the end, which is not known
 
 
 @record
@@ -264,8 +265,11 @@ class State:
     error_old: Real  # scaled error of the last accepted step
     longest_step: Real  # longest first attempt so far
     grid_begin: Real  # grid of fixed steps
-    grid_step: Real
-    grid_index: Count
+    grid_step: Real  # negative backwards; 0: there is no grid
+    grid_index: Count  # points that were passed
+    grid_rest: Real  # size of the step to the next point
+    grid_goal: Count  # the point where the call ends, or grid_index if it ends at none
+    grid_stride: Count  # points that the last call passed
     x_new: Vec[NX]  # end of the step that is attempted
     # Round-off
     roundoff_estimated: bool  # the error of the last step was compared with its round-off
@@ -301,6 +305,8 @@ class Trial:
     error: Real  # scaled; at most 1: the step is accepted
     is_accepted: bool
     ends_on_target: bool  # it ends at the given time exactly
+    ends_on_grid: bool  # a fixed step: it ends at the next point of the grid
+    leaves_end_rate: bool  # the rate at its end is not evaluated: the caller may change inputs there
     roundoff_estimated: bool  # the error was compared with its round-off
     if NMODE > 0:
         ends_at_event: bool

@@ -1,0 +1,108 @@
+"""The grid of fixed steps: time is counted, begin + index * step, and not added up.
+
+A call that ends within round-off of a point of the grid ends at this point.  If several points have the same
+time in this precision, as with steps of 1 ms at 1e6 s in float, a call passes as many points as the last one.
+"""
+
+from __future__ import annotations
+
+from math import fabs, floor
+
+from lagc.kernels.call_boundary import state_changed
+from lagc.kernels.language.records import Options, State, Trial
+from lagc.kernels.language.tolerances import LEAST_STEP, SPACING
+from lagc.kernels.language.words import Count, Real, by_type, whole
+
+WITHIN_ROUNDOFF = 1e-9  # of a step: part of the round-off of a point
+LENGTHENED = by_type(1e-2, 1e-6, "1e-6")  # of a step: a step to the end of a call is lengthened by this share
+MOST_COUNTED = 1e9  # steps of one call whose end is searched on the grid
+
+
+def grid_time(s: State, index: Count) -> Real:
+    """Return the time of a point of the grid."""
+    return s.grid_begin + float(index) * s.grid_step
+
+
+def grid_roundoff(s: State, t: Real) -> Real:
+    """Return the round-off of a point of the grid at t, and of the time that a caller computes for it."""
+    counted = 2.0 * SPACING * fabs(t - s.grid_begin)
+    return SPACING * fabs(t) + counted + WITHIN_ROUNDOFF * fabs(s.grid_step)
+
+
+def is_grid_point(s: State, index: Count, t: Real) -> bool:
+    """Return whether t is the time of a point of the grid, within round-off."""
+    return fabs(grid_time(s, index) - t) <= grid_roundoff(s, t)
+
+
+def begin_grid(s: State, t1: Real, o: Options) -> None:
+    """Begin a call to t1: find the point of the grid where it ends, s.grid_goal.  The grid begins anew if
+    the caller changed the step, the direction or the state."""
+    forward = t1 > s.t or (t1 == s.t and s.grid_step >= 0.0)
+    step = o.step if forward else -o.step
+    if s.grid_step != step:
+        s.grid_stride = 1
+    if s.grid_step != step or state_changed(s):
+        s.grid_step = step
+        s.grid_begin = s.t
+        s.grid_index = 0
+        s.grid_rest = o.step
+    s.grid_goal = s.grid_index
+    if is_grid_point(s, s.grid_index + s.grid_stride, t1):
+        s.grid_goal += s.grid_stride
+        return
+    steps = (t1 - grid_time(s, s.grid_index)) / step
+    nearest: Count = 1
+    if steps > 1.0 and steps < MOST_COUNTED:
+        nearest = whole(floor(steps + 0.5))
+    if is_grid_point(s, s.grid_index + nearest, t1):
+        s.grid_goal += nearest
+
+
+def is_reached(s: State, t1: Real, o: Options) -> bool:
+    """Return whether a call to t1 has ended."""
+    return s.t == t1 and (o.step == 0.0 or s.grid_index >= s.grid_goal)
+
+
+def plan_fixed_step(s: State, target: Real, t1: Real, a: Trial) -> None:
+    """Set the end of a fixed step: the next point of the grid, or `target`, the end of the call or an event
+    time, if that comes first."""
+    following = grid_time(s, s.grid_index + 1)
+    if target == t1 and s.grid_goal > s.grid_index:
+        a.ends_on_grid = True
+        a.ends_on_target = s.grid_index + 1 == s.grid_goal
+    else:
+        beyond = (target - following) * a.direction
+        near = grid_roundoff(s, target)
+        a.ends_on_target = beyond <= near or (
+            target == t1 and beyond <= near + LENGTHENED * fabs(s.grid_step)
+        )
+        a.ends_on_grid = beyond >= -near and (beyond <= near or not a.ends_on_target)
+    a.size = s.grid_rest if a.ends_on_grid else fabs(target - s.t)
+    a.h = a.size * a.direction
+    a.t_new = following
+    if a.ends_on_target or (following - target) * a.direction > 0.0:
+        a.t_new = target
+    elif (following - s.t) * a.direction < 0.0:
+        a.t_new = s.t
+
+
+def fixed_step_underflows(s: State, t1: Real, a: Trial) -> bool:
+    """Return whether the steps are too short for the remaining time."""
+    return not a.ends_on_target and 0.1 * a.size <= LEAST_STEP * fabs(t1 - s.t)
+
+
+def pass_grid(s: State, t1: Real, a: Trial) -> None:
+    """Count an accepted step."""
+    if a.ends_on_grid:
+        s.grid_index += 1
+        s.grid_rest = fabs(s.grid_step)
+    elif a.ends_on_target and a.t_new == t1:
+        s.grid_begin = t1
+        s.grid_index = 0
+        s.grid_goal = 0
+        s.grid_rest = fabs(s.grid_step)
+    else:  # at an event
+        s.grid_rest -= a.size
+        if s.grid_rest <= WITHIN_ROUNDOFF * fabs(s.grid_step):
+            s.grid_index += 1
+            s.grid_rest += fabs(s.grid_step)
