@@ -201,6 +201,7 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "ends": ends, "stretch_begins": begins, "stretch_ends": stops,
         "part_ends": interface.part_ends, "part_column": interface.part_columns,
         "has_edges": interface.counted_relations,
+        "clauses_only": [int(aside) for aside in interface.relations_aside],
         "terminates": [int(c.reason is not None) for c in interface.whens],
         "reinit_clause": [k for k, c in enumerate(interface.whens) for _ in c.states],
         "reinit_target": [state for c in interface.whens for state in c.states],

@@ -8,6 +8,8 @@ from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.events.location import confirm_crossings, is_within_slack
 from lagc.kernels.events.modes import accept_modes, propagate_changes, sign_of, step_mode, update_edges
 from lagc.kernels.events.sliding import (
+    SLIDING_RATE,
+    find_simultaneous,
     set_sliding_slack,
     slide_together,
     slides,
@@ -15,10 +17,10 @@ from lagc.kernels.events.sliding import (
     turns_back,
     update_indicator_rates,
 )
-from lagc.kernels.language.model_functions import fn_indicator_rates_on, fn_indicators_on
-from lagc.kernels.language.model_tables import has_edges
+from lagc.kernels.language.model_functions import fn_holds_on, fn_indicator_rates_on, fn_indicators_on
+from lagc.kernels.language.model_tables import clauses_only, has_edges
 from lagc.kernels.language.records import ABSENT, State, Work
-from lagc.kernels.language.sizes import NEDGES, NFREE, NMODE, NTIMED, NX
+from lagc.kernels.language.sizes import NEDGES, NFREE, NMODE, NTIMED, NWHEN, NX
 from lagc.kernels.language.statuses import CHATTERING, OK, failed
 from lagc.kernels.language.tolerances import EVENT_TIME_ULPS, SPACING
 from lagc.kernels.language.words import Params, Real, Status
@@ -30,16 +32,28 @@ def cancel_grazing(p: Params, s: State, direction: Real, w: Work) -> bool:
     """Put back the modes of indicators that touched their crossings and are turned back there by other
     changes of modes. Return whether there are any."""
     found = False
+    if NWHEN > 0:
+        if w.clauses_first:
+            return False
     others = 0
     for i in range(NMODE):
         others += w.crossed[i]
+        if NWHEN > 0:
+            if clauses_only[i] > 0:  # it turns none back
+                others -= w.crossed[i]
     for j in range(NFREE):
         k = NTIMED + j
         touches = w.crossed[k] > 0 and w.indicator_jumped[k] == 0 and others > 1
+        if NWHEN > 0:
+            if clauses_only[k] > 0:
+                touches = w.crossed[k] > 0 and w.indicator_jumped[k] == 0 and others > 0
         if touches and turns_back(k, w.indicator_rates[k], w.old_indicator_rates[k], direction, w):
             w.modes[k] = s.modes[k]
             w.crossed[k] = 0
             others -= 1
+            if NWHEN > 0:
+                if clauses_only[k] > 0:
+                    others += 1
             found = True
     if found:
         update_edges(w)
@@ -107,8 +121,69 @@ def leave_modes(s: State, direction: Real, w: Work) -> None:
                 w.modes[i] = -w.modes[i]
 
 
+def holds_back(direction: Real, w: Work) -> int:
+    """Return the first relation in w.crossed whose indicator is driven back at once, or -1."""
+    for j in range(NFREE):
+        k = NTIMED + j
+        if w.crossed[k] > 0 and w.indicator_jumped[k] == 0:
+            if turns_back(k, w.indicator_rates[k], w.old_indicator_rates[k], direction, w):
+                return k
+    return -1
+
+
+def cross_together(first: int, s: State, direction: Real, w: Work) -> None:
+    """Change the modes of indicators of clauses that reach zero at the same time as this one, within the
+    error of the step: a condition may be written with another expression of the same speed."""
+    if NFREE > 1:
+        if find_simultaneous(s, first, direction, w):
+            for j in range(NFREE):
+                k = NTIMED + j
+                if w.sliding_candidates[j] > 0 and w.crossed[k] == 0 and clauses_only[k] > 0:
+                    if w.modes[k] * w.old_indicator_rates[k] * direction < 0.0:
+                        w.modes[k] = -w.modes[k]
+
+
+def find_clauses_first(p: Params, s: State, direction: Real, w: Work) -> Status:
+    """Set w.clauses_first: forces drive an indicator back that crosses, and the crossing makes conditions
+    of clauses `when` true. The clauses act on the crossing, before the motion is said to slide or chatter."""
+    w.clauses_first = False
+    status = update_indicator_rates(p, s, w)
+    if failed(status):
+        return status
+    first = holds_back(direction, w)
+    if first >= 0:
+        w.candidate_modes[:] = w.modes
+        cross_together(first, s, direction, w)
+        fn_holds_on(p, s.t, s.x, w.modes, w.conditions)
+        for k in range(NWHEN):
+            if w.conditions[k] > s.conditions[k]:
+                w.clauses_first = True
+        if w.clauses_first:
+            fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
+        else:
+            w.modes[:] = w.candidate_modes
+    return status
+
+
+def slide_along(s: State, direction: Real, w: Work) -> None:
+    """Set indicators to mode zero that reach zero together with one that begins to slide, and stay there."""
+    if NFREE > 1:
+        for i in range(NFREE):
+            first = NTIMED + i
+            if w.crossed[first] > 0 and w.modes[first] == 0.0 and s.modes[first] != 0.0:
+                if find_simultaneous(s, first, direction, w):
+                    for j in range(NFREE):
+                        k = NTIMED + j
+                        least = SLIDING_RATE * fabs(w.old_indicator_rates[k])
+                        if w.sliding_candidates[j] > 0 and fabs(w.indicator_rates[k]) <= least:
+                            w.modes[k] = 0.0
+
+
 def is_driven_back(p: Params, s: State, direction: Real, w: Work) -> bool:
     """Return whether an indicator that crossed is driven back at once and does not slide; sets w.culprit."""
+    if NWHEN > 0:
+        if w.clauses_first:
+            return False
     for j in range(NFREE):
         k = NTIMED + j
         rate = w.indicator_rates[k]
@@ -144,6 +219,10 @@ def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
     w.old_indicator_rates[:] = w.indicator_rates
     leave_modes(s, direction, w)
     propagate_changes(p, s, direction, w.old_rates, w)
+    if NWHEN > 0:
+        status = find_clauses_first(p, s, direction, w)
+        if failed(status):
+            return status
     if NFREE > 1:
         if slide_together(p, s, direction, w):
             update_edges(w)
@@ -157,6 +236,8 @@ def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
             return status
     if is_driven_back(p, s, direction, w):
         return CHATTERING
+    if NWHEN > 0:
+        slide_along(s, direction, w)
     for i in range(NMODE):
         s.changed[i] = 1 if w.modes[i] != s.modes[i] else 0
     correct_state(p, s, direction, w)

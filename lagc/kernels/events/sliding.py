@@ -14,7 +14,7 @@ from lagc.kernels.events.modes import sign_of
 from lagc.kernels.language.model_functions import fn_indicator_rates_on
 from lagc.kernels.language.model_tables import has_edges
 from lagc.kernels.language.records import State, Work
-from lagc.kernels.language.sizes import NEDGES, NFREE, NMODE, NTIMED
+from lagc.kernels.language.sizes import NEDGES, NFREE, NMODE, NTIMED, NWHEN
 from lagc.kernels.language.statuses import failed
 from lagc.kernels.language.tolerances import EVENT_TIME_ULPS, SPACING
 from lagc.kernels.language.words import Params, Real, Status
@@ -131,6 +131,9 @@ def is_sliding_consistent(p: Params, s: State, direction: Real, w: Work) -> bool
 def slide_together(p: Params, s: State, direction: Real, w: Work) -> bool:
     """Return whether several indicators that reach zero together slide there, as joints with dry friction
     do. They are in mode zero then."""
+    if NWHEN > 0:
+        if w.clauses_first:
+            return False
     first = first_crossed(w)
     if (
         first < NTIMED

@@ -13,7 +13,7 @@ from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
 from lagc.kernels.events.mode_change import change_modes, is_first_order
 from lagc.kernels.events.modes import accept_modes, adopt_modes, advance_mode, choose_modes, update_edges
-from lagc.kernels.events.sliding import time_since_crossing, turns_back
+from lagc.kernels.events.sliding import slides, time_since_crossing, turns_back
 from lagc.kernels.language.model_functions import (
     fn_energies,
     fn_holds_on,
@@ -83,6 +83,24 @@ def meets_constraints(p: Params, s: State, w: Work) -> bool:
     return True
 
 
+def slide_after_reinit(p: Params, s: State, direction: Real, w: Work) -> Status:
+    """Set indicators to mode zero that new values leave at zero, to which both sides drive them back."""
+    fn_indicator_rates_on(p, s.t, s.x, w.modes, w.xdot, w.indicator_rates)
+    found = False
+    for j in range(NFREE):
+        k = NTIMED + j
+        at_zero = has_edges[k] == 0 and fabs(w.indicators[k]) <= SLACK_GROWTH * w.indicator_roundoff[j]
+        if at_zero and (w.crossed[k] > 0 or w.indicator_jumped[k] > 0):
+            rate = w.indicator_rates[k]
+            if w.modes[k] * rate * direction < 0.0:
+                found = True
+                slides(p, s, k, rate, w.old_indicator_rates[k], w)
+    if not found:
+        return OK
+    s.rhs += 1
+    return rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
+
+
 def choose_modes_after_reinit(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Find the modes of a state that has jumped, and its rates w.xdot. w.indicators_before are the
     indicators before the jump."""
@@ -108,6 +126,9 @@ def choose_modes_after_reinit(p: Params, s: State, direction: Real, w: Work) -> 
     update_edges(w)
     status = rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
     s.rhs += 1
+    if NFREE > 0:
+        if not failed(status):
+            status = slide_after_reinit(p, s, direction, w)
     return status
 
 

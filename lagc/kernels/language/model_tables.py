@@ -36,6 +36,7 @@ sources: IVec[NREAD]  # indices of the parameters that `bind` reads
 bounded: IVec[NBOUNDED]  # indices of the parameters that have bounds
 bounds: Mat[NBOUNDED, TWO]  # lower and upper bound of each
 has_edges: IVec[NMODE]  # 1: a stepwise relation, whose mode changes at edges; 0: it changes at zero
+clauses_only: IVec[NMODE]  # 1: clauses `when` alone ask for this relation
 terminates: IVec[NWHEN]  # 1: this clause ends the run
 reinit_clause: IVec[NJUMP]  # the clause that assigns each value
 reinit_target: IVec[NJUMP]  # the state that it is assigned to

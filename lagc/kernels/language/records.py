@@ -188,6 +188,7 @@ class Work:
         conditions: Vec[NWHEN]  # 1: this condition is true
         triggered: IVec[NWHEN]  # 1: it has become true
         indicator_reset: IVec[NFREE]  # 1: a clause changed this indicator at this event
+        clauses_first: bool  # clauses act on a crossing that forces drive back
         at_event_time: bool  # the state is that at the time of the crossing
         x_saved: Vec[NX]
         conditions_saved: Vec[NWHEN]
