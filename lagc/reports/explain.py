@@ -47,6 +47,7 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
         "inputs": [{"name": i.name, "unit": i.unit, "default": i.value} for i in interface.inputs],
         "constraints": [_constraint(equations, kind) for kind in analysis.constraints],
         "redundant": list(analysis.redundant),
+        "open_reactions": list(analysis.open_reactions),
         "unseen": list(analysis.unseen),
         "count": _count(interface),
         "dropped": list(interface.dropped),
@@ -317,7 +318,8 @@ def _count_text(facts: Facts) -> list[str]:
         lines.append(f"at the initial configuration: {facts['more_at_start']} more")
     if facts["redundant"]:
         how = "redundant rows, it seems" if seems["redundant"] else "redundant rows"
-        lines.append(f"{how}: {', '.join(facts['redundant'])}; their multipliers are not unique")
+        lines.append(f"{how}: {', '.join(facts['redundant'])}")
+        lines.append(f"reactions that the equations leave open: {', '.join(facts['open_reactions'])}")
     if facts["unseen"]:
         rows = ", ".join(facts["unseen"])
         lines.append(f"rows that a run in double precision cannot tell from others: {rows}")

@@ -201,14 +201,21 @@ def kept_share(system: System, run: Trajectory) -> tuple[int, float] | None:
     return own_share(system, run, run.redundant_rows, _checked(run))
 
 
-def spare_rows(system: System, run: Trajectory) -> list[int]:
-    """The constraints that depend on those declared before them at most of the states.
+def open_reactions(system: System, run: Trajectory) -> list[int]:
+    """The constraints whose multipliers are not unique at most of the states: those with z[k] not 0 for a z
+    with G^T z = 0.  If there are none, those that were left out somewhere."""
+    from lagc.mechanics.numeric.dense_linear import Span
+    from lagc.simulation.initialization.inertia_check import sizes_of_speeds
 
-    If there are none, those that were left out somewhere.
-    """
-    shares = _shares(system, run, range(system.nc), _checked(run), OWN)
-    spare = [row for row, found in enumerate(shares) if _median(found) < OWN]
-    return spare or list(run.redundant_rows)
+    states = _checked(run)
+    scales = sizes_of_speeds(system, *states[0])
+    counts = [0] * system.nc
+    for t, x in states:
+        rows = [[a * s for a, s in zip(row, scales)] for row in row_gradients(system, t, x)]
+        for k in Span(rows).entangled():
+            counts[k] += 1
+    found = [k for k, count in enumerate(counts) if 2 * count > len(states)]
+    return found or list(run.redundant_rows)
 
 
 def own_share(

@@ -17,6 +17,7 @@ from lagc.simulation.solution import Cost, Energy, Event, Solution
 from lagc.simulation.system import (
     FAILED,
     INTERRUPTED,
+    REDUNDANT,
     Counted,
     Options,
     System,
@@ -65,8 +66,10 @@ def simulate(
     notes = [*start.notes, *done.notes]
     for k in strange_outputs(system, start.x):
         notes.append(f"output `{system.interface.outputs[k].name}` has no finite initial value")
-    if trajectory.redundant_rows and result.status == "ok":
-        notes.append(redundancy(system, trajectory))
+    open_reactions: tuple[str, ...] = ()
+    if result.status == "ok" and (trajectory.redundant_rows or _depend(system, trajectory)):
+        note, open_reactions = redundancy(system, trajectory)
+        notes.append(note)
     return Solution(
         system=system,
         times=trajectory.times, states=trajectory.states, status=result.status, message=result.message,
@@ -75,6 +78,7 @@ def simulate(
         asked=request.accuracy, estimated=result.estimated,
         position_drift=trajectory.position_drift, velocity_drift=trajectory.velocity_drift,
         energy=energy(system, trajectory), notes=tuple(notes),
+        open_reactions=open_reactions,
         events=tuple([Event(t, name) for t, k in trajectory.events for name in event_names(system, k)]),
         corners=tuple(trajectory.corners), interrupted=trajectory.status == INTERRUPTED, end=times[-1],
         cost=Cost(
@@ -83,6 +87,13 @@ def simulate(
             compile_s=compile_s, run_s=perf_counter() - began, start_s=start.seconds, integrations=len(runs),
         ),
     )  # fmt: skip
+
+
+def _depend(system: System, run: Trajectory) -> bool:
+    """Whether constraints depend on each other where a system stays at rest."""
+    if run.steps > 0 or system.nc == 0:
+        return False
+    return system.rhs(run.t, run.x, [0.0] * system.nx, [0.0] * system.nc) == REDUNDANT
 
 
 def _integrate(

@@ -87,6 +87,7 @@ class Solution:
     cost: Cost
     end: float  # the end time asked for
     notes: tuple[str, ...] = ()
+    open_reactions: tuple[str, ...] = ()
     events: tuple[Event, ...] = ()
     corners: tuple[tuple[float, list[float], list[float]], ...] = ()
     interrupted: bool = False
@@ -245,7 +246,7 @@ class Solution:
                      "operations": cost.operations, "compile_s": cost.compile_s, "run_s": cost.run_s,
                      "start_s": cost.start_s},
             "warnings": list(interface.warnings), "dropped": list(interface.dropped),
-            "notes": list(self.notes),
+            "open_reactions": list(self.open_reactions), "notes": list(self.notes),
         }  # fmt: skip
 
     def to_pandas(self) -> object:

@@ -273,14 +273,14 @@ def _nearly_dependent(system: System, row: int, share: float) -> str:
             "and is not met; remove the constraint, or make it differ more")  # fmt: skip
 
 
-def redundancy(system: System, trajectory: Trajectory) -> str:
-    """A note on the constraints that depend on others in a run."""
+def redundancy(system: System, trajectory: Trajectory) -> tuple[str, tuple[str, ...]]:
+    """A note on the constraints that depend on others in a run, and those with reactions left open."""
     kept = _kept_share(system, trajectory)
     if kept is not None:
-        return _nearly_dependent(system, *kept)
-    from lagc.simulation.diagnosis import spare_rows
+        return _nearly_dependent(system, *kept), ()
+    from lagc.simulation.diagnosis import open_reactions
 
-    spare = spare_rows(system, trajectory)
-    rows, several = ", ".join(row_name(system, k) for k in spare), len(spare) > 1
-    return (f"{rows} {'depend' if several else 'depends'} on other constraints: the motion is determined, "
-            "the multipliers are the smallest ones possible")  # fmt: skip
+    rows = tuple([system.interface.row_labels[k] for k in open_reactions(system, trajectory)])
+    named = ", ".join([f"`{label}`" for label in rows])
+    return (f"constraints depend on each other: the motion is determined, but the equations leave these "
+            f"reactions open, and the run shows the smallest multipliers: {named}"), rows  # fmt: skip

@@ -82,6 +82,7 @@ class Analysis:
     speeds: int
     rows: int
     redundant: tuple[str, ...]  # labels of rows that follow from others where all hold
+    open_reactions: tuple[str, ...]  # labels of rows with multipliers that are not unique
     unseen: tuple[str, ...]  # labels of rows that do not, though double precision cannot tell
     degrees_of_freedom: int  # of the velocities: n less the rank of the rows where they hold
     positional_freedom: int  # degrees of freedom of the positions: integrable rows count
@@ -120,6 +121,7 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
         speeds=len(equations.v),
         rows=len(rows),
         redundant=spare,
+        open_reactions=tuple([rows[k].label for k in sorted(moving.entangled)]),
         degrees_of_freedom=len(equations.v) - moving.rank,
         positional_freedom=len(equations.v) - relations,
         unseen=tuple([rows[k].label for k in sorted(moving.unseen)]),

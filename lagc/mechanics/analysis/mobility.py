@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from lagc.base.records import dataclass
+from lagc.base.records import dataclass, replace
 from lagc.mechanics.formulation.equations import Row
 from lagc.mechanics.formulation.states import States
 from lagc.mechanics.identities.constraint_manifold import Consistent, jacobian, scales
@@ -34,6 +34,7 @@ class Mobility:
     False where no consistent state was found: then the rank is that beside the constraints.
     `unseen`: rows that follow from others as far as double precision tells, and are proved not to;
     they count in `rank`, and not in `at_start`.
+    `entangled`: the rows with multipliers that are not unique: those that follow from others, and the others.
     """
 
     spare: frozenset[int]
@@ -42,32 +43,39 @@ class Mobility:
     proved: bool
     examined: bool
     unseen: frozenset[int] = frozenset()
+    entangled: frozenset[int] = frozenset()
 
 
 def mobility(states: States, rows: Sequence[Row], met: Consistent) -> Mobility:
     """Rank and redundant rows among `rows`, at the states that meet all rows of the system."""
+    found, best = _mobility(states, rows, met)
+    return replace(found, entangled=best.entangled()) if best is not None and found.spare else found
+
+
+def _mobility(states: States, rows: Sequence[Row], met: Consistent) -> tuple[Mobility, Span | None]:
     if not rows:
-        return Mobility(frozenset(), 0, 0, True, True)
+        return Mobility(frozenset(), 0, 0, True, True), None
     tried = [*(met.beside or met.far), *([] if met.start is None else [met.start])]
     spans = [_span(states, rows, state) for state in tried or samples(states.model, 2, vary=False)]
     if not spans:
-        return Mobility(frozenset(), min(len(rows), len(states.v)), None, False, False)
+        return Mobility(frozenset(), min(len(rows), len(states.v)), None, False, False), None
     best = max(spans, key=lambda span: span.rank)
     spare = frozenset(range(len(rows))) - set(best.independent())
     at_start = None if met.start is None else spans[-1].rank
     if met.freedom is not None:
         holonomic = [row for row in rows if row.holonomic]
         places = max(_span(states, holonomic, state).rank for state in tried)
-        return Mobility(spare, best.rank - places + len(states.v) - met.freedom, at_start, False, True)
+        rank = best.rank - places + len(states.v) - met.freedom
+        return Mobility(spare, rank, at_start, False, True), best
     moved = [row for row in rows if row.holonomic] if _depend_on_places(states, rows) else []
     if tried and (
         best.rank == len(rows) or best.rank == _largest(states, rows, on_rows(states, moved, met.all))
     ):
-        return Mobility(spare, best.rank, at_start, True, True)
+        return Mobility(spare, best.rank, at_start, True, True), best
     kept = _exactly(states, rows, at_defaults(states, moved, met.all))
     if kept is None or len(kept) < best.rank:
-        return Mobility(spare, best.rank, at_start, False, bool(tried))
-    return Mobility(frozenset(range(len(rows))) - kept, len(kept), at_start, True, True, spare & kept)
+        return Mobility(spare, best.rank, at_start, False, bool(tried)), best
+    return Mobility(frozenset(range(len(rows))) - kept, len(kept), at_start, True, True, spare & kept), best
 
 
 def _span(states: States, rows: Sequence[Row], state: Mapping[Node, float]) -> Span:

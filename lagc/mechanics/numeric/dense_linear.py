@@ -95,6 +95,7 @@ class Span:
                 parts[k].append(part)
                 if part:
                     sizes[k] = row.length()
+        self._others = parts  # of the rows that gave no base
         self.rank, self._threshold = _gap(self.left)
         del self._base[self.rank :]
 
@@ -117,6 +118,22 @@ class Span:
             own = zip(found[e.begin : e.stop], e.values[e.begin : e.stop])
             found[e.begin : e.stop] = [a + part * b for a, b in own]
         return found
+
+    def entangled(self) -> frozenset[int]:
+        """The rows in sums of rows that vanish, sum(z[k]*row[k]) = 0 with z[k] not 0: their multipliers are
+        not unique.  Each row beyond the rank gives one such sum, by substitution in the triangular parts of
+        the bases."""
+        bases = self.made[: self.rank]
+        found = set()
+        for row, parts in [*self.made[self.rank :], *self._others.items()]:
+            rest = list(parts[: self.rank])
+            for at in reversed(range(self.rank)):
+                other, own = bases[at]
+                factor = rest[at] / own[at]
+                rest[:at] = [x - factor * y for x, y in zip(rest, own[:at])]
+                if abs(factor) > _SPARE:
+                    found |= {row, other}
+        return frozenset(found | {k for k, unit in enumerate(self._units) if unit is None})
 
     def independent(self) -> list[int]:
         """The first rows, in their order, that span all."""

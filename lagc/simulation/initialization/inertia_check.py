@@ -24,8 +24,7 @@ def negative_speed(system: System, t: float, x: Sequence[float]) -> int | None:
         return None
     form, rest = _form(system, t, x)
     units = [_unit(k, nv) for k in range(nv)]
-    own = [abs(form(unit)) for unit in units]
-    sizes = [1.0 / sqrt(a) if a > _ROUNDING * abs(rest) else 1.0 for a in own]
+    sizes = _sizes(form, rest, units)
     basis: list[list[float]] = []
     rows = [[a * b for a, b in zip(row, sizes)] for row in row_gradients(system, t, x)]
     for row in rows:
@@ -36,6 +35,17 @@ def negative_speed(system: System, t: float, x: Sequence[float]) -> int | None:
     directions = [[a * b for a, b in zip(direction, sizes)] for direction in basis[bound:]]
     found = _negative(directions, form)
     return None if found is None else max(range(nv), key=lambda j: abs(basis[bound + found][j]))
+
+
+def sizes_of_speeds(system: System, t: float, x: Sequence[float]) -> list[float]:
+    """The size that gives each speed alone the same energy at (t, x); 1 for a speed without inertia."""
+    form, rest = _form(system, t, x)
+    return _sizes(form, rest, [_unit(k, system.nv) for k in range(system.nv)])
+
+
+def _sizes(form: Form, rest: float, units: Sequence[Sequence[float]]) -> list[float]:
+    own = [abs(form(unit)) for unit in units]
+    return [1.0 / sqrt(a) if a > _ROUNDING * abs(rest) else 1.0 for a in own]
 
 
 def weightless_speed(system: System, t: float, x: Sequence[float]) -> int:
