@@ -166,6 +166,7 @@ def test_nonsense_is_wrong_usage(words: list[str], capsys: Capture) -> None:
     assert "Traceback" not in capsys.readouterr().err
 
 
+@pytest.mark.full
 def test_drag_by_the_square_of_the_speed_has_a_slope_at_rest(capsys: Capture) -> None:
     """norm(v) v has the derivative 0 there, though that of norm has none."""
     assert main(["linearize", "simple_pendulum", "--scene", "room", "--equilibrium", "--json"]) == 0

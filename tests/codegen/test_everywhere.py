@@ -84,6 +84,7 @@ def test_checkers_find_errors(name: str, tmp_path: Path) -> None:
         tool.ask([str(tmp_path / "bad.c"), str(tmp_path / "main.c")], tmp_path)
 
 
+@pytest.mark.full
 def test_the_program_calls_every_public_function(tmp_path: Path) -> None:
     units = prepare(of_model("classic/four_bar"), tmp_path)
     text = (tmp_path / "four_bar.h").read_text()

@@ -143,6 +143,7 @@ def test_long_functions_in_parts_are_the_same(
             assert ours == theirs, (f.name, values)
 
 
+@pytest.mark.full
 @needs_gcc
 def test_every_operation_agrees_on_special_values(tmp_path: Path) -> None:
     functions = []

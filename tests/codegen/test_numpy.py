@@ -67,7 +67,7 @@ def states(python: Any, count: int) -> list[list[float]]:
     return [[v + rng.gauss(0, 0.3) for v in start] for _ in range(count)]
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("name", [*MODELS, "classic/chain"])
 def test_every_public_function_agrees_bitwise(name: str, tmp_path: Path) -> None:
     made = of_model(name, n=30) if name == "classic/chain" else of_model(name)
@@ -199,6 +199,7 @@ def test_parameters_by_keyword() -> None:
         python.default_params(n=2)
 
 
+@pytest.mark.full
 def test_exceptions_of_python_become_the_values_of_c(tmp_path: Path) -> None:
     """l = 0: g/l sin(theta) is infinite, for nothing has inertia then, as the status says."""
     made = pendulum()
@@ -243,6 +244,7 @@ def test_one_evaluation_of_a_large_function_is_compiled_quickly() -> None:
     assert large < 8 * small
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", MODELS)
 def test_a_module_defines_no_name_twice(name: str) -> None:
     """Kernels, functions of the model and what callers use share one namespace."""

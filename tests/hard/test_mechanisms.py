@@ -31,6 +31,7 @@ def _run(
     return run
 
 
+@pytest.mark.full
 def test_andrews_mechanism_to_a_millionth() -> None:
     (sample,) = [s for s in read("andrews_squeezer").samples if s.t == 0.03]
     run = _run(lagc.load("classic/andrews_squeezer").compile(), 0.03, 1e-8)

@@ -71,7 +71,7 @@ def test_the_matrices(bicycle: lagc.CompiledModel) -> None:
         assert (stiffness - at_rest) / v**2 == pytest.approx(np.array(K2), rel=CLOSE, abs=CLOSE)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.full
 @pytest.mark.parametrize("v", EIGENVALUES)
 def test_the_eigenvalues(v: float, bicycle: lagc.CompiledModel) -> None:
     linear = straight(bicycle, v)

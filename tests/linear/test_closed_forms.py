@@ -164,6 +164,7 @@ def test_a_well_with_two_minima() -> None:
         assert_spectrum(linear, pairs(square))
 
 
+@pytest.mark.full
 def test_a_bead_on_a_turning_hoop_stays_out_or_below() -> None:
     fast, slow = 6.0, 2.0
     below, out, top, other = _by_angle(found("classic/bead_on_hoop_angle", "fast", w=fast))
@@ -510,6 +511,7 @@ def test_large_systems_are_looked_at_from_fewer_configurations() -> None:
     assert found == [equilibria.TRIES, equilibria.TRIES, equilibria.FEWEST]
 
 
+@pytest.mark.full
 def test_the_cusp_of_a_curve_is_no_equilibrium() -> None:
     """At u = pi the cycloid has no inertia and its force none; along its arc s'' = -g s/4a, s = 4a there."""
     (found,) = lagc.load("classic/cycloid_pendulum").compile(backend="numpy").equilibria()
@@ -573,7 +575,7 @@ end Platform;
     assert_spectrum(linear, [1j * sqrt(G), -1j * sqrt(G)])
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize(("up", "phi"), [("-", 0.1), ("", 2.9)])
 def test_rounding_at_half_a_turn_acts_on_nothing(up: str, phi: float) -> None:
     """A bob on a skate: its angle may be measured from below or from above."""

@@ -212,7 +212,7 @@ INSIDE = {  # forces of a parameter that is for nothing else, some of which canc
 }
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("inside", INSIDE)
 @pytest.mark.parametrize("n", [3, 24])
 def test_forces_that_cancel_move_nothing(inside: str, n: int) -> None:
@@ -235,7 +235,7 @@ def test_a_health_tells_of_a_speed_without_inertia() -> None:
     assert not health > 1e-13
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 def test_code_without_a_mass_matrix_tells_what_it_cannot_solve(backend: str) -> None:
     """Nothing dense is there to ask: statuses come from the pivots and from what is not finite."""

@@ -211,7 +211,7 @@ def by_differences(e: EquationsOfMotion) -> int:
     return len(e.q) - int(np.sum(sizes > 1e-6))  # central differences err by about 1e-10
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("kind", range(len(KINDS)))
 def test_mobility_of_loops(kind: int, seed: int) -> None:
@@ -264,7 +264,7 @@ def test_a_configuration_that_adds_a_freedom_is_told() -> None:
     assert (a.degrees_of_freedom, a.more_at_start, a.redundant) == (1, 1, ())
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.parametrize("rolls", [False, True])
 def test_velocity_rows_beside_a_loop_with_redundant_rows(rolls: bool) -> None:
     """A disc that rolls at the end of a Bennett linkage's joint adds a coordinate and a relation; one that

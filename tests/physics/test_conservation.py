@@ -87,6 +87,7 @@ def test_jacobi_integral_of_the_restricted_three_bodies(name: str, stop: float, 
     assert spread(motion(f"classic/{name}", stop, accuracy=accuracy)["jacobi"]) <= 1e-7
 
 
+@pytest.mark.full
 def test_isolated_bodies_keep_their_momentum() -> None:
     run = motion("classic/two_bodies_on_a_spring", 5.0)
     for name, value in (("px", 0.0), ("py", 2.0), ("pz", 0.8)):

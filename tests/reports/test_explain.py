@@ -46,6 +46,7 @@ def test_heavy_top_is_cyclic_in_precession_and_spin() -> None:
     assert {"energy", "momentum(phi)", "momentum(psi)"} <= {c["name"] for c in found["conserved"]}
 
 
+@pytest.mark.full
 def test_drag_ends_the_conservation_of_energy() -> None:
     assert "energy" in [c["name"] for c in facts("course/simple_pendulum", "vacuum")["conserved"]]
     room = facts("course/simple_pendulum", "room")
@@ -113,6 +114,7 @@ end ThreeCranks;
 """
 
 
+@pytest.mark.full
 def test_what_is_not_proved_seems_so() -> None:
     """The third crank follows from the two others where all hold, and nowhere else."""
     equations = equations_of(THREE_CRANKS)

@@ -77,6 +77,7 @@ def test_an_unknown_name_is_refused() -> None:
         plot(run_of("course/simple_pendulum"), names=["thetta"])
 
 
+@pytest.mark.full
 def test_without_a_display_the_picture_lies_beside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     run = run_of("course/simple_pendulum")
     monkeypatch.chdir(tmp_path)

@@ -48,6 +48,7 @@ def test_a_run_stops_at_a_kink_or_a_jump(rows: str, where: str) -> None:
     assert abs(t - (0.0625 if "floor" in rows else 0.5)) < 1e-5
 
 
+@pytest.mark.full
 def test_a_motion_that_keeps_away_from_a_kink_is_followed() -> None:
     system = lagc.loads(MODEL.format(rows="constraint c: y = abs(x - 9*l);")).compile(backend="numpy")
     assert [fault.code for fault in system.equations.warnings] == ["LAG0421"]

@@ -57,6 +57,7 @@ def chain(dice: random.Random, n: int) -> tuple[list[Row], list[float], list[int
     return rows, guess, levels
 
 
+@pytest.mark.full
 def test_what_nobody_stated_meets_rows_of_any_coefficients() -> None:
     """Nothing stated moves, however large or small the coefficient of what is zero so far."""
     dice = random.Random(5)
@@ -124,7 +125,7 @@ def solved(rows: Sequence[Row], stated: Sequence[float]) -> list[Fraction] | Non
     return found
 
 
-@pytest.mark.sample(2)
+@pytest.mark.full
 @pytest.mark.parametrize("span", [3, 8, 13, 30, 100, 200])
 def test_chains_and_trees_of_any_coefficients_are_met(span: int) -> None:
     """Positions and rates are as exact arithmetic has them, and nothing stated moves."""
@@ -148,6 +149,7 @@ def test_chains_and_trees_of_any_coefficients_are_met(span: int) -> None:
             assert abs(Fraction(search.y[j]) - exactly) <= abs(exactly) / 10**11, (rows, guess, rates)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("span", [3, 8, 13, 30, 100, 200])
 def test_chains_that_contradict_each_other_have_no_start(span: int) -> None:
     """All is fixed at the ends of a chain, and differs by a thousandth from what its rows make of it."""
@@ -235,7 +237,7 @@ def test_tangled_rows_of_any_coefficients_are_met(span: int) -> None:
             assert not level or (search.y[j], search.y[n + j]) == (guess[j], rates[j]), (rows, guess, rates)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("span", [3, 8, 13, 30, 100])
 def test_tangled_rows_that_contradict_each_other_have_no_start(span: int) -> None:
     """One unknown of a ring is fixed beside what the others make of it: what is called a start is one."""

@@ -104,6 +104,7 @@ def test_exponents_above_zero_divide_by_nothing() -> None:
     assert costs[0] == pytest.approx(costs[1], rel=0.05)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("strength", [1e-4, 1e-8, 1e-12])
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-6])
 def test_centrifugal_barriers(strength: float, accuracy: float) -> None:

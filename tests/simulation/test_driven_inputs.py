@@ -209,6 +209,7 @@ def test_what_was_given_once_is_not_kept_for_those_who_do_not_give_it() -> None:
                 assert x == pytest.approx(true, rel=1e-6)
 
 
+@pytest.mark.full
 def test_a_row_follows_an_input_whose_course_is_smooth() -> None:
     t, places = [0.0, 0.5, 1.0, 1.5, 2.0], [0.0, 0.2, -0.1, 0.3, 0.1]
     system = compiled(use=["rail"], backend="numpy", inputs={"place": (t, places, "cubic")})

@@ -146,6 +146,7 @@ def of(run: Run, name: str) -> Any:
     return run[name].tolist()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(6))
 def test_oscillators_of_any_size(seed: int) -> None:
     rng = random.Random(seed)

@@ -195,6 +195,7 @@ def test_beginnings_are_on_all_sides(product: float, beside: int) -> None:
     assert start[beside] * start[beside + 1] == pytest.approx(product, rel=1e-12)
 
 
+@pytest.mark.full
 def test_a_family_that_cannot_be_met_is_one_sentence() -> None:
     """Ten rods of a fifth of a metre from here to three metres away."""
     text = """model Short

@@ -195,6 +195,7 @@ def test_collection_is_as_it_was(enabled: bool) -> None:
         (gc.enable if before else gc.disable)()
 
 
+@pytest.mark.full
 def test_many_threads_fill_one_entry_of_the_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A reader finds the whole entry, always."""
     monkeypatch.setenv("LAGC_CACHE", str(tmp_path))

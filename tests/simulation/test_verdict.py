@@ -120,6 +120,7 @@ class Leaking(Integrated):
         return [0.5 * x[1] * x[1], 0.5 * x[0] * x[0], 1e6 + e]  # an offset says nothing
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("accuracy", [1e-4, 1e-6, 1e-8])
 @pytest.mark.parametrize("share", [1e-3, 0.1, 100.0, 1e4])
 def test_energy_out_of_balance_is_never_ok(accuracy: float, share: float) -> None:

@@ -121,6 +121,7 @@ def test_numbers_beyond_those_of_which_enclosures_know(condition: str) -> None:
     assert run.t[-1] == pytest.approx(15.0 - math.sqrt(225.0 - 97.0 * math.log(10.0)), abs=1e-6)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("method", "rtol", "v", "force", "below"),
     [

@@ -20,6 +20,7 @@ def read(written: str, values: dict[str, float]) -> float:
     return float(eval(written.replace("^", "**"), {"__builtins__": {}}, {**VALUES, **values}))
 
 
+@pytest.mark.full
 @settings(max_examples=200, deadline=None)
 @given(programs, points)
 def test_reading_gives_the_value_back(program: list[tuple[str, int, int]], at: tuple[float, ...]) -> None:

@@ -181,7 +181,7 @@ def uncollected() -> Iterator[None]:
     gc.enable()
 
 
-@pytest.mark.sample(1)
+@pytest.mark.full
 @pytest.mark.usefixtures("uncollected")
 @pytest.mark.parametrize("seed", range(20))
 def test_damaged_models(seed: int) -> None:
