@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from lagc.simulation.solution import Solution
 
 Progress = Callable[[float], None]
+FOLLOWING = 50.0  # runs that a second run of a model lets expect
 
 
 class Loaded:
@@ -32,6 +33,7 @@ class Loaded:
         self.compilation, self.asked = compilation, backend
         self.lock = RLock()
         self.systems: dict[str, System] = {}
+        self.numpy_s = 0.0  # the longest run of `auto` in NumPy so far
         began = perf_counter()
         self.preferred = self.first = self._preferred()
         self.artifact = compilation.artifact(self.first)
@@ -42,7 +44,7 @@ class Loaded:
         return {name: getattr(self, name) for name in kept}
 
     def __setstate__(self, state: dict[str, object]) -> None:
-        vars(self).update(state, lock=RLock(), systems={})
+        vars(self).update(state, lock=RLock(), systems={}, numpy_s=0.0)
         self.preferred = self._preferred()
 
     @property
@@ -82,8 +84,9 @@ class Loaded:
     ) -> Solution:
         """Return the motion.
 
-        The backend `auto` takes C if the library is in the cache.  Otherwise the run starts in NumPy, and
-        changes to C when it has taken as long as compiling would."""
+        The backend `auto` takes C if the library is in the cache, or if the model ran before in this process
+        and compiling takes less time than fifty such runs.  Otherwise the run starts in NumPy, and changes to
+        C when it has taken as long as compiling would."""
         request.completed(self.artifact.interface.simulate)  # refuses before anything is compiled
         if self.asked != "auto":
             return self._run(self.asked, request, parameters, progress)
@@ -94,15 +97,24 @@ class Loaded:
                 return self._run("c", request, parameters, progress, "compiled before")
             except CannotCompile as error:
                 return self._run("numpy", request, parameters, progress, str(error))
-        from lagc.simulation.supervision import CompileTimer, SlowRun, compile_time
+        from lagc.simulation.supervision import CompileTimer, SlowRun, compile_time, has_compiler
 
+        if FOLLOWING * self.numpy_s > compile_time(self.artifact.interface) and has_compiler():
+            try:
+                self.system("c")
+            except (CannotCompile, Refused) as error:  # Refused: an imported file has changed
+                self.numpy_s = 0.0
+                return self._run("numpy", request, parameters, progress, str(error))
+            return self._run("c", request, parameters, progress, "a repeated run")
         system = self.system("numpy").bind(parameters)
         began = perf_counter()
         start = self.initialize(system, request)
         timer = CompileTimer(compile_time(self.artifact.interface), progress)
         try:
             reason = "faster than compiling C"
-            return self._run("numpy", request, parameters, timer, reason, start, perf_counter() - began)
+            run = self._run("numpy", request, parameters, timer, reason, start, perf_counter() - began)
+            self.numpy_s = max(self.numpy_s, perf_counter() - began)
+            return run
         except SlowRun:
             spent = perf_counter() - began
             if progress is not None:

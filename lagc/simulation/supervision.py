@@ -97,14 +97,14 @@ class CompileTimer:
 
     def __call__(self, t: float) -> None:
         if perf_counter() > self.end:
-            if _has_compiler():
+            if has_compiler():
                 raise SlowRun
             self.end = inf
         if self.inner is not None:
             try:
                 self.inner(t)
             except Refused:  # too long in NumPy, but perhaps not in C
-                if _has_compiler():
+                if has_compiler():
                     raise SlowRun from None
                 raise
 
@@ -116,7 +116,8 @@ def compile_time(interface: Interface) -> float:
     return 0.5 + projections + events + 2e-4 * interface.written
 
 
-def _has_compiler() -> bool:
+def has_compiler() -> bool:
+    """Return whether there is a C compiler."""
     from lagc.simulation.backends.compile import compiler
 
     return compiler() is not None

@@ -260,6 +260,32 @@ def test_auto_begins_in_numpy_and_changes_to_c_where_a_run_is_long(monkeypatch: 
 
 
 @needs_c
+def test_auto_takes_c_for_a_second_run_if_fifty_such_runs_pay_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(c_compiler, "cached_library", lambda sources: False)
+    for seconds, backend in ((1e-3, "c"), (600.0, "numpy")):
+        monkeypatch.setattr("lagc.simulation.supervision.compile_time", lambda interface, s=seconds: s)
+        monkeypatch.setattr("lagc.simulation.supervision.CompileTimer", lambda limit, inner: inner)
+        model = lagc.load("simple_pendulum").compile(scene="room")
+        runs = [model.simulate(stop=1, parameters={"l": l}) for l in (0.5, 0.5, 0.7)]  # noqa: E741
+        assert [run.system.backend for run in runs] == ["numpy", backend, backend]
+        assert runs[1].states == runs[0].states and runs[2].status == "ok"
+
+
+@needs_c
+def test_auto_goes_on_in_numpy_if_a_second_run_cannot_be_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        c_compiler, "library", lambda sources: c_compiler.build_library({"x.c": "int main( {"})
+    )
+    monkeypatch.setattr("lagc.simulation.backends.c.library", c_compiler.library)
+    monkeypatch.setattr(c_compiler, "cached_library", lambda sources: False)
+    monkeypatch.setattr("lagc.simulation.supervision.compile_time", lambda interface: 0.2)
+    model = lagc.load("simple_pendulum").compile(scene="room")
+    runs = [model.simulate(stop=1) for _ in range(3)]
+    assert [run.system.backend for run in runs] == ["numpy"] * 3
+    assert "error" in runs[1].backend_reason and runs[2].status == "ok"
+
+
+@needs_c
 def test_a_run_that_changes_to_c_seeks_its_start_once_and_tells_all_of_its_time(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
