@@ -23,25 +23,61 @@ _FOREIGN = {
     "Pi": "write `pi`", "PI": "write `pi`", "t": "write `time`",
 }  # fmt: skip
 
+SYNONYMS = {  # types of other languages -> types
+    **dict.fromkeys(("float", "double", "Float", "Double", "real", "Number", "number", "Scalar"), "Real"),
+    **dict.fromkeys(("int", "Int", "integer"), "Integer"),
+    **dict.fromkeys(("Speed", "LinearVelocity"), "Velocity"),
+    **dict.fromkeys(("Position", "Distance", "Displacement", "Radius", "Height", "Diameter", "Thickness"),
+        "Length"),
+    **dict.fromkeys(("Weight", "Tension"), "Force"),
+    **dict.fromkeys(("MomentOfInertia", "InertiaMoment"), "Inertia"),
+    **dict.fromkeys(("Moment", "Couple"), "Torque"),
+    **dict.fromkeys(("Work", "Heat"), "Energy"),
+    "TranslationalSpringConstant": "Stiffness", "RotationalSpringConstant": "RotationalStiffness",
+    "TranslationalDampingConstant": "Damping", "RotationalDampingConstant": "RotationalDamping",
+    "AngularFrequency": "AngularVelocity", "ElectricCharge": "Charge", "ElectricCurrent": "Current",
+    "ElectricPotential": "Voltage",
+}  # fmt: skip
+
 _FOREIGN_TYPES = {
     **dict.fromkeys(("Boolean", "bool", "Bool", "boolean"),
         "declare an `effect` for a choice, or write `if condition then 1 else 0` for a number"),
     **dict.fromkeys(("String", "string", "str"),
         "there are no text variables; write a text as the description of a declaration"),
-    **dict.fromkeys(("float", "double", "Float", "Double", "real", "Number", "number", "Scalar"),
-        "write `Real` or a quantity type such as `Length`"),
-    **dict.fromkeys(("int", "Int", "integer"), "write `Integer`"),
-    **dict.fromkeys(("Speed", "LinearVelocity"), "write `Velocity`"),
-    **dict.fromkeys(("Position", "Distance", "Displacement", "Radius", "Height"), "write `Length`"),
-    **dict.fromkeys(("Weight", "Tension"), "write `Force`"),
-    **dict.fromkeys(("MomentOfInertia", "InertiaMoment"), "write `Inertia`"),
-    **dict.fromkeys(("Moment", "Couple"), "write `Torque`"),
-    **dict.fromkeys(("Work", "Heat"), "write `Energy`"),
     **dict.fromkeys(("Vector", "vector", "Vector3"), "write a vector as an array: `parameter Length r[3];`"),
-    "TranslationalSpringConstant": "write `Stiffness`", "Spring": "write `Stiffness`",
     "Rotation": "write `Angle`, or `Orientation` for a rotation in space",
     "Quaternion": "write `Orientation`",
 }  # fmt: skip
+
+_REVOLUTE = "declare its angle and turn a frame by it: `coordinate Angle phi; frame F = rotate_z(world, phi);`"
+_PARTICLE = "write `body b = Particle(mass = m, at = {x, y, z});`, or `Solid(...)` for a body that turns"
+_SPRING = "write a spring as a potential: `potential V = 1/2*k*(norm(position(b)) - l)^2;`"
+_DAMPER = "write a damper as a dissipation: `dissipation D = 1/2*c*der(x)^2;`"
+_COMPONENTS = {  # models of libraries of mechanics -> the declarations to write
+    **dict.fromkeys(("Revolute", "Universal", "Hinge", "Joint"), _REVOLUTE),
+    **dict.fromkeys(("Prismatic", "Cylindrical", "Slider"),
+        "declare its displacement and a point: `coordinate Length s; point P = s*world.x;`"),
+    **dict.fromkeys(("Spherical", "FreeMotion"),
+        "declare an orientation and a frame: `coordinate Orientation o; frame F = rotate(world, o);`"),
+    **dict.fromkeys(("Body", "BodyShape", "BodyBox", "BodyCylinder", "PointMass", "RigidBody", "SlidingMass"),
+        _PARTICLE),
+    **dict.fromkeys(("Fixed", "FixedTranslation"), "write `point P = {0, 0, 1} [m];`"),
+    "FixedRotation": "write `frame F = rotate_z(world, 30 [deg]);`",
+    "World": "`world` is built in; for gravity write `Gravity field;`",
+    "Spring": _SPRING, "Damper": _DAMPER,
+    **dict.fromkeys(("SpringDamper", "SpringDamperParallel"), f"{_SPRING}; {_DAMPER}"),
+    "WorldForce": "write `force f = {1 [N], 0, 0} at b;`",
+    "WorldTorque": "write `torque M = {0, 0, 1 [N.m]} on b;`",
+}  # fmt: skip
+
+LATER = {  # declarations that are read, but not yet supported -> the message, and the line to write until then
+    "joint": ("joints are not yet supported", _REVOLUTE),
+    "friction": (
+        "friction is not yet supported",
+        "write it as a force with a known normal force, smooth at rest: "
+        "`force rub = -mu*m*g*tanh(der(x)/(1e-3 [m/s]))*world.x at b;`",
+    ),
+}
 
 LONGEST = 64  # characters of a name that is compared
 MOST = 2000  # known names that are looked at
@@ -113,7 +149,12 @@ def foreign(name: str) -> str | None:
 
 def foreign_type(name: str) -> str | None:
     """Return a remedy for a type name of another language, or None."""
-    return _FOREIGN_TYPES.get(name)
+    return f"write `{SYNONYMS[name]}`" if name in SYNONYMS else _FOREIGN_TYPES.get(name)
+
+
+def foreign_model(name: str) -> str | None:
+    """Return the declarations to write for a model of a library of mechanics, or None."""
+    return _COMPONENTS.get(name)
 
 
 def _plain(name: str) -> str:
@@ -146,8 +187,10 @@ _EQUATION = Foreign(
     (),
 )
 _PREFIX = Foreign("leave it out", ())
-_TYPE = Foreign(
-    "write the kind of a quantity first: `parameter Length l = 1 [m];`, `coordinate Angle theta;`"
+_DISCRETE = Foreign(
+    "for a value that changes at events write a coordinate that nothing moves: "
+    "`coordinate Real k; constraint hold: der(k) = 0;`",
+    ("coordinate",),
 )
 
 FOREIGN: dict[str, Foreign] = {
@@ -158,8 +201,9 @@ FOREIGN: dict[str, Foreign] = {
     "def": _FUNCTION, "fn": _FUNCTION, "func": _FUNCTION, "lambda": _FUNCTION,
     "equation": _EQUATION, "equations": _EQUATION, "algorithm": _EQUATION, "public": _PREFIX,
     "protected": _PREFIX, "private": _PREFIX, "static": _PREFIX, "inner": _PREFIX, "outer": _PREFIX,
-    "replaceable": _PREFIX, "encapsulated": _PREFIX, "discrete": _PREFIX, "flow": _PREFIX,
-    "real": _TYPE, "integer": _TYPE, "boolean": _TYPE, "double": _TYPE, "float": _TYPE, "int": _TYPE,
+    "replaceable": _PREFIX, "encapsulated": _PREFIX, "redeclare": _PREFIX, "discrete": _DISCRETE, "flow": _PREFIX,
+    "print": Foreign("for a computed quantity write `output Type name = value;`"),
+    "return": Foreign("for a computed quantity write `output Type name = value;`"),
     "include": Foreign("write `import`", ("import",)), "using": Foreign("write `import`", ("import",)),
     "connect": Foreign("connect bodies by constraints: `constraint c: position(a) = position(b);`"),
     "while": Foreign("write a loop as `for i in 1:n loop ... end for;`"),

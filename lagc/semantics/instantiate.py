@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from lagc.base.records import dataclass, replace
 from lagc.diagnostics.faults import Span
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.diagnostics.suggest import LATER, did_you_mean, foreign_model, foreign_type
 from lagc.semantics.context import Context
 from lagc.semantics.names.namespace import Namespace
 from lagc.semantics.names.scope import (
@@ -34,7 +34,6 @@ from lagc.syntax import tree
 
 ELEMENTS = ("Gravity", "Particle", "Solid")  # declared like instances, but not models
 _CHANGEABLE = ("constant", "parameter", "structural", "input", "coordinate", "speed", "output", "instance")
-_LATER = {"joint": "joints are", "friction": "friction is"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,8 +149,9 @@ class Builder:
 
     def _construct(self, d: tree.Construct | tree.Load | tree.Constraint, destination: Destination) -> None:
         kind = "constraint" if isinstance(d, tree.Constraint) else d.kind
-        if kind in _LATER:
-            raise Wrong("LAG0220", f"{_LATER[kind]} not yet supported", d.span)
+        if kind in LATER:
+            message, remedy = LATER[kind]
+            raise Wrong("LAG0220", message, d.span, remedy)
         if not d.index:
             self._enter(kind, d.name, d, d, destination)
             return
@@ -213,8 +213,10 @@ class Builder:
         elif isinstance(d, tree.Instance):
             for declarator in d.declarators:
                 entry = self.instance.entries[declarator.name]
-                if entry.source is declarator:
-                    self.context.attempt(self._instance, d, entry, destination)
+                if entry.source is declarator and not self.context.attempt(
+                    self._instance, d, entry, destination
+                ):
+                    entry.state = "poisoned"
         elif isinstance(d, tree.Construct | tree.Load | tree.Constraint):
             self._element(d, destination)
 
@@ -271,7 +273,14 @@ class Builder:
             entry.kind = "gravity" if d.type.path[0] == "Gravity" else "body"
             destination.items.append(entry)
             return
-        found, where = self._model_of(d, space)
+        try:
+            found, where = self._model_of(d, space)
+        except Wrong as wrong:
+            if wrong.fault.code != "LAG0203" or not _is_quantity(d):
+                raise
+            entry.kind = "quantity"  # without its kind, reported when the values that it uses are known
+            destination.items.append(entry)
+            return
         if source.value is not None:
             raise Wrong("LAG0221", "an instance of a model has no value", source.value.span)
         own = modifiers_of(source.arguments, entry.environment)
@@ -307,7 +316,9 @@ class Builder:
         try:
             found, where = space.find(d.type.path, d.type.span, "model or type")
         except Wrong as wrong:
-            remedy = wrong.fault.remedy or did_you_mean(d.type.path[-1], ELEMENTS)
+            name = d.type.path[-1]
+            remedy = foreign_model(name) or foreign_type(name) or wrong.fault.remedy
+            remedy = remedy or did_you_mean(name, ELEMENTS)
             raise Wrong(wrong.fault.code, wrong.fault.message, wrong.fault.span, remedy) from None
         if not isinstance(found, tree.ModelDeclaration):
             raise Wrong("LAG0204", f"`{'.'.join(d.type.path)}` is not a model", d.type.span)
@@ -348,6 +359,12 @@ class Builder:
         if remedy is None and known:
             remedy = f"it has {', '.join(f'`{n}`' for n in known[:MOST_NAMED])}"
         return Wrong("LAG0209", f"`{owner}` has no `{name}`", span, remedy)
+
+
+def _is_quantity(d: tree.Instance) -> bool:
+    from lagc.semantics.declarations.without_kind import quantity_of  # where there is a fault
+
+    return quantity_of(d.type.path) is not None
 
 
 def instantiate(

@@ -264,11 +264,17 @@ def _instance(context: Context, entry: Entry) -> Value:
     raise Wrong("LAG0205", message, entry.span)
 
 
+def _without_kind(context: Context, entry: Entry) -> Value:
+    from lagc.semantics.declarations.without_kind import refuse_without_kind  # where there is a fault
+
+    return refuse_without_kind(context, entry)
+
+
 DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
     "constant": declare_quantity, "parameter": declare_quantity, "structural": declare_quantity,
     "input": declare_quantity,
     "coordinate": declare_quantity, "speed": declare_quantity, "output": declare_quantity,
-    "function": _function, "instance": _instance,
+    "function": _function, "instance": _instance, "quantity": _without_kind,
     "frame": declare_frame, "point": declare_point, "body": declare_body, "gravity": declare_gravity,
     "potential": declare_potential, "kinetic": declare_free_term, "lagrangian": declare_free_term,
     "dissipation": declare_dissipation, "force": declare_load, "torque": declare_load,

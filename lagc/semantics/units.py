@@ -309,6 +309,13 @@ for _type in TYPES.values():
 _BY_DIMENSION[NONE] = "a number"
 
 
+def name_of(dimension: Dimension) -> str:
+    """Return the type to declare a quantity of this dimension with: `Length`, `Real[kg/s]`."""
+    if dimension == NONE:
+        return "Real"
+    return _BY_DIMENSION.get(dimension) or f"Real[{si_text(dimension)}]"
+
+
 def describe(dimension: Dimension) -> str:
     """Return a dimension in words: `Length [m]`, `[kg.m/s3]`, `a number`."""
     name = _BY_DIMENSION.get(dimension)

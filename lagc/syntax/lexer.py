@@ -117,7 +117,7 @@ def tokenise(source: Source) -> Lexed:
             if symbol == "[" and tokens and _unit_follows(tokens[-1]):
                 end = _unit(source, lexed, position)
             elif symbol in _UNKNOWN:
-                _unknown(source, lexed, symbol, position)
+                end = _unknown(source, lexed, symbol, position)
             else:
                 tokens.append(Token(SYMBOL, symbol, position, end))
         elif kind == "comment":
@@ -205,10 +205,11 @@ def _odd(source: Source, character: str, start: int) -> Fault:
     )
 
 
-def _unknown(source: Source, lexed: Lexed, character: str, start: int) -> None:
-    """Report an unused character; `x'` and `x''`, as equations print rates, give one fault."""
+def _unknown(source: Source, lexed: Lexed, character: str, start: int) -> int:
+    """Report an unused character and return its end.  `x'` and `x''`, as equations print rates, give one
+    fault; a `#` begins a comment."""
     if character == "'" and source.text[start - 1] == "'":
-        return
+        return start + 1
     fault = _odd(source, character, start)
     before = lexed.tokens[-1] if lexed.tokens else None
     if character == "'" and before is not None and before.kind == WORD and before.end == start:
@@ -218,6 +219,8 @@ def _unknown(source: Source, lexed: Lexed, character: str, start: int) -> None:
         rate = "der(" * order + before.text + ")" * order if order < 3 else f"der({before.text})"
         fault = replace(fault, span=Span(source, start, primes.end()), remedy=f"write `{rate}`")
     lexed.faults.append(fault)
+    newline = source.text.find("\n", start) if character == "#" else start + 1
+    return len(source.text) if newline < 0 else newline
 
 
 def _foreign_word(source: Source, word: str, start: int) -> Fault:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
+
 from lagc.diagnostics.faults import Fault, Refused, Source, Span
 from lagc.syntax.lalr import MOST_FAULTS, Machine
 from lagc.syntax.lalr_tables import tables
 from lagc.syntax.lexer import SYMBOL, WORD, Lexed, Token, tokenise
 from lagc.syntax.tree import Declarator, Expression, Quantities, Tree
+
+_FOREIGN = re.compile(r"\b(?:equation|algorithm|within)\b|\b(?:model|block|class|package|record)\s+\w+\s*=")
 
 
 def parse(source: Source) -> Tree:
@@ -54,6 +58,10 @@ def read(source: Source) -> tuple[Tree, Lexed, list[Fault]]:
         fault = Fault("LAG0101", message, Span(source, nul, nul + 1), remedy=remedy)
         return Tree(source, ()), Lexed([], [], []), [fault]
     lexed = tokenise(source)
+    if _FOREIGN.search(source.text):
+        from lagc.syntax.mistakes import passages
+
+        passages.leave_out(source, lexed, frozenset(tables().keywords))
     machine = Machine(source, tables(), lexed)
     tree = machine.run(_recover)
     return tree if tree is not None else Tree(source, ()), lexed, _faults_of(lexed, machine)

@@ -15,7 +15,7 @@ from lagc.syntax.expression_builder import MOST_PARTS, Children, Expressions
 from lagc.syntax.lexer import Token
 from lagc.syntax.places import FILE, arrange
 
-_PLAIN = frozenset({"Real", "Integer", "Boolean"})
+_TYPES_TOO = frozenset({"Force", "Torque"})  # also types of quantities, and not only like keywords
 
 
 def _only(self: object, c: Children, span: Span) -> Any:
@@ -122,8 +122,8 @@ class Builder(Expressions):
     def instance(self, c: Children, span: Span) -> tree.Instance:
         model, declarators, unless, description = c
         made = self._type_of(model)
-        if any(declarator.value is not None for declarator in declarators) or made.path[-1] in _PLAIN:
-            self.faults.append(_no_kind(made))
+        if any(declarator.value is not None for declarator in declarators):
+            self.faults += _misspelt_keyword(made)
         return tree.Instance(made, self._described(declarators, description), unless or (), span)
 
     def declarators(self, c: Children, span: Span) -> tuple[tree.Declarator, ...]:
@@ -266,25 +266,26 @@ class Excludes(Requires):
     """`excludes a, b;`."""
 
 
-def _no_kind(made: tree.TypeName) -> Fault:
-    """Report `Length x = 3;` or `bod b = Particle(...);`: an instance has no value."""
-    from lagc.diagnostics.suggest import FOREIGN, closest
+def _misspelt_keyword(made: tree.TypeName) -> list[Fault]:
+    """Report `bod b = Particle(...);`, since an instance of a model has no value."""
+    from lagc.diagnostics.suggest import FOREIGN, SYNONYMS, closest
     from lagc.syntax.lalr_tables import tables
 
     word = made.path[-1]
-    foreign = FOREIGN.get(word.lower())
+    foreign = FOREIGN.get(word)
     if foreign is not None:
         message = f"`{word}` is not a keyword of the language"
-        return Fault("LAG0118", message, made.span, remedy=foreign.remedy)
+        return [Fault("LAG0118", message, made.span, remedy=foreign.remedy)]
     if word in ("Particle", "Solid"):
         message = f"the arguments of a `{word}` follow its name in parentheses"
         remedy = f"write `body b = {word}(...);`, or `{word} b(...);`"
-        return Fault("LAG0119", message, made.span, remedy=remedy)
+        return [Fault("LAG0119", message, made.span, remedy=remedy)]
+    if word in _TYPES_TOO or word in SYNONYMS:
+        return []
     keywords = tables().keywords
     near = word.lower() if word.lower() in keywords else closest(word, keywords)
     message = f"`{word}` is not a keyword, and an instance of a model has no value"
-    quantity = f"for a quantity write its kind first: `parameter {word} x = 1;`"
-    return Fault("LAG0119", message, made.span, remedy=f"did you mean `{near}`?" if near else quantity)
+    return [Fault("LAG0119", message, made.span, remedy=f"did you mean `{near}`?")] if near else []
 
 
 def _names(path: tuple[Token, ...]) -> tuple[str, ...]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from lagc.diagnostics.faults import Fault
-from lagc.diagnostics.suggest import FOREIGN, closest
-from lagc.syntax.lexer import NUMBER, STRING, WORD
+from lagc.diagnostics.suggest import FOREIGN, LATER, closest, foreign_model
+from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD
 from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
 
 
@@ -40,11 +40,73 @@ def else_when(w: Where) -> Explained | None:
         return None
     message, remedy = (
         "`elsewhen` is not a keyword of the language",
-        "write a separate `when ... end when;` for each condition",
+        f"end the clause and begin another: `end when; when {_until(w, 'then') or 'condition'} then`",
     )
     fault = Fault("LAG0118", message, w.span(w.before), remedy=remedy)
     words = [token_of(word, w.before.start) for word in ("end", "when", ";", "when")]
     return Explained(fault, Repair(w.position - 1, 1, tuple(words)))
+
+
+def _until(w: Where, word: str) -> str:
+    """Return the text from the unexpected token to the next `word` of the same line."""
+    text = w.source.text[w.token.start :].partition("\n")[0]
+    before, found, _ = text.partition(f" {word}")
+    return before.strip() if found else ""
+
+
+def not_yet(w: Where) -> Explained | None:
+    """Explain `joint Revolute j(...)`, which has another form than the language reads."""
+    if w.first.text not in LATER or not w.inside:
+        return None
+    message, remedy = LATER[w.first.text]
+    kind = w.tokens[w.begin + 1].text
+    return Explained(Fault("LAG0220", message, w.span(w.first), remedy=foreign_model(kind) or remedy))
+
+
+def python_choice(w: Where) -> Explained | None:
+    """Explain `a if condition else b`."""
+    if w.token.text != "if" or not w.inside or w.new_line():
+        return None
+    first, depth = w.position - 1, 0
+    while first > w.begin:
+        text = w.tokens[first].text
+        depth += (text in ")]}") - (text in "([{") if w.tokens[first].kind == SYMBOL else 0
+        if depth < 0 or (depth == 0 and text in (",", "=", ";")):
+            break
+        first -= 1
+    otherwise, last, depth = 0, w.position, 0
+    while w.tokens[last].kind != END:
+        text = w.tokens[last].text
+        depth += (text in "([{") - (text in ")]}") if w.tokens[last].kind == SYMBOL else 0
+        if depth < 0 or (depth == 0 and text in (",", ";", "at", "on")):
+            break
+        otherwise = last if text == "else" and depth == 0 else otherwise
+        last += 1
+    value, condition = w.tokens[first + 1 : w.position], w.tokens[w.position + 1 : otherwise]
+    other = w.tokens[otherwise + 1 : last]
+    if not value or not condition or not other:
+        return None
+    a, b, c = (w.span(part[0], part[-1]).text for part in (value, condition, other))
+    message = "a choice begins with its condition"
+    fault = Fault("LAG0110", message, w.span(w.token), remedy=f"write `if {b} then {a} else {c}`")
+    ordered = [token_of("if", value[0].start), *condition, token_of("then", w.token.start), *value,
+               token_of("else", w.token.start), *other]  # fmt: skip
+    return Explained(fault, Repair(first + 1, last - first - 1, tuple(ordered)))
+
+
+def without_kind(w: Where) -> Explained | None:
+    """Explain `Real[m] x(start = 1);`."""
+    if w.first.text != "Real" or w.token.kind != UNIT or w.position != w.begin + 1:
+        return None
+    last = w.position
+    while w.tokens[last + 1].text != ";" and w.tokens[last + 1].kind != END:
+        last += 1
+    declared = w.span(w.first, w.tokens[last])
+    kind = "output" if "der" in declared.text else "parameter" if "=" in declared.text else "coordinate"
+    kind = "coordinate" if "start" in declared.text else kind
+    message = "the declaration of a quantity begins with its kind, such as `parameter` or `coordinate`"
+    fault = Fault("LAG0119", message, w.span(w.first), remedy=f"write `{kind} {declared.text};`")
+    return Explained(fault, Repair(w.begin, 0, (token_of(kind, w.first.start),)))
 
 
 def if_statement(w: Where) -> Explained | None:
@@ -149,6 +211,18 @@ def description_last(w: Where) -> Explained | None:
         return None
     message = "write the description last, right before the `;` or the `,`"
     return Explained(Fault("LAG0125", message, w.span(w.before)))
+
+
+def another_name(w: Where) -> Explained | None:
+    """Explain `coordinate Length x; y;`."""
+    before = w.tokens[w.begin - 1] if w.begin else None
+    if before is None or before.text != ";" or w.first.kind != WORD or w.before is not w.first:
+        return None
+    if w.token.text not in (";", ",") or "\n" in w.source.text[before.end : w.first.start]:
+        return None
+    message = f"`{w.first.text}` does not begin a declaration; names in a list are separated by `,`"
+    fault = Fault("LAG0130", message, w.span(before, w.first), remedy=f"write `, {w.first.text}`")
+    return Explained(fault, Repair(w.begin - 1, 1, (token_of(",", before.start),)))
 
 
 def missing_name(w: Where) -> Explained | None:

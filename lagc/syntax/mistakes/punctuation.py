@@ -152,6 +152,32 @@ def unit_behind_expression(w: Where) -> Explained | None:
     return Explained(Fault("LAG0121", message, w.span(w.token)))
 
 
+def vector_in_brackets(w: Where) -> Explained | None:
+    """Explain `[x, 0, 0]` and `[1, 2; 3, 4]`."""
+    if w.token.text != "[" or w.token.kind != SYMBOL or not w.accepts("LBRACE"):
+        return None
+    last, depth, rows = w.position, 0, False
+    while True:
+        token = w.tokens[last]
+        if token.kind == END or token.text in ("=", "end"):
+            return None
+        depth += (token.text == "[") - (token.text == "]")
+        rows = rows or (token.text == ";" and depth == 1)
+        if depth == 0:
+            break
+        last += 1
+    inner = w.source.text[w.token.end : w.tokens[last].start].replace("[", "{").replace("]", "}")
+    shown = f"{{{inner}}}" if not rows else "{" + ", ".join(f"{{{row.strip()}}}" for row in inner.split(";")) + "}"
+    message = "a vector or an array is written in braces"
+    fault = Fault("LAG0114", message, w.span(w.token, w.tokens[last]), remedy=f"write `{shown}`")
+    if rows:
+        return Explained(fault)
+    braces = {"[": "{", "]": "}"}
+    others = [token_of(braces.get(t.text, t.text), t.start) if t.text in braces else t
+              for t in w.tokens[w.position : last + 1]]  # fmt: skip
+    return Explained(fault, Repair(w.position, len(others), tuple(others)))
+
+
 def brackets(w: Where) -> Explained | None:
     text = w.token.text if w.token.kind == SYMBOL else ""
     if text in _OPENING:
