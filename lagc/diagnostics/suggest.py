@@ -21,6 +21,7 @@ _FOREIGN = {
     "deg2rad": "write the unit of the number: `30 [deg]`",
     "heaviside": "write `if x > 0 then 1 else 0`", "step": "write `if time > 1 [s] then 1 else 0`",
     "Pi": "write `pi`", "PI": "write `pi`", "t": "write `time`",
+    "True": "write `true`", "False": "write `false`",
 }  # fmt: skip
 
 SYNONYMS = {  # types of other languages -> types
@@ -49,7 +50,9 @@ _FOREIGN_TYPES = {
     "Quaternion": "write `Orientation`",
 }  # fmt: skip
 
-_REVOLUTE = "declare its angle and turn a frame by it: `coordinate Angle phi; frame F = rotate_z(world, phi);`"
+_REVOLUTE = (
+    "declare its angle and turn a frame by it: `coordinate Angle phi; frame F = rotate_z(world, phi);`"
+)
 _PARTICLE = "write `body b = Particle(mass = m, at = {x, y, z});`, or `Solid(...)` for a body that turns"
 _SPRING = "write a spring as a potential: `potential V = 1/2*k*(norm(position(b)) - l)^2;`"
 _DAMPER = "write a damper as a dissipation: `dissipation D = 1/2*c*der(x)^2;`"
@@ -70,7 +73,12 @@ _COMPONENTS = {  # models of libraries of mechanics -> the declarations to write
     "WorldTorque": "write `torque M = {0, 0, 1 [N.m]} on b;`",
 }  # fmt: skip
 
-LATER = {  # declarations that are read, but not yet supported -> the message, and the line to write until then
+LIBRARIES = ("Modelica", "ModelicaServices", "math", "numpy", "scipy", "sympy", "matplotlib")
+NO_LIBRARY = (
+    "delete it, since types, functions and `pi` are built in: write `Mass` for `SI.Mass`, `sin` for `np.sin`"
+)
+
+LATER = {  # declarations that are not yet supported -> the message, and what to write until then
     "joint": ("joints are not yet supported", _REVOLUTE),
     "friction": (
         "friction is not yet supported",
@@ -152,6 +160,18 @@ def foreign_type(name: str) -> str | None:
     return f"write `{SYNONYMS[name]}`" if name in SYNONYMS else _FOREIGN_TYPES.get(name)
 
 
+def moments(written: Sequence[str], k: int) -> str:
+    """Return a remedy for three moments of inertia, number k of which exceeds the sum of the two others."""
+    others = [str(i + 1) for i in range(3) if i != k]
+    if all(written[int(i) - 1] == "0" for i in others):
+        whole = [written[k] if i == k else f"{written[k]}/2" for i in range(3)]
+        return (
+            f"the moments {' and '.join(others)} are missing: for a flat body write `inertia = "
+            f"{{{', '.join(whole)}}}`"
+        )
+    return f"make the moments {' and '.join(others)} together at least as large as moment {k + 1}"
+
+
 def foreign_model(name: str) -> str | None:
     """Return the declarations to write for a model of a library of mechanics, or None."""
     return _COMPONENTS.get(name)
@@ -201,7 +221,9 @@ FOREIGN: dict[str, Foreign] = {
     "def": _FUNCTION, "fn": _FUNCTION, "func": _FUNCTION, "lambda": _FUNCTION,
     "equation": _EQUATION, "equations": _EQUATION, "algorithm": _EQUATION, "public": _PREFIX,
     "protected": _PREFIX, "private": _PREFIX, "static": _PREFIX, "inner": _PREFIX, "outer": _PREFIX,
-    "replaceable": _PREFIX, "encapsulated": _PREFIX, "redeclare": _PREFIX, "discrete": _DISCRETE, "flow": _PREFIX,
+    "replaceable": _PREFIX, "encapsulated": _PREFIX, "redeclare": _PREFIX, "flow": _PREFIX,
+    "discrete": _DISCRETE,
+    "from": Foreign("write `import package.name;`"),
     "print": Foreign("for a computed quantity write `output Type name = value;`"),
     "return": Foreign("for a computed quantity write `output Type name = value;`"),
     "include": Foreign("write `import`", ("import",)), "using": Foreign("write `import`", ("import",)),

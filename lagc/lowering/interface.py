@@ -9,6 +9,7 @@ from typing import Any
 
 from lagc.base.records import names, replace
 from lagc.diagnostics.faults import Fault, Span
+from lagc.diagnostics.suggest import moments as moments_remedy
 from lagc.host import cache
 from lagc.lowering.event_relations import EventRelation
 from lagc.lowering.program import Clause, Field, Function, Interface
@@ -18,6 +19,7 @@ from lagc.semantics.units import NONE, Dimension, S, over, unit
 from lagc.symbolic.derivative import Slopes
 from lagc.symbolic.enclosures import intervals
 from lagc.symbolic.graph import Node
+from lagc.symbolic.text import text
 from lagc.symbolic.vectors import Matrix
 from lagc.symbolic.walk import depends, symbols
 
@@ -212,7 +214,7 @@ def parameter_field(p: Parameter) -> Field:
 
 
 def _limit(x: Limit) -> Field:
-    return Field(x.name, None, x.minimum, x.maximum, x.unit, x.unit, place(x.span), "")
+    return Field(x.name, None, x.minimum, x.maximum, x.unit, x.unit, place(x.span), x.remedy)
 
 
 def input_field(u: Input) -> Field:
@@ -304,8 +306,10 @@ def _inertias(model: Model) -> Iterator[Limit]:
                 b, c = moments[k - 2], moments[k - 1]
                 room = (b + c) * FLAT - a
                 if not any(_part(room) is _part(x) for x in moments):  # that it is not negative is asked
-                    name = f"the sum of the other moments of inertia of {body.name} less number {k + 1}"
-                    yield Limit(name, room, "kg.m2", 0.0, inf, body.span)
+                    others = " + ".join(str(i + 1) for i in range(3) if i != k)
+                    name = f"moments of inertia {others} - {k + 1} of {body.name}"
+                    remedy = moments_remedy([text(x) for x in moments], k)
+                    yield Limit(name, room, "kg.m2", 0.0, inf, body.span, remedy)
 
 
 def _part(x: Node) -> Node:

@@ -63,6 +63,7 @@ class Limit:
     minimum: float
     maximum: float
     span: Span
+    remedy: str = ""
 
 
 @dataclass(frozen=True, slots=True)

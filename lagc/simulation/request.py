@@ -215,7 +215,9 @@ def keep_limits(system: System) -> None:
     limits = system.interface.limits
     if limits and not any(p != p for p in system.parameters):
         faults = [
-            fault for f, value in zip(limits, system.limits()) for fault in _bounds(f, value, "LAG0617")
+            fault
+            for f, value in zip(limits, system.limits())
+            for fault in _bounds(f, value, "LAG0617", f.description)
         ]
         if faults:
             raise Refused(faults)
@@ -285,7 +287,7 @@ def unknown(name: str, known: Iterable[str], what: str, code: str) -> Fault:
     return Fault(code, f"there is no {what} `{name}`", remedy=remedy)
 
 
-def _bounds(field: Field, value: float, code: str = "LAG0602") -> list[Fault]:
+def _bounds(field: Field, value: float, code: str = "LAG0602", remedy: str = "") -> list[Fault]:
     if field.minimum <= value <= field.maximum:
         return []
     unit = f" {field.unit}" if field.unit else ""
@@ -293,7 +295,11 @@ def _bounds(field: Field, value: float, code: str = "LAG0602") -> list[Fault]:
         return [Fault(code, f"`{field.name}` is not a number for these parameters ({field.place})")]
     low = value < field.minimum
     bound = f"below its minimum, {field.minimum:g}" if low else f"above its maximum, {field.maximum:g}"
-    return [Fault(code, f"`{field.name}` = {value:g}{unit} is {bound}{unit} ({field.place})")]
+    return [
+        Fault(
+            code, f"`{field.name}` = {value:g}{unit} is {bound}{unit} ({field.place})", remedy=remedy or None
+        )
+    ]
 
 
 def _adapts(method: str) -> bool:

@@ -83,7 +83,7 @@ def _arrange(
                 _gather(arranged, item)
             elif outside:
                 outside = False
-                faults.append(_equation_outside(item))
+                faults.append(_equation_outside(item, container))
             continue
         if isinstance(item, tree.ForLoop):
             body, _ = _arrange(item.body, "for", initial, faults)
@@ -143,6 +143,8 @@ def _check(kind: str, span: Span, container: str, misplaced: set[str], faults: l
         remedy = f"declare an array before the loop: `{kind} Type name[n]{_BY_INDEX[kind]};`"
     else:
         remedy = f"it belongs {' or '.join(good)}"
+    if kind in ("start", "simulate") and container == "model" and "\n" not in span.text:
+        remedy += f": `scene s {span.text} end s;`"
     if kind == "instance" and container == "scene":
         remedy += "; list the effects of a scene after `uses`: `scene name uses gravity;`"
     if kind in ("effect", "scene") and container == "effect":
@@ -150,7 +152,7 @@ def _check(kind: str, span: Span, container: str, misplaced: set[str], faults: l
     faults.append(Fault("LAG0120", f"{shown} cannot stand {_SHOWN[container]}", begin, remedy=remedy))
 
 
-def _equation_outside(item: tree.Initial) -> Fault:
+def _equation_outside(item: tree.Initial, container: str) -> Fault:
     condition = item.conditions[0]
     left = condition.left
     if isinstance(left, tree.Name) and (left.name in _PLACES or left.name in _IN_LOOPS):
@@ -160,7 +162,10 @@ def _equation_outside(item: tree.Initial) -> Fault:
         "LAG0122",
         "an equation is only allowed in the `initial` section",
         condition.span,
-        remedy="for an equation that always holds write `constraint name: left = right;`; "
+        remedy="write `start name = value;` for an initial value, `parameter name = value;` for a parameter "
+        "and `simulate(stop = 10);` for the end of the run"
+        if container == "scene"
+        else "for an equation that always holds write `constraint name: left = right;`; "
         "for an initial condition put `initial` before it",
     )
 

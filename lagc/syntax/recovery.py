@@ -240,6 +240,7 @@ _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     keywords.not_yet,
     keywords.without_kind,
     keywords.another_name,
+    keywords.import_as,
     keywords.first_word,
     punctuation.comparison_for_equation,
     punctuation.equation_for_comparison,

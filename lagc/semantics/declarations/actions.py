@@ -56,7 +56,9 @@ def _timely(context: Context, node: Node, span: Span, what: str) -> None:
             f"{what} depends on an acceleration, a reaction or an energy of the run, which are "
             "only known after the equations are solved",
             span,
-            "use them only in outputs",
+            "use them only in outputs; for friction write the normal force as an expression, such as `m*g`"
+            if what == "a force"
+            else "use them only in outputs",
         )
 
 
@@ -211,6 +213,21 @@ def _frame_of(value: Value, written: tree.Expression) -> Frame:
         f"a torque acts on a solid or a frame; this is {kind(value)}"
         + (" without a frame" if isinstance(value, Body) else ""),
         written.span,
+        "write `body b = Solid(mass = m, inertia = {I1, I2, I3}, frame = F, com = P);`"
+        if isinstance(value, Body)
+        else None,
+    )
+
+
+def _stop(source: tree.Constraint) -> str:
+    """Return what to write until there are inequalities: a stiff spring that acts beyond the bound."""
+    parts = [source.left.span.text, source.right.span.text]
+    beyond, bound = parts if source.relation == "<=" else reversed(parts)
+    bound = f"({bound})" if any(sign in bound for sign in "+-") else bound
+    depth = beyond if bound == "0" else f"{beyond} - {bound}"
+    return (
+        "write a stop that a stiff spring makes: `parameter Stiffness k = 1e5; "
+        f"potential {source.name} = 1/2*k*max({depth}, 0)^2;`"
     )
 
 
@@ -224,6 +241,7 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
             "LAG0220",
             f"constraints with `{source.relation}` are not yet supported",
             source.relation_span,
+            _stop(source),
         )
     if source.arguments:
         raise Wrong("LAG0209", "a constraint with `=` takes no arguments", source.arguments[0].span)

@@ -11,6 +11,7 @@ from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context, Given
 from lagc.semantics.model import DECLARED, FIXED, RUN, SCENE, UNSTATED, Statement
 from lagc.semantics.names.scope import (
+    LONGEST_SHOWN,
     Array,
     Entry,
     Modifier,
@@ -29,6 +30,7 @@ from lagc.semantics.units import Dimension, QuantityType, UnknownUnit, unit
 from lagc.semantics.values.evaluate import evaluate, evaluate_as
 from lagc.semantics.values.interpolation_tables import over_time
 from lagc.symbolic.expression_text import number as number_text
+from lagc.semantics.values.unit_hints import is_bare
 from lagc.symbolic.graph import Node
 from lagc.syntax import tree
 
@@ -59,19 +61,35 @@ def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[
                 Wrong("LAG0209", "an attribute of a quantity needs a name: `start = 0`", argument.span)
             )
         elif argument.name not in known:
-            context.report(
-                Wrong(
-                    "LAG0209",
-                    f"a {entry.kind} has no `{argument.name}`",
-                    argument.name_span or argument.span,
-                    did_you_mean(argument.name, known) or _has(entry.kind, known),
-                )
-            )
+            span = argument.name_span or argument.span
+            remedy = _foreign_attribute(entry, argument)
+            remedy = remedy or did_you_mean(argument.name, known) or _has(entry.kind, known)
+            wrong = Wrong("LAG0209", f"{_a(entry.kind)} has no `{argument.name}`", span, remedy)
+            if argument.name == "unit":
+                raise wrong  # the dimension is not known
+            context.report(wrong)
         elif argument.value is None or argument.arguments:
             context.report(Wrong("LAG0210", f"`{argument.name}` needs a value", argument.span))
         else:
             found.setdefault(argument.name, modifier)
     return found
+
+
+def _foreign_attribute(entry: Entry, argument: tree.Argument) -> str | None:
+    """Return a remedy for an attribute of Modelica."""
+    assert argument.name is not None
+    if argument.name in ("quantity", "nominal", "stateSelect", "final"):
+        return "leave it out"
+    if argument.name == "unit" and isinstance(argument.value, tree.String):
+        from lagc.semantics.declarations.without_kind import typed  # where there is a fault
+
+        name = typed(argument.value.value)
+        return name and f"the type gives the unit: write `{entry.kind} {name} {entry.name}`"
+    return None
+
+
+def _a(kind_: str) -> str:
+    return f"an {kind_}" if kind_[0] in "aeio" else f"a {kind_}"
 
 
 def _has(kind_: str, known: Sequence[str]) -> str | None:
@@ -93,13 +111,18 @@ def written_value(entry: Entry) -> Modifier | None:
 def no_value(entry: Entry) -> None:
     """Raise Wrong if a coordinate is given a value."""
     modifier = written_value(entry)
-    if modifier is not None and modifier.argument.value is not None:
-        raise Wrong(
-            "LAG0209",
-            "a coordinate is an unknown and has no value",
-            modifier.argument.value.span,
-            "give an initial value: `(start = ...)`",
-        )
+    if modifier is None or modifier.argument.value is None:
+        return
+    span, declaration = modifier.argument.value.span, entry.declaration
+    assert isinstance(declaration, tree.Quantities)
+    meant = "" if declaration.type is None else f"{declaration.type.span.text} "
+    remedy = f"for an initial value write `{entry.name}(start = {span.text})`"
+    if modifier.environment is entry.environment and not is_bare(modifier.argument.value, units=True):
+        kind_ = "speed" if "der(" in span.text else "output"
+        remedy = f"for a computed quantity write `{kind_} {meant}{entry.name} = {span.text};`"
+    if len(span.text) > LONGEST_SHOWN or "\n" in span.text:
+        remedy = "give an initial value: `(start = ...)`"
+    raise Wrong("LAG0209", "a coordinate is an unknown and has no value", span, remedy)
 
 
 def elements(

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from lagc.diagnostics.faults import Fault, Span
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.diagnostics.suggest import did_you_mean, foreign_model, moments
 from lagc.semantics import model as objects
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.attributes import given_scalar
@@ -60,7 +60,9 @@ def declare_body(context: Context, entry: Entry) -> Value:
     name = call.function.name if isinstance(call.function, tree.Name) else ""
     if name not in _PARAMETERS:
         look_at_arguments(context, call, entry.environment)
-        raise Wrong("LAG0221", NO_BODY, call.function.span, did_you_mean(name, _PARAMETERS))
+        raise Wrong(
+            "LAG0221", NO_BODY, call.function.span, did_you_mean(name, _PARAMETERS) or foreign_model(name)
+        )
     given = _arguments(context, entry, call, name)
     place = given.get("com") or given.get("at")
     if place is None:
@@ -158,12 +160,16 @@ def _matrix(context: Context, value: Value, span: Span) -> Matrix:
 
 def _check_principal(a: Node, b: Node, c: Node, span: Span) -> None:
     if a.is_const and b.is_const and c.is_const:
-        values = sorted(float(x.value) for x in (a, b, c))
-        if values[0] < 0 or values[2] > (values[0] + values[1]) * (1 + 1e-9):
+        values = [float(x.value) for x in (a, b, c)]
+        largest = max(values)
+        if min(values) < 0 or largest > (sum(values) - largest) * (1 + 1e-9):
             raise Wrong(
                 "LAG0308",
                 "each principal moment of inertia must be non-negative and at most the sum of the two others",
                 span,
+                None
+                if min(values) < 0
+                else moments([f"{x:.15g} [kg.m2]" if x else "0" for x in values], values.index(largest)),
             )
 
 

@@ -356,7 +356,11 @@ def _output(context: Context, quantity: Quantity) -> Value:
     entry = quantity.entry
     modifier = written_value(entry)
     if modifier is None or modifier.argument.value is None:
-        raise Wrong("LAG0210", f"the output `{entry.path}` needs a value", entry.span, "write `= expression`")
+        rate = quantity.type.name in ("Velocity", "AngularVelocity")
+        message = f"the output `{entry.path}` needs a value"
+        raise Wrong(
+            "LAG0210", message, entry.span, f"write `{entry.name} = {'der(x)' if rate else 'expression'}`"
+        )
     expression = modifier.argument.value
     value = evaluate_as(context, expression, modifier.environment, quantity.type.dimension)
     scalars = flat(value, expression.span, f"`{entry.path}`")

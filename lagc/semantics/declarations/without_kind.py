@@ -95,4 +95,3 @@ def typed(text: str) -> str | None:
         return name_of(unit(text).dimension)
     except UnknownUnit:
         return None
-

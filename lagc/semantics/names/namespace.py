@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TypeAlias
 
 from lagc.diagnostics.faults import Refused, Source, Span
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.diagnostics.suggest import LIBRARIES, NO_LIBRARY, did_you_mean
 from lagc.host.model_library import LARGEST_DATA, Unreadable, content, decoded, fingerprint, folder_of
 from lagc.semantics.names.data_files import Columns, Unfit, columns
 from lagc.semantics.refusals import Wrong
@@ -381,11 +381,14 @@ class Importer:
 
     def nothing(self, declaration: tree.Import) -> Wrong:
         names = declaration.path
+        remedy = f"looked for {_candidates(names)} in: {', '.join(shown(r) or '.' for r in self.roots)}"
+        if names[0] in LIBRARIES:
+            remedy = NO_LIBRARY
         return Wrong(
             "LAG0216",
             f"`{'.'.join(names)}` cannot be imported: no file declares it",
             declaration.span,
-            remedy=f"looked for {_candidates(names)} in: {', '.join(shown(r) or '.' for r in self.roots)}",
+            remedy=remedy,
         )
 
     def _read(self, asked: str, span: Span) -> Namespace:

@@ -278,7 +278,11 @@ def vector_of(value: Value, span: Span, what: str) -> tuple[Vector, Dimension | 
     size = f" of {len(value.elements)} elements" if isinstance(value, Array) else ""
     remedy = None
     if isinstance(value, Scalar) and len(span.text) <= LONGEST_SHOWN and "\n" not in span.text:
-        remedy = f"for a vector along x write `{{{span.text}, 0, 0}}`"
+        along_x = f"for a vector along x write `{{{span.text}, 0, 0}}`"
+        remedy = f"for an axis z write `{{0, 0, {span.text}}}`" if what == "a torque" else along_x
+    elif isinstance(value, Array) and len(value.elements) == 2 and len(span.text) <= LONGEST_SHOWN:
+        whole = span.text.startswith("{") and span.text.endswith("}")
+        remedy = f"a vector has three components: write `{span.text[:-1]}, 0}}`" if whole else None
     raise Wrong("LAG0306", f"{what} must be a vector {{x, y, z}}; this is {kind(value)}{size}", span, remedy)
 
 

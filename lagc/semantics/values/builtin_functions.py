@@ -22,7 +22,7 @@ from lagc.semantics.names.scope import (
     vector_value,
 )
 from lagc.semantics.refusals import Wrong
-from lagc.semantics.units import NONE, Dimension, describe, raised, times
+from lagc.semantics.units import NONE, Dimension, S, describe, raised, si_text, times
 from lagc.semantics.values.frame_vectors import length_of, unit_vector
 from lagc.symbolic import vectors
 from lagc.symbolic.graph import Node
@@ -91,8 +91,16 @@ def number(x: Argument, what: str) -> Node:
     """Return the node of an argument that is a pure number.  Raises Wrong."""
     scalar = scalar_of(x.value, x.span, what)
     if scalar.dimension not in (None, NONE):
-        raise Wrong("LAG0303", f"{what} must be a pure number; this is {describe(scalar.dimension)}", x.span)
+        message = f"{what} must be a pure number; this is {describe(scalar.dimension)}"
+        raise Wrong("LAG0303", message, x.span, _as_number(x, scalar.dimension))
     return scalar.node
+
+
+def _as_number(x: Argument, dimension: Dimension | None) -> str:
+    """Return a remedy for an argument that is not a pure number."""
+    if dimension == S:
+        return f"multiply by an angular frequency: write `1 [rad/s]*{x.span.text}`"
+    return f"divide by a quantity of the same dimension, such as `1 [{si_text(dimension or NONE)}]`"
 
 
 def folded(node: Node, span: Span) -> Node:

@@ -166,6 +166,10 @@ def _declared(
             return None
     elif path[0] in environment.instance.entries or path[0] in environment.bindings:
         raise Wrong("LAG0221", f"`{'.'.join(path)}` is not a function", function.span)
+    if len(path) > 1 and environment.space.lookup(path[0]) is None:
+        remedy = f"write `{path[-1]}`" if path[-1] in BUILTINS else foreign(path[-1])
+        remedy = remedy or did_you_mean(path[-1], BUILTINS)
+        raise Wrong("LAG0203", f"there is no function `{'.'.join(path)}`", function.span, remedy)
     found, space = environment.space.find(path, function.span, "function")
     if not isinstance(found, tree.FunctionDeclaration):
         if len(path) == 1 and path[0] in BUILTINS:

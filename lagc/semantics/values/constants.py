@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Span
-from lagc.diagnostics.suggest import did_you_mean, foreign_type
+from lagc.diagnostics.suggest import SYNONYMS, did_you_mean, foreign_type
 from lagc.semantics.context import Context
 from lagc.semantics.names.namespace import Declared, Namespace
 from lagc.semantics.names.scope import Environment, Instance, Value, expect, flat
@@ -111,6 +111,10 @@ def type_of(name: tree.TypeName | None, space: Namespace, depth: int = 0) -> Qua
         known = [*TYPES, *space.known()]
         remedy = foreign_type(name.path[0]) or did_you_mean(name.path[0], known)
         raise Wrong("LAG0203", f"there is no type `{name.path[0]}`", name.span, remedy)
+    if declared is None and SYNONYMS.get(name.path[-1], name.path[-1]) in TYPES:
+        message = f"there is no type `{'.'.join(name.path)}`"
+        remedy = f"the types of quantities are built in: write `{SYNONYMS.get(name.path[-1], name.path[-1])}`"
+        raise Wrong("LAG0203", message, name.span, remedy)
     found, where = space.find(name.path, name.span, "type")
     if not isinstance(found, tree.TypeDeclaration):
         raise Wrong("LAG0203", f"`{'.'.join(name.path)}` is not a type of quantity", name.span)

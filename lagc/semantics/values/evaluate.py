@@ -75,10 +75,23 @@ def whole(number: float, span: Span, what: str) -> int:
     return int(number)
 
 
+def _range(expression: tree.Expression) -> str | None:
+    """Return a remedy for `1..n` and `range(n)`."""
+    first, dots, last = expression.span.text.partition("..")
+    if dots:
+        return f"write `{first}:{last}`"
+    if isinstance(expression, tree.Call) and expression.function.span.text == "range":
+        given = [argument.span.text for argument in expression.arguments]
+        if 1 <= len(given) <= 2:
+            last = given[0] if len(given) == 1 else f"{given[1]} - 1"
+            return f"write `{given[0] if len(given) == 2 else 1}:{last}`, which includes its end"
+    return f"write `1:{expression.span.text}`"
+
+
 def integers(context: Context, expression: tree.Expression, environment: Environment) -> list[int]:
     """Return the values of a loop's range `1:n`, `1:2:n`.  Raises Wrong."""
     if not isinstance(expression, tree.Range):
-        raise Wrong("LAG0208", "a loop needs a range, such as `1:n`", expression.span)
+        raise Wrong("LAG0208", "a loop needs a range, such as `1:n`", expression.span, _range(expression))
     first = integer(context, expression.start, environment, "the start of a range")
     last = integer(context, expression.stop, environment, "the end of a range")
     step = (

@@ -24,7 +24,7 @@ from lagc.semantics.refusals import Poisoned, Wrong
 from lagc.semantics.units import CONSTANTS, NONE, Dimension, S, UnknownUnit, describe, unit
 from lagc.semantics.values.arithmetic import binary, negative, select
 from lagc.semantics.values.calls import call, written
-from lagc.semantics.values.constants import outside, packaged
+from lagc.semantics.values.constants import dotted, outside, packaged
 from lagc.semantics.values.evaluate import all_values, each, evaluate, integer, integers
 from lagc.semantics.values.members import element, member, part
 from lagc.semantics.values.unit_hints import is_bare, unit_remedy
@@ -108,14 +108,27 @@ def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
         "LAG0201",
         f"`{e.name}` is not declared",
         e.span,
-        remedy=foreign(e.name) or _strength(e.name, instance) or did_you_mean(e.name, known),
+        remedy=foreign(e.name)
+        or _strength(e.name, instance)
+        or _rate(e.name, instance)
+        or did_you_mean(e.name, known),
     )
 
 
 def _strength(name: str, instance: Instance) -> str | None:
     """Return a remedy for `g`, which printed equations use for `field.g`."""
     fields = [e.name for e in instance.entries.values() if e.kind == "gravity"] if name == "g" else []
+    if name == "g" and not fields:
+        return "declare it, `parameter Acceleration g = 9.81 [m/s2];`, or write gravity as `Gravity field;`"
     return f"write {' or '.join(f'`{field}.g`' for field in fields)}" if fields else None
+
+
+def _rate(name: str, instance: Instance) -> str | None:
+    """Return a remedy for `xdot`, `x_dot` or `dx`, the rate of the coordinate `x`."""
+    for own in (name.removesuffix("dot").removesuffix("_"), name.removeprefix("d")):
+        if own != name and own in instance.entries and instance.entries[own].kind == "coordinate":
+            return f"write `der({own})`"
+    return None
 
 
 def find(context: Context, name: str, environment: Environment, span: Span) -> Value | None:
@@ -143,6 +156,11 @@ def _member(context: Context, e: tree.Member, environment: Environment) -> Value
     constant = packaged(context, e, environment)
     if constant is not None:
         return constant
+    path = dotted(e) or ("",)
+    remedy = f"write `{path[-1]}`" if path[-1] in CONSTANTS else foreign(path[-1])
+    unused = path[0] in environment.instance.unused
+    if remedy is not None and not unused and find(context, path[0], environment, e.span) is None:
+        raise Wrong("LAG0201", f"`{'.'.join(path)}` is not declared", e.span, remedy)
     return member(context, evaluate(context, e.base, environment), e)
 
 

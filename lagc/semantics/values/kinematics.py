@@ -210,7 +210,9 @@ def _reaction(context: Context, span: Span, of: Argument) -> Value:
     """Return the multipliers of a constraint; 0 for components that are identically zero."""
     entry = of.value.entry if isinstance(of.value, Reference) else None
     if entry is None or entry.kind != "constraint" or not entry.objects:
-        raise Wrong("LAG0221", f"`reaction` takes a constraint; this is {kind(of.value)}", of.span)
+        message = f"`reaction` takes a constraint; this is {kind(of.value)}"
+        remedy = "write what holds it as `constraint c: left = right;`, then `reaction(c)`"
+        raise Wrong("LAG0221", message, of.span, remedy)
     row = entry.objects[0]
     assert isinstance(row, Constraint)
     found: dict[str, Scalar] = {}
@@ -253,7 +255,12 @@ def _rotate(context: Context, span: Span, frame: Argument, axis: Argument, angle
         return _oriented(context, parent, axis.value)
     if angle is None:
         raise Wrong(
-            "LAG0210", "`rotate` takes a frame, an axis and an angle, or a frame and an orientation", span
+            "LAG0210",
+            "`rotate` takes a frame, an axis and an angle, or a frame and an orientation",
+            span,
+            f"for a rotation about the axis z write `rotate_z(world, {axis.span.text})`"
+            if isinstance(axis.value, Scalar)
+            else None,
         )
     vector, _ = vector_of(axis.value, axis.span, "the axis of a rotation")
     return _about(context, parent, *direction(context, parent, vector, axis.span), angle, axis.span)
@@ -263,7 +270,8 @@ def frame_of(argument: Argument) -> Frame:
     """Return the frame of an argument.  Raises Wrong if it is not a frame."""
     if isinstance(argument.value, Frame):
         return argument.value
-    raise Wrong("LAG0221", f"a rotation starts from a frame; this is {kind(argument.value)}", argument.span)
+    message = f"a rotation starts from a frame; this is {kind(argument.value)}"
+    raise Wrong("LAG0221", message, argument.span, "write the frame first: `rotate_z(world, angle)`")
 
 
 def about_axis(context: Context, frame: Argument, k: int, angle: Argument) -> Frame:

@@ -22,6 +22,7 @@ _MOTION = (
     "angular_momentum",
     "position",
 )
+_SHORT = {"v": "velocity", "r": "position", "r_0": "position", "a": "acceleration", "w": "angular_velocity"}
 _AXES = ("x", "y", "z")
 
 
@@ -56,6 +57,10 @@ def member(context: Context, value: Value, e: tree.Member) -> Value:
 
 def _called(value: Value, name: str) -> str | None:
     """Return a remedy for a member that is written as a function: `velocity(b)`."""
+    if isinstance(value, Body) and name in _SHORT:
+        return f"write `{_SHORT[name]}(...)`"
+    if isinstance(value, Scalar) and name in ("der", "dot", "diff", "v"):
+        return "write `der(...)`"
     if name in _MOTION and isinstance(value, Body | Array | Frame):
         return f"write `{name}(...)`"
     return None

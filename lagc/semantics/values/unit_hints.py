@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 from lagc.diagnostics.faults import Fault
 from lagc.semantics.names.scope import expect
 from lagc.semantics.refusals import Wrong
-from lagc.semantics.units import NONE, Dimension, over, si_text
+from lagc.semantics.units import NONE, Dimension, name_of, over, si_text
 from lagc.syntax import tree
 
 
-def is_bare(expression: tree.Expression) -> bool:
-    """Whether an expression consists of numbers without units: `-2`, `{1, 0}`, `2/5`."""
+def is_bare(expression: tree.Expression, units: bool = False) -> bool:
+    """Whether an expression consists of numbers without units, `-2`, `{1, 0}`, `2/5`; `units`: or with
+    them."""
     stack = [expression]
     while stack:
         top = stack.pop()
@@ -23,6 +25,8 @@ def is_bare(expression: tree.Expression) -> bool:
             stack += [top.left, top.right]
         elif isinstance(top, tree.Vector):
             stack += top.elements
+        elif units and isinstance(top, tree.Quantity):
+            continue
         elif not isinstance(top, tree.Number):
             return False
     return True
@@ -46,31 +50,41 @@ def expect_of(
     try:
         expect(dimension, wanted, expression.span, what, named)
     except Wrong as wrong:
-        number = _lone_factor(expression)
-        if number is None or dimension is None:
+        factor = None if dimension is None else _lone_factor(expression)
+        if factor is None or dimension is None:
             raise
-        unit = si_text(over(wanted, dimension))
-        remedy = f"a unit may be missing: `{number.text} [{unit}]` gives {named}"
+        missing = over(wanted, dimension)
+        if isinstance(factor, tree.Name):
+            remedy = f"declare `{factor.name}` with its type: `parameter {name_of(missing)} {factor.name}`"
+        else:
+            remedy = f"a unit may be missing: `{factor.text} [{si_text(missing)}]` gives {named}"
         fault = wrong.fault
         raise Wrong(fault.code, fault.message, fault.span, remedy, fault.related) from None
 
 
-def _lone_factor(expression: tree.Expression) -> tree.Number | None:
-    """Return the only number without a unit among the factors of a product, as in `9.81*m*x` (not
-    `1/2*m`)."""
+def _lone_factor(expression: tree.Expression) -> tree.Number | tree.Name | None:
+    """Return the only number without a unit among the factors of a product, as in `9.81*m*x` (not `1/2*m`),
+    or the only factor that the same file declares as `parameter Real`."""
     found: list[tree.Number] = []
+    names: list[tree.Name] = []
     stack = [expression]
     while stack:
         top = stack.pop()
         if isinstance(top, tree.Number):
             found.append(top)
+        elif isinstance(top, tree.Name) and re.search(
+            rf"\bparameter\s+Real\s+{top.name}\b", top.span.source.text
+        ):
+            names.append(top)
         elif isinstance(top, tree.Unary):
             stack.append(top.operand)
         elif isinstance(top, tree.Binary) and top.op == "*":
             stack += [top.left, top.right]
         elif isinstance(top, tree.Binary) and top.op == "/" and not is_bare(top):
             stack.append(top.left)
-    return found[0] if len(found) == 1 and found[0] is not expression else None
+    if len(found) == 1 and found[0] is not expression:
+        return found[0]
+    return names[0] if len(names) == 1 else None
 
 
 Models: TypeAlias = Mapping[str, Sequence[tree.Declaration]]  # declarations of each model

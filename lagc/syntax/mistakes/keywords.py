@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from lagc.diagnostics.faults import Fault
-from lagc.diagnostics.suggest import FOREIGN, LATER, closest, foreign_model
+from lagc.diagnostics.suggest import FOREIGN, LATER, LIBRARIES, NO_LIBRARY, closest, foreign_model
 from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD
 from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
 
@@ -160,7 +160,7 @@ def family(w: Where) -> Explained | None:
 
 def _loop_fault(w: Where) -> Fault:
     message = "a `loop` is missing: `for i in 1:n loop ... end for;`"
-    return Fault("LAG0128", message, w.span(w.token))
+    return Fault("LAG0128", message, w.span(w.token), remedy="write `loop`")
 
 
 def missing_word(w: Where) -> Explained | None:
@@ -191,6 +191,8 @@ def load_target(w: Where) -> Explained | None:
     example = "force F = vector at point;" if kind == "force" else "torque M = vector on body;"
     other = w.token.text in ("at", "on")
     remedy = f"write `{needed}`" if other else None
+    if kind == "force" and any(token.text == "on" for token in w.tokens[w.begin : w.position]):
+        remedy = f"write `at {w.before.text}`, or `on {w.before.text} at P` for a point P of the body"
     fault = Fault("LAG0127", f"{shown}: `{example}`", w.span(w.token), remedy=remedy)
     return Explained(fault, w.replace(needed) if other else None)
 
@@ -200,7 +202,9 @@ def constraint_parts(w: Where) -> Explained | None:
         return None
     form = "`constraint name: left = right;`"
     if w.accepts("COLON") and w.position - w.begin == 2:
-        return Explained(Fault("LAG0129", f"a constraint has a name: {form}", w.span(w.token)))
+        rest = w.source.text[w.before.start :].partition(";")[0]
+        remedy = f"write `constraint c: {rest};`" if len(rest) <= 60 and "\n" not in rest else None
+        return Explained(Fault("LAG0129", f"a constraint has a name: {form}", w.span(w.token), remedy=remedy))
     if w.accepts("EQUALS") and w.token.text == ";":
         return Explained(Fault("LAG0129", f"a constraint has two sides: {form}", w.span(w.token)))
     return None
@@ -211,6 +215,16 @@ def description_last(w: Where) -> Explained | None:
         return None
     message = "write the description last, right before the `;` or the `,`"
     return Explained(Fault("LAG0125", message, w.span(w.before)))
+
+
+def import_as(w: Where) -> Explained | None:
+    """Explain `import numpy as np`."""
+    if w.first.text != "import" or w.token.text != "as":
+        return None
+    path, name = w.span(w.tokens[w.begin + 1], w.before).text, w.tokens[w.position + 1].text
+    message = "`as` is not a keyword of the language"
+    remedy = NO_LIBRARY if path.partition(".")[0] in LIBRARIES else f"write `import {name} = {path};`"
+    return Explained(Fault("LAG0118", message, w.span(w.token), remedy=remedy))
 
 
 def another_name(w: Where) -> Explained | None:

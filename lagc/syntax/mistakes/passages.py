@@ -48,7 +48,22 @@ def _passage(
         remedy = "delete this line; to put models into a package write `package Name ... end Name;`"
         fault = Fault("LAG0118", message, _span(source, token, token), remedy=remedy)
         return fault, _after_semicolon(tokens, at)
+    if token.text == "function" and tokens[at + 1].kind == WORD and tokens[at + 2].text != "(":
+        return _function(source, tokens, at)
     return _short_class(source, tokens, at)
+
+
+def _function(source: Source, tokens: list[Token], at: int) -> tuple[Fault, int] | None:
+    """Explain `function f input Real x; ... end f;`."""
+    name, last = tokens[at + 1], at + 2
+    while tokens[last].kind != END and (tokens[last].text != "end" or tokens[last + 1].text != name.text):
+        last += 1
+    if tokens[last].kind == END:
+        return None
+    message = f"the function `{name.text}` must be one expression"
+    remedy = f"write `function {name.text}(Type x) = expression;`"
+    fault = Fault("LAG0118", message, _span(source, tokens[at], name), remedy=remedy)
+    return fault, _after_semicolon(tokens, last)
 
 
 def _begins_section(source: Source, tokens: list[Token], at: int) -> bool:
@@ -63,9 +78,7 @@ def _new_line(source: Source, tokens: list[Token], at: int) -> bool:
     return at == 0 or "\n" in source.text[tokens[at - 1].end : tokens[at].start]
 
 
-def _section(
-    source: Source, tokens: list[Token], at: int, keywords: frozenset[str]
-) -> tuple[Fault, int]:
+def _section(source: Source, tokens: list[Token], at: int, keywords: frozenset[str]) -> tuple[Fault, int]:
     last = at + 1
     while tokens[last].kind != END and not _ends_section(source, tokens, last, keywords):
         last += 1

@@ -20,7 +20,10 @@ def foreign_operator(w: Where) -> Explained | None:
     if ours is None:
         return Explained(Fault("LAG0117", message, w.span(w.token)))
     if w.token.text == ":=" and w.block is not None and w.block.closing == "when":
-        remedy = "write `reinit(state, value);`"
+        left = w.source.text[: w.token.start].replace("then", ";").rpartition(";")[2].strip()
+        right = w.source.text[w.token.end :].partition(";")[0].strip()
+        short = len(left + right) <= 60 and "\n" not in left + right
+        remedy = f"write `reinit({left}, {right});`" if short else "write `reinit(state, value);`"
         return Explained(Fault("LAG0117", message, w.span(w.token), remedy=remedy))
     fault = Fault("LAG0117", message, w.span(w.token), remedy=f"write `{ours}`")
     return Explained(fault, w.replace(ours))
@@ -167,7 +170,11 @@ def vector_in_brackets(w: Where) -> Explained | None:
             break
         last += 1
     inner = w.source.text[w.token.end : w.tokens[last].start].replace("[", "{").replace("]", "}")
-    shown = f"{{{inner}}}" if not rows else "{" + ", ".join(f"{{{row.strip()}}}" for row in inner.split(";")) + "}"
+    shown = (
+        f"{{{inner}}}"
+        if not rows
+        else "{" + ", ".join(f"{{{row.strip()}}}" for row in inner.split(";")) + "}"
+    )
     message = "a vector or an array is written in braces"
     fault = Fault("LAG0114", message, w.span(w.token, w.tokens[last]), remedy=f"write `{shown}`")
     if rows:
@@ -184,6 +191,10 @@ def brackets(w: Where) -> Explained | None:
         if not w.brackets:
             if w.first.text in ("model", "package", "effect", "scene") or not w.inside:
                 message, remedy = "a block ends with `end name;`", None
+                if w.block is not None and text == "}":
+                    remedy = f"write `end {w.block.closing};`"
+                    fault = Fault("LAG0114", message, w.span(w.token), remedy=remedy)
+                    return Explained(fault, w.replace("end", w.block.closing, ";"))
             else:
                 message, remedy = f"no bracket is open for this `{text}`", "delete it"
             return Explained(Fault("LAG0114", message, w.span(w.token), remedy=remedy), w.replace())
@@ -217,12 +228,12 @@ def brackets(w: Where) -> Explained | None:
 
 
 def semicolon_too_many(w: Where) -> Explained | None:
-    if w.token.text != ";" or w.token.kind != SYMBOL:
+    if w.token.text not in (";", ":") or w.token.kind != SYMBOL:
         return None
     header = w.tokens[max(w.position - 2, 0)].text in HEADERS
     if w.before.text in ("then", "loop", "else") or header:
-        message = f"there must be no `;` after `{w.before.text}`"
-    elif not w.inside:
+        message = f"there must be no `{w.token.text}` after `{w.before.text}`"
+    elif not w.inside and w.token.text == ";":
         message = "this `;` is superfluous"
     else:
         return None
