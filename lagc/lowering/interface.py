@@ -18,8 +18,8 @@ from lagc.semantics.model import Input, Lagrangian, Limit, Model, Parameter
 from lagc.semantics.units import NONE, Dimension, S, over, unit
 from lagc.symbolic.derivative import Slopes
 from lagc.symbolic.enclosures import intervals
+from lagc.symbolic.expression_text import text
 from lagc.symbolic.graph import Node
-from lagc.symbolic.text import text
 from lagc.symbolic.vectors import Matrix
 from lagc.symbolic.walk import depends, symbols
 

@@ -29,8 +29,8 @@ from lagc.semantics.time_derivatives import LATE, MOVING, VELOCITY
 from lagc.semantics.units import Dimension, QuantityType, UnknownUnit, unit
 from lagc.semantics.values.evaluate import evaluate, evaluate_as
 from lagc.semantics.values.interpolation_tables import over_time
-from lagc.symbolic.expression_text import number as number_text
 from lagc.semantics.values.unit_hints import is_bare
+from lagc.symbolic.expression_text import number as number_text
 from lagc.symbolic.graph import Node
 from lagc.syntax import tree
 
