@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from lagc.syntax.tree import Tree
 
 
+_UNUSED = "LAG0230"  # an effect that no scene uses
 STAGES = ("syntax", "names and dimensions", "equations", "initial conditions")
 
 
@@ -47,19 +48,19 @@ def look(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Checked
 
 
 def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[int]) -> list[Fault]:
+    from lagc.semantics.resolve import text_warnings
     from lagc.semantics.scenes.variants import ByScene, variants
-    from lagc.semantics.values.unit_hints import whole_radians
 
     try:
         tree = parse(source)
     except Refused as refused:
         reached.append(1)
         return list(refused.faults)
+    faults = _by_place(text_warnings(tree))
     known: set[str] = set()
     if choice.scene is not None:
-        found = _faults(tree, choice, roots, known, reached)
-        return [*whole_radians(tree), *found.values(), *_unknown(choice, known)]
-    faults: dict[tuple[object, ...], Fault] = {}
+        faults |= _faults(tree, choice, roots, known, reached)
+        return [*faults.values(), *_unknown(choice, known)]
     models: set[str | None] = set()
     scenes = ByScene(tree)
     for v in variants(tree, choice.model, roots):
@@ -74,35 +75,47 @@ def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[
         file = scenes.only(v.scene) if v.scene and v.model in models else tree
         models.add(v.model)
         found = _faults(file, each, roots, known, reached)
+        if file is not tree:  # the scenes that use the effects are not in it
+            found = {key: fault for key, fault in found.items() if fault.code != _UNUSED}
         if found and v.alone:  # an effect that no scene uses: errors with and without the other effects
             alone = replace(each, without_effects=(*each.without_effects, *v.alone))
             without = _faults(file, alone, roots, known, reached)
             found = {key: fault for key, fault in found.items() if key in without}
         for key, fault in found.items():
             faults.setdefault(key, fault)
-    return [*whole_radians(tree), *faults.values(), *_unknown(choice, known)]
+    return [*faults.values(), *_unknown(choice, known)]
 
 
 def _faults(
     tree: Tree, choice: Choice, roots: tuple[str, ...], known: set[str], reached: list[int]
 ) -> dict[tuple[object, ...], Fault]:
-    """The faults of one choice by code and place, or the warnings if there are no errors.
+    """The faults of one choice by code and place, warnings first.
 
     Adds the names of its parameters and inputs to `known`, and the number of stages that it reached to
     `reached`.
     """
+    from lagc.mechanics.lint.unmoved import unmoved
+
     faults: Sequence[Fault]
+    warnings: Sequence[Fault] = ()
     stages = 2
     try:
         model = resolve(tree, choice, roots)
-        stages = 3
+        warnings, stages = model.warnings, 3
         known.update([p.name for p in model.parameters], [u.name for u in model.inputs], model.built_in)
         equations = derive(model)
-        stages = 4
-        faults = [*equations.warnings, *_unstarted(model, equations, choice)]
+        warnings, stages = equations.warnings, 4
+        if not any(fault.code == _UNUSED for fault in warnings):
+            warnings = [*warnings, *unmoved(equations)]
+        faults = _unstarted(model, equations, choice)
     except Refused as refused:
         faults = refused.faults
     reached.append(stages)
+    return _by_place([*warnings, *faults])
+
+
+def _by_place(faults: Sequence[Fault]) -> dict[tuple[object, ...], Fault]:
+    """Return faults by code and place, one for each."""
     found: dict[tuple[object, ...], Fault] = {}
     for fault in faults:
         span = fault.span

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
+from lagc.diagnostics.faults import Fault
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as objects
 from lagc.semantics.context import Context
@@ -39,9 +40,11 @@ from lagc.semantics.scenes.choice import (
     read_values,
     scenes_of,
 )
+from lagc.semantics.scenes.left_out import ignored_annotations, unused_effects
 from lagc.semantics.time_derivatives import MOVING
 from lagc.semantics.values.calls import look_at_uncalled
 from lagc.semantics.values.expressions import EVALUATORS
+from lagc.semantics.values.unit_hints import whole_radians
 from lagc.syntax import tree
 
 RECURSION = 40_000  # Python frames; nesting is limited far below that
@@ -73,7 +76,8 @@ def resolve(
     context = Context(importer, Uses(), declare, EVALUATORS)
     try:
         declaration, where = choose_model(file, space, model)
-        setting = choose_scene(scenes_of(context, declaration, where), scene, with_effects, without_effects)
+        scenes = scenes_of(context, declaration, where)
+        setting = choose_scene(scenes, scene, with_effects, without_effects)
         context.uses = setting.uses
         instance = Instance("", declaration, None)
         environment = Environment(instance, importer.inside(declaration, where))
@@ -107,7 +111,15 @@ def resolve(
             )
         )
     context.refuse_faults()
-    return _model(context, declaration, setting, found, conditions, whens, simulate)
+    warnings = [*context.warnings.values(), *text_warnings(file)]
+    if instance.effects:
+        warnings += unused_effects(file, instance, setting, scenes)
+    return _model(context, declaration, setting, found, conditions, whens, simulate, warnings)
+
+
+def text_warnings(file: tree.Tree) -> list[Fault]:
+    """Return the warnings that the text of a file gives, whatever its models are."""
+    return [*whole_radians(file), *ignored_annotations(file)]
 
 
 def _empty(declaration: tree.ModelDeclaration) -> str:
@@ -211,6 +223,7 @@ def _model(
     conditions: list[objects.InitialCondition],
     whens: list[objects.When],
     simulate: dict[str, float],
+    warnings: Sequence[Fault],
 ) -> objects.Model:
     coordinates = [n for n in found if isinstance(n, objects.Coordinate | objects.Orientation)]
     kinds = objects.Potential | objects.Force | objects.Torque | objects.Dissipation | objects.Lagrangian
@@ -221,10 +234,6 @@ def _model(
             for path, e in context.effects.items()
         ]
     )
-    left_out = [e.name for e in effects if not e.used]
-    notes = setting.notes
-    if setting.scene is None and left_out:
-        notes = (*notes, f"the model has no scenes; these effects are not used: {', '.join(left_out)}")
     return objects.Model(
         name=declaration.name,
         scene=setting.name,
@@ -250,8 +259,8 @@ def _model(
         limits=_of(found, objects.Limit),
         built_in=tuple(context.built_in),
         imports=tuple(context.importer.asked.items()),
-        notes=notes,
-        warnings=tuple(context.warnings.values()),
+        notes=setting.notes,
+        warnings=tuple(warnings),
     )
 
 

@@ -24,7 +24,7 @@ from lagc.semantics.names.namespace import TOGETHER
 POSIX = os.name == "posix"
 MAIN = """import "lib.lag";
 model A
-  coordinate Length x(start = x0);
+  coordinate Length x(start = x0, rate = 1);
   body b = Particle(mass = 1, at = {x, 0, 0});
 end A;
 """

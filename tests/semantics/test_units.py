@@ -136,7 +136,7 @@ def test_the_remedy_for_a_wrong_unit_mends_it() -> None:
 )
 def test_whole_numbers_of_many_radians_are_asked_after(written: str, warned: list[str]) -> None:
     text = f"model M {written} body b = Particle(mass = 1, at = {{sin(q)*1 [m], 0, 0}}); end M;"
-    found = check(Source("m.lag", text), Choice())
+    found = [f for f in check(Source("m.lag", text), Choice()) if f.code != "LAG0429"]
     assert [f.code for f in found] == ["LAG0618"] * len(warned)
     assert [text[f.span.start : f.span.end] for f in found if f.span] == warned
 
@@ -147,7 +147,7 @@ def test_models_of_one_name_are_each_looked_at() -> None:
         f"at = {{sin(a)*1 [m], 0, 0}}); end A; end {package};\n"
         for package, start in (("P", 30), ("Q", -40))
     )
-    found = check(Source("m.lag", text), Choice())
+    found = [f for f in check(Source("m.lag", text), Choice()) if f.code == "LAG0618"]
     assert [f.message for f in found] == ["`a` is 30 radians", "`a` is -40 radians"]
 
 
@@ -168,7 +168,7 @@ model Turned
   end s;
 end Turned;
 """
-    (fault,) = check(Source("m.lag", text), Choice())
+    (fault,) = [f for f in check(Source("m.lag", text), Choice()) if f.code != "LAG0429"]
     assert fault.code == "LAG0618" and fault.message == "`n` is 45 radians"
 
 

@@ -186,6 +186,15 @@ ENTRIES: dict[str, Entry] = {
         ),
         _on_particle("  constraint one: der(x) = 0;\n  output Force f = reaction(one);\n"),
     ),
+    "LAG0429": Entry(
+        "a coordinate that nothing moves",
+        "No force, energy or constraint acts on this coordinate, nothing is coupled to it by inertia, and it "
+        "has no initial rate, so it keeps its initial value. A force or an effect such as gravity may be "
+        "missing. There is no warning for a coordinate of a body that moves otherwise.",
+        "model M\n  coordinate Length x;\n  body p = Particle(mass = 1 [kg], at = {x, 0, 0});\nend M;\n",
+        "model M\n  coordinate Length x(rate = 1 [m/s]);\n"
+        "  body p = Particle(mass = 1 [kg], at = {x, 0, 0});\nend M;\n",
+    ),
     "LAG0501": Entry(
         "a coordinate without inertia",
         "Forces or outputs depend on this coordinate, but no body moves with it, and no constraint ties "

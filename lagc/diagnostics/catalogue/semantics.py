@@ -114,8 +114,14 @@ ENTRIES: dict[str, Entry] = {
         "a declaration of an effect that is not used",
         "The declarations of an unused effect do not exist. Move the declaration that needs it into the same "
         "effect, or use the effect in the scene.",
-        _body("effect air parameter Real k = 1; end air;\n  scene s;\n  potential V = k*1 [N]*x;"),
-        _body("effect air\n    parameter Real k = 1;\n    potential V = k*1 [N]*x;\n  end air;\n  scene s;"),
+        _body(
+            "effect air\n    parameter Real k = 1;\n  end air;\n  scene s;\n  scene t uses air;\n"
+            "  potential V = k*1 [N]*x;"
+        ),
+        _body(
+            "effect air\n    parameter Real k = 1;\n    potential V = k*1 [N]*x;\n  end air;\n"
+            "  scene s uses air;"
+        ),
     ),
     "LAG0215": Entry(
         "a model, scene or parameter that does not exist",
@@ -211,6 +217,20 @@ ENTRIES: dict[str, Entry] = {
         "declare gravity too. Declare it once, or put it into an effect that the scene can leave out.",
         _body("Gravity here;\n  Gravity there;"),
         _body("Gravity here;"),
+    ),
+    "LAG0230": Entry(
+        "an effect that no scene uses",
+        "The declarations of an effect count only in a scene that uses it: `scene lab uses gravity;`. A "
+        "model without scenes runs without its effects. `--with gravity` adds an effect to one run.",
+        _body("effect gravity\n    Gravity field;\n  end gravity;\n  scene lab;"),
+        _body("effect gravity\n    Gravity field;\n  end gravity;\n  scene lab uses gravity;"),
+    ),
+    "LAG0231": Entry(
+        "an annotation",
+        "An annotation is read, since Modelica has it, but it changes nothing. The settings of "
+        "`experiment` stand in a scene: `simulate(stop = 10 [s]);`.",
+        _body("annotation(experiment(StopTime = 10));"),
+        _body("scene lab simulate(stop = 10 [s]); end lab;"),
     ),
     "LAG0301": Entry(
         "different dimensions where one is needed",

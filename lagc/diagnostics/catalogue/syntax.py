@@ -87,8 +87,8 @@ ENTRIES: dict[str, Entry] = {
     "LAG0113": _entry(
         "an `end` with the wrong name",
         "`end` repeats the name of the block that it closes, so that a missing `end` is found at its place.",
-        "effect gravity\n  Gravity field;\nend gravitation;",
-        "effect gravity\n  Gravity field;\nend gravity;",
+        "effect gravity\n  Gravity field;\nend gravitation;\nscene lab uses gravity;",
+        "effect gravity\n  Gravity field;\nend gravity;\nscene lab uses gravity;",
     ),
     "LAG0114": _entry(
         "brackets that do not match",
