@@ -241,6 +241,7 @@ _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     keywords.without_kind,
     keywords.another_name,
     keywords.import_as,
+    keywords.annotation_behind,
     keywords.first_word,
     punctuation.comparison_for_equation,
     punctuation.equation_for_comparison,

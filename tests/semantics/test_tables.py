@@ -198,7 +198,8 @@ def test_a_row_that_is_driven_by_a_table_needs_the_force_of_its_second_derivativ
     ],
 )
 def test_rows_and_places_that_follow_tables_that_bend_are_warned_of(table: str, kind: str) -> None:
-    moving = "model A coordinate Length x(rate = 1); body b = Particle(mass = 1, at = {x, 1[m]*TABLE/1[m], 0}); end A;"
+    body = "body b = Particle(mass = 1, at = {x, 1[m]*TABLE/1[m], 0});"
+    moving = f"model A coordinate Length x(rate = 1); {body} end A;"
     for model, code in ((DRIVEN, "LAG0421"), (moving, "LAG0422")):
         found = lagc.loads(model.replace("TABLE", table)).check()
         assert [fault.code for fault in found] == [code]

@@ -217,6 +217,18 @@ def description_last(w: Where) -> Explained | None:
     return Explained(Fault("LAG0125", message, w.span(w.before)))
 
 
+def annotation_behind(w: Where) -> Explained | None:
+    """Explain `parameter Mass m = 1 annotation(...);`."""
+    if w.token.text != "annotation" or not w.inside or not w.accepts("SEMICOLON"):
+        return None
+    last = w.position
+    while w.tokens[last + 1].text != ";" and w.tokens[last + 1].kind != END:
+        last += 1
+    message = "an annotation has no effect, and belongs to no declaration"
+    fault = Fault("LAG0118", message, w.span(w.token, w.tokens[last]), remedy="delete it")
+    return Explained(fault, Repair(w.position, last + 1 - w.position, ()))
+
+
 def import_as(w: Where) -> Explained | None:
     """Explain `import numpy as np`."""
     if w.first.text != "import" or w.token.text != "as":
