@@ -10,7 +10,8 @@ from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Source
 
 BODY = "body b = Particle(mass = 1, at = {x, 0, 0}); "
-COUPLED = f"{BODY}coordinate Angle a; body c = Particle(mass = 1, at = {{x + sin(a)*1 [m], 0, cos(a)*1 [m]}}); "
+BOB = "body c = Particle(mass = 1, at = {x + sin(a)*1 [m], 0, cos(a)*1 [m]}); "
+COUPLED = f"{BODY}coordinate Angle a; {BOB}"
 
 
 @pytest.mark.parametrize(
