@@ -4,29 +4,7 @@ from __future__ import annotations
 
 from math import fabs, inf
 
-from lagc.kernels.language.model_functions import fn_limits
-from lagc.kernels.language.model_tables import bounded, bounds, derived_bounds
-from lagc.kernels.language.parameters import is_bound
-from lagc.kernels.language.records import (
-    BAD_ATOL,
-    BAD_BINDING,
-    BAD_FIRST_STEP,
-    BAD_MAX_STEP,
-    BAD_MAX_STEPS,
-    BAD_METHOD,
-    BAD_PARAMETER,
-    BAD_RTOL,
-    BAD_STEP,
-    BAD_TIME,
-    Options,
-    State,
-)
-from lagc.kernels.language.scaling_groups import not_finite
-from lagc.kernels.language.sizes import COMPLETE, NBOUNDED, NLIMITS, NP, NPREPARED, NX
-from lagc.kernels.language.statuses import INVALID, NOT_FINITE, OK
-from lagc.kernels.language.tableau import METHODS
-from lagc.kernels.language.tolerances import ROUNDOFF_RESIDUAL
-from lagc.kernels.language.words import Cell, Params, Real, Status, present, public, static, vector
+from lagc.kernels.language.vocabulary import *
 
 
 def bad_option(o: Options) -> int:

@@ -6,11 +6,7 @@ from lagc.kernels.dynamics.rhs import factor_safely, rhs_at
 from lagc.kernels.events.modes import update_edges
 from lagc.kernels.events.when_clauses import start_modes
 from lagc.kernels.integrators.dispatch import last_stage
-from lagc.kernels.language.records import ABSENT, READY, STAGES, State, Work
-from lagc.kernels.language.scaling_groups import enlarge_sizes
-from lagc.kernels.language.sizes import NC, NGROUP, NMODE, NP, NWHEN, NX, STRAIGHT
-from lagc.kernels.language.statuses import CHATTERING, INTERRUPTED, MISPLACED, OK, STEP_UNDERFLOW, failed
-from lagc.kernels.language.words import Params, Real, Status, Vec, public
+from lagc.kernels.language.vocabulary import *
 
 
 @public

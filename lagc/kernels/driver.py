@@ -35,12 +35,7 @@ from lagc.kernels.integrators.step_size import (
     shrink_step,
     step_underflows,
 )
-from lagc.kernels.language.records import ABSENT, OPEN, READY, STAGES, Options, State, Trial, Work
-from lagc.kernels.language.scaling_groups import enlarge_sizes, not_finite
-from lagc.kernels.language.sizes import NC, NFREE, NGUARD, NMODE, NQUAT, NTIMED, NWHEN, NX
-from lagc.kernels.language.statuses import CHATTERING, MAX_STEPS, NOT_FINITE, OK, STEP_UNDERFLOW, failed
-from lagc.kernels.language.tolerances import LEAST_STEP, SPACING
-from lagc.kernels.language.words import Params, Real, Status
+from lagc.kernels.language.vocabulary import *
 
 LEAST_REDUCTION = 0.1  # least size, relative to that of a step that hides an event, of the next attempt
 MOST_REDUCTIONS = 40  # of one step because of a hidden event

@@ -11,11 +11,7 @@ from lagc.kernels.driver import step_once
 from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.integrators.dispatch import last_stage, method_dense_at, method_dense_output, method_stages
 from lagc.kernels.integrators.step_grid import begin_grid, is_reached
-from lagc.kernels.language.records import ABSENT, BAD_BUDGET, BAD_TIME, OPEN, READY, Options, State, Work
-from lagc.kernels.language.scaling_groups import not_finite
-from lagc.kernels.language.sizes import NC, NMODE, NQUAT, NWHEN, NX
-from lagc.kernels.language.statuses import INTERRUPTED, INVALID, NOT_FINITE, OK, failed
-from lagc.kernels.language.words import Cell, Count, Length, Params, Real, Rows, Status, Vec, by_type, public
+from lagc.kernels.language.vocabulary import *
 
 OUTSIDE_STEP = by_type(1e-5, 1e-9, "1e-9")  # of a step: times that are outside by less count as inside
 

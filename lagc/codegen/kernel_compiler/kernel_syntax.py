@@ -88,7 +88,7 @@ def module(file: str, text: str) -> Module:
         if isinstance(node, ast.FunctionDef):
             parts.append(_function(file, node))
         elif isinstance(node, ast.ClassDef) and [getattr(d, "id", "") for d in node.decorator_list] == [
-            "record"
+            "struct"
         ]:
             doc = ast.get_docstring(node) or ""
             parts.append(Record(file, node.name, doc, node.body[1:] if doc else node.body))

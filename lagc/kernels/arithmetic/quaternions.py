@@ -5,9 +5,7 @@ from __future__ import annotations
 from math import fabs, inf, sqrt
 from typing import Any
 
-from lagc.kernels.language.model_tables import quaternion
-from lagc.kernels.language.sizes import NQUAT
-from lagc.kernels.language.words import Real, Vec, by_type
+from lagc.kernels.language.vocabulary import *
 
 # Bounds of squared lengths that neither underflow nor overflow.
 LEAST_SQUARE = by_type(1e-25, 1e-200, "1e-3000")

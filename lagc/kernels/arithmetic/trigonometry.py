@@ -13,8 +13,7 @@ from __future__ import annotations
 
 from math import fabs, inf
 
-from lagc.kernels.language.sizes import FOUR, SEVEN, TWO
-from lagc.kernels.language.words import Count, Pair, Real, Vec, vector, whole
+from lagc.kernels.language.vocabulary import *
 
 EIGHTH_TURN = 0.785  # pi/4, rounded down: smaller angles are not reduced
 # Squares of: the largest remainder of the polynomials; the angle above which the parts of pi/2 have too few

@@ -11,27 +11,7 @@ from typing import Any
 
 from lagc.kernels.arithmetic.quaternions import normalise
 from lagc.kernels.dynamics.rhs import assemble_entries, factor_safely, system_at
-from lagc.kernels.language.model_functions import (
-    fn_displace,
-    fn_factor,
-    fn_position,
-    fn_reaches,
-    fn_rest,
-    fn_scales,
-    fn_solve,
-    fn_velocity,
-)
-from lagc.kernels.language.records import Work
-from lagc.kernels.language.scaling_groups import VANISHING_ROW
-from lagc.kernels.language.sizes import HAS_DISPLACE, NC, NGROUP, NH, NM, NQ, NQUAT, NR, NV, NX, STRAIGHT
-from lagc.kernels.language.statuses import INCONSISTENT, OK, failed
-from lagc.kernels.language.tolerances import (
-    LARGEST_RESIDUAL,
-    LEAST_PIVOT,
-    ROUNDOFF_RESIDUAL,
-    UNPROJECTED_RESIDUAL,
-)
-from lagc.kernels.language.words import Params, Real, Size, Status, Vec, by_type, part
+from lagc.kernels.language.vocabulary import *
 from lagc.kernels.linear_algebra.rank_revealing import solve_rank_revealing
 from lagc.kernels.linear_algebra.sparse_rank_revealing import factor_all_rows
 

@@ -8,43 +8,7 @@ from __future__ import annotations
 
 from math import fabs, inf
 
-from lagc.kernels.language.model_functions import (
-    fn_assemble,
-    fn_assemble_on,
-    fn_factor,
-    fn_forces,
-    fn_forces_on,
-    fn_gradient_sizes,
-    fn_gradients,
-    fn_modes,
-    fn_position,
-    fn_reaches,
-    fn_refine,
-    fn_rhs,
-    fn_rhs_on,
-    fn_scales,
-    fn_solve,
-    fn_system,
-    fn_system_on,
-    fn_watch,
-    fn_work,
-    fn_work_on,
-)
-from lagc.kernels.language.records import Work
-from lagc.kernels.language.scaling_groups import VANISHING_ROW, enlarge_sizes, not_finite
-from lagc.kernels.language.sizes import NC, NG, NGROUP, NH, NM, NMANY, NMODE, NQ, NR, NV, NX, NZ, STRAIGHT
-from lagc.kernels.language.statuses import NOT_FINITE, OK, REDUNDANT, SINGULAR_MASS, failed
-from lagc.kernels.language.tolerances import (
-    DEPENDENT,
-    FAINT_GRADIENT,
-    LARGEST_RESIDUAL,
-    LEAST_PIVOT,
-    REFINED_RESIDUAL,
-    REMAINS_DEPENDENT,
-    SINGULAR,
-    TRUSTED_PIVOT,
-)
-from lagc.kernels.language.words import Params, Real, Status, Vec, part, public, size
+from lagc.kernels.language.vocabulary import *
 from lagc.kernels.linear_algebra.cholesky import cholesky, solve_lower, solve_upper
 from lagc.kernels.linear_algebra.rank_revealing import factor_rank_revealing, solve_rank_revealing
 from lagc.kernels.linear_algebra.sparse_rank_revealing import factor_all_rows, factor_sparse, solve_sparse

@@ -19,19 +19,7 @@ from lagc.kernels.integrators.dispatch import (
     method_dense_output,
     method_stage_deviations,
 )
-from lagc.kernels.language.model_functions import (
-    fn_enclosure_on,
-    fn_indicator_rates_on,
-    fn_indicators_on,
-    fn_slopes_on,
-)
-from lagc.kernels.language.model_tables import has_edges, scaling_group
-from lagc.kernels.language.records import ABSENT, State, Trial, Work
-from lagc.kernels.language.scaling_groups import enlarge_sizes
-from lagc.kernels.language.sizes import NEDGES, NFREE, NGROUP, NMODE, NQ, NTIMED, NV, NX
-from lagc.kernels.language.statuses import failed
-from lagc.kernels.language.tolerances import EVENT_TIME_ULPS, SPACING, UNKNOWN
-from lagc.kernels.language.words import Params, Real, Status, Vec, vector
+from lagc.kernels.language.vocabulary import *
 
 LONGEST_PART = 0.125  # of a step: length of the longest part that is enclosed at once
 ENCLOSURE_MARGIN = 0.25  # of the hull of the cubic over a step: what is added to it

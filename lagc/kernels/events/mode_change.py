@@ -17,13 +17,7 @@ from lagc.kernels.events.sliding import (
     turns_back,
     update_indicator_rates,
 )
-from lagc.kernels.language.model_functions import fn_holds_on, fn_indicator_rates_on, fn_indicators_on
-from lagc.kernels.language.model_tables import clauses_only, has_edges
-from lagc.kernels.language.records import ABSENT, State, Work
-from lagc.kernels.language.sizes import NEDGES, NFREE, NMODE, NTIMED, NWHEN, NX
-from lagc.kernels.language.statuses import CHATTERING, OK, failed
-from lagc.kernels.language.tolerances import EVENT_TIME_ULPS, SPACING
-from lagc.kernels.language.words import Params, Real, Status
+from lagc.kernels.language.vocabulary import *
 
 MOST_CHANGES = 20  # at one time, plus two for each relation
 

@@ -9,19 +9,7 @@ from __future__ import annotations
 from math import fabs, inf
 
 from lagc.kernels.dynamics.rhs import rhs_at
-from lagc.kernels.language.model_functions import (
-    fn_edges_on,
-    fn_indicator_rates_on,
-    fn_indicators_on,
-    fn_modes,
-    fn_own_modes_on,
-)
-from lagc.kernels.language.model_tables import has_edges
-from lagc.kernels.language.records import State, Work
-from lagc.kernels.language.sizes import NEDGES, NMODE, NX
-from lagc.kernels.language.statuses import failed
-from lagc.kernels.language.tolerances import NO_EDGE, SPACING
-from lagc.kernels.language.words import Params, Real, Status, Vec
+from lagc.kernels.language.vocabulary import *
 
 
 def sign_of(a: Real) -> Real:

@@ -11,13 +11,7 @@ from math import fabs
 
 from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.events.modes import sign_of
-from lagc.kernels.language.model_functions import fn_indicator_rates_on
-from lagc.kernels.language.model_tables import has_edges
-from lagc.kernels.language.records import State, Work
-from lagc.kernels.language.sizes import NEDGES, NFREE, NMODE, NTIMED, NWHEN
-from lagc.kernels.language.statuses import failed
-from lagc.kernels.language.tolerances import EVENT_TIME_ULPS, SPACING
-from lagc.kernels.language.words import Params, Real, Status
+from lagc.kernels.language.vocabulary import *
 
 REVERSED_RATE = 1e-9  # of the rate before: a smaller rate back is round-off
 SLIDING_RATE = 1e-12  # of the rates on both sides: a smaller rate in mode zero is round-off

@@ -20,20 +20,7 @@ from lagc.kernels.events.location import (
     trial_dense_output,
 )
 from lagc.kernels.integrators.dispatch import method_dense_at
-from lagc.kernels.language.model_functions import (
-    fn_feature_bounds,
-    fn_feature_bounds_on,
-    fn_features,
-    fn_features_on,
-    fn_pole_bounds,
-    fn_pole_bounds_on,
-    fn_poles,
-    fn_poles_on,
-)
-from lagc.kernels.language.records import State, Trial, Work
-from lagc.kernels.language.sizes import NFEAT, NMODE, NPOLE, NX
-from lagc.kernels.language.statuses import failed
-from lagc.kernels.language.words import Params, Real, Vec
+from lagc.kernels.language.vocabulary import *
 
 VISIBLE_CHANGE = 0.1  # of a feature, in its own scale
 STEEP_SHARE = 0.9  # of the change of a feature over a step

@@ -14,26 +14,7 @@ from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundo
 from lagc.kernels.events.mode_change import change_modes, is_first_order
 from lagc.kernels.events.modes import accept_modes, adopt_modes, advance_mode, choose_modes, update_edges
 from lagc.kernels.events.sliding import slides, time_since_crossing, turns_back
-from lagc.kernels.language.model_functions import (
-    fn_energies,
-    fn_holds_on,
-    fn_indicator_rates_on,
-    fn_indicators_on,
-    fn_modes,
-    fn_reinit,
-)
-from lagc.kernels.language.model_tables import (
-    has_edges,
-    reinit_clause,
-    reinit_target,
-    scaling_group,
-    terminates,
-)
-from lagc.kernels.language.records import ABSENT, State, Work
-from lagc.kernels.language.scaling_groups import enlarge_sizes, not_finite
-from lagc.kernels.language.sizes import NACTS, NC, NFREE, NJUMP, NMODE, NQ, NQUAT, NTIMED, NV, NWHEN, NX, NZ
-from lagc.kernels.language.statuses import CHATTERING, MISPLACED, OK, TERMINATED, failed
-from lagc.kernels.language.words import Params, Real, Status
+from lagc.kernels.language.vocabulary import *
 
 MOST_GROWTH_AFTER_EVENT = 1e5  # longest next step, over the time between the last two crossings
 MOST_PROJECTION = 1e-6  # of the sizes of states: a larger change of new values by projection is an error

@@ -18,14 +18,7 @@ from lagc.kernels.initialization.residuals import (
 )
 from lagc.kernels.initialization.scaling import set_scaling
 from lagc.kernels.initialization.workspace import DECLARED, FIXED, UNSTATED, StartWork
-from lagc.kernels.language.model_functions import fn_measures
-from lagc.kernels.language.model_tables import ends, massless, quaternion
-from lagc.kernels.language.records import BAD_LEVEL, BAD_TIME
-from lagc.kernels.language.scaling_groups import not_finite
-from lagc.kernels.language.sizes import NCOND, NE, NMASSLESS, NQ, NQUAT, NRATE, NU, NV, NX
-from lagc.kernels.language.statuses import INCONSISTENT, INVALID, NOT_FINITE, OK
-from lagc.kernels.language.tolerances import ACCEPTED, CLOSE, TRACE
-from lagc.kernels.language.words import IVec, Params, Real, Status, Vec, present, public, size, vector
+from lagc.kernels.language.vocabulary import *
 
 
 def moves_massless(i: int, w: StartWork) -> bool:

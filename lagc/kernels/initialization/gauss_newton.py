@@ -16,10 +16,7 @@ from lagc.kernels.initialization.residuals import (
 )
 from lagc.kernels.initialization.scaling import estimate_slope_roundoff
 from lagc.kernels.initialization.workspace import UNSTATED, StartWork
-from lagc.kernels.language.model_tables import angle, ends
-from lagc.kernels.language.sizes import NE, NQ, NU
-from lagc.kernels.language.tolerances import ACCEPTED, CLOSE, EXACT, FOLLOWING, SURELY_FOLLOWING
-from lagc.kernels.language.words import Params, Real, Size, Vec
+from lagc.kernels.language.vocabulary import *
 
 NEWTON_STEPS = 60
 STALLED_STEPS = 8  # the iteration ends if the residual is not halved in this many steps

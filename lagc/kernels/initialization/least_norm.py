@@ -6,8 +6,7 @@ from math import fabs, inf, sqrt
 from typing import Any
 
 from lagc.kernels.initialization.workspace import StartWork
-from lagc.kernels.language.tolerances import FADED
-from lagc.kernels.language.words import Real, Vec
+from lagc.kernels.language.vocabulary import *
 
 
 def sort_rows(w: StartWork, m: int, n: int) -> None:

@@ -16,10 +16,7 @@ from lagc.kernels.initialization.residuals import (
 )
 from lagc.kernels.initialization.scaling import estimate_slope_roundoff
 from lagc.kernels.initialization.workspace import UNSTATED, StartWork
-from lagc.kernels.language.model_tables import ends
-from lagc.kernels.language.sizes import NQUAT, NU
-from lagc.kernels.language.tolerances import ACCEPTED, FARTHEST
-from lagc.kernels.language.words import Length, Params, Real, Vec
+from lagc.kernels.language.vocabulary import *
 
 SPREADS = 8  # beginnings
 SIDES = 7  # unknowns whose sides of the guess are not pseudo-random

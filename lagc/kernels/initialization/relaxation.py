@@ -22,9 +22,7 @@ from lagc.kernels.initialization.least_norm import inner
 from lagc.kernels.initialization.multistart import NEAR, SPREADS, multistart
 from lagc.kernels.initialization.residuals import SLIGHT, evaluate_rows, scale_rows, set_scales
 from lagc.kernels.initialization.workspace import UNSTATED, StartWork
-from lagc.kernels.language.sizes import NU
-from lagc.kernels.language.tolerances import LEAST_SHARE
-from lagc.kernels.language.words import Params, Real, Vec
+from lagc.kernels.language.vocabulary import *
 
 ROUNDS = 8  # reweighted solutions
 DETERMINED = 1e-6  # the change of an entry of a projection that is none

@@ -11,34 +11,7 @@ from math import fabs, inf, sqrt
 
 from lagc.kernels.arithmetic.quaternions import square_at
 from lagc.kernels.initialization.workspace import UNSTATED, StartWork
-from lagc.kernels.language.model_functions import fn_conditions, fn_conditions_some
-from lagc.kernels.language.model_tables import (
-    ends,
-    level,
-    part_column,
-    part_ends,
-    quaternion,
-    row_piece,
-    stretch_begins,
-    stretch_ends,
-)
-from lagc.kernels.language.sizes import (
-    NCOND,
-    NE,
-    NJ,
-    NPARTS,
-    NPIECE,
-    NQ,
-    NQUAT,
-    NRATE,
-    NSTRETCH,
-    NSUM,
-    NU,
-    NV,
-    NWHOLE,
-)
-from lagc.kernels.language.tolerances import FOUR_ULPS
-from lagc.kernels.language.words import IVec, Params, Real, Size, Vec, present, size, vector
+from lagc.kernels.language.vocabulary import *
 
 SLIGHT = (
     1.0 / 1024.0

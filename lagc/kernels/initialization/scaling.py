@@ -6,11 +6,7 @@ from math import fabs, inf
 
 from lagc.kernels.initialization.residuals import SLIGHT, evaluate_all, evaluate_rows, is_roundoff, row_begin
 from lagc.kernels.initialization.workspace import UNSTATED, StartWork
-from lagc.kernels.language.model_tables import angle, ends, quaternion, unit
-from lagc.kernels.language.parameters import bind
-from lagc.kernels.language.sizes import NE, NJ, NP, NPREPARED, NQ, NQUAT, NU
-from lagc.kernels.language.tolerances import FOUR_ULPS, LEAST_WEIGHT, MOST_WEIGHT
-from lagc.kernels.language.words import Params, Real, Vec, params
+from lagc.kernels.language.vocabulary import *
 
 
 def perturb_parameters(p: Params, change: Real, other: Params) -> None:

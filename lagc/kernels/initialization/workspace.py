@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from lagc.kernels.language.sizes import NE, NJ, NMASSLESS, NPIECE, NROW, NTREE, NU
-from lagc.kernels.language.words import Code, IVec, Mat, Real, Vec, record
+from lagc.kernels.language.vocabulary import *
 
 # Priority of a start value: in a conflict the lower level gives way; FIXED never does.
 UNSTATED = Code(0)
@@ -13,7 +12,7 @@ RUN = Code(3)
 FIXED = Code(4)
 
 
-@record
+@struct
 class StartWork:
     """Workspace of lagc_consistent. Its initial content does not matter."""
 

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-from lagc.kernels.language.records import State, Work
-from lagc.kernels.language.sizes import NX
-from lagc.kernels.language.statuses import OK
-from lagc.kernels.language.tableau import METHODS
-from lagc.kernels.language.words import Params, Real, Status, Vec, number, static
+from lagc.kernels.language.vocabulary import *
 
 
 def method_stages(method: int, p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:

@@ -7,13 +7,7 @@ from math import fabs, sqrt
 from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.integrators.dispatch import beta, error_exponent
 from lagc.kernels.integrators.step_size import rational_power
-from lagc.kernels.language.model_tables import scaling_group
-from lagc.kernels.language.records import Options, State, Work
-from lagc.kernels.language.scaling_groups import enlarge_sizes
-from lagc.kernels.language.sizes import NGROUP, NQ, NV, NX
-from lagc.kernels.language.statuses import failed
-from lagc.kernels.language.tolerances import EVENT_TIME_ULPS, SPACING, TINY
-from lagc.kernels.language.words import Params, Real, Vec, vector
+from lagc.kernels.language.vocabulary import *
 
 TOO_FAR = 1e-3  # time scale over look-ahead: below it the look-ahead says nothing about the beginning
 LOOK_AHEAD_REDUCTION = 1e-5  # factor from one look-ahead to the next

@@ -9,11 +9,7 @@ from __future__ import annotations
 from math import fabs, inf, sqrt
 
 from lagc.kernels.dynamics.rhs import rhs_at
-from lagc.kernels.language.records import State, Work
-from lagc.kernels.language.sizes import NH, NQ, NV, NX
-from lagc.kernels.language.statuses import OK, failed
-from lagc.kernels.language.tableau import DENSE, ERROR, EXTRA_A, EXTRA_C, A, B, C
-from lagc.kernels.language.words import Params, Real, Status, Vec, combination, number, size, static, vector
+from lagc.kernels.language.vocabulary import *
 
 
 def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:

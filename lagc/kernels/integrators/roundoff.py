@@ -19,14 +19,7 @@ from lagc.kernels.integrators.dispatch import (
     method_stages,
 )
 from lagc.kernels.integrators.error_weights import set_error_weights
-from lagc.kernels.language.model_tables import scaling_group
-from lagc.kernels.language.parameters import bind
-from lagc.kernels.language.records import Options, State, Work
-from lagc.kernels.language.scaling_groups import enlarge_differences
-from lagc.kernels.language.sizes import NC, NGROUP, NH, NP, NPREPARED, NQ, NV, NX, TWO
-from lagc.kernels.language.statuses import failed
-from lagc.kernels.language.tolerances import BRANCH_DISTANCE, CROSSING_BRANCHES, FOUR_ULPS
-from lagc.kernels.language.words import Count, Mat, Params, Real, Vec, params, size, vector
+from lagc.kernels.language.vocabulary import *
 
 ROUNDOFF_FADING = 0.9  # round-off that remains after a step as long as any so far
 ROUNDOFF_FORGOTTEN = 0.03  # below it round-off is forgotten

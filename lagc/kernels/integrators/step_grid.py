@@ -9,9 +9,7 @@ from __future__ import annotations
 from math import fabs, floor
 
 from lagc.kernels.call_boundary import state_changed
-from lagc.kernels.language.records import Options, State, Trial
-from lagc.kernels.language.tolerances import LEAST_STEP, SPACING
-from lagc.kernels.language.words import Count, Real, by_type, whole
+from lagc.kernels.language.vocabulary import *
 
 WITHIN_ROUNDOFF = 1e-9  # of a step: part of the round-off of a point
 LENGTHENED = by_type(1e-2, 1e-6, "1e-6")  # of a step: a step to the end of a call is lengthened by this share

@@ -9,10 +9,7 @@ from __future__ import annotations
 from math import fabs, sqrt
 
 from lagc.kernels.integrators.dispatch import beta, error_exponent, largest_growth, largest_reduction
-from lagc.kernels.language.records import Options, State, Trial
-from lagc.kernels.language.sizes import NMODE
-from lagc.kernels.language.tolerances import LEAST_STEP, SPACING
-from lagc.kernels.language.words import Real
+from lagc.kernels.language.vocabulary import *
 
 
 def rational_power(a: Real, exponent: Real) -> Real:

@@ -34,7 +34,7 @@ from lagc.kernels.language.sizes import (
     THREE,
     TWO,
 )
-from lagc.kernels.language.words import Code, Count, IVec, Mat, Params, Real, Size, Vec, record
+from lagc.kernels.language.words import Code, Count, IVec, Mat, Params, Real, Size, Vec, struct
 
 # The culprit of INVALID.  A parameter or input has LAGC_BAD_PARAMETER + its place in lagc_params.  A value
 # computed from parameters (see lagc_limits) has its place there, behind all parameters and inputs.
@@ -57,7 +57,7 @@ READY = 2  # a rate in the last stage; a dense output whose coefficients are kno
 OPEN = 3  # a dense output that the stages determine with the rate at the end, which is not known
 
 
-@record
+@struct
 class Options:
     """How to integrate.  All numbers are finite and not negative."""
 
@@ -74,7 +74,7 @@ class Options:
         halves: bool  # 1: the last step before an event, or before the end of a call, is split in two
 
 
-@record
+@struct
 class Work:
     """Workspace of the functions below.  Fill it with zeros before the first use.  It may serve any states
     in any order: between calls it keeps nothing, except from lagc_assemble to lagc_solve."""
@@ -221,7 +221,7 @@ class Work:
         x_part_end: Vec[NX]
 
 
-@record
+@struct
 class State:
     """The state of a trajectory: t and x, the last step for dense output, and what the next step needs.
     A copy continues on its own."""
@@ -295,7 +295,7 @@ class State:
         crossing_times: Vec[NFREE]  # last crossing of each indicator that depends on the state
 
 
-@record
+@struct
 class Trial:
     """One attempt of a step from (s.t, s.x)."""
 

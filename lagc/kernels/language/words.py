@@ -117,7 +117,7 @@ Out = Vec  # an argument that a function of the model writes
 Row = dict[int, str]  # of a tableau: stage -> coefficient that is not zero, as text
 
 
-def record(cls: type[R]) -> type[R]:
+def struct(cls: type[R]) -> type[R]:
     """A class with fields only; a struct in C."""
     return cls
 

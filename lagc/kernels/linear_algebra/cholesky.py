@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from lagc.kernels.language.records import Work
-from lagc.kernels.language.sizes import NC, NV
-from lagc.kernels.language.tolerances import SINGULAR
-from lagc.kernels.language.words import Real, Vec
+from lagc.kernels.language.vocabulary import *
 
 
 def mass_entry(w: Work, i: int, j: int) -> Real:

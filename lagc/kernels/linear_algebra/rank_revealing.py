@@ -9,12 +9,7 @@ from __future__ import annotations
 
 from math import fabs, inf, sqrt
 
-from lagc.kernels.language.model_functions import fn_gamma_sizes
-from lagc.kernels.language.records import Work
-from lagc.kernels.language.sizes import NC, NG, NV, NX
-from lagc.kernels.language.statuses import INCONSISTENT, OK, REDUNDANT, SINGULAR_MASS
-from lagc.kernels.language.tolerances import CONTRADICTION, TINY
-from lagc.kernels.language.words import Params, Real, Status, Vec, quotient, root
+from lagc.kernels.language.vocabulary import *
 from lagc.kernels.linear_algebra.cholesky import cholesky, solve_lower, solve_upper
 
 

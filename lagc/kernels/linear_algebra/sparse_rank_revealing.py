@@ -20,12 +20,7 @@ from __future__ import annotations
 
 from math import fabs, sqrt
 
-from lagc.kernels.language.model_functions import fn_factor, fn_gamma_sizes, fn_rest, fn_solve
-from lagc.kernels.language.records import Work
-from lagc.kernels.language.sizes import NC, NR, NV, NWORK, NX
-from lagc.kernels.language.statuses import INCONSISTENT, OK, REDUNDANT, SINGULAR_MASS
-from lagc.kernels.language.tolerances import CONTRADICTION, DEPENDENT, LEAST_PIVOT, SINGULAR, SPACING, TINY
-from lagc.kernels.language.words import Params, Real, Status, Vec, by_type, part, size
+from lagc.kernels.language.vocabulary import *
 
 NEVER_KEPT = 2.0  # a share that no row has
 WELL_SEPARATED = 0.3  # independent share of a row that is well separated from others

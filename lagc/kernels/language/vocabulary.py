@@ -1,0 +1,12 @@
+"""The names that all kernels share."""
+
+from lagc.kernels.language.model_functions import *
+from lagc.kernels.language.model_tables import *
+from lagc.kernels.language.parameters import *
+from lagc.kernels.language.records import *
+from lagc.kernels.language.scaling_groups import *
+from lagc.kernels.language.sizes import *
+from lagc.kernels.language.statuses import *
+from lagc.kernels.language.tableau import *
+from lagc.kernels.language.tolerances import *
+from lagc.kernels.language.words import *
