@@ -161,7 +161,7 @@ def foreign_type(name: str) -> str | None:
 
 
 def moments(written: Sequence[str], k: int) -> str:
-    """Return a remedy for three moments of inertia, number k of which exceeds the sum of the two others."""
+    """Return a remedy for three moments of inertia if number k exceeds the sum of the two others."""
     others = [str(i + 1) for i in range(3) if i != k]
     if all(written[int(i) - 1] == "0" for i in others):
         whole = [written[k] if i == k else f"{written[k]}/2" for i in range(3)]

@@ -36,8 +36,8 @@ def unmoved(equations: EquationsOfMotion) -> list[Fault]:
 def _beside_no_motion(equations: EquationsOfMotion, left: set[int]) -> list[str]:
     """Return the coordinates whose rates depend on the speeds `left` only.  A coordinate of a body that moves
     otherwise is left out, as y is in a motion in the plane x, z."""
-    graph, resting = equations.graph, {equations.v[i]: equations.graph.zero for i in left}
-    rates = substitute(graph, equations.qdot, resting)
+    graph, stopped = equations.graph, {equations.v[i]: equations.graph.zero for i in left}
+    rates = substitute(graph, equations.qdot, stopped)
     moving = {q.record.owner for q, rate in zip(equations.q, rates) if not rate.is_zero}
     found = {q.record.owner for q in equations.q} - moving
     for body in equations.model.bodies:
