@@ -21,10 +21,8 @@ _TIME = r"([0-9]{1,18}(?:\.[0-9]{1,18})?)\s*(?:(s|min|h|d)|\[(s|min|h|d)\])?"
 
 
 def number(text: str) -> float | None:
-    """Return the number in `text`, as in a model file but with a sign, or None.
-
-    `nan` and `inf` are accepted, so that the caller can report that a finite number is needed.
-    """
+    """Return the number in `text`, as in a model file but with a sign, or None. `nan` and `inf` are accepted,
+    so that the caller can report that a finite number is needed."""
     return float(text) if re.fullmatch(_NUMBER, text) or re.fullmatch(_NONE, text) else None
 
 
@@ -58,11 +56,8 @@ def one_line(text: str) -> str:
 
 
 def json_text(value: object, indent: int | None = None, encoding: str = "utf-8") -> str:
-    """Return `value` as JSON.
-
-    Characters that are not printable, or not in `encoding`, are escaped.  Numbers that are not finite become
-    null.
-    """
+    """Return `value` as JSON. Characters that are not printable, or not in `encoding`, are escaped.  Numbers
+    that are not finite become null."""
     import json
 
     text = json.dumps(_finite(value), indent=indent, ensure_ascii=False, allow_nan=False)

@@ -1,8 +1,7 @@
-"""Segments of a rolled function (`lagc.lowering.loops.loop_rolling`): loops, and straight code between
-them.
+"""Segments of a rolled function (`lagc.lowering.loops.loop_rolling`): loops, and straight code between them.
 
-A segment computes from arrays into arrays. Values that another segment or repetition needs are stored in
-an array of the function, the values of one operation in consecutive places; a value that only the next
+A segment computes from arrays into arrays. Values that another segment or repetition needs are stored in an
+array of the function, the values of one operation in consecutive places; a value that only the next
 repetition needs is carried by a variable. A store belongs to the segment that computes its value, unless
 entries of its array are also read, or only some repetitions store.
 """

@@ -42,9 +42,8 @@ class Dialect:
     `called` are printed as calls. `select`: template of condition, then, else. `number`, `truth`:
     declarations of a temporary; `store`: an assignment to an output; `load`: an entry of an input array;
     `entry`: the same at an index expression; `look_up`: an operation on a table. `turn`: a statement that
-    computes sine and cosine of a value, with `sine` and `cosine` to read them; without it they are
-    `calls`. `turn_two`: the same of two values.
-    """
+    computes sine and cosine of a value, with `sine` and `cosine` to read them; without it they are `calls`.
+    `turn_two`: the same of two values."""
 
     calls: Mapping[str, str]
     infix: Mapping[str, tuple[str, int]]

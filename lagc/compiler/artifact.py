@@ -43,11 +43,8 @@ class Head:
 
 @dataclass(frozen=True)
 class Artifact:
-    """A compiled model.
-
-    `unused` are the parameters that have no effect but may be given, and those that are `built_in`.  `code`
-    is the compiled text of a Python module.
-    """
+    """A compiled model. `unused` are the parameters that have no effect but may be given, and those that are
+    `built_in`.  `code` is the compiled text of a Python module."""
 
     interface: Interface
     sources: Mapping[str, str]

@@ -39,10 +39,8 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
 
 def look(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Checked:
     """Check the syntax of `source` and, if it has no errors, each of its models and scenes, and unused
-    effects.
-
-    `choice` may name one model or scene.  Its parameter values are given to the models that have them.
-    """
+    effects. `choice` may name one model or scene.  Its parameter values are given to the models that have
+    them."""
     reached = [len(STAGES)]  # number of stages, for each model and scene
     return Checked(_look(source, choice, roots, reached), STAGES[min(reached) :])
 
@@ -89,11 +87,8 @@ def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[
 def _faults(
     tree: Tree, choice: Choice, roots: tuple[str, ...], known: set[str], reached: list[int]
 ) -> dict[tuple[object, ...], Fault]:
-    """The faults of one choice by code and place, warnings first.
-
-    Adds the names of its parameters and inputs to `known`, and the number of stages that it reached to
-    `reached`.
-    """
+    """The faults of one choice by code and place, warnings first. Adds the names of its parameters and inputs
+    to `known`, and the number of stages that it reached to `reached`."""
     from lagc.mechanics.lint.unmoved import unmoved
 
     faults: Sequence[Fault]
@@ -125,11 +120,9 @@ def _by_place(faults: Sequence[Fault]) -> dict[tuple[object, ...], Fault]:
 
 
 def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> list[Fault]:
-    """Try the initial state, and return warnings.
-
-    A warning tells that a parameter has no value, that the check took too long, or that an output has no
-    finite value.  Raises Refused if a run would fail before its first step.
-    """
+    """Try the initial state, and return warnings. A warning tells that a parameter has no value, that the
+    check took too long, or that an output has no finite value.  Raises Refused if a run would fail before its
+    first step."""
     from lagc.simulation.initialization.dry_run import NoStart, try_start
     from lagc.simulation.initialization.source_spans import placed
     from lagc.simulation.request import bound_parameters

@@ -24,10 +24,9 @@ FOLLOWING = 50.0  # runs that a second run of a model lets expect
 
 
 class Loaded:
-    """The code of a model, compiled and loaded, for all systems with different parameters.
-
-    `artifact` is that of the backend `first`; `seconds` is the time of compilation so far.  Pickles without
-    the loaded code: on another machine, another backend may come first."""
+    """The code of a model, compiled and loaded, for all systems with different parameters. `artifact` is that
+    of the backend `first`; `seconds` is the time of compilation so far.  Pickles without the loaded code: on
+    another machine, another backend may come first."""
 
     def __init__(self, compilation: Compilation, backend: str):
         self.compilation, self.asked = compilation, backend
@@ -82,11 +81,9 @@ class Loaded:
     def simulate(
         self, request: Request, parameters: Sequence[float], progress: Progress | None = None
     ) -> Solution:
-        """Return the motion.
-
-        The backend `auto` takes C if the library is in the cache, or if the model ran before in this process
-        and compiling takes less time than fifty such runs.  Otherwise the run starts in NumPy, and changes to
-        C when it has taken as long as compiling would."""
+        """Return the motion. The backend `auto` takes C if the library is in the cache, or if the model ran
+        before in this process and compiling takes less time than fifty such runs.  Otherwise the run starts
+        in NumPy, and changes to C when it has taken as long as compiling would."""
         request.completed(self.artifact.interface.simulate)  # refuses before anything is compiled
         if self.asked != "auto":
             return self._run(self.asked, request, parameters, progress)

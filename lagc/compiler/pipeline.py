@@ -49,11 +49,9 @@ PER_OPERATION = 1e-3  # s for each operation of the right-hand side
 
 @dataclass(frozen=True)
 class Choice:
-    """A model of a file, with its scene, effects and values.
-
-    Values of structural parameters become part of the code, as do `inputs` that are not numbers and the
-    condition `until` that ends a run.  Other parameters stay symbols.
-    """
+    """A model of a file, with its scene, effects and values. Values of structural parameters become part of
+    the code, as do `inputs` that are not numbers and the condition `until` that ends a run.  Other parameters
+    stay symbols."""
 
     model: str | None = None
     scene: str | None = None
@@ -65,11 +63,9 @@ class Choice:
 
 
 class _Uncollected(ContextDecorator):
-    """A block without garbage collection, because stages create many objects that all stay.
-
-    Collection is one switch for all threads: the first thread that enters turns it off, and the last one
-    that leaves restores it.
-    """
+    """A block without garbage collection, because stages create many objects that all stay. Collection is one
+    switch for all threads: the first thread that enters turns it off, and the last one that leaves restores
+    it."""
 
     def __init__(self) -> None:
         self.lock = RLock()
@@ -103,11 +99,8 @@ def parse(source: Source) -> Tree:
 
 @_uncollected
 def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
-    """Return the model that `choice` selects.
-
-    Of `choice.parameters`, it contains only the values of structural ones; the others are given to each
-    run.
-    """
+    """Return the model that `choice` selects. Of `choice.parameters`, it contains only the values of
+    structural ones; the others are given to each run."""
     from lagc.semantics.resolve import resolve as run
 
     def resolved(values: Mapping[str, float]) -> Model:
@@ -188,11 +181,9 @@ def render(program: Program, target: str, complete: bool = True, real: str = "do
 
 
 class Compilation:
-    """One choice of one source, compiled as far as needed.
-
-    Each stage runs at most once, for any number of threads.  Pickles as source and choice, with what was
-    `read` of other files.  `look` is called with the resolved model and may refuse it.
-    """
+    """One choice of one source, compiled as far as needed. Each stage runs at most once, for any number of
+    threads.  Pickles as source and choice, with what was `read` of other files.  `look` is called with the
+    resolved model and may refuse it."""
 
     differentiates = False  # whether the program has derivatives
 

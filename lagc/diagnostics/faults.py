@@ -64,11 +64,8 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """One fault: a message for the user.
-
-    `code` is stable (`LAG0123`) and listed in `lagc.diagnostics.catalogue`; `related` are further places,
-    each with a short label.
-    """
+    """One fault: a message for the user. `code` is stable (`LAG0123`) and listed in
+    `lagc.diagnostics.catalogue`; `related` are further places, each with a short label."""
 
     code: str
     message: str

@@ -93,11 +93,8 @@ NEAREST = 50  # of them, by their letters, that are compared
 
 
 def closest(name: str, known: Iterable[str]) -> str | None:
-    """Return the name in `known` that is most similar to `name`, or None.
-
-    Letter case and `_` count little: `Theta0` finds `theta_0`.  So do parts of a path: `u.damp.c` finds `u.c`
-    before `c`.
-    """
+    """Return the name in `known` that is most similar to `name`, or None. Letter case and `_` count little:
+    `Theta0` finds `theta_0`.  So do parts of a path: `u.damp.c` finds `u.c` before `c`."""
     candidates = tuple(dict.fromkeys(known))[:MOST]
     return _closest(name, candidates) if candidates and len(name) <= LONGEST else None
 

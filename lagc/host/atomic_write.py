@@ -43,10 +43,7 @@ class Files:
 
     def open(self, path: str, fresh: bool = False) -> BufferedWriter:
         """Open a file that becomes `path`.  An existing file keeps its mode and owner; with `fresh` there
-        must be none.
-
-        Raises OSError, such as FileExistsError.
-        """
+        must be none. Raises OSError, such as FileExistsError."""
         straight = None if fresh else _straight(path)
         if straight is not None:
             self._drafts.append(_Draft(straight))
@@ -285,10 +282,8 @@ def _status(path: str) -> os.stat_result | None:
 
 
 def _like(path: str, old: os.stat_result) -> None:
-    """Give `path` the mode and, if allowed, the owner and group of `old`.
-
-    Rights of a group are dropped if the group cannot be set.
-    """
+    """Give `path` the mode and, if allowed, the owner and group of `old`. Rights of a group are dropped if
+    the group cannot be set."""
     mode = stat.S_IMODE(old.st_mode)
     if hasattr(os, "chown"):
         for field, wanted in (("st_gid", (-1, old.st_gid)), ("st_uid", (old.st_uid, -1))):

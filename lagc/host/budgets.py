@@ -43,12 +43,9 @@ def _within(limit: float | None) -> float | None:
 
 
 class Limits:
-    """Limits of a block of work: `time` in s, `memory` in bytes; None: no limit.
-
-    With `careful`, each `stage` has its own limit unless a time is given.  At the end of the block Refused is
-    raised (LAG0801, LAG0802) if a limit stopped the work.  Blocks can be nested; the limits of outer blocks
-    hold in inner ones.
-    """
+    """Limits of a block of work: `time` in s, `memory` in bytes; None: no limit. With `careful`, each `stage`
+    has its own limit unless a time is given.  At the end of the block Refused is raised (LAG0801, LAG0802) if
+    a limit stopped the work.  Blocks can be nested; the limits of outer blocks hold in inner ones."""
 
     def __init__(self, time: float | None = None, memory: float | None = None, careful: bool = False):
         if any(limit is not None and not limit > 0.0 for limit in (time, memory)):
@@ -229,10 +226,8 @@ _inside = _Inside()
 
 @contextmanager
 def stage(doing: str, size: float = 0.0) -> Iterator[None]:
-    """Name the work inside for messages.
-
-    Without a given time it may take `ALLOWED` + `size` seconds, if the limits are careful.
-    """
+    """Name the work inside for messages. Without a given time it may take `ALLOWED` + `size` seconds, if the
+    limits are careful."""
     block = _inside.block
     if block is None:
         yield

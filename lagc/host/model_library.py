@@ -37,9 +37,7 @@ def library_models() -> list[str]:
 
 def locate(name: str) -> str:
     """Return the path of a model: a path, or a library model (`simple_pendulum`, `course/simple_pendulum`).
-
-    Raises Refused if there is none.
-    """
+    Raises Refused if there is none."""
     if os.path.exists(name):
         return name
     wanted = name.removesuffix(SUFFIX)
@@ -109,9 +107,7 @@ class Unreadable(Exception):
 
 def content(path: str, pipes: bool = False, largest: int = LARGEST) -> bytes:
     """Return all bytes of a regular file, at most `largest`; with `pipes`, also of a pipe such as `<(...)`.
-
-    Raises Unreadable.
-    """
+    Raises Unreadable."""
     try:
         found = os.open(path, _READ)  # does not wait for a pipe
         with open(found, "rb") as file:

@@ -57,9 +57,7 @@ def interface(
     relations: tuple[EventRelation, ...] = (),
 ) -> Interface:
     """Return the interface of `functions`, and of `slopes`, the derivatives of the initial equations.
-
-    `dropped` are the names that `equations` are without, `remarks` go to the notes.
-    """
+    `dropped` are the names that `equations` are without, `remarks` go to the notes."""
     model = equations.model
     kept = {p.name for p in parameters}
     notes = [f"parameter `{p.name}` reaches nothing" for p in model.parameters if p.name not in kept]

@@ -29,12 +29,9 @@ OFTEN = ("rhs", "watch", "system")  # are called at every stage of a step
 
 
 def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bool = False) -> Program:
-    """The functions of `equations`, each as short as it gets.
-
-    `work` adds the integral of the power to the state where the power is not identically zero,
-    `differentiate` the functions of `lagc.lowering.jacobians`.
-    Raises Refused with LAG0501 where a coordinate has no inertia of any kind.
-    """
+    """The functions of `equations`, each as short as it gets. `work` adds the integral of the power to the
+    state where the power is not identically zero, `differentiate` the functions of `lagc.lowering.jacobians`.
+    Raises Refused with LAG0501 where a coordinate has no inertia of any kind."""
     equations, left_out = prune(equations)
     equations = with_pivots(equations)
     equations = replace(equations, model=bounded(equations.model))

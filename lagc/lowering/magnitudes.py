@@ -52,10 +52,8 @@ def magnitudes(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
 
 
 def gradient_magnitudes(graph: Graph, nodes: Sequence[Node], weights: Mapping[Node, Node]) -> list[Node]:
-    """Of each of `nodes` the sum over leaves w of |weights[w] d(node)/dw| before anything in it cancels.
-
-    Each product on the way to a leaf adds the same in any order: no gradient is formed.
-    """
+    """Of each of `nodes` the sum over leaves w of |weights[w] d(node)/dw| before anything in it cancels. Each
+    product on the way to a leaf adds the same in any order: no gradient is formed."""
     order = reachable(nodes)
     bits = leaves_below(order, weights)
     moving = [node for node in order if node in bits and node not in weights]
@@ -73,8 +71,7 @@ def gradient_bounds(graph: Graph, nodes: Sequence[Node], weights: Mapping[Node, 
     of Cauchy and Schwarz: the root of the sum of squares times their number.  None where that takes no fewer
     products than the entries of the gradients, two each with their weights.
 
-    The product of two gradients is that of the arguments' of the later node, each times its slope.
-    """
+    The product of two gradients is that of the arguments' of the later node, each times its slope."""
     bits = leaves_below(reachable(nodes), weights)
     most = sum([2 * bits.get(node, 0).bit_count() - _ROOT for node in nodes])
     seen = {(node, node) for node in nodes if node in bits}

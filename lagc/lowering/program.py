@@ -31,11 +31,9 @@ def operands() -> dict[str, int]:
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """Value number k of a function is the result of its operation number k.
-
-    `const`: payload is the float.  `load`: payload is (array, index), e.g. ("x", 3), ("t", 0), ("p", 1).
-    An operation that is looked up has the `Table`.
-    """
+    """Value number k of a function is the result of its operation number k. `const`: payload is the float.
+    `load`: payload is (array, index), e.g. ("x", 3), ("t", 0), ("p", 1). An operation that is looked up has
+    the `Table`."""
 
     op: str
     operands: tuple[int, ...] = ()
@@ -181,12 +179,10 @@ def _ranges(sizes: Mapping[str, int]) -> dict[str, range]:
 
 @dataclass(frozen=True)
 class Interface:
-    """Facts of a compiled model for a run, a file header and a cache; plain data.
-
-    State x = (q, v, z): nq coordinates, nv speeds, nz work integrals (0 or 1: z' = power).
-    Multipliers: nc rows, the first nh holonomic.  Parameter array p: `parameters`, then `inputs`, then what
-    `bind` prepared of the parameters.
-    """
+    """Facts of a compiled model for a run, a file header and a cache; plain data. State x = (q, v, z): nq
+    coordinates, nv speeds, nz work integrals (0 or 1: z' = power). Multipliers: nc rows, the first nh
+    holonomic.  Parameter array p: `parameters`, then `inputs`, then what `bind` prepared of the
+    parameters."""
 
     model: str
     scene: str

@@ -85,10 +85,8 @@ def cheapest(
     make: Callable[[Sequence[Node]], list[Function]],
     rare: bool = False,
 ) -> list[Function]:
-    """`make(nodes)`, or the same of the nodes multiplied out where the first of the functions is cheaper.
-
-    For a function that is called `rare` this is tried only where it takes no time.
-    """
+    """`make(nodes)`, or the same of the nodes multiplied out where the first of the functions is cheaper. For
+    a function that is called `rare` this is tried only where it takes no time."""
     plain = make(nodes)
     if len(reachable(nodes)) > (_LARGEST_RARE if rare else _LARGEST_TRIAL):
         return plain

@@ -28,10 +28,8 @@ _RELATIONS = smooth_as(STEP, CORNER)
 
 
 def derive(model: Model) -> EquationsOfMotion:
-    """The equations of motion of `model`.
-
-    Raises Refused with LAG04xx: what the mechanics of a well-formed model forbids.
-    """
+    """The equations of motion of `model`. Raises Refused with LAG04xx: what the mechanics of a well-formed
+    model forbids."""
     graph = model.graph
     states = build_states(model)
     cuts, stops = _cuts(states)

@@ -28,11 +28,9 @@ DEEPEST_CHAIN = 1000  # nested evaluations of declarations
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """A value from a scene or the command for `owner` or for its rate.
-
-    It is one of: an `expression` with its `environment`; a `number` in `unit` (SI if None); or `points` of
-    time and value in SI with the kind of interpolation.
-    """
+    """A value from a scene or the command for `owner` or for its rate. It is one of: an `expression` with its
+    `environment`; a `number` in `unit` (SI if None); or `points` of time and value in SI with the kind of
+    interpolation."""
 
     owner: str
     expression: tree.Expression | None = None
@@ -44,11 +42,9 @@ class Given:
 
 
 class Context:
-    """State of one resolution.
-
-    `parameters` and `starts` hold the values from outside the model, by full name; used names are added to
-    `taken`. `declare` finds the value of a declaration, `evaluators` the value of each kind of expression.
-    """
+    """State of one resolution. `parameters` and `starts` hold the values from outside the model, by full
+    name; used names are added to `taken`. `declare` finds the value of a declaration, `evaluators` the value
+    of each kind of expression."""
 
     def __init__(
         self,
@@ -131,11 +127,8 @@ class Context:
             raise Wrong("LAG0218", f"the model has more than {LARGEST} declarations and list elements", span)
 
     def value(self, entry: Entry, span: Span) -> Value:
-        """Return the value of a declaration, computed at the first call.
-
-        `span` is the place that uses it.  Raises Wrong if the declaration depends on itself, Poisoned if its
-        own fault is already reported.
-        """
+        """Return the value of a declaration, computed at the first call. `span` is the place that uses it.
+        Raises Wrong if the declaration depends on itself, Poisoned if its own fault is already reported."""
         if entry.state == "done" and entry.value is not None:
             return entry.value
         if entry.state == "poisoned":

@@ -2,29 +2,26 @@
 
 All expressions are nodes of `Model.graph`.  Its leaves are `Symbol`s:
 
-kind            name                 stands for
-parameter       l, a.b[2].m          a parameter, kept symbolic to the end
-input           u                    a quantity given from outside, a function of time
-time            time                 the time t
-coordinate      theta, o.w           q_i; an orientation o brings the components w x y z of a unit quaternion
-rate            der(theta)           q'_i of a scalar coordinate, order 1
-rate            o.rate.x             body-axes angular velocity of an orientation (rad/s), order 0
-speed           u1                   a declared generalized speed
-acceleration    der(der(theta))      the time derivative of a rate or speed, der(o.rate.x); outputs only
-multiplier      string, roll[2]      multiplier of a constraint's row; outputs only
+kind            name                 stands for parameter       l, a.b[2].m          a parameter, kept
+symbolic to the end input           u                    a quantity given from outside, a function of time
+time            time                 the time t coordinate      theta, o.w           q_i; an orientation o
+brings the components w x y z of a unit quaternion rate            der(theta)           q'_i of a scalar
+coordinate, order 1 rate            o.rate.x             body-axes angular velocity of an orientation (rad/s),
+order 0 speed           u1                   a declared generalized speed acceleration    der(der(theta))
+the time derivative of a rate or speed, der(o.rate.x); outputs only multiplier      string, roll[2]
+multiplier of a constraint's row; outputs only
 
 and whole-system quantities, filled in by `mechanics`; outputs only:
 
-energy          energy()             also kinetic() and potential()
-power           power(F)             of an action
-momentum        momentum(theta)      of a coordinate; momentum().x in total
-angular_momentum  angular_momentum().x   in total, about the origin
+energy          energy()             also kinetic() and potential() power           power(F)             of an
+action momentum        momentum(theta)      of a coordinate; momentum().x in total angular_momentum
+angular_momentum().x   in total, about the origin
 
-A time derivative taken here (`der(e)`, `velocity(P)`) is already in terms of the rates:
-`meaning` differentiates, `mechanics` substitutes rates by speeds where speeds are declared.
+A time derivative taken here (`der(e)`, `velocity(P)`) is already in terms of the rates: `meaning`
+differentiates, `mechanics` substitutes rates by speeds where speeds are declared.
 
-A name is the user's, with instance path and subscripts: `a.bob[3]`.  `effect` is the effect
-a thing was declared in, or None.
+A name is the user's, with instance path and subscripts: `a.bob[3]`.  `effect` is the effect a thing was
+declared in, or None.
 """
 
 from __future__ import annotations
@@ -126,10 +123,8 @@ class Orientation:
 
 @dataclass(frozen=True, slots=True)
 class Speed:
-    """A declared generalized speed: `expression` is linear in the rates.
-
-    `start` is an expression in parameters, or None if it follows from the initial rates.
-    """
+    """A declared generalized speed: `expression` is linear in the rates. `start` is an expression in
+    parameters, or None if it follows from the initial rates."""
 
     name: str
     symbol: Node
@@ -143,10 +138,8 @@ class Speed:
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """`axes[i][j]`: component i (world) of unit vector j, so x_world = axes . x_frame.
-
-    `angular_velocity` in the frame's own axes, `spin` the same in those of the world, in terms of rates.
-    """
+    """`axes[i][j]`: component i (world) of unit vector j, so x_world = axes . x_frame. `angular_velocity` in
+    the frame's own axes, `spin` the same in those of the world, in terms of rates."""
 
     name: str
     parent: str
@@ -167,11 +160,8 @@ class Point:
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A particle (`frame` and `inertia` None) or a solid.
-
-    `position` is the centre of mass in world axes; `inertia` about the centre of mass in the
-    axes of `frame`.
-    """
+    """A particle (`frame` and `inertia` None) or a solid. `position` is the centre of mass in world axes;
+    `inertia` about the centre of mass in the axes of `frame`."""
 
     name: str
     mass: Node
@@ -205,10 +195,8 @@ class Potential:
 @dataclass(frozen=True, slots=True)
 class Force:
     """`vector` (world axes) applied at a point with `velocity` (world axes, in rates; with `from`, relative).
-
     `at` is the point if there is no body; `mentioned` are the velocities that the vector contains, with their
-    places; `target` is the place of the point in the text.
-    """
+    places; `target` is the place of the point in the text."""
 
     name: str
     vector: Vector
@@ -222,10 +210,8 @@ class Force:
 
 @dataclass(frozen=True, slots=True)
 class Torque:
-    """`vector` (world axes) on `frame`, and its opposite on `reaction` (None: the ground).
-
-    `mentioned` and `target` as for a force.
-    """
+    """`vector` (world axes) on `frame`, and its opposite on `reaction` (None: the ground). `mentioned` and
+    `target` as for a force."""
 
     name: str
     vector: Vector
@@ -263,11 +249,9 @@ Action: TypeAlias = Potential | Force | Torque | Dissipation | Lagrangian
 
 @dataclass(frozen=True, slots=True)
 class Constraint:
-    """`residuals` = lhs - rhs, one per equation, in coordinates, rates, parameters and time.
-
-    `labels` names the equations: the constraint's name, or `name[1]` ... for a vector (world axes x y z).
-    Residuals that are identically zero are not listed.
-    """
+    """`residuals` = lhs - rhs, one per equation, in coordinates, rates, parameters and time. `labels` names
+    the equations: the constraint's name, or `name[1]` ... for a vector (world axes x y z). Residuals that are
+    identically zero are not listed."""
 
     name: str
     labels: tuple[str, ...]
@@ -301,10 +285,8 @@ class Table:
 @dataclass(frozen=True, slots=True)
 class When:
     """An event: when `condition` becomes true, the states in `changes` get new values, computed from the
-    values before.
-
-    The run ends if there is a `reason`, as failed if it `fails`; `marks` are names of the event.
-    """
+    values before. The run ends if there is a `reason`, as failed if it `fails`; `marks` are names of the
+    event."""
 
     words: str  # the text of the condition
     condition: Node

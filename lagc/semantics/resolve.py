@@ -63,12 +63,9 @@ def resolve(
     until: str | None = None,
     roots: Sequence[str] | None = None,
 ) -> objects.Model:
-    """Return one scene of a model of the file, with all names resolved.
-
-    `parameters` and `starts` are values by full name, in SI or with a unit; `inputs` are texts of expressions
-    or points over time; `until` is the condition that ends a run; `roots` are further folders for imports.
-    Raises Refused with all faults.
-    """
+    """Return one scene of a model of the file, with all names resolved. `parameters` and `starts` are values
+    by full name, in SI or with a unit; `inputs` are texts of expressions or points over time; `until` is the
+    condition that ends a run; `roots` are further folders for imports. Raises Refused with all faults."""
     sys.setrecursionlimit(max(sys.getrecursionlimit(), RECURSION))
     importer = Importer(file.source, tuple(roots or ()))
     space = Namespace(file.declarations, None, importer)

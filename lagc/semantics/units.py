@@ -233,10 +233,8 @@ _NAMED: dict[Dimension, str] = {
 
 
 def to_si(value: float, given: str, wanted: str) -> float:
-    """Return `value` [given] in SI, where `wanted` is a unit of the quantity.
-
-    Raises UnknownUnit, also if the two units have different dimensions.
-    """
+    """Return `value` [given] in SI, where `wanted` is a unit of the quantity. Raises UnknownUnit, also if the
+    two units have different dimensions."""
     written, expected = unit(given), unit(wanted or "1")
     if written.dimension != expected.dimension:
         raise UnknownUnit(f"`{given}` cannot be converted to `{wanted or '1'}`")

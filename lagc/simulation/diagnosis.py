@@ -54,11 +54,9 @@ def obstacle(system: System, run: Trajectory, t: float, x: list[float]) -> str:
 
 
 def losing_rank(system: System, run: Trajectory, t: float, x: list[float]) -> str:
-    """Name a constraint that nearly depends on others at (t, x), or return "".
-
-    To change its residual by the size of its terms, a coordinate would have to move by NEAR sizes of its
-    scaling group, or an angle by NEAR radians.
-    """
+    """Name a constraint that nearly depends on others at (t, x), or return "". To change its residual by the
+    size of its terms, a coordinate would have to move by NEAR sizes of its scaling group, or an angle by NEAR
+    radians."""
     if system.nc == 0 or len(x) < system.nx:
         return ""
     status = system.assemble(t, x)
@@ -92,10 +90,8 @@ def _coordinate_sizes(system: System, run: Trajectory, x: list[float]) -> list[f
 
 
 def kink(system: System, run: Trajectory, t: float, x: list[float]) -> str:
-    """Name a constraint that is not differentiable at (t, x), or return "".
-
-    Along the motion, r(t + h) - 2 r(t) + r(t - h) is proportional to h^2 if r is smooth, and to h at a kink.
-    """
+    """Name a constraint that is not differentiable at (t, x), or return "". Along the motion, r(t + h) - 2
+    r(t) + r(t - h) is proportional to h^2 if r is smooth, and to h at a kink."""
     rates = rates_at(system, t, x) if len(x) == system.nx else None
     if rates is None:
         return ""
@@ -174,10 +170,8 @@ def _state_sizes(system: System, run: Trajectory) -> list[float]:
 
 
 def tenfold_time(system: System, run: Trajectory, other: Trajectory, until: float) -> float | None:
-    """The time in which differences of two runs grow tenfold; None unless they grow exponentially.
-
-    Growth by two decades or more counts as exponential if the second half of the time has its share.
-    """
+    """The time in which differences of two runs grow tenfold; None unless they grow exponentially. Growth by
+    two decades or more counts as exponential if the second half of the time has its share."""
     found: list[tuple[float, float]] = []
     largest, begin = 0.0, run.times[0]
     groups = [(group, size) for group, size in sizes(run, system.interface) if size > 0.0]
@@ -193,11 +187,10 @@ def tenfold_time(system: System, run: Trajectory, other: Trajectory, until: floa
 
 
 def kept_share(system: System, run: Trajectory) -> tuple[int, float] | None:
-    """Return a constraint that was treated as dependent but is not, and its own share, or None.
-
-    Near a configuration where constraints lose rank, the solver leaves out those that nearly depend on
-    others.  One that keeps a small share of its own at most of the states demands something that the motion
-    does not meet."""
+    """Return a constraint that was treated as dependent but is not, and its own share, or None. Near a
+    configuration where constraints lose rank, the solver leaves out those that nearly depend on others.  One
+    that keeps a small share of its own at most of the states demands something that the motion does not
+    meet."""
     return own_share(system, run, run.redundant_rows, _checked(run))
 
 
@@ -222,9 +215,7 @@ def own_share(
     system: System, run: Trajectory, rows: Sequence[int], states: Sequence[Point]
 ) -> tuple[int, float] | None:
     """Return the first of `rows` with a small own share (ROUNDING to OWN) at most of `states`, and the share.
-
-    The own share is the part of the gradient, in scaled speeds, that is orthogonal to the other gradients.
-    """
+    The own share is the part of the gradient, in scaled speeds, that is orthogonal to the other gradients."""
     if not rows or not states:
         return None
     order = [*(i for i in range(system.nc) if i not in rows), *rows]
@@ -235,10 +226,8 @@ def own_share(
 def _shares(
     system: System, run: Trajectory, order: Sequence[int], states: Sequence[Point], least: float
 ) -> list[list[float]]:
-    """The own share of each constraint beside those before it in `order`, at each of the states.
-
-    Gradients with a share above `least` join the orthonormal basis (Gram-Schmidt, done twice).
-    """
+    """The own share of each constraint beside those before it in `order`, at each of the states. Gradients
+    with a share above `least` join the orthonormal basis (Gram-Schmidt, done twice)."""
     scales = _state_sizes(system, run)[system.nq : system.nq + system.nv]
     shares: list[list[float]] = [[] for _ in order]
     for t, x in states:

@@ -18,10 +18,8 @@ Sizes = Sequence[tuple[Sequence[int], float]]
 
 
 def sizes(trajectory: Trajectory, interface: Interface) -> list[tuple[list[int], float]]:
-    """Return the state indices of each scaling group and the largest magnitude of these states.
-
-    The magnitude is taken over the recorded times and the ends of all steps.
-    """
+    """Return the state indices of each scaling group and the largest magnitude of these states. The magnitude
+    is taken over the recorded times and the ends of all steps."""
     largest = [max(max(column), -min(column)) for column in zip(*trajectory.states)]
     found = []
     for group in scaling_groups(interface):
@@ -45,11 +43,8 @@ def scaling_groups(interface: Interface) -> list[list[int]]:
 
 
 def between(a: Trajectory, b: Trajectory) -> frozenset[int]:
-    """The indices of recorded times at which one run has passed a jump that the other reaches a moment
-    later.
-
-    States are not compared there.
-    """
+    """The indices of recorded times at which one run has passed a jump that the other reaches a moment later.
+    States are not compared there."""
     if not (a.jumps or b.jumps):
         return frozenset()
     both, last, found = min(len(a.jumps), len(b.jumps)), min(len(a.times), len(b.times)) - 1, []
@@ -79,8 +74,7 @@ def difference(
 
     The time is None if that is the end.  It is relative to the sizes until then, so that later growth does
     not hide earlier errors.  `noise` is the round-off of some groups by number; a group within its noise is
-    not compared.
-    """
+    not compared."""
     alike = [True] * min(len(a.states), len(b.states))
     largest, left_out = _apart_in_time(a, b), between(a, b)
     for place, group in enumerate(scaling_groups(interface)):
@@ -129,9 +123,7 @@ def _apart_in_time(a: Trajectory, b: Trajectory) -> float:
 
 class ComparisonGrid:
     """The times at which runs are compared: those that are recorded, and times between these if they are few.
-
-    Two runs may have equal errors at one or two times by chance, but seldom along the whole motion.
-    """
+    Two runs may have equal errors at one or two times by chance, but seldom along the whole motion."""
 
     def __init__(self, recorded: Sequence[float]):
         self.parts = parts = ceil(FEWEST_PARTS / max(len(recorded) - 1, 1))  # of each recorded interval

@@ -25,10 +25,8 @@ class CannotSave(Exception):
 
 
 def check_path(path: str) -> str:
-    """Return the ending that gives the format of `path`.
-
-    Raises CannotSave if the ending is unknown, a package is missing or the file cannot be written.
-    """
+    """Return the ending that gives the format of `path`. Raises CannotSave if the ending is unknown, a
+    package is missing or the file cannot be written."""
     ending = os.path.splitext(path)[1].lower()
     if ending not in WRITERS and is_straight(path):
         return ".csv"
@@ -64,10 +62,9 @@ def save(solution: Solution, path: str, units: bool = False) -> None:
 
 
 def write_csv(solution: Solution, path: str, units: bool = False) -> None:
-    """Comma-separated values (RFC 4180): `time` first, one column for each quantity, all digits.
-
-    The metadata goes into `PATH.json`, because RFC 4180 has no comments; a path that does not end in .csv,
-    such as a pipe, has no such file.  The metadata is in place before the numbers."""
+    """Comma-separated values (RFC 4180): `time` first, one column for each quantity, all digits. The metadata
+    goes into `PATH.json`, because RFC 4180 has no comments; a path that does not end in .csv, such as a pipe,
+    has no such file.  The metadata is in place before the numbers."""
     names = solution.columns
     known = {"time": "s", **solution.units}
     header = [f"{n} [{known[n]}]" if units and known[n] else n for n in ("time", *names)]
@@ -89,10 +86,8 @@ def quoted(text: str) -> str:
 
 
 def write_npz(solution: Solution, path: str) -> None:
-    """NumPy's archive: one array for each column, and `metadata` as JSON text.
-
-    If a column has that name, the metadata is called `metadata_`.  The same run gives the same bytes.
-    """
+    """NumPy's archive: one array for each column, and `metadata` as JSON text. If a column has that name, the
+    metadata is called `metadata_`.  The same run gives the same bytes."""
     from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
     import numpy

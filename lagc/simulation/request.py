@@ -23,16 +23,15 @@ POINTS = 501  # recorded points by default
 
 @dataclass(frozen=True)
 class Request:
-    """End time, accuracy and recorded grid of a run.  Times are in s; None means the scene's value, or else
-    a default.
+    """End time, accuracy and recorded grid of a run.  Times are in s; None means the scene's value, or else a
+    default.
 
-    `accuracy` is the global relative error.  With `method`, `rtol`, `atol` or `step` the run is controlled
-    by hand instead.  `every` or `points` give the recorded grid, and do not change the steps.  No step is
-    longer than `max_step`; with an `accuracy`, the longest step also decreases with the tolerance.
-    `starts` replaces initial values of coordinates and speeds by name, in SI units; `guesses` say where to
-    search for values that are not stated.  `sensitivity` names
-    the parameters and initial values by which the motion is differentiated.
-    """
+    `accuracy` is the global relative error.  With `method`, `rtol`, `atol` or `step` the run is controlled by
+    hand instead.  `every` or `points` give the recorded grid, and do not change the steps.  No step is longer
+    than `max_step`; with an `accuracy`, the longest step also decreases with the tolerance. `starts` replaces
+    initial values of coordinates and speeds by name, in SI units; `guesses` say where to search for values
+    that are not stated.  `sensitivity` names the parameters and initial values by which the motion is
+    differentiated."""
 
     stop: float | None = None
     accuracy: float | None = None
@@ -52,10 +51,8 @@ class Request:
         return any(x is not None for x in (self.method, self.rtol, self.atol, self.step))
 
     def completed(self, scene: Mapping[str, float]) -> Request:
-        """Fill in the values of the scene's `simulate(...)`, then the defaults.
-
-        Raises Refused (LAG0604) if a value is invalid.
-        """
+        """Fill in the values of the scene's `simulate(...)`, then the defaults. Raises Refused (LAG0604) if a
+        value is invalid."""
         values: dict[str, Any] = dict(self.__dict__)
         for name in _NUMBERS:
             values[name] = _plain(name, values[name])
@@ -169,12 +166,9 @@ def expression(text: str) -> Source:
 def bound_parameters(
     interface: Interface, given: Given, unused: Sequence[Field] = (), demanding: bool = True
 ) -> list[float]:
-    """Return the array p in SI units: the model's values, replaced by the `given` ones.
-
-    Parameters without a value are NaN if `demanding` is False.  Raises Refused: LAG0601 unknown name,
-    LAG0602 out of its bounds or not a number, LAG0603 no value, LAG0605 wrong unit, LAG0617 a value of the
-    model out of bounds.
-    """
+    """Return the array p in SI units: the model's values, replaced by the `given` ones. Parameters without a
+    value are NaN if `demanding` is False.  Raises Refused: LAG0601 unknown name, LAG0602 out of its bounds or
+    not a number, LAG0603 no value, LAG0605 wrong unit, LAG0617 a value of the model out of bounds."""
     fields = [*interface.parameters, *interface.inputs]
     faults: list[Fault] = []
     values = given_values(given, (*fields, *unused), faults)

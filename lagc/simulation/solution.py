@@ -34,11 +34,9 @@ class Energy:
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """The cost of all integrations of a run, including those that verify its accuracy.
-
-    `operations` is for one right-hand side.  `compile_s`, `run_s` and `start_s` are wall times in s;
-    `start_s`, the initialization, is part of `run_s`, which includes a run in another backend.
-    """
+    """The cost of all integrations of a run, including those that verify its accuracy. `operations` is for
+    one right-hand side.  `compile_s`, `run_s` and `start_s` are wall times in s; `start_s`, the
+    initialization, is part of `run_s`, which includes a run in another backend."""
 
     steps: int = 0
     rejected: int = 0
@@ -62,13 +60,12 @@ class Event:
 class Solution:
     """States at the recorded times, and everything that follows from them, in SI units.
 
-    `run["theta"]` is an array over `run.t`: a coordinate, a speed, the rate `der(theta)` of a coordinate,
-    an output, or a sensitivity `d(theta)/d(l)`.  `status` is "ok", "terminated" or "failed"; a failed run
-    keeps the results so far, and `message` says what happened.  `asked` is the global relative error asked
-    for (None: by hand) and `estimated` its estimate (None: not verified); its norm is defined in
-    `lagc.simulation.global_error.verified_run`.  `corners` are the times of events with the states before
-    and after, which need not be recorded.  `system` has the parameters of the run.
-    """
+    `run["theta"]` is an array over `run.t`: a coordinate, a speed, the rate `der(theta)` of a coordinate, an
+    output, or a sensitivity `d(theta)/d(l)`.  `status` is "ok", "terminated" or "failed"; a failed run keeps
+    the results so far, and `message` says what happened.  `asked` is the global relative error asked for
+    (None: by hand) and `estimated` its estimate (None: not verified); its norm is defined in
+    `lagc.simulation.global_error.verified_run`.  `corners` are the times of events with the states before and
+    after, which need not be recorded.  `system` has the parameters of the run."""
 
     system: System
     times: list[float]
@@ -130,10 +127,8 @@ class Solution:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """The names that are saved and printed: states, rates of coordinates, outputs, sensitivities.
-
-        Rates of quaternions are left out, because the body rates are there.
-        """
+        """The names that are saved and printed: states, rates of coordinates, outputs, sensitivities. Rates
+        of quaternions are left out, because the body rates are there."""
         interface = self.system.interface
         parts = {derived(interface.q_names[k + i]) for k in interface.quaternions for i in range(4)}
         if self.sensitivities is not None:
@@ -251,10 +246,7 @@ class Solution:
 
     def to_pandas(self) -> object:
         """Return a pandas DataFrame: one column for each quantity, indexed by time, with the metadata in
-        `attrs`.
-
-        Raises ImportError if pandas is not installed.
-        """
+        `attrs`. Raises ImportError if pandas is not installed."""
         import importlib
 
         try:

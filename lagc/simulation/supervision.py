@@ -50,10 +50,8 @@ def check_memory(request: Request, states: int, most: float = MOST_MEMORY, remed
 
 class Forecast:
     """Progress callback that raises Refused (LAG0803) if a run to `stop` would take more than `most` seconds.
-
     The remaining time is extrapolated after 1 s, 2 s, 4 s, ... from the progress since the last check.  Two
-    successive checks must exceed the limit.  A run may start again from 0.
-    """
+    successive checks must exceed the limit.  A run may start again from 0."""
 
     def __init__(self, inner: Progress, stop: float, most: float = MOST_TIME):
         self.inner, self.stop, self.most = inner, stop, most
@@ -86,10 +84,8 @@ class SlowRun(Exception):
 
 
 class CompileTimer:
-    """Progress callback that raises SlowRun after `limit` seconds, if a C compiler exists.
-
-    With the compile time as the limit, a run costs at most twice the minimum.
-    """
+    """Progress callback that raises SlowRun after `limit` seconds, if a C compiler exists. With the compile
+    time as the limit, a run costs at most twice the minimum."""
 
     def __init__(self, limit: float, inner: Progress | None):
         self.end = perf_counter() + limit
@@ -129,8 +125,7 @@ def is_stuck(system: System, run: Trajectory, end: float, longest: float, checks
 
     Called each time the number of steps has doubled; appends the present progress to `checks`.  A run ends if
     the times it reaches converge, or if its steps (at most `longest`) are far shorter than any smooth motion
-    needs.  A smooth motion may take as many steps as it needs.
-    """
+    needs.  A smooth motion may take as many steps as it needs."""
     checks.append((run.t, run.steps, _operations(system, run)))
     advance, steps, operations = (b - a for a, b in zip(checks[-2], checks[-1]))
     left = operations * (end - run.t) / advance if advance != 0.0 else operations
@@ -164,10 +159,8 @@ def _operations(system: System, run: Trajectory) -> float:
 
 
 def _creeps(system: System, run: Trajectory, step: float) -> bool:
-    """Whether no state changes by CREEPING of the size of its scaling group in a step.
-
-    Speeds of a group without kinetic energy are round-off, and are set to zero.
-    """
+    """Whether no state changes by CREEPING of the size of its scaling group in a step. Speeds of a group
+    without kinetic energy are round-off, and are set to zero."""
     groups = scaling_groups(system.interface)
     x, moving = list(run.x), list(groups)
     kinetic = system.energies(run.t, x)[0]

@@ -63,11 +63,9 @@ UNSTATED, DECLARED, SCENE, RUN, FIXED = range(5)
 
 
 class System(Protocol):
-    """A compiled model with its parameters: functions, names, energies, outputs.
-
-    Immutable: its functions depend on their arguments alone, any number of threads may call them, and it
-    pickles.  The result of `assemble` for `solve`, and `culprit`, belong to the thread.
-    """
+    """A compiled model with its parameters: functions, names, energies, outputs. Immutable: its functions
+    depend on their arguments alone, any number of threads may call them, and it pickles.  The result of
+    `assemble` for `solve`, and `culprit`, belong to the thread."""
 
     interface: Interface
     backend: str
@@ -106,12 +104,9 @@ class System(Protocol):
         direction: int = 0,
     ) -> Trajectory:
         """Integrate from the consistent state (t0, x0) to times[-1]; the states at `times` come from dense
-        output.
-
-        With a `direction` of 1 or -1, arithmetic is rounded up in some slices of 16 steps and down in the
-        others, or the opposite.  KeyboardInterrupt raised in `progress` ends the run with the results so
-        far (status INTERRUPTED).
-        """
+        output. With a `direction` of 1 or -1, arithmetic is rounded up in some slices of 16 steps and down in
+        the others, or the opposite.  KeyboardInterrupt raised in `progress` ends the run with the results so
+        far (status INTERRUPTED)."""
         ...
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int: ...
@@ -149,11 +144,8 @@ class System(Protocol):
 
     def some_conditions(self, t: float, x: Vector, c: list[float], jacobian: list[float], sizes: list[float],
                         first: int, last: int) -> None:  # fmt: skip
-        """Fill in the entries of the independent blocks first..last-1 (`interface.pieces`), and of
-        equations in no block.
-
-        The lists may be longer than needed.
-        """
+        """Fill in the entries of the independent blocks first..last-1 (`interface.pieces`), and of equations
+        in no block. The lists may be longer than needed."""
         ...
 
     def limits(self) -> list[float]:

@@ -47,10 +47,8 @@ UNKNOWN = "the cause is not known"
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """The result of a run.
-
-    `status` is "ok", "terminated" or "failed"; `trajectory` is returned, and may be a part of the one
-    computed; `estimated` is its relative global error, None if it was not verified."""
+    """The result of a run. `status` is "ok", "terminated" or "failed"; `trajectory` is returned, and may be a
+    part of the one computed; `estimated` is its relative global error, None if it was not verified."""
 
     status: str
     message: str
@@ -192,10 +190,8 @@ def _unfinished(system: System, run: Trajectory, stop: float) -> str:
 
 
 def _inaccurate(system: System, found: Verified, asked: float) -> Verdict:
-    """The verdict if the accuracy `asked` was not reached.
-
-    If the end of the motion is known to less than a hundredth, only the part up to the horizon is returned.
-    """
+    """The verdict if the accuracy `asked` was not reached. If the end of the motion is known to less than a
+    hundredth, only the part up to the horizon is returned."""
     run, estimated, horizon = found.trajectory, found.estimated, found.horizon
     if estimated >= MEANINGLESS and horizon is not None and found.beside is not None:
         return _until_horizon(system, found, found.beside, horizon, asked)

@@ -52,10 +52,8 @@ def tangent(
     within: Sequence[Node] | None = None,
 ) -> list[Node]:
     """Return d(outputs) along the direction d(leaf) = seeds[leaf]; leaves without a seed are constant.
-
     `within`: the nodes below `outputs` that the leaves can change, arguments before users, if they are known
-    already.
-    """
+    already."""
     order = reachable(outputs) if within is None else within
     leaves = order if within is None else seeds  # only those in `order`, if there are many seeds
     rates = {leaf: seeds[leaf] for leaf in leaves if leaf in seeds and not seeds[leaf].is_zero}
@@ -84,10 +82,8 @@ def gradient(
     wrt: Sequence[Node] | Mapping[Node, int],
     within: Sequence[Node] | None = None,
 ) -> dict[Node, Node]:
-    """Return the non-zero sums over outputs of seeds[output] * d(output)/d(w), in the order of `wrt`.
-
-    `wrt` may be a mapping from w to its position, if it is long and used often.  `within` is as in `tangent`.
-    """
+    """Return the non-zero sums over outputs of seeds[output] * d(output)/d(w), in the order of `wrt`. `wrt`
+    may be a mapping from w to its position, if it is long and used often.  `within` is as in `tangent`."""
     places = wrt if isinstance(wrt, Mapping) else {w: k for k, w in enumerate(wrt)}
     live = set[Node]() if within is None else set(places)
     order: list[Node] = []
@@ -108,10 +104,8 @@ def gradient(
 
 @dataclass(frozen=True, slots=True)
 class _Choice:
-    """The branches that are taken, as (condition, which) from the inner to the outer.
-
-    `partly` are the nodes above functions that may have no value or derivative if the branches are not taken.
-    """
+    """The branches that are taken, as (condition, which) from the inner to the outer. `partly` are the nodes
+    above functions that may have no value or derivative if the branches are not taken."""
 
     taken: tuple[tuple[Node, bool], ...]
     partly: frozenset[Node]
@@ -121,11 +115,9 @@ ALWAYS = _Choice((), frozenset())
 
 
 class _Sweep:
-    """Adjoints of a reverse sweep.
-
-    A node may have an unconditional adjoint and adjoints of choices.  An adjoint that passes a function with
-    a limited domain is selected after that function, because 0 times a non-finite number is not 0.
-    """
+    """Adjoints of a reverse sweep. A node may have an unconditional adjoint and adjoints of choices.  An
+    adjoint that passes a function with a limited domain is selected after that function, because 0 times a
+    non-finite number is not 0."""
 
     def __init__(self, graph: Graph, places: Mapping[Node, int], order: Sequence[Node]):
         self.graph, self.places = graph, places
@@ -199,10 +191,8 @@ class _Sweep:
         return list(found)
 
     def _is_narrow(self, node: Node) -> bool:
-        """Whether the node may lack a value or a derivative for some arguments.
-
-        A parameter is the same in all branches, and may only be 0 if that is why a branch is not taken.
-        """
+        """Whether the node may lack a value or a derivative for some arguments. A parameter is the same in
+        all branches, and may only be 0 if that is why a branch is not taken."""
         if node.op == "mul":
             return any(e < 0 and not self._is_given(base) for base, e in zip(node.args, node.value))
         return node.op in OPERATORS and OPERATORS[node.op].smoothness in (END, POLE)
@@ -231,10 +221,8 @@ _WORTH = 2  # least ratio of derivatives without and with sums
 
 @dataclass(frozen=True)
 class Slopes:
-    """The derivatives of expressions (`rows`) and of shared sums: column -> derivative, without zeros.
-
-    The columns are the `leaves`, then the sums.
-    """
+    """The derivatives of expressions (`rows`) and of shared sums: column -> derivative, without zeros. The
+    columns are the `leaves`, then the sums."""
 
     graph: Graph
     rows: list[dict[int, Node]]
@@ -305,10 +293,8 @@ class Slopes:
 def slopes(
     graph: Graph, nodes: Sequence[Node], places: Mapping[Node, int], size: int, few: int = 0
 ) -> Slopes:
-    """Return the derivatives of `nodes` with respect to the leaves in `places` (`size` columns).
-
-    At most `few` derivatives are never expressed by shared sums.
-    """
+    """Return the derivatives of `nodes` with respect to the leaves in `places` (`size` columns). At most
+    `few` derivatives are never expressed by shared sums."""
     found = by_sums(graph, nodes, places, size, few)
     return found or Slopes(graph, _gradients(graph, nodes, places), [], size)
 

@@ -14,11 +14,9 @@ from lagc.symbolic.walk import missing, reachable
 def evaluate(
     nodes: Sequence[Node], values: Mapping[Node, float], within: Sequence[Node] | None = None
 ) -> list[float]:
-    """Return the values of `nodes`, given those of their symbols.
-
-    `within`: all nodes below `nodes`, arguments before users, if they are known already.  Outside the domain
-    of a function the value is NaN, as in C.  Raises KeyError for a symbol without a value.
-    """
+    """Return the values of `nodes`, given those of their symbols. `within`: all nodes below `nodes`,
+    arguments before users, if they are known already.  Outside the domain of a function the value is NaN, as
+    in C.  Raises KeyError for a symbol without a value."""
     known: dict[Node, float] = dict(values)
     for node in reachable(nodes) if within is None else within:
         if node not in known:

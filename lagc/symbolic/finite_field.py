@@ -42,8 +42,7 @@ class Point:
     `exact`: every function so far has all of its relations, so an expression that is not zero here is not
     identically zero.  `rooted`: roots occurred, whose signs are drawn, and the statement holds for
     expressions that are zero for no choice of signs.  With `roots` False a root is a function without
-    relations.  Decimal numbers of up to `digits` digits are taken as written.
-    """
+    relations.  Decimal numbers of up to `digits` digits are taken as written."""
 
     def __init__(self, seed: int, roots: bool = True, digits: int = WRITTEN) -> None:
         self._state = 2 * seed + 1
@@ -74,11 +73,9 @@ class Point:
         self.place({symbol: self._number(value) for symbol, value in values.items()})
 
     def seek_roots(self, under: Sequence[Node], truths: Mapping[Node, int]) -> bool:
-        """Draw symbols until all nodes in `under` are squares.  Return False if there are too many.
-
-        Every second random number is a square, so symbols are drawn one by one.  Call it before any value is
-        known.
-        """
+        """Draw symbols until all nodes in `under` are squares.  Return False if there are too many. Every
+        second random number is a square, so symbols are drawn one by one.  Call it before any value is
+        known."""
         order = list[tuple[Node, list[Node]]]()  # symbols, and the nodes that have a value once it is known
         latest = dict[Node, int]()  # position of the last symbol below a node
         for x in under:
@@ -111,9 +108,7 @@ class Point:
 
     def values(self, nodes: Sequence[Node], truths: Mapping[Node, int] | None = None) -> list[int]:
         """Return the values of `nodes`; `truths` holds all comparisons in them, the same at every call.
-
-        Raises Undefined.
-        """
+        Raises Undefined."""
         known = self._known
         for node in missing(nodes, known):
             known[node] = self._value(node, truths or {})
@@ -194,11 +189,8 @@ class Point:
         return residue(meant)
 
     def _rounded(self, value: float) -> int:
-        """Return the value of a rounded decimal number.
-
-        It is random, except for multiples, products and quotients of earlier ones, and cosines of numbers
-        that are sines.
-        """
+        """Return the value of a rounded decimal number. It is random, except for multiples, products and
+        quotients of earlier ones, and cosines of numbers that are sines."""
         found = self._decimals.items()
         bases = [*found, *((1.0 / a, power(x, -1)) for a, x in found if a)]
         if len(bases) <= _MOST_DECIMALS:

@@ -24,10 +24,8 @@ def key_of(knots: Numbers, values: Numbers, kind: str, straight: bool) -> str:
 
 def interpolant(x: Node, knots: Numbers, values: Numbers, kind: str, straight: bool, name: str) -> Node:
     """Return the function of x through at least two points with increasing `knots`; `kind` is one of KINDS.
-
     With `straight` it is continued linearly, else as a constant.  Raises OverflowError if a coefficient is
-    not finite.
-    """
+    not finite."""
     graph, curve = x.graph, Curve(name, key_of(knots, values, kind, straight))
     ends, *coefficients = KINDS[kind](knots, values)
     # There is one more piece before the first knot.
@@ -60,10 +58,8 @@ def _linear(knots: Numbers, values: Numbers) -> tuple[Numbers, ...]:
 
 
 def _cubic(knots: Numbers, values: Numbers) -> tuple[Numbers, ...]:
-    """Return the cubic spline with the not-a-knot condition; through three points it is the parabola.
-
-    C. de Boor, *A Practical Guide to Splines*, Springer 1978, chapter IV.
-    """
+    """Return the cubic spline with the not-a-knot condition; through three points it is the parabola. C. de
+    Boor, *A Practical Guide to Splines*, Springer 1978, chapter IV."""
     h, m = [b - a for a, b in pairwise(knots)], _slopes(knots, values)
     s = _spline_slopes(h, m)
     second = [(3.0 * m[k] - 2.0 * s[k] - s[k + 1]) / h[k] for k in range(len(h))]
@@ -86,10 +82,8 @@ def _slopes(knots: Numbers, values: Numbers) -> list[float]:
 
 
 def _spline_slopes(h: Numbers, m: Numbers) -> list[float]:
-    """Return the slopes at the knots, given distances h and mean slopes m.
-
-    The tridiagonal system is eliminated from the left; all pivots are positive.
-    """
+    """Return the slopes at the knots, given distances h and mean slopes m. The tridiagonal system is
+    eliminated from the left; all pivots are positive."""
     n = len(h)
     if n == 1:
         return [m[0], m[0]]

@@ -71,10 +71,8 @@ class Curve:
 
 
 class Table:
-    """Numbers stored once in generated code: knots, or the coefficients of power `order` of a `curve`.
-
-    Tables with the same key are equal.
-    """
+    """Numbers stored once in generated code: knots, or the coefficients of power `order` of a `curve`. Tables
+    with the same key are equal."""
 
     __slots__ = ("curve", "is_constant", "key", "numbers", "order")
 

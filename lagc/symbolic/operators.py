@@ -57,8 +57,7 @@ class Operator:
     else 0. `within` contains all values.  `rising`: f is nondecreasing in all arguments.  `twin`: the
     function whose square and that of f add up to 1.  A `looked_up` operator has a `Table` before its
     arguments.  `weight` is the cost in additions, `cycles` the latency.  The spelling in the model language
-    is the name, or `infix`; each target has its own.
-    """
+    is the name, or `infix`; each target has its own."""
 
     name: str
     arity: int
@@ -232,11 +231,8 @@ def exchanged(
     monomial: Iterable[tuple[Base, Any]], twin: Callable[[Base, Any], Base | None]
 ) -> Iterator[tuple[dict[Base, Any], Base]]:
     """Yield, for each factor of `monomial` with a `twin`, the monomial divided by the square of the factor,
-    and the twin.
-
-    This serves c x sin(u)^2 + c x cos(u)^2 = c x, for nodes or for other objects with sines and cosines.
-    Exponents are integers or fractions, 0 for a factor that vanished.
-    """
+    and the twin. This serves c x sin(u)^2 + c x cos(u)^2 = c x, for nodes or for other objects with sines and
+    cosines. Exponents are integers or fractions, 0 for a factor that vanished."""
     powers = dict(monomial)
     for base, exponent in powers.items():
         other = twin(base, exponent)

@@ -17,11 +17,9 @@ _KNOWN = {op: name for op, name in _NAMES.items() if op not in LOOKED_UP}
 
 
 def to_sympy(nodes: Sequence[Node], names: Callable[[Node], Any] | None = None) -> list[Any]:
-    """The sympy expressions of `nodes`.
-
-    `names` gives the sympy object of a symbol; without it a real symbol of the symbol's own name.
-    Floats that are integers or simple fractions (0.5, 0.25) become exact numbers.
-    """
+    """The sympy expressions of `nodes`. `names` gives the sympy object of a symbol; without it a real symbol
+    of the symbol's own name. Floats that are integers or simple fractions (0.5, 0.25) become exact
+    numbers."""
     import sympy
 
     def plain(symbol: Node) -> Any:
@@ -63,10 +61,8 @@ def _number(sympy: Any, value: float) -> Any:
 
 
 def from_sympy(graph: Graph, expr: Any, symbols: Mapping[Any, Node]) -> Node:
-    """The node of a sympy expression whose symbols are the keys of `symbols`.
-
-    Raises ValueError for a function that the graph does not have, or for an unknown symbol.
-    """
+    """The node of a sympy expression whose symbols are the keys of `symbols`. Raises ValueError for a
+    function that the graph does not have, or for an unknown symbol."""
     import sympy
 
     known: dict[Any, Node] = dict(symbols)

@@ -71,10 +71,7 @@ def matmul(a: Matrix, b: Matrix) -> Matrix:
 
 def axis_rates(axes: Matrix, w: Vector) -> dict[Node, Node]:
     """Return d(axes)/dt for unit vectors (columns of `axes`) with angular velocity w in their own axes: e_k'
-    = w x e_k.
-
-    Only components that are sums are included; the others follow from their arguments.
-    """
+    = w x e_k. Only components that are sums are included; the others follow from their arguments."""
     found: dict[Node, Node] = {}
     for x, y, z in axes:
         for node, rate in ((x, w[2] * y - w[1] * z), (y, w[0] * z - w[2] * x), (z, w[1] * x - w[0] * y)):

@@ -223,11 +223,8 @@ _BEFORE_BREAKS = frozenset({"AT", "ON", "FROM", "UNLESS", "THEN", "ELSE", "ELSEI
 
 @dataclass(slots=True)
 class Piece:
-    """A token or a comment of a line.
-
-    `space`: a blank before it; `rank`: how good a line break before it is (0: never, then smaller is better);
-    `comment`: the kind of comment; `ends`: the line must end after it.
-    """
+    """A token or a comment of a line. `space`: a blank before it; `rank`: how good a line break before it is
+    (0: never, then smaller is better); `comment`: the kind of comment; `ends`: the line must end after it."""
 
     text: str
     space: bool

@@ -55,11 +55,8 @@ class Block:
 
 
 class Machine:
-    """One parse of one text.
-
-    Four parallel stacks: states, values (tokens and nodes), starts (the number of the first token of each
-    value) and depths (nesting).
-    """
+    """One parse of one text. Four parallel stacks: states, values (tokens and nodes), starts (the number of
+    the first token of each value) and depths (nesting)."""
 
     def __init__(self, source: Source, tables: Tables, lexed: Lexed):
         self.source = source
@@ -91,10 +88,8 @@ class Machine:
         ]
 
     def run(self, recover: Callable[[Machine], bool]) -> Any:
-        """Return the tree, or None if parsing cannot continue; `recover` is called at each fault.
-
-        `faults` and `builder.faults` hold the faults.
-        """
+        """Return the tree, or None if parsing cannot continue; `recover` is called at each fault. `faults`
+        and `builder.faults` hold the faults."""
         actions = self.tables.actions
         states = self.states
         accept = self.tables.accept

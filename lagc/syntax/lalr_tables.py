@@ -26,11 +26,9 @@ Recipe = tuple[int, ...]
 
 @dataclass(frozen=True, slots=True)
 class Tables:
-    """actions[state][symbol]: the next state, or ~rule (negative) to reduce.
-
-    rules: (nonterminal, length, callback or None, recipe).  A rule without a callback returns its only child,
-    or the list of its children if the nonterminal is inlined (`_name`).
-    """
+    """actions[state][symbol]: the next state, or ~rule (negative) to reduce. rules: (nonterminal, length,
+    callback or None, recipe).  A rule without a callback returns its only child, or the list of its children
+    if the nonterminal is inlined (`_name`)."""
 
     actions: list[dict[str, int]]
     rules: list[tuple[str, int, str | None, Recipe]]

@@ -15,10 +15,8 @@ WORD, NUMBER, STRING, UNIT, SYMBOL, END = "word", "number", "string", "unit", "s
 
 
 class Token:
-    """One token: its kind, its text, and the characters start..end of the source.
-
-    `terminal` is set by the parser (`NAME`, `PARAMETER`, ...).
-    """
+    """One token: its kind, its text, and the characters start..end of the source. `terminal` is set by the
+    parser (`NAME`, `PARAMETER`, ...)."""
 
     __slots__ = ("end", "kind", "start", "terminal", "text")
 

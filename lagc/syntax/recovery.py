@@ -143,10 +143,8 @@ class Recovery:
                 return True
 
     def _repair(self, repair: Repair) -> bool:
-        """Apply a repair if the text can then be parsed past the fault.
-
-        A repair before the fault parses the declaration around it again from its beginning.
-        """
+        """Apply a repair if the text can then be parsed past the fault. A repair before the fault parses the
+        declaration around it again from its beginning."""
         machine = self.machine
         again = repair.at < machine.position
         bottom, begin = self._declaration(repair.at)

@@ -78,11 +78,9 @@ class Index:
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """An argument of a call or a modification: `name = value`, or a value (`name` None).
-
-    `each` is Modelica's `each start = 0`.  `arguments` are nested modifications: `bob(m(min = 0) = 2 [kg])`.
-    The modification `bob(m = 2 [kg])` without a value parses as a call, with `name` None.
-    """
+    """An argument of a call or a modification: `name = value`, or a value (`name` None). `each` is Modelica's
+    `each start = 0`.  `arguments` are nested modifications: `bob(m(min = 0) = 2 [kg])`. The modification
+    `bob(m = 2 [kg])` without a value parses as a call, with `name` None."""
 
     name: str | None
     name_span: Span | None
@@ -197,10 +195,8 @@ class TypeDeclaration:
 
 @dataclass(frozen=True, slots=True)
 class Declarator:
-    """One name of a list: `th[n](each start = 0.1 [rad]) = value "description"`.
-
-    `within` is the whole name if it belongs to an instance, `a.b[2].m`; only in scenes.
-    """
+    """One name of a list: `th[n](each start = 0.1 [rad]) = value "description"`. `within` is the whole name
+    if it belongs to an instance, `a.b[2].m`; only in scenes."""
 
     name: str
     name_span: Span
@@ -214,8 +210,7 @@ class Declarator:
 
 @dataclass(frozen=True, slots=True)
 class Quantities:
-    """`parameter Mass m = 1 [kg], n;`.  kind: constant parameter structural input
-    coordinate speed output."""
+    """`parameter Mass m = 1 [kg], n;`.  kind: constant parameter structural input coordinate speed output."""
 
     kind: str
     type: TypeName | None  # None in a scene: `parameter l = 0.7 [m];`
@@ -236,11 +231,9 @@ class FunctionDeclaration:
 
 @dataclass(frozen=True, slots=True)
 class Construct:
-    """`frame A = expr`, `point P[0] = expr`, `body b = Particle(...)`, `joint j = ...`,
-    `friction f = ...`, `potential V = ...`, `kinetic`, `lagrangian`, `dissipation`.
-
-    kind is that keyword; `index` the subscripts of an element, as in `point P[i]`.
-    """
+    """`frame A = expr`, `point P[0] = expr`, `body b = Particle(...)`, `joint j = ...`, `friction f = ...`,
+    `potential V = ...`, `kinetic`, `lagrangian`, `dissipation`. kind is that keyword; `index` the subscripts
+    of an element, as in `point P[i]`."""
 
     kind: str
     name: str
@@ -254,10 +247,8 @@ class Construct:
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """`force F = vec [on body] at point [from other]` / `torque M = vec on body [from other]`.
-
-    kind: force, torque.  `target` is the point of a force, the body of a torque.
-    """
+    """`force F = vec [on body] at point [from other]` / `torque M = vec on body [from other]`. kind: force,
+    torque.  `target` is the point of a force, the body of a torque."""
 
     kind: str
     name: str

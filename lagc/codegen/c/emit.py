@@ -44,11 +44,9 @@ _FUSED = """\
 
 
 def render(program: Program, complete: bool = True, real: Arithmetic = DOUBLE) -> dict[str, str]:
-    """Return the texts of `<model>.h` and `<model>.c` by file name, in C99 and C++.
-
-    Without `complete` they lack the bounds of parameters, texts, and the initialization, which takes long to
-    compile; a run of lagc does it by the same kernels in Python, with the same bits.
-    """
+    """Return the texts of `<model>.h` and `<model>.c` by file name, in C99 and C++. Without `complete` they
+    lack the bounds of parameters, texts, and the initialization, which takes long to compile; a run of lagc
+    does it by the same kernels in Python, with the same bits."""
     program = program.shipped
     interface, runtime = program.interface, Runtime(program, complete, real)
     name = prefix(interface.model)

@@ -80,9 +80,8 @@ def _block(body: Sequence[ast.stmt], indent: str, out: list[str]) -> None:
 
 
 class Zipped(ast.NodeTransformer):
-    """Turns for i in range(n): a[i] = f(b[i], c[i]) into a[:n] = [f(b_, c_) for b_, c_ in zip(b[:n], c)],
-    and loops that only read at [i] into loops over zip. The operations and their order stay the
-    same."""
+    """Turns for i in range(n): a[i] = f(b[i], c[i]) into a[:n] = [f(b_, c_) for b_, c_ in zip(b[:n], c)], and
+    loops that only read at [i] into loops over zip. The operations and their order stay the same."""
 
     def __init__(self, types: Types, short: Mapping[str, Short]):
         self.types, self.short = types, short

@@ -28,12 +28,9 @@ class NotStatic(Exception):
 
 
 class Statics:
-    """The specialization of one kernel.
-
-    `known`: names of known numbers, texts, tuples, dictionaries (rows of tableaus), and objects with such
-    attributes (methods). `sizes`: names of sizes. `prefix`: prefix of the kernels `own`, for a file that
-    is printed several times.
-    """
+    """The specialization of one kernel. `known`: names of known numbers, texts, tuples, dictionaries (rows of
+    tableaus), and objects with such attributes (methods). `sizes`: names of sizes. `prefix`: prefix of the
+    kernels `own`, for a file that is printed several times."""
 
     def __init__(self, file: str, flags: Flags, sizes: frozenset[str], known: Mapping[str, Any],
                  prefix: str = "", own: frozenset[str] = frozenset()):  # fmt: skip

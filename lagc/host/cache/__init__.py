@@ -40,10 +40,8 @@ PYTHON = f"{sys.implementation.cache_tag} {sys.hexversion:x}"  # the interpreter
 
 
 def folder() -> str | None:
-    """Return `LAGC_CACHE`, or else `lagc` in the platform's cache folder, or None.
-
-    An empty `LAGC_CACHE` turns the cache off.
-    """
+    """Return `LAGC_CACHE`, or else `lagc` in the platform's cache folder, or None. An empty `LAGC_CACHE`
+    turns the cache off."""
     own = os.environ.get("LAGC_CACHE")
     if own is not None:
         return os.path.expanduser(own) or None
@@ -162,10 +160,8 @@ def grammar_path() -> str:
 
 @lru_cache(maxsize=1)
 def tool_fingerprint() -> str:
-    """Return the hash of all sources.
-
-    It is cached by their sizes and times, so that they are only read again after a change.
-    """
+    """Return the hash of all sources. It is cached by their sizes and times, so that they are only read again
+    after a change."""
     try:
         found = dict(sorted(_files()))
         stamps = [f"{path}:{s.st_size}:{s.st_mtime_ns}:{s.st_ctime_ns}" for path, s in found.items()]

@@ -103,10 +103,8 @@ def _files(place: Folder, pattern: re.Pattern[str]) -> Iterator[tuple[str, re.Ma
 
 
 def _sweep(place: Folder) -> None:
-    """Remove temporary files of ended processes.
-
-    If a process of another machine is still running, it only fails to store its entry.
-    """
+    """Remove temporary files of ended processes. If a process of another machine is still running, it only
+    fails to store its entry."""
     for name, match, status in _files(place, _TEMPORARY):
         if time() - status.st_mtime > ABANDONED or gone(int(match[1])):
             place.remove(name)

@@ -34,10 +34,8 @@ _Slopes = dict[int, Node]  # by unknown
 
 @dataclass(frozen=True)
 class ArticulatedBody:
-    """The matrix [A G^T; G 0] and the definitions, as nodes.
-
-    Unknowns: the speeds, the multipliers, the lifted velocities.
-    """
+    """The matrix [A G^T; G 0] and the definitions, as nodes. Unknowns: the speeds, the multipliers, the
+    lifted velocities."""
 
     structure: Structure
     entries: dict[Entry, Node]

@@ -164,12 +164,10 @@ def _tied(block: Block, structure: Structure, matrix: Matrix) -> dict[Entry, int
 
 
 def factor(block: Block, plan: Elimination, matrix: Matrix, guard: Guard | None = None) -> Factors:
-    """L D L^T of the matrix, lifted velocities substituted.
-
-    The ratio of a speed's pivot is d/M_kk, about; that of a multiplier's, -d / sum(L_j^2 d_j) over the
-    speeds j, the size it would have without the rows eliminated before it: near zero for a
-    redundant row.  A pivot of the wrong sign makes its ratio negative.
-    """
+    """L D L^T of the matrix, lifted velocities substituted. The ratio of a speed's pivot is d/M_kk, about;
+    that of a multiplier's, -d / sum(L_j^2 d_j) over the speeds j, the size it would have without the rows
+    eliminated before it: near zero for a redundant row.  A pivot of the wrong sign makes its ratio
+    negative."""
     work = _Factoring(block, plan, matrix, guard)
     for step in plan.steps:
         work.eliminate(step)
@@ -239,11 +237,10 @@ def residual(
 ) -> tuple[list[int], int]:
     """Return the residual of `x` for `right`, and the square of its size relative to that of the right side.
 
-    Sizes are in the norm of the inverse pivots, sum of r_k^2 / |D_k|, in which forces and
-    constraints are alike (it is the energy that an impulse r brings).  The terms M_kk a_k count for
-    the right side, so that what is driven by constraints alone is not measured by round-off.
-    Where `x` has more than speeds and multipliers, what is kept and its definitions are looked at, too.
-    """
+    Sizes are in the norm of the inverse pivots, sum of r_k^2 / |D_k|, in which forces and constraints are
+    alike (it is the energy that an impulse r brings).  The terms M_kk a_k count for the right side, so that
+    what is driven by constraints alone is not measured by round-off. Where `x` has more than speeds and
+    multipliers, what is kept and its definitions are looked at, too."""
     structure = plan.structure
     ties = dict(structure.ties) if len(x) > plan.size else {}
     y = [*x[: plan.size], *[block.zero] * len(structure.definitions)]

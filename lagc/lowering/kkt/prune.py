@@ -187,11 +187,9 @@ class _Parts:
 def with_pivots(equations: EquationsOfMotion) -> EquationsOfMotion:
     """`equations` as elimination can solve them.
 
-    A massless speed on which no force acts and that has a row of its own, `der(y) = ...`, has no pivot
-    and needs no force: y'' = gamma is asked of a unit of inertia too, so that the multiplier comes out
-    as 0, whatever the units.  Raises Refused, LAG0501 for each speed that neither inertia nor rows
-    determine.
-    """
+    A massless speed on which no force acts and that has a row of its own, `der(y) = ...`, has no pivot and
+    needs no force: y'' = gamma is asked of a unit of inertia too, so that the multiplier comes out as 0,
+    whatever the units.  Raises Refused, LAG0501 for each speed that neither inertia nor rows determine."""
     bare = [j for j in range(len(equations.v)) if j not in equations.massive]
     if not bare or eliminate(plain(equations).structure) is not None:
         return equations

@@ -19,10 +19,8 @@ _NONE: frozenset[Node] = frozenset()
 
 
 def factored(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
-    """`nodes` with a*b + a*c written a*(b + c) where that saves a product.
-
-    Sums are flattened through additions that have one user only.
-    """
+    """`nodes` with a*b + a*c written a*(b + c) where that saves a product. Sums are flattened through
+    additions that have one user only."""
     below = reachable(nodes)
     users = _users(below, nodes)
     inner = {a for node in below if node.op == "add" for a in node.args if a.op == "add" and users[a] == 1}
@@ -104,10 +102,8 @@ def _term(node: Node) -> Term:
 
 
 def _collect(graph: Graph, terms: list[Term], partners: Partners) -> Node:
-    """The sum of `terms`, the factor that most of them share taken out, again and again.
-
-    The recursion is as deep as a monomial has factors.
-    """
+    """The sum of `terms`, the factor that most of them share taken out, again and again. The recursion is as
+    deep as a monomial has factors."""
     total = graph.zero
     shared = _Shared(terms, partners)
     while (key := shared.most_common()) is not None:
@@ -198,11 +194,10 @@ def _without(c: float, powers: dict[Node, int], key: Key) -> Term:
 def plan(nodes: Sequence[Node]) -> dict[Product, tuple[Product, Product]]:
     """Which two parts each product is made of, so that products share as much as can be.
 
-    Greedy: the pair of factors that most products hold becomes a factor of its own, while any
-    two products share one (M. Breuer, *Generation of optimal code for expressions via
-    factorization*, CACM 12 (1969)).  A divisor is one factor more: what products share may be over it.
-    As products have few factors (`MOST_FACTORS`), the work is linear in the number of products.
-    """
+    Greedy: the pair of factors that most products hold becomes a factor of its own, while any two products
+    share one (M. Breuer, *Generation of optimal code for expressions via factorization*, CACM 12 (1969)).  A
+    divisor is one factor more: what products share may be over it. As products have few factors
+    (`MOST_FACTORS`), the work is linear in the number of products."""
     products: dict[Product, Row] = {}
     atoms: list[Product] = []  # what each factor number stands for
     numbers: dict[Node | Product, int] = {}

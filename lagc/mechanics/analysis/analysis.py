@@ -72,11 +72,9 @@ class Seems:
 
 @dataclass(frozen=True)
 class Analysis:
-    """Plain facts, and nodes of the graph of the equations.
-
-    n speeds and p rows make n + p unknowns (accelerations and multipliers) and as many equations.
-    `kinetic_parts` are K2, K1, K0, by degree in v; None where K is no polynomial of degree 2.
-    """
+    """Plain facts, and nodes of the graph of the equations. n speeds and p rows make n + p unknowns
+    (accelerations and multipliers) and as many equations. `kinetic_parts` are K2, K1, K0, by degree in v;
+    None where K is no polynomial of degree 2."""
 
     coordinates: int
     speeds: int

@@ -1,14 +1,13 @@
 """Which affine velocity rows are in fact integrable, alone or together with others.
 
-The forms of all rows span a codistribution I.  A combination of them restricts positions where it
-annuls all motions that can be made of those allowed, brackets included (`brackets`): these
-combinations are the largest integrable part of I (the last of its derived flag; R. L. Bryant et al.,
-*Exterior Differential Systems*, 1991, ch. II).  A row that lies in that part is integrable; of
-relations that lie in no row alone the number is told.  All of it is linear algebra at points of a
-finite field on the constraints, so no tolerance decides.
+The forms of all rows span a codistribution I.  A combination of them restricts positions where it annuls all
+motions that can be made of those allowed, brackets included (`brackets`): these combinations are the largest
+integrable part of I (the last of its derived flag; R. L. Bryant et al., *Exterior Differential Systems*,
+1991, ch. II).  A row that lies in that part is integrable; of relations that lie in no row alone the number
+is told.  All of it is linear algebra at points of a finite field on the constraints, so no tolerance decides.
 
-For many positions, or long rows, brackets become too long.  Rows are then taken for integrable where they
-are closed along each other, dw(X, Y) = 0 for all X, Y that all of them annul (F. W. Warner, *Foundations of
+For many positions, or long rows, brackets become too long.  Rows are then taken for integrable where they are
+closed along each other, dw(X, Y) = 0 for all X, Y that all of them annul (F. W. Warner, *Foundations of
 Differentiable Manifolds and Lie Groups*, th. 2.32); combinations are not looked for.
 """
 
@@ -119,11 +118,8 @@ class TooLong(Exception):
 def reachable_directions(
     graph: Graph, forms: Sequence[Form], where: Sequence[Node], point: Point, truths: Truths
 ) -> list[Entries]:
-    """A basis, at `point`, of the directions of all motions that the forms leave: by place in `where`.
-
-    Raises Undefined where something has no value at this point, TooLong where fields or brackets on the way
-    are.
-    """
+    """A basis, at `point`, of the directions of all motions that the forms leave: by place in `where`. Raises
+    Undefined where something has no value at this point, TooLong where fields or brackets on the way are."""
     span = _Span(where, point, truths)
     fields = [x for x in _fields(graph, forms, where, point, truths) if span.grows(x)]
     latest = fields
@@ -215,10 +211,8 @@ class _Place:
 
 
 def integrable_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping[Node, float]]) -> Integrable:
-    """The affine velocity rows among `rows` that restrict positions.
-
-    The holonomic rows are to be independent; `tries` meet all.
-    """
+    """The affine velocity rows among `rows` that restrict positions. The holonomic rows are to be
+    independent; `tries` meet all."""
     asked = [row for row in rows if not row.holonomic and row.linear]
     if not asked:
         return Integrable()

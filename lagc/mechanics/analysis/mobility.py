@@ -30,12 +30,11 @@ from lagc.symbolic.walk import depends
 class Mobility:
     """Of rows by index: those that follow from the ones before, and the rank of all.
 
-    `at_start` is the rank at the start (None: not found); `proved` as the module says; `examined` is
-    False where no consistent state was found: then the rank is that beside the constraints.
-    `unseen`: rows that follow from others as far as double precision tells, and are proved not to;
-    they count in `rank`, and not in `at_start`.
-    `entangled`: the rows with multipliers that are not unique: those that follow from others, and the others.
-    """
+    `at_start` is the rank at the start (None: not found); `proved` as the module says; `examined` is False
+    where no consistent state was found: then the rank is that beside the constraints. `unseen`: rows that
+    follow from others as far as double precision tells, and are proved not to; they count in `rank`, and not
+    in `at_start`. `entangled`: the rows with multipliers that are not unique: those that follow from others,
+    and the others."""
 
     spare: frozenset[int]
     rank: int

@@ -23,12 +23,9 @@ from lagc.symbolic.walk import depends
 
 @dataclass(frozen=True, slots=True)
 class Acting:
-    """An action's contribution.
-
-    `loads`: its weights on velocities, both in v, whose sum of products is its virtual power;
-    `relative_power` is its power with every drive held, forces . rates, in v; `stored` the
-    energy of a conservative one.
-    """
+    """An action's contribution. `loads`: its weights on velocities, both in v, whose sum of products is its
+    virtual power; `relative_power` is its power with every drive held, forces . rates, in v; `stored` the
+    energy of a conservative one."""
 
     contribution: Contribution
     loads: dict[Node, Node]

@@ -32,10 +32,8 @@ class Classified:
 
 
 def classify(states: States) -> list[Classified]:
-    """The rows of the model's constraints, holonomic first, each kind in the order of declaration.
-
-    Raises Refused: LAG0407 a row that depends on an input, LAG0408 a row that no motion meets.
-    """
+    """The rows of the model's constraints, holonomic first, each kind in the order of declaration. Raises
+    Refused: LAG0407 a row that depends on an input, LAG0408 a row that no motion meets."""
     model = states.model
     labels = [(c, k) for c in model.constraints for k in range(len(c.residuals))]
     raw = [c.residuals[k] for c, k in labels]
@@ -78,10 +76,8 @@ def classify(states: States) -> list[Classified]:
 
 
 def _drive(states: States, row: Row, raw: Node) -> Node:
-    """sum of rate_i d(rate of row)/d(rate_i), less the rate of the row, which is zero.
-
-    For an affine row that is minus what is left at rest: the speed that the drive imposes.
-    """
+    """sum of rate_i d(rate of row)/d(rate_i), less the rate of the row, which is zero. For an affine row that
+    is minus what is left at rest: the speed that the drive imposes."""
     graph = states.graph
     if row.holonomic:
         moved = row.time_dependent

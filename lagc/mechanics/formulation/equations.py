@@ -51,12 +51,9 @@ class Law(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One scalar constraint, and the multiplier of its force.
-
-    At the level of positions: residual = phi(t,q), rate = d(phi)/dt (in v).
-    At the level of velocities: residual = rate = psi(t,q,v).
-    jacobian = {column of v: d(rate)/d(v)}; gamma as in G a = gamma.
-    """
+    """One scalar constraint, and the multiplier of its force. At the level of positions: residual = phi(t,q),
+    rate = d(phi)/dt (in v). At the level of velocities: residual = rate = psi(t,q,v). jacobian = {column of
+    v: d(rate)/d(v)}; gamma as in G a = gamma."""
 
     label: str  # the constraint's row label, unique
     constraint: str
@@ -82,11 +79,9 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Contribution:
-    """The contribution of a body or an action: its generalized force, a node a speed.
-
-    For a body: {} (its share is in M and h).  kind: potential force torque dissipation
-    lagrangian.  `conservative` contributions are in `potential`; others do `power`.
-    """
+    """The contribution of a body or an action: its generalized force, a node a speed. For a body: {} (its
+    share is in M and h).  kind: potential force torque dissipation lagrangian.  `conservative` contributions
+    are in `potential`; others do `power`."""
 
     name: str
     kind: str

@@ -27,10 +27,8 @@ from lagc.symbolic.walk import depends
 
 
 def moving_parts(states: States) -> list[Moving]:
-    """Every velocity that carries inertia.
-
-    Raises Refused: LAG0404 a mass or an inertia that changes with the motion.
-    """
+    """Every velocity that carries inertia. Raises Refused: LAG0404 a mass or an inertia that changes with the
+    motion."""
     bodies = states.model.bodies
     _check(states, bodies)
     raw: list[Vector] = []

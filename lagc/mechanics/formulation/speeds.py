@@ -1,10 +1,9 @@
 """The choice of speeds: rates as functions of declared generalized speeds.
 
-A declared speed u_k = A_k(t,q) . rates + b_k(t,q) takes the place of one rate; the other
-rates stay speeds themselves.  Which rate a speed replaces is decided on a few states, so
-that the system stays solvable, and by sparsity; the system is then solved by Cramer's rule
-where it is small (a rotated pair of rates gives the determinant cos^2 + sin^2 = 1 and
-no division at all), by elimination otherwise.
+A declared speed u_k = A_k(t,q) . rates + b_k(t,q) takes the place of one rate; the other rates stay speeds
+themselves.  Which rate a speed replaces is decided on a few states, so that the system stays solvable, and by
+sparsity; the system is then solved by Cramer's rule where it is small (a rotated pair of rates gives the
+determinant cos^2 + sin^2 = 1 and no division at all), by elimination otherwise.
 """
 
 from __future__ import annotations
@@ -33,11 +32,8 @@ class ChosenSpeeds:
 
 
 def choose_speeds(model: Model, rates: Sequence[Node]) -> ChosenSpeeds:
-    """Solve the declared speeds for as many rates.
-
-    Raises Refused: LAG0401 not affine in the rates, LAG0402 not independent of one another,
-    LAG0403 more speeds than rates.
-    """
+    """Solve the declared speeds for as many rates. Raises Refused: LAG0401 not affine in the rates, LAG0402
+    not independent of one another, LAG0403 more speeds than rates."""
     declared = model.speeds
     if not declared:
         return ChosenSpeeds({}, {})

@@ -18,11 +18,8 @@ from lagc.symbolic.walk import substitute
 
 @dataclass(frozen=True)
 class States:
-    """The symbols of the motion.
-
-    `rates` maps every rate symbol to its expression in v; it is the identity when no speed is
-    declared, and `plain` says so.
-    """
+    """The symbols of the motion. `rates` maps every rate symbol to its expression in v; it is the identity
+    when no speed is declared, and `plain` says so."""
 
     model: Model
     q: tuple[Node, ...]

@@ -1,9 +1,8 @@
 """Whether expressions vanish, and how that is known.
 
-First asked of exact values in a finite field (`expr.modular`), branch by branch: zero there is
-proved, not zero is refuted where every relation of the expression's functions is known.  What
-neither settles is asked of numbers: it *seems* to vanish where terms that are not zero cancel on all
-states tried, on every branch.
+First asked of exact values in a finite field (`expr.modular`), branch by branch: zero there is proved, not
+zero is refuted where every relation of the expression's functions is known.  What neither settles is asked of
+numbers: it *seems* to vanish where terms that are not zero cancel on all states tried, on every branch.
 """
 
 from __future__ import annotations
@@ -31,12 +30,10 @@ _TRIES = 60  # points tried for those, where roots of random numbers are not the
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """Where an expression is asked for.
-
-    `place` gives a point of the field the values that the ground demands, and says whether it meets
-    all of them; Undefined where it cannot.  `states` gives states of numbers, on a branch or (None)
-    as they are.  `support`: what both use, spelt out.  `digits` as of `Point`.
-    """
+    """Where an expression is asked for. `place` gives a point of the field the values that the ground
+    demands, and says whether it meets all of them; Undefined where it cannot.  `states` gives states of
+    numbers, on a branch or (None) as they are.  `support`: what both use, spelt out.  `digits` as of
+    `Point`."""
 
     graph: Graph
     values: State  # of the parameters, to decide on comparisons of them
@@ -156,10 +153,8 @@ class ZeroTest:
 
 
 def cancels(nodes: Sequence[Node], states: Sequence[State], strict: bool = True) -> bool:
-    """All of `nodes` vanish on every state where they have values.
-
-    With `strict` on one at least, and as terms that are not zero cancel there.
-    """
+    """All of `nodes` vanish on every state where they have values. With `strict` on one at least, and as
+    terms that are not zero cancel there."""
     seen = [False] * len(nodes)
     for state in states:
         for k, (value, size) in enumerate(magnitudes(nodes, state)):

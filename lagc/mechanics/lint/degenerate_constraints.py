@@ -30,10 +30,8 @@ _KINKED = ("max", "min", "abs")  # no constraints by themselves
 
 
 def refuse_degenerate(states: States, classified: Sequence[Classified]) -> tuple[Fault, ...]:
-    """Return warnings LAG0413 of products whose gradient vanishes with one factor.
-
-    Raises Refused: LAG0413 constraints whose gradient vanishes wherever they hold, unless others imply them.
-    """
+    """Return warnings LAG0413 of products whose gradient vanishes with one factor. Raises Refused: LAG0413
+    constraints whose gradient vanishes wherever they hold, unless others imply them."""
     asked = [x for x in classified if x.row.holonomic or not x.row.linear]
     residuals = [x.row.residual for x in asked]
     moving = depends(residuals, symbols(residuals) - {p.symbol for p in states.model.parameters})

@@ -70,9 +70,7 @@ def find_break(
     states: States, nodes: Sequence[Node], leaves: Sequence[Node], slopes: bool, rows: bool = False
 ) -> Break | None:
     """Return the first jump of `nodes` along `leaves`, or else the first kink; with `slopes` off jumps only.
-
-    `rows`: `nodes` vanish along the motion.  A relation at whose zeros one of them does not is left out.
-    """
+    `rows`: `nodes` vanish along the motion.  A relation at whose zeros one of them does not is left out."""
     everything = states.in_rates(nodes)
     moving = depends(everything, leaves)
     ops = RELATIONS if slopes else _STEPS

@@ -281,9 +281,7 @@ def active_dissipations(
     states: States, rows: Sequence[Row], contributions: Sequence[Contribution]
 ) -> Iterator[Fault]:
     """Yield LAG0412 of quadratic dissipations whose form is negative, or that fall without end, in a motion.
-
-    The linear part may be the drive of a damper, 1/2 c (v - u)^2: it lies in the range of the form then.
-    """
+    The linear part may be the drive of a damper, 1/2 c (v - u)^2: it lies in the range of the form then."""
     spans: Mapping[str, Span] = {x.name: x.span for x in states.model.actions}
     for c in contributions:
         if c.kind == "dissipation" and c.forces and len(states.v) <= LARGEST and _falls(states, rows, c):

@@ -11,11 +11,9 @@ MOST = 6  # names in a message
 
 
 def unmoved(equations: EquationsOfMotion) -> list[Fault]:
-    """Return a warning that names all such coordinates, or none.
-
-    The speeds v_S of a set S stay 0 if, at v_S = 0, the forces on S vanish identically, no constraint holds a
-    speed of S, and the mass matrix couples no speed of S to another one.
-    """
+    """Return a warning that names all such coordinates, or none. The speeds v_S of a set S stay 0 if, at v_S
+    = 0, the forces on S vanish identically, no constraint holds a speed of S, and the mass matrix couples no
+    speed of S to another one."""
     v, graph = equations.v, equations.graph
     left = set(range(len(v))) - _set_in_motion(equations)
     while left:

@@ -19,10 +19,8 @@ _TRIES = 8  # states tried for every one wanted, where expressions leave their d
 
 @dataclass
 class Chance:
-    """A small generator of numbers in (-1, 1): the same on every machine and version.
-
-    G. Marsaglia's multiply-with-carry family is more than enough here: only genericity matters.
-    """
+    """A small generator of numbers in (-1, 1): the same on every machine and version. G. Marsaglia's
+    multiply-with-carry family is more than enough here: only genericity matters."""
 
     state: int = 20011
 
@@ -32,11 +30,9 @@ class Chance:
 
 
 def samples(model: Model, count: int, vary: bool = True, spread: float = 0.3) -> Iterator[dict[Node, float]]:
-    """`count` states (fewer where starts are outside a domain): symbol -> value.
-
-    With `vary` False the parameters keep their defaults; with `spread` 0 the positions are those of
-    the start, and speeds alone are random.
-    """
+    """`count` states (fewer where starts are outside a domain): symbol -> value. With `vary` False the
+    parameters keep their defaults; with `spread` 0 the positions are those of the start, and speeds alone are
+    random."""
     chance = Chance()
     given = 0
     sizes = unit_sizes(model)
@@ -50,9 +46,8 @@ def samples(model: Model, count: int, vary: bool = True, spread: float = 0.3) ->
 
 
 def unit_sizes(model: Model) -> dict[str, float]:
-    """How large scalar coordinates of a unit are: their largest start, or a parameter's value in
-    that unit, the median one, where that is more; 1 for pure numbers and angles, and without either.
-    """
+    """How large scalar coordinates of a unit are: their largest start, or a parameter's value in that unit,
+    the median one, where that is more; 1 for pure numbers and angles, and without either."""
     values = {p.symbol: p.value if p.value is not None else 1.0 for p in model.parameters}
     found: dict[str, float] = {}
     for c in model.coordinates:

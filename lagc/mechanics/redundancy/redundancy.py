@@ -49,12 +49,11 @@ class Dropped(NamedTuple):
 
 
 def drop_idle(states: States, classified: Sequence[Classified]) -> tuple[list[Classified], list[Dropped]]:
-    """The rows that hold a coordinate or speed, and others, which are proved to hold
-    always, as may a component of a vector, by what places of bodies say already.  The proof holds whatever
-    the parameters are: that of a root or a choice may not, as sqrt(l^2) = l and max(l, 0) = l where l > 0.
+    """The rows that hold a coordinate or speed, and others, which are proved to hold always, as may a
+    component of a vector, by what places of bodies say already.  The proof holds whatever the parameters are:
+    that of a root or a choice may not, as sqrt(l^2) = l and max(l, 0) = l where l > 0.
 
-    Raises Refused: LAG0409 a row without any coordinate or speed for which that is not proved.
-    """
+    Raises Refused: LAG0409 a row without any coordinate or speed for which that is not proved."""
     idle = [x.row for x in classified if not x.row.jacobian]
     if not idle:
         return list(classified), []
@@ -115,10 +114,8 @@ def _motionless(row: Row) -> Fault:
 def drop_redundant(
     states: States, classified: Sequence[Classified]
 ) -> tuple[list[Classified], list[Dropped]]:
-    """The rows that stay, and those that do not.
-
-    Raises Refused: LAG0410 rows that can never hold together.
-    """
+    """The rows that stay, and those that do not. Raises Refused: LAG0410 rows that can never hold
+    together."""
     found = dependent_rows(states, [x.row for x in classified])
     if not found:
         return list(classified), []

@@ -1,10 +1,9 @@
 """Expressions multiplied out: sums of monomials with exact coefficients, for equations that people read.
 
-A polynomial is a dict {monomial: coefficient}, a monomial a sorted tuple of (atom, exponent)
-pairs, an atom a number in `Algebra.atoms`: a symbol, a function of polynomials, or a sum that
-stands in a denominator or under a root.  Exponents are integers, or halves for roots.  All work is
-counted; beyond `limit` products `TooLarge` is raised and the caller writes the expression in
-another way.
+A polynomial is a dict {monomial: coefficient}, a monomial a sorted tuple of (atom, exponent) pairs, an atom a
+number in `Algebra.atoms`: a symbol, a function of polynomials, or a sum that stands in a denominator or under
+a root.  Exponents are integers, or halves for roots.  All work is counted; beyond `limit` products `TooLarge`
+is raised and the caller writes the expression in another way.
 """
 
 from __future__ import annotations

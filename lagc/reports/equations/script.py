@@ -298,12 +298,10 @@ def _range(first: str, last: str) -> str:
 
 
 class Matrices(NamedTuple):
-    """M a + h = tau + G^T lam, G a = gamma, qdot = N v + n; all in the symbols `q`, `v` and those of
-    the parameters, which are real and carry the names of the model.
-
-    Shapes: q (nq, 1), v (nv, 1), qdot (nq, 1), mass_matrix (nv, nv), bias_forces and given_forces (nv, 1),
-    constraint_jacobian (nc, nv), gamma (nc, 1).
-    """
+    """M a + h = tau + G^T lam, G a = gamma, qdot = N v + n; all in the symbols `q`, `v` and those of the
+    parameters, which are real and carry the names of the model. Shapes: q (nq, 1), v (nv, 1), qdot (nq, 1),
+    mass_matrix (nv, nv), bias_forces and given_forces (nv, 1), constraint_jacobian (nc, nv), gamma (nc,
+    1)."""
 
     q: Any
     v: Any

@@ -54,12 +54,9 @@ _TURN = RLock()
 
 
 def plot(solution: Solution, names: Sequence[str] = (), path: str | None = None) -> Figure:
-    """Draw the columns `names` (coordinates and outputs without a name), into the file `path` where
-    one is given, by its ending: .png .svg .pdf.
-
-    Raises ImportError without matplotlib, KeyError for an unknown name, ValueError for an unknown
-    ending, OSError where the file cannot be written.
-    """
+    """Draw the columns `names` (coordinates and outputs without a name), into the file `path` where one is
+    given, by its ending: .png .svg .pdf. Raises ImportError without matplotlib, KeyError for an unknown name,
+    ValueError for an unknown ending, OSError where the file cannot be written."""
     figure: Figure = _matplotlib().figure.Figure(layout="constrained")
     draw(solution, figure, names)
     if path is not None:

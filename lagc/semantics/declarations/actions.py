@@ -176,10 +176,8 @@ def declare_load(context: Context, entry: Entry) -> Value:
 def _where_applied(
     context: Context, source: tree.Load, place: Argument, body: Value | None, reaction: Value | None
 ) -> tuple[Vector, Vector | None]:
-    """Return the velocity of the point where a force acts, and that point if the force acts on no body.
-
-    With `from`, the velocity is relative to the material point of the other body.
-    """
+    """Return the velocity of the point where a force acts, and that point if the force acts on no body. With
+    `from`, the velocity is relative to the material point of the other body."""
     if body is None or source.body is None:
         if source.reaction is not None:
             raise Wrong(

@@ -36,10 +36,8 @@ from lagc.syntax import tree
 
 
 def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[str, Modifier]:
-    """Return the attributes of a declaration; those of the outermost modifier win.
-
-    Attributes that are not in `known` are reported.
-    """
+    """Return the attributes of a declaration; those of the outermost modifier win. Attributes that are not in
+    `known` are reported."""
     source = entry.source
     assert isinstance(source, tree.Declarator)
     own = [Modifier(a, entry.environment) for a in source.arguments]
@@ -246,10 +244,8 @@ def with_fixed(
     start: Sequence[Statement],
     rate: Sequence[Statement],
 ) -> tuple[list[Statement], list[Statement]]:
-    """Return the statements on initial values and rates, fixed as the attributes say.
-
-    `fixed` applies to the value and to a stated rate; `startFixed` and `rateFixed` override it.
-    """
+    """Return the statements on initial values and rates, fixed as the attributes say. `fixed` applies to the
+    value and to a stated rate; `startFixed` and `rateFixed` override it."""
     names = ("fixed", "startFixed", "rateFixed")
     both, starts, _ = (fixed(context, attributes, name, sizes, len(start)) for name in names)
     fixed_starts = [one if own is None else own for one, own in zip(both, starts)]

@@ -174,11 +174,8 @@ def _check_principal(a: Node, b: Node, c: Node, span: Span) -> None:
 
 
 def declare_gravity(context: Context, entry: Entry) -> Value:
-    """Declare `Gravity field(g = ..., direction = ...)`.
-
-    Its potential is V = -sum of m g d . r over the bodies of the instance and of nested instances.  Its
-    strength is the parameter `field.g`.
-    """
+    """Declare `Gravity field(g = ..., direction = ...)`. Its potential is V = -sum of m g d . r over the
+    bodies of the instance and of nested instances.  Its strength is the parameter `field.g`."""
     source = entry.source
     assert isinstance(source, tree.Declarator)
     call = tree.Call(tree.Name("Gravity", source.name_span), source.arguments, source.span)

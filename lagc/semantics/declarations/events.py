@@ -55,10 +55,8 @@ def when_clause(
 
 
 def ending(context: Context, until: str) -> tree.When:
-    """Return the clause that ends a run when the condition `until` becomes true.
-
-    Raises Refused if `until` is not an expression.
-    """
+    """Return the clause that ends a run when the condition `until` becomes true. Raises Refused if `until` is
+    not an expression."""
     from lagc.syntax.parse import parse_expression
 
     source = Source("<until>", until, asked=True)

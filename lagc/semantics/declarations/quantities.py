@@ -69,11 +69,8 @@ _SAID = {"structural": "structural parameter"}
 
 
 def declare_quantity(context: Context, entry: Entry) -> Value:
-    """Declare a quantity and return its value.
-
-    After a fault the value is a placeholder symbol, so that declarations that use it are still checked.
-    Raises Wrong, or Poisoned if there is no placeholder.
-    """
+    """Declare a quantity and return its value. After a fault the value is a placeholder symbol, so that
+    declarations that use it are still checked. Raises Wrong, or Poisoned if there is no placeholder."""
     source, declaration = entry.source, entry.declaration
     assert isinstance(source, tree.Declarator) and isinstance(declaration, tree.Quantities)
     if (

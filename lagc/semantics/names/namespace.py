@@ -74,10 +74,8 @@ class Namespace:
         return self._imported
 
     def lookup(self, name: str) -> Found | None:
-        """Return the declaration called `name` and its namespace, or None.
-
-        Raises Wrong if the name is unknown and an import that failed might have declared it.
-        """
+        """Return the declaration called `name` and its namespace, or None. Raises Wrong if the name is
+        unknown and an import that failed might have declared it."""
         space: Namespace | None = self
         while space is not None:
             declared = space.names.get(name)
@@ -132,10 +130,8 @@ class Imports:
         self._missing: dict[str | None, Wrong] = {}  # faults by name; None: a fault that may concern any name
 
     def get(self, name: str) -> Found | None:
-        """Return the imported declaration called `name`, or None.
-
-        Raises Wrong if the name is unknown and an import that failed might have declared it.
-        """
+        """Return the imported declaration called `name`, or None. Raises Wrong if the name is unknown and an
+        import that failed might have declared it."""
         if self._names is None:
             self._names = self._merged()
         found = self._names.get(name)

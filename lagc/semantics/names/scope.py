@@ -44,10 +44,8 @@ class Environment:
 
 @dataclass(frozen=True, slots=True)
 class Modifier:
-    """An argument that changes a declaration from outside, evaluated where it was written.
-
-    `index` selects one element of it, for arrays of instances.
-    """
+    """An argument that changes a declaration from outside, evaluated where it was written. `index` selects
+    one element of it, for arrays of instances."""
 
     argument: tree.Argument
     environment: Environment
@@ -163,10 +161,8 @@ def _named(argument: tree.Argument) -> tree.Argument:
 
 
 def outermost_first(model: tree.ModelDeclaration, extended: Extended) -> Iterator[tuple[str, Modifier]]:
-    """Yield all modifiers that a model and its base models give to their own base models.
-
-    Modifiers of a model come before those of its bases; otherwise the order of the text is kept.
-    """
+    """Yield all modifiers that a model and its base models give to their own base models. Modifiers of a
+    model come before those of its bases; otherwise the order of the text is kept."""
     done: set[int] = set()
     order: list[int] = []  # the innermost first, in reverse order of the text
 
@@ -381,11 +377,9 @@ _SUBSCRIPT = re.compile(r"\[[^]]*\]")
 
 @dataclass(frozen=True, slots=True)
 class Uses:
-    """The effects in use: those of the scene, and those that the run adds and removes.
-
-    An effect is named by its path, `cars[2].drag`, by `cars.drag` for all elements of an array, or by `drag`
-    for all instances.  The run overrides the scene, and a path overrides a shorter name.
-    """
+    """The effects in use: those of the scene, and those that the run adds and removes. An effect is named by
+    its path, `cars[2].drag`, by `cars.drag` for all elements of an array, or by `drag` for all instances.
+    The run overrides the scene, and a path overrides a shorter name."""
 
     named: frozenset[str] = frozenset()
     added: frozenset[str] = frozenset()

@@ -38,9 +38,7 @@ def choose_model(
     file: tree.Tree, space: Namespace, wanted: str | None
 ) -> tuple[tree.ModelDeclaration, Namespace]:
     """Return the model `wanted`, or else the last one of the file that is not partial, or one in a package.
-
-    Raises Wrong.
-    """
+    Raises Wrong."""
     if wanted is not None:
         nowhere = Span(file.source, 0, 0)
         try:
@@ -127,10 +125,8 @@ def scenes_of(
 def choose_scene(
     scenes: Mapping[str, tree.Scene], wanted: str | None, added: Sequence[str], removed: Sequence[str]
 ) -> Setting:
-    """Return the scene `wanted`, or else the first.
-
-    Raises Wrong if the scene does not exist, or if an effect is both added and removed.
-    """
+    """Return the scene `wanted`, or else the first. Raises Wrong if the scene does not exist, or if an effect
+    is both added and removed."""
     notes: list[str] = []
     if wanted is None and scenes:
         wanted = next(iter(scenes))
@@ -157,9 +153,7 @@ def choose_scene(
 
 def read_values(context: Context, setting: Setting, environment: Environment) -> None:
     """Record the parameter values of the scene with literal subscripts; array sizes may depend on them.
-
-    `read_rest` records the others.
-    """
+    `read_rest` records the others."""
     for d in setting.scene.body if setting.scene else ():
         if isinstance(d, tree.Quantities):
             if d.type is not None:
@@ -264,10 +258,8 @@ def target_text(context: Context, e: tree.Expression, environment: Environment) 
 
 
 def read_inputs(context: Context, inputs: Inputs, environment: Environment) -> None:
-    """Record the inputs of the command or a Python caller; their data files may be anywhere.
-
-    Raises Refused if a text is not an expression.
-    """
+    """Record the inputs of the command or a Python caller; their data files may be anywhere. Raises Refused
+    if a text is not an expression."""
     from lagc.syntax.parse import parse_expression
 
     for name, given in inputs.items():

@@ -25,12 +25,9 @@ class Variant:
 
 def variants(file: tree.Tree, model: str | None = None, roots: Sequence[str] = ()) -> list[Variant]:
     """Return every scene of every model of the file (or of `model`), and each unused effect in the first
-    scene.
-
-    An unused effect comes with the effects it requires.  A model that other models extend or contain is only
-    checked within them, since it may be incomplete.  Names that cannot be found are skipped: `resolve`
-    reports them.
-    """
+    scene. An unused effect comes with the effects it requires.  A model that other models extend or contain
+    is only checked within them, since it may be incomplete.  Names that cannot be found are skipped:
+    `resolve` reports them."""
     importer = Importer(file.source, tuple(roots))
     space = Namespace(file.declarations, None, importer)
     models = list(_models(file.declarations, space, ""))

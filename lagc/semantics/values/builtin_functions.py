@@ -42,11 +42,8 @@ class Argument:
 
 @dataclass(frozen=True, slots=True)
 class Builtin:
-    """A built-in function: `apply(context, span of the call, *arguments)`.
-
-    Arguments are `Argument`, or None if left out (after the first `required`).  A last parameter `*` takes
-    any number.
-    """
+    """A built-in function: `apply(context, span of the call, *arguments)`. Arguments are `Argument`, or None
+    if left out (after the first `required`).  A last parameter `*` takes any number."""
 
     parameters: tuple[str, ...]
     required: int

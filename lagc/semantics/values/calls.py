@@ -81,10 +81,8 @@ def _applied(context: Context, builtin: Builtin, e: tree.Call, given: list[Argum
 def match(
     context: Context, e: tree.Call, parameters: tuple[str, ...], required: int, who: str
 ) -> list[tree.Expression | None]:
-    """Return the arguments of a call in the order of the parameters; None for one that is left out.
-
-    A last parameter `*` takes all further arguments.  Raises Poisoned after all faults are reported.
-    """
+    """Return the arguments of a call in the order of the parameters; None for one that is left out. A last
+    parameter `*` takes all further arguments.  Raises Poisoned after all faults are reported."""
     found: dict[str, tree.Expression] = {}
     many: list[tree.Expression | None] = []
     wrong: list[Wrong] = []
@@ -231,10 +229,8 @@ def _inline(
 
 
 def look_at_uncalled(context: Context, entries: Iterable[Entry]) -> None:
-    """Report unknown names in functions that are never called.
-
-    Other faults are not reported, because the kinds of the arguments are unknown.
-    """
+    """Report unknown names in functions that are never called. Other faults are not reported, because the
+    kinds of the arguments are unknown."""
     for entry in entries:
         function = entry.source
         if not isinstance(function, tree.FunctionDeclaration) or id(function) in context.called:

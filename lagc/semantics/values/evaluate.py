@@ -30,10 +30,8 @@ def evaluate(context: Context, expression: tree.Expression, environment: Environ
 def evaluate_as(
     context: Context, expression: tree.Expression, environment: Environment, dimension: Dimension
 ) -> Value:
-    """Return the value for a declaration or argument of this dimension; numbers without a unit are in SI.
-
-    The caller checks the dimension of other values.
-    """
+    """Return the value for a declaration or argument of this dimension; numbers without a unit are in SI. The
+    caller checks the dimension of other values."""
     value = evaluate(context, expression, environment)
     return value if dimension == NONE else _dressed(value, dimension, is_bare(expression))
 

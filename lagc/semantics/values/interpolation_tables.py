@@ -38,11 +38,8 @@ def _table(
     context: Context, span: Span, x: Argument, data: Argument, values: Argument | None,
     interpolation: Argument | None, extrapolation: Argument | None, over: Argument | None,
 ) -> Value:  # fmt: skip
-    """Return the function of x through points.
-
-    The points are `values` at `data`, pairs `{{x, y}, ...}`, or the column `values` of a file over its column
-    `over`.
-    """
+    """Return the function of x through points. The points are `values` at `data`, pairs `{{x, y}, ...}`, or
+    the column `values` of a file over its column `over`."""
     at = scalar_of(x.value, x.span, "the argument of a table")
     kind = _choice(interpolation, tuple(KINDS), "linear")
     beyond = _choice(extrapolation, BEYOND, "line" if kind == "cubic" else "hold")

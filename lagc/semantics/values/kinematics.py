@@ -347,10 +347,8 @@ def _turn(axis: Vector, angle: Node) -> Matrix:
 def _spin(
     context: Context, parent: Frame, axis: Vector, own: Vector, angle: Node, rate: Node, span: Span
 ) -> Vector:
-    """Return the angular velocity that a rotation L adds, [w] = L^T L', in the new axes.
-
-    w = angle' a + s a' - (1 - c) a x a', with a' in the parent's axes.
-    """
+    """Return the angular velocity that a rotation L adds, [w] = L^T L', in the new axes. w = angle' a + s a'
+    - (1 - c) a x a', with a' in the parent's axes."""
     graph = angle.graph
     known = known_in_frame(context, parent, axis)
     x, y, z = (derivative(context, component, span) for component in known or axis)

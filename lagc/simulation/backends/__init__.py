@@ -13,11 +13,8 @@ def load(
     interface: Interface, sources: Mapping[str, str], backend: str, code: Sequence[CodeType] = ()
 ) -> System:
     """Return the system that `sources` (file name -> text, for `backend`) define, with the model's own
-    values.
-
-    `bind` gives it other values.  `code` is the compiled text of the NumPy module, if it is known.  Raises
-    CannotCompile (`lagc.simulation.backends.compile`) if the C compiler is missing or fails.
-    """
+    values. `bind` gives it other values.  `code` is the compiled text of the NumPy module, if it is known.
+    Raises CannotCompile (`lagc.simulation.backends.compile`) if the C compiler is missing or fails."""
     if backend == "c":
         from lagc.simulation.backends.c import CModel
 

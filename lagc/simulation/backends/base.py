@@ -15,10 +15,8 @@ Branch: TypeAlias = Any  # the modes of all relations, in the form of the backen
 
 
 class Compiled(ABC):
-    """A compiled model; immutable, for any number of threads.
-
-    Pickles as its interface and its text.  The code is loaded when it is first needed.
-    """
+    """A compiled model; immutable, for any number of threads. Pickles as its interface and its text.  The
+    code is loaded when it is first needed."""
 
     def __init__(self, interface: Interface, sources: Mapping[str, str]):
         self.interface, self.sources = interface, sources
@@ -44,12 +42,9 @@ class Compiled(ABC):
 
 
 class CompiledSystem(ABC):
-    """A compiled model with its parameters; immutable.
-
-    Every function depends on its arguments alone.  Any number of threads may call them: each has a
-    workspace, created at its first call.  The results of `assemble` for `solve`, and `culprit`, belong to
-    the thread.
-    """
+    """A compiled model with its parameters; immutable. Every function depends on its arguments alone.  Any
+    number of threads may call them: each has a workspace, created at its first call.  The results of
+    `assemble` for `solve`, and `culprit`, belong to the thread."""
 
     def __init__(
         self, compiled: Compiled, values: Sequence[float], branch: Branch | None,

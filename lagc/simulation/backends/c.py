@@ -346,12 +346,9 @@ Found: TypeAlias = "tuple[list[slice], list[slice], list[slice]]"
 
 
 class Spans:
-    """The slices of the initial equations that belong to independent blocks.
-
-    Called with first and last, it returns, for the blocks first..last-1, slices of the unknowns in x, of
-    the equations in c and sizes, and of the derivatives in J.  Equations that belong to no block are
-    included.
-    """
+    """The slices of the initial equations that belong to independent blocks. Called with first and last, it
+    returns, for the blocks first..last-1, slices of the unknowns in x, of the equations in c and sizes, and
+    of the derivatives in J.  Equations that belong to no block are included."""
 
     def __init__(self, interface: Interface):
         self.ends = interface.condition_ends

@@ -42,10 +42,8 @@ class CannotCompile(Exception):
 
 @lru_cache(maxsize=1)
 def compiler() -> tuple[str, ...] | None:
-    """The command of the C compiler, or None.
-
-    `LAGC_CC` if it is set, or else cc, gcc or clang, or else `zig cc` if the package ziglang is installed.
-    """
+    """The command of the C compiler, or None. `LAGC_CC` if it is set, or else cc, gcc or clang, or else `zig
+    cc` if the package ziglang is installed."""
     import shutil
 
     own = os.environ.get("LAGC_CC")
@@ -95,11 +93,8 @@ def build_library(sources: Mapping[str, str]) -> bytes:
 
 
 def _is_whole(library: bytes) -> bool:
-    """Whether a library file is complete.
-
-    A process that maps an incomplete one dies at the first missing page.  Checks the program headers of
-    64-bit ELF files; other files must not be empty.
-    """
+    """Whether a library file is complete. A process that maps an incomplete one dies at the first missing
+    page.  Checks the program headers of 64-bit ELF files; other files must not be empty."""
     if library[:6] != b"\x7fELF\x02\x01":
         return len(library) > 0
     import struct
@@ -138,11 +133,8 @@ def _compile(words: tuple[str, ...], sources: Mapping[str, str], folder: str) ->
 
 
 def _finished(command: Sequence[str], folder: str) -> CompletedProcess[str]:
-    """Run `command` in `folder`, which also holds its temporary files.
-
-    It has its own process group, which is killed if this process is interrupted.  Raises TimeoutExpired,
-    OSError.
-    """
+    """Run `command` in `folder`, which also holds its temporary files. It has its own process group, which is
+    killed if this process is interrupted.  Raises TimeoutExpired, OSError."""
     import signal
     import subprocess
 
@@ -184,11 +176,8 @@ def library(sources: Mapping[str, str]) -> ctypes.CDLL:
 
 
 def load(data: bytes) -> ctypes.CDLL:
-    """Load a library from its bytes.
-
-    It is mapped from sealed memory that no one can change, or from a private copy if the system has none.
-    Raises OSError.
-    """
+    """Load a library from its bytes. It is mapped from sealed memory that no one can change, or from a
+    private copy if the system has none. Raises OSError."""
     memory = _sealed(data)
     if memory is None:
         return _load_copy(data)

@@ -21,11 +21,9 @@ MODES = ((0x800, 0x400), (0x400000, 0x800000), (0x200, 0x100), (2, 3), (3, 2))
 
 @contextmanager
 def directed(direction: int) -> Iterator[Callable[[int], None]]:
-    """A block with arithmetic of this thread rounded up (1), down (-1) or to nearest (0).
-
-    Yields a function that changes the direction.  Without support by the machine it does nothing.  All code
-    inside is affected: use it within `apart`.
-    """
+    """A block with arithmetic of this thread rounded up (1), down (-1) or to nearest (0). Yields a function
+    that changes the direction.  Without support by the machine it does nothing.  All code inside is affected:
+    use it within `apart`."""
     found = control()
 
     def turned(direction: int) -> None:
@@ -71,14 +69,12 @@ def apart(work: Callable[[], T]) -> T:
 
 
 def followed(work: Callable[[Progress], T], progress: Progress | None = None) -> T:
-    """Return `work(tell)`, run in a thread of its own, where no signals are handled and no objects
-    finalized.
+    """Return `work(tell)`, run in a thread of its own, where no signals are handled and no objects finalized.
 
-    The rounding mode belongs to a thread.  If no thread can be started, the work runs in this one.  Calls
-    of `tell` are passed on to `progress` from time to time.  An exception raised here meanwhile, also by a
+    The rounding mode belongs to a thread.  If no thread can be started, the work runs in this one.  Calls of
+    `tell` are passed on to `progress` from time to time.  An exception raised here meanwhile, also by a
     signal, is raised there at the next call of `tell`, or here in the end.  Raises MemoryError if the other
-    thread cannot begin.
-    """
+    thread cannot begin."""
     done: list[T] = []
     failed: list[BaseException] = []
     reported: list[float] = []

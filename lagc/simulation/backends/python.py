@@ -134,10 +134,7 @@ class NumpySystem(CompiledSystem):
 
     def factors(self, t: float, x: Vector, modes: Vector | None = None) -> list[float] | None:
         """The factors of [M -G^T; G 0] at a state, for a program with derivatives; None if unavailable or
-        inaccurate.
-
-        Without `modes`, on the branch of the state.
-        """
+        inaccurate. Without `modes`, on the branch of the state."""
         if "solve" not in self.interface.functions:
             return None
         work = self._thread.workspace.equations.work
@@ -208,10 +205,7 @@ class NumpySystem(CompiledSystem):
 
     def stack(self, t: float, x: Vector, a: Vector, lam: Vector, modes: Vector | None = None) -> list[float]:
         """The values of all differentiated expressions (`lagc.lowering.jacobians`), for a program with
-        derivatives.
-
-        Without `modes`, on the branch of the state.
-        """
+        derivatives. Without `modes`, on the branch of the state."""
         found = [0.0] * max([part.stop for part in self.interface.stack.values()])
         self._differentiated("stack", t, x, a, lam, modes, found)
         return found

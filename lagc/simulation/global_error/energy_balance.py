@@ -39,11 +39,9 @@ class Balance:
 
 
 def balance(system: System, trajectory: Trajectory, groups: Sizes, accuracy: float) -> Balance:
-    """Return the energy balance of a run; `groups` are the scaling groups with their sizes.
-
-    The sum over the speeds alone is twice the kinetic energy, if no part depends on time.  An imbalance
-    below a tenth of its effect is accepted without further evaluations.
-    """
+    """Return the energy balance of a run; `groups` are the scaling groups with their sizes. The sum over the
+    speeds alone is twice the kinetic energy, if no part depends on time.  An imbalance below a tenth of its
+    effect is accepted without further evaluations."""
     states = trajectory.states
     if not states:
         return Balance(0.0, 0.0, 0.0)

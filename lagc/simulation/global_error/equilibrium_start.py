@@ -19,11 +19,9 @@ MET = 1e-13  # scaled residual: with a larger one, a mechanism near a singular c
 
 
 def rests(system: System, x: Sequence[float], times: Sequence[float]) -> bool:
-    """Return True if only round-off moves the state x during `times`.
-
-    No coordinate changes by one rounding unit of its scaling group over the whole time, and each
-    acceleration is no larger than its round-off estimate.
-    """
+    """Return True if only round-off moves the state x during `times`. No coordinate changes by one rounding
+    unit of its scaling group over the whole time, and each acceleration is no larger than its round-off
+    estimate."""
     if system.interface.timed or any(0.0 < abs(p) < NORMAL for p in system.parameters):
         return False
     nq, span = system.nq, times[-1] - times[0]
@@ -43,11 +41,9 @@ def rests(system: System, x: Sequence[float], times: Sequence[float]) -> bool:
 
 
 def locked(system: System, x: Sequence[float], t: float) -> bool:
-    """Return True if the constraints, independent of time, allow no motion from x.
-
-    The constraint gradients must have the rank nv.  Their rank is the trace of the projection onto them in
-    the metric of the mass matrix.
-    """
+    """Return True if the constraints, independent of time, allow no motion from x. The constraint gradients
+    must have the rank nv.  Their rank is the trace of the projection onto them in the metric of the mass
+    matrix."""
     nq, nv = system.nq, system.nv
     if system.nc < nv or system.interface.driven:
         return False

@@ -38,12 +38,9 @@ Integrate = Callable[
 
 
 class Rounding:
-    """The effect of round-off on the motion `run`.
-
-    `groups` are the scaling groups with their sizes, `estimate` the quick estimate of round-off, `coarse` the
-    tolerance of the pilot.  `beside` is the displaced pilot, and `bound` the bound of the growth, infinite
-    if unknown.
-    """
+    """The effect of round-off on the motion `run`. `groups` are the scaling groups with their sizes,
+    `estimate` the quick estimate of round-off, `coarse` the tolerance of the pilot.  `beside` is the
+    displaced pilot, and `bound` the bound of the growth, infinite if unknown."""
 
     def __init__(self, system: System, run: Trajectory, groups: Sizes, estimate: Quick, coarse: float,
                  integrate: Integrate):  # fmt: skip
@@ -73,11 +70,8 @@ class Rounding:
 
     def of(self, runs: Mapping[float, Trajectory], groups: Sizes, least: float, harmless: float,
            bearable: float) -> float:  # fmt: skip
-        """The effect of round-off on the finest run (of `runs`, by tolerance).
-
-        A bound suffices below `harmless`, a rough value below `bearable`.  Perturbations grow by `least` or
-        more.
-        """
+        """The effect of round-off on the finest run (of `runs`, by tolerance). A bound suffices below
+        `harmless`, a rough value below `bearable`.  Perturbations grow by `least` or more."""
         bound = max(self.bound, least)
         if self.quick * bound <= harmless:
             return self.quick * bound
@@ -134,11 +128,9 @@ class Rounding:
         return [*accumulate(grown, max), *[inf] * (len(run.states) - len(grown))]
 
     def _spread(self, estimates: Estimates, steps: int) -> float:
-        """The effect of round-off estimated at some states, with growth.
-
-        A perturbation that begins at a state grows as an earlier one does from there, or as one from the
-        start in the time that remains.  If growth varies, the round-off of each step counts independently.
-        """
+        """The effect of round-off estimated at some states, with growth. A perturbation that begins at a
+        state grows as an earlier one does from there, or as one from the start in the time that remains.  If
+        growth varies, the round-off of each step counts independently."""
         grown = self.grown or [1.0]
         if grown[-1] == inf:
             return inf
@@ -149,10 +141,9 @@ class Rounding:
         """The effect of round-off on `run` up to each recorded time, relative to the sizes.
 
         Two oppositely rounded runs differ from it by two parts.  The random part is the mean of both
-        differences.  The systematic part is half of their distance; a share of it counts.  If one run
-        fails, the other one counts alone; if both fail, the result is infinite.  `steps` scales the result
-        to a run with more steps.
-        """
+        differences.  The systematic part is half of their distance; a share of it counts.  If one run fails,
+        the other one counts alone; if both fail, the result is infinite.  `steps` scales the result to a run
+        with more steps."""
         sides: list[Trajectory] = []
         for direction in (1, -1):
             if not sides or sides[0].status != INTERRUPTED:

@@ -32,12 +32,9 @@ def picked(trajectory: Trajectory) -> list[int]:
 
 
 def quick_estimate(system: System, trajectory: Trajectory, groups: Sizes) -> Quick:
-    """Return the round-off of each rate (infinite if unknown) and the direction in which it moves the
-    states.
-
+    """Return the round-off of each rate (infinite if unknown) and the direction in which it moves the states.
     `groups` are the scaling groups with their sizes.  Evaluated at the first, middle, last and fastest
-    state.
-    """
+    state."""
     states, times = trajectory.states, trajectory.times
     chosen = picked(trajectory)
     speeds = [(group, size) for group, size in groups if size > 0.0 and group[-1] >= system.nq]
@@ -70,10 +67,8 @@ def _least(system: System) -> float:
 
 
 def quick_bound(system: System, trajectory: Trajectory, groups: Sizes, changes: Sequence[float]) -> float:
-    """A bound of how far round-off moves the states, relative to their sizes, without growth.
-
-    Infinite if a rank-deficient solve occurred, because a few states do not represent those.
-    """
+    """A bound of how far round-off moves the states, relative to their sizes, without growth. Infinite if a
+    rank-deficient solve occurred, because a few states do not represent those."""
     if trajectory.fallbacks:
         return inf
     span = abs(trajectory.times[-1] - trajectory.times[0])
@@ -133,12 +128,9 @@ def neighbour(x: Sequence[float], direction: int) -> list[float]:
 
 
 def close_estimate(system: System, trajectory: Trajectory, groups: Sizes) -> list[tuple[int, float]]:
-    """Estimate how far round-off moves the states around each of a dozen recorded ones.
-
-    A group moves by the round-off of its rates times the time, and by no more than that share of the
-    distance that it travels, because a close encounter is short.  Groups whose rates are all round-off are
-    left out.
-    """
+    """Estimate how far round-off moves the states around each of a dozen recorded ones. A group moves by the
+    round-off of its rates times the time, and by no more than that share of the distance that it travels,
+    because a close encounter is short.  Groups whose rates are all round-off are left out."""
     from lagc.simulation.backends.directed_rounding import apart
 
     estimates = apart(lambda: _estimates(system, trajectory))
@@ -179,10 +171,8 @@ def _estimates(system: System, trajectory: Trajectory) -> list[Estimate]:
 
 
 def _distance(trajectory: Trajectory, group: Sequence[int], first: int, last: int) -> float:
-    """The distance that a group travels between two recorded states.
-
-    Turns between recorded states are counted by the number of steps.
-    """
+    """The distance that a group travels between two recorded states. Turns between recorded states are
+    counted by the number of steps."""
     states = trajectory.states[first : last + 1]
     distance = sum(max(abs(y[i] - x[i]) for i in group) for x, y in pairwise(states))
     return distance * max(1.0, trajectory.steps / max(len(trajectory.states) - 1, 1))
@@ -198,10 +188,8 @@ Bounds = dict[int, float]  # by the number of the group: how far round-off may m
 
 
 def find_noise_groups(system: System, run: Trajectory, groups: Sizes, estimate: Quick) -> Bounds:
-    """Return the groups that only round-off moves, with bounds.
-
-    `groups` are the scaling groups with their sizes, `estimate` is the quick estimate of round-off.
-    """
+    """Return the groups that only round-off moves, with bounds. `groups` are the scaling groups with their
+    sizes, `estimate` is the quick estimate of round-off."""
     changes, direction = estimate
     if len(run.states) < 2 or not all(map(isfinite, changes)):
         return {}
@@ -269,11 +257,8 @@ def _limits(
     changes: Sequence[float],
     direction: Sequence[float],
 ) -> list[float]:
-    """The round-off of each rate.
-
-    State perturbations are one rounding unit, and the accumulated round-off of the speeds, and of
-    the coordinates through the speeds.
-    """
+    """The round-off of each rate. State perturbations are one rounding unit, and the accumulated round-off of
+    the speeds, and of the coordinates through the speeds."""
     nq, n, found = system.nq, system.nq + system.nv, list(changes)
     step = abs(run.times[-1] - run.times[0]) / max(run.steps, 1)
     for k, (t, x) in enumerate(states):

@@ -27,10 +27,8 @@ def is_tied(steps: int, changes: int) -> bool:
 
 
 class Truncation:
-    """The truncation error of `runs` (by tolerance), to which more are added.
-
-    `sizes` returns the sizes of a run by its tolerance; `order` is that of the method.
-    """
+    """The truncation error of `runs` (by tolerance), to which more are added. `sizes` returns the sizes of a
+    run by its tolerance; `order` is that of the method."""
 
     def __init__(self, runs: Mapping[float, Trajectory], sizes: Callable[[float], Sizes], order: int):
         self.runs, self.sizes, self.order = runs, sizes, order
@@ -43,12 +41,9 @@ class Truncation:
         return max(self._by_law(), SMALLEST)
 
     def _by_law(self) -> float:
-        """The error of the next coarser run from their difference, extrapolated by the slope over three
-        runs.
-
+        """The error of the next coarser run from their difference, extrapolated by the slope over three runs.
         Two runs may have equal errors by chance, so their difference counts for at least the value that the
-        previous difference predicts.
-        """
+        previous difference predicts."""
         tols = sorted(self.runs)
         difference, alike = self._difference(tols[0], tols[1]), self._alike(tols)
         if len(tols) == 2:
@@ -69,11 +64,9 @@ class Truncation:
         return gain
 
     def _alike(self, tols: Sequence[float]) -> float:
-        """The ratio of the error of the finer run to the difference, from the numbers of steps.
-
-        An error is proportional to the power -order of the number of steps.  Runs with similar numbers
-        differ by less than their errors.
-        """
+        """The ratio of the error of the finer run to the difference, from the numbers of steps. An error is
+        proportional to the power -order of the number of steps.  Runs with similar numbers differ by less
+        than their errors."""
         fine, coarse = (self.runs[tol].steps for tol in tols[:2])
         ratio = (fine / max(coarse, 1)) ** self.order
         return min(1.0 / (ratio - 1.0), MOST_ALIKE) if ratio > 1.0 else MOST_ALIKE
@@ -92,11 +85,8 @@ class Truncation:
         return min(1.0, *slopes) if consistent else None
 
     def following(self, accuracy: float, unbalanced: bool) -> list[float]:
-        """The tolerances of the next runs for `accuracy`.
-
-        `unbalanced`: the finest runs agree, but violate the energy balance.  At the finest tolerance, one
-        run between tells how the error falls.
-        """
+        """The tolerances of the next runs for `accuracy`. `unbalanced`: the finest runs agree, but violate
+        the energy balance.  At the finest tolerance, one run between tells how the error falls."""
         if min(self.runs) <= FINEST:
             between = plain(10.0**0.75 * FINEST)
             return [] if between in self.runs or unbalanced else [between]

@@ -88,12 +88,11 @@ Progress = Callable[[float], None]
 class Verified:
     """The trajectory to return and its error.
 
-    `estimated` is infinite if no two runs could be compared.  `rounding` is the part of it that no
-    tolerance reduces, `drift` the same without growth.  Until `horizon`, the two finest runs agree to the
-    accuracy asked and round-off is below it; None if that is the end.  `balance` is None if the estimate
-    missed the accuracy.  `beside` is the coarser run for comparison, `failed` a run that failed at a finer
-    tolerance, `noise` the bounds of noise groups.
-    """
+    `estimated` is infinite if no two runs could be compared.  `rounding` is the part of it that no tolerance
+    reduces, `drift` the same without growth.  Until `horizon`, the two finest runs agree to the accuracy
+    asked and round-off is below it; None if that is the end.  `balance` is None if the estimate missed the
+    accuracy.  `beside` is the coarser run for comparison, `failed` a run that failed at a finer tolerance,
+    `noise` the bounds of noise groups."""
 
     trajectory: Trajectory
     options: Options
@@ -121,12 +120,9 @@ def verified_run(
     progress: Progress | None = None,
     max_step: float | None = None,
 ) -> Verified:
-    """Return the motion from (times[0], x0) with a global relative error of `accuracy`, if it can be
-    reached.
-
+    """Return the motion from (times[0], x0) with a global relative error of `accuracy`, if it can be reached.
     Steps are at most `max_step` (s).  A remembered run is repeated with its tolerance, and accepted if it
-    ends at the same state.
-    """
+    ends at the same state."""
     search = _Search(system, x0, times, accuracy, progress, max_step)
     name = name_of(system, x0, times, accuracy, search.method, max_step)
     remembered = recall(name)
@@ -150,11 +146,8 @@ def verified_run(
 
 
 def longest_step(system: System, method: str, tol: float, time: float, max_step: float | None) -> float:
-    """The longest step of a run of the duration `time` at the tolerance `tol`, in s.
-
-    It decreases with the tolerance, as chosen steps do: runs with the same steps would have the same
-    errors.
-    """
+    """The longest step of a run of the duration `time` at the tolerance `tol`, in s. It decreases with the
+    tolerance, as chosen steps do: runs with the same steps would have the same errors."""
     longest = (LONGEST_FLOWING if system.interface.flowing else LONGEST) * abs(time)
     found: float = min(longest, max_step or longest) * (tol / COARSE) ** (1.0 / order(method))
     return found
@@ -264,11 +257,8 @@ class _Search:
         return tol not in self.whole and is_tied(run.steps, run.changes)
 
     def _stopped(self, tol: float, whole: bool = False) -> Verified | None:
-        """Integrate; return a result if the run fails, at this tolerance and at a finer one.
-
-        The result is the finest complete run, if there is one, because a very fine tolerance may fail by
-        round-off.
-        """
+        """Integrate; return a result if the run fails, at this tolerance and at a finer one. The result is
+        the finest complete run, if there is one, because a very fine tolerance may fail by round-off."""
         before = {tol: self.runs[tol]} if tol in self.runs else {}
         done = self.run(tol, whole)
         if not arrived(done) and done.status != INTERRUPTED and tol > RETRY:

@@ -150,9 +150,8 @@ class _Words:
         """Return a minimal inconsistent set of the equations of `search`, which have no common solution. If
         none is found, return all of them, without the rates if the positions alone are inconsistent.
 
-        Without some equations, others may have a solution far from the guess, as for all links of a chain
-        but the last ones. So the search for one is repeated with more patience.
-        """
+        Without some equations, others may have a solution far from the guess, as for all links of a chain but
+        the last ones. So the search for one is repeated with more patience."""
         rows, ended = search.rows, self._ended(search, self.guess)
         for patience in _PATIENCE:
             kept = rows

@@ -30,11 +30,9 @@ MOST_NAMED = 12  # conditions of a conflict
 
 
 class NoStart(Refused):
-    """There is no first step.
-
-    `anchors` are parts of the model that it depends on, `x` is the state, `p` the parameters and inputs,
-    by name; `lagc.simulation.initialization.source_spans` finds their places in the text.
-    """
+    """There is no first step. `anchors` are parts of the model that it depends on, `x` is the state, `p` the
+    parameters and inputs, by name; `lagc.simulation.initialization.source_spans` finds their places in the
+    text."""
 
     def __init__(self, fault: Fault, anchors: Sequence[Anchor], x: Sequence[float], system: System):
         super().__init__([fault])

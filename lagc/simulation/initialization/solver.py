@@ -30,12 +30,11 @@ class Conditions:
     """The conditions of a consistent start.
 
     `evaluate(t, x)` gives c, J and sizes: residuals, derivatives row by row (row i ends at `ends[i]`, with
-    `columns` of the unknowns), sizes of the terms.  `measures()`: the stated rates, and the largest
-    parameter of each unit.  `elsewhere(p)` is `evaluate` with others than `parameters`.  `units[i]` is the
-    number of the unit of unknown i; `angles` are the coordinates that are angles.  Where conditions
-    fall into pieces that share no unknown, `pieces[i]` makes condition i (-1: none), and `some(t, x, c, J,
-    sizes, first, last)` fills in what belongs to some of them.  `massless` are the speeds without inertia.
-    """
+    `columns` of the unknowns), sizes of the terms.  `measures()`: the stated rates, and the largest parameter
+    of each unit.  `elsewhere(p)` is `evaluate` with others than `parameters`.  `units[i]` is the number of
+    the unit of unknown i; `angles` are the coordinates that are angles.  Where conditions fall into pieces
+    that share no unknown, `pieces[i]` makes condition i (-1: none), and `some(t, x, c, J, sizes, first,
+    last)` fills in what belongs to some of them.  `massless` are the speeds without inertia."""
 
     def __init__(
         self,
@@ -122,8 +121,7 @@ class Consistency:
     `levels` of q, v and the stated rates; `given`: the conditions that count, all where None.  Afterwards `y`
     is the best that was found, and `free` tells what might move; `culprit` is the row that misses most, or
     the unknown that is not finite; `rows`, of a failure, those of the part of the conditions that cannot be
-    met.
-    """
+    met."""
 
     def __init__(self, conditions: Conditions, t: float, x: Sequence[float], levels: Sequence[int],
                  given: Sequence[int] | None = None):  # fmt: skip

@@ -40,12 +40,9 @@ class _Perturbation:
 
 
 class Point:
-    """A compiled model with derivatives at (t, x), x = (q, v).
-
-    Accelerations and multipliers are those given, or else those of the motion.  `clean`: entries that
-    change by their own size under perturbations by rounding units are round-off, and set to 0.  `modes`:
-    the branch, if it is not that of the state.
-    """
+    """A compiled model with derivatives at (t, x), x = (q, v). Accelerations and multipliers are those given,
+    or else those of the motion.  `clean`: entries that change by their own size under perturbations by
+    rounding units are round-off, and set to 0.  `modes`: the branch, if it is not that of the state."""
 
     def __init__(
         self,
@@ -213,11 +210,8 @@ class Point:
         return found
 
     def unsure(self, group: str) -> Array:
-        """The sizes that round-off of d(a, lam)/d(group) is relative to.
-
-        For long chains they are far smaller than the sums of terms, as perturbations by rounding units
-        show.
-        """
+        """The sizes that round-off of d(a, lam)/d(group) is relative to. For long chains they are far smaller
+        than the sums of terms, as perturbations by rounding units show."""
         found, terms = np.abs(self.motion(group)), self.sizes(group)
         changes = np.zeros_like(found)
         for k, other in enumerate(self.beside):

@@ -38,11 +38,8 @@ ROUNDED = 1e-12  # of forces times sizes: energies that are 0
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """An equilibrium: `x` = (q, v), the multipliers, and the potential energy.
-
-    `free` is the number of directions in which it is one of a family, by the linear equations.  `scale` is
-    the scale of energies.
-    """
+    """An equilibrium: `x` = (q, v), the multipliers, and the potential energy. `free` is the number of
+    directions in which it is one of a family, by the linear equations.  `scale` is the scale of energies."""
 
     x: list[float]
     lam: list[float]
@@ -54,11 +51,9 @@ class Equilibrium:
 def equilibria(
     system: NumpySystem, start: Sequence[float], t: float = 0.0, tries: int = TRIES, seed: int = 0
 ) -> list[Equilibrium]:
-    """Return the equilibria found: first that from `start`, then the others by their potential energy.
-
-    A family gives one result, the nearest to `start`, if energies tell families apart.  Raises
-    ArithmeticError if all lie at singular states.
-    """
+    """Return the equilibria found: first that from `start`, then the others by their potential energy. A
+    family gives one result, the nearest to `start`, if energies tell families apart.  Raises ArithmeticError
+    if all lie at singular states."""
     search = _Search(system, t)
     found: list[Equilibrium] = []
     first: list[Equilibrium] = []
@@ -100,11 +95,9 @@ class _Search:
         self.inertias: list[Array] = []  # along each speed, at the guesses
 
     def guesses(self, start: Sequence[float], tries: int, seed: int) -> Iterator[list[float]]:
-        """The initial state at rest, then random states.
-
-        Angles cover a whole turn.  Other coordinates are within twice their size around the initial value
-        or its opposite; in every other state, within a tenth to a thousand times that.
-        """
+        """The initial state at rest, then random states. Angles cover a whole turn.  Other coordinates are
+        within twice their size around the initial value or its opposite; in every other state, within a tenth
+        to a thousand times that."""
         system, chance = self.system, random.Random(seed)
         rest = [0.0] * system.nv
         yield [*start[: system.nq], *rest]
@@ -170,11 +163,8 @@ class _Search:
         return float(np.abs((np.array(one.x[:nq]) - start[:nq]) / self.sizes[:nq]).max(initial=0.0))
 
     def same(self, one: Equilibrium, other: Equilibrium) -> bool:
-        """Whether two results are one equilibrium, or of one family.
-
-        A family has the same energy throughout.  If velocity constraints carry forces, the line between two
-        members belongs to the family.
-        """
+        """Whether two results are one equilibrium, or of one family. A family has the same energy throughout.
+        If velocity constraints carry forces, the line between two members belongs to the family."""
         if not one.free or one.free != other.free:
             return bool((np.abs(np.array(one.x) - other.x) <= SAME * self.sizes).all())
         largest, scale = (max(a) for a in zip(*((abs(e.energy), e.scale) for e in (one, other))))
@@ -190,10 +180,8 @@ class _Search:
         return self._balances(z)
 
     def _rounded(self, z: Array) -> Array:
-        """Set values to 0 that are negligible beside the sizes, if the result is an equilibrium too.
-
-        At singular constraints, steps end as far from it as a root of round-off.
-        """
+        """Set values to 0 that are negligible beside the sizes, if the result is an equilibrium too. At
+        singular constraints, steps end as far from it as a root of round-off."""
         n = self.system.nq + self.system.nv
         for close in (SAME, CLOSE):
             found = np.where(np.abs(z) <= close * np.concatenate([self.sizes, z[n:] * 0.0]), 0.0, z)

@@ -32,10 +32,8 @@ class Independent(NamedTuple):
 
 
 def independent(point: Point, changing: Sequence[bool]) -> Independent:
-    """Choose the independent entries; `changing` tells which of x change in the motion.
-
-    Raises ArithmeticError if an entry is not finite.
-    """
+    """Choose the independent entries; `changing` tells which of x change in the motion. Raises
+    ArithmeticError if an entry is not finite."""
     interface = point.system.interface
     nq, nv, nh, nc = interface.nq, interface.nv, interface.nh, interface.nc
     rows, given = point.partial("condition", "state"), point.partial("condition", "parameter")
@@ -63,10 +61,8 @@ def independent(point: Point, changing: Sequence[bool]) -> Independent:
 
 
 def _solved(table: Array, right: Array, scales: Array, liked: Array, first: int) -> tuple[list[int], Array]:
-    """Which unknowns of `table` x + `right` y = 0 are free, and x as a matrix on these, then on y.
-
-    The `first` rows choose their pivots before the others.
-    """
+    """Which unknowns of `table` x + `right` y = 0 are free, and x as a matrix on these, then on y. The
+    `first` rows choose their pivots before the others."""
     with np.errstate(over="ignore"):
         scaled = table * scales
     if not (np.isfinite(scaled).all() and np.isfinite(table).all() and np.isfinite(right).all()):

@@ -39,15 +39,14 @@ RIGID = "the constraints allow some motions there only to first order; these hav
 class Linear:
     """A linear model about the state `x` = (q, v) at the time `t` (s), in SI units.
 
-    A, B, C and D belong to the independent `states` y (`indices` into x), `inputs` and `outputs`.
-    `motions` is dx/dy, `lam` are the multipliers, `scales` the sizes of the entries of y.  `changing` tells
-    which entries of y change in the motion itself.  `time_dependent`: the derivatives seem to depend on
-    time itself.  `linear`: they seem to depend on parameters only.  `energy_minimum`: an equilibrium of a
+    A, B, C and D belong to the independent `states` y (`indices` into x), `inputs` and `outputs`. `motions`
+    is dx/dy, `lam` are the multipliers, `scales` the sizes of the entries of y.  `changing` tells which
+    entries of y change in the motion itself.  `time_dependent`: the derivatives seem to depend on time
+    itself.  `linear`: they seem to depend on parameters only.  `energy_minimum`: an equilibrium of a
     conservative system at a strict minimum of the potential energy.  `free`: for an equilibrium, the number
     of directions in which it is one of a family.  `higher_order_rigid`: the constraints allow some of the
     motions only to first order.  `varying`: A changes along the motion, although no state that changes now
-    acts on others.
-    """
+    acts on others."""
 
     system: NumpySystem
     t: float
@@ -143,10 +142,8 @@ class Linear:
 
     @cached_property
     def modes(self) -> Any:
-        """The changes of x = (q, v), one column for each eigenvalue.
-
-        The largest entry of the coordinates is 1, or of the speeds if no coordinate moves.
-        """
+        """The changes of x = (q, v), one column for each eigenvalue. The largest entry of the coordinates is
+        1, or of the speeds if no coordinate moves."""
         found = self.motions @ self._spectrum[1]
         for k in range(found.shape[1]):
             q = found[: self.system.nq, k]
@@ -213,8 +210,7 @@ def linearize(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
 
     If forces have a kink there, it is the model on the side of larger indicators, with a note.  Raises
     ArithmeticError if the accelerations are not determined, forces jump, or derivatives of rates are not
-    finite.  Derivatives of outputs that are not finite are NaN, with a note.
-    """
+    finite.  Derivatives of outputs that are not finite are NaN, with a note."""
     with np.errstate(all="ignore"):  # values that are not finite are refused
         try:
             found = _on_all_sides(system, t, x) if system.interface.relations else _linearized(system, t, x)
@@ -309,11 +305,9 @@ def _without_value(*tables: Array) -> list[int]:
 
 
 def _keeps_energy(system: NumpySystem, indices: Sequence[int], a: Array) -> bool:
-    """Whether energy is conserved, with quadratic kinetic energy and no other forces.
-
-    Then all motions about an equilibrium oscillate if and only if the potential energy has a minimum there,
-    which is stable (G. Lejeune Dirichlet, J. reine angew. Math. 32, 1846).
-    """
+    """Whether energy is conserved, with quadratic kinetic energy and no other forces. Then all motions about
+    an equilibrium oscillate if and only if the potential energy has a minimum there, which is stable (G.
+    Lejeune Dirichlet, J. reine angew. Math. 32, 1846)."""
     interface, speeds = system.interface, np.array(indices) >= system.nq
     kept = interface.conservative and not (interface.doubtful or interface.relations or interface.whens)
     return bool(kept and 0 < 2 * speeds.sum() == len(a) and not a[np.ix_(speeds, speeds)].any())
@@ -353,11 +347,9 @@ def _differs(point: Point, time: float, sizes: Array) -> bool:
 
 
 def _varies(now: Linear) -> bool:
-    """Whether A changes when the state has moved by a share of its size.
-
-    An example is a pendulum that starts from the horizontal, where gravity has no slope.  False if the
-    motion continues with other states, or not at all.
-    """
+    """Whether A changes when the state has moved by a share of its size. An example is a pendulum that starts
+    from the horizontal, where gravity has no slope.  False if the motion continues with other states, or not
+    at all."""
     system, point = now.system, Point(now.system, now.t, now.x)
     sizes, once = size_of_states(system), np.array([*point.value("qdot"), *point.a])
     twice = point.total("rate", "state") @ once + point.total("rate", "time")[:, 0]
@@ -393,11 +385,8 @@ def _scales(point: Point, indices: Sequence[int], a: Array) -> Array:
 
 
 def size_of_states(system: NumpySystem) -> Array:
-    """A typical size of each coordinate and speed.
-
-    It is 1 rad for angles, 1 for numbers without unit, or else the largest parameter or initial value of
-    the same unit, or else 1.
-    """
+    """A typical size of each coordinate and speed. It is 1 rad for angles, 1 for numbers without unit, or
+    else the largest parameter or initial value of the same unit, or else 1."""
     interface = system.interface
     known: dict[str, float] = {}
     units = interface.state_units

@@ -24,11 +24,9 @@ class Branch(NamedTuple):
 
 
 def branches(point: Point, sizes: Array) -> tuple[list[float] | None, list[Branch]]:
-    """The modes with all indicators that change at the state on their larger side, and the branch beyond
-    each of them.
-
-    None if no mode changes there.  `sizes` are those of states.  Indicators of time alone do not count.
-    """
+    """The modes with all indicators that change at the state on their larger side, and the branch beyond each
+    of them. None if no mode changes there.  `sizes` are those of states.  Indicators of time alone do not
+    count."""
     system = point.system
     at = _changing(point)
     if not at:

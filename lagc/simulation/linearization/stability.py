@@ -82,12 +82,9 @@ class Spectrum(NamedTuple):
 
 
 def spectrum(a: Array, scales: Array) -> Spectrum:
-    """The eigenvalues and eigenvectors of `a`, balanced, with unknowns measured by `scales`.
-
-    An eigenvalue is accurate to the round-off of the norm over the cosine between its right and left
-    vectors (G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 7.2.2), or to the root of that if
-    vectors coincide.
-    """
+    """The eigenvalues and eigenvectors of `a`, balanced, with unknowns measured by `scales`. An eigenvalue is
+    accurate to the round-off of the norm over the cosine between its right and left vectors (G. H. Golub, C.
+    F. Van Loan, Matrix Computations, 4th ed., 7.2.2), or to the root of that if vectors coincide."""
     if not len(a):
         return Spectrum(np.zeros(0, complex), np.zeros((0, 0), complex))
     scales = _balanced(a, scales)

@@ -37,11 +37,9 @@ def start_slopes(
     directions: Sequence[Direction],
     guesses: Mapping[str, float],
 ) -> tuple[Array, Array, dict[int, str]]:
-    """Return dx0/dtheta at the initial state x0, (nq + nv, directions), its error, and reasons.
-
-    `given` are the initial values stated for the run.  The error is 0 where the derivative is exact.  The
-    reasons tell why a direction (by its index) has no derivative.
-    """
+    """Return dx0/dtheta at the initial state x0, (nq + nv, directions), its error, and reasons. `given` are
+    the initial values stated for the run.  The error is 0 where the derivative is exact.  The reasons tell
+    why a direction (by its index) has no derivative."""
     interface, n = system.interface, system.nq + system.nv
     point = Point(system, 0.0, x0[:n], [0.0] * system.nv, [0.0] * system.nc, clean=True)
     stated = [i for i, name in enumerate(system.interface.state_names) if name in given]

@@ -39,11 +39,9 @@ class Changes:
         self.system, self.by_p, self.columns = system, list(directions), list(columns)
 
     def beyond(self, s: Any, now: Array, before: Sequence[float], jumped: bool) -> tuple[Array, Array]:
-        """Return S after an event and the sum of the magnitudes of its terms.
-
-        `before` are the modes before the event, `s` is the motion just after it, and `now` is S before it.
-        Raises Stopped if there is no derivative.
-        """
+        """Return S after an event and the sum of the magnitudes of its terms. `before` are the modes before
+        the event, `s` is the motion just after it, and `now` is S before it. Raises Stopped if there is no
+        derivative."""
         system, n = self.system, self.system.nq + self.system.nv
         point = Point(system, s.t, end_of_step(s, system)[:n], modes=before)
         first, second = np.array([*point.value("qdot"), *point.a]), [0.0] * system.nx

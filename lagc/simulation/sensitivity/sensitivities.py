@@ -38,9 +38,7 @@ def directions(
     interface: Interface, names: Sequence[str], unused: Sequence[Field], built_in: Collection[str]
 ) -> tuple[Direction, ...]:
     """The directions named `l`, `start(theta)` or `start(der(theta))`, each once; all entries of an array.
-
-    Raises Refused: LAG0601, LAG0606 for an unknown name, LAG0607 for a parameter that is part of the code.
-    """
+    Raises Refused: LAG0601, LAG0606 for an unknown name, LAG0607 for a parameter that is part of the code."""
     fields = [*interface.parameters, *interface.inputs]
     given = {f.name: Direction(f.name, f.unit, parameter=k) for k, f in enumerate(fields)}
     given.update((f.name, Direction(f.name, f.unit)) for f in unused)
@@ -83,12 +81,11 @@ def _meant(name: str, known: Mapping[str, Direction]) -> list[Direction]:
 class Sensitivities:
     """The sensitivities of a run.
 
-    `values` is d(q, v)/dtheta at the recorded times, (times, nq + nv, directions), in SI units; NaN without
-    a value.  `estimated` is the largest error over all times, relative to the largest sensitivity of the
-    same scaling group to the same theta; None if unknown.  `doubts`, (nq + nv, directions), is the error of
+    `values` is d(q, v)/dtheta at the recorded times, (times, nq + nv, directions), in SI units; NaN without a
+    value.  `estimated` is the largest error over all times, relative to the largest sensitivity of the same
+    scaling group to the same theta; None if unknown.  `doubts`, (nq + nv, directions), is the error of
     `values` by the estimate or by round-off.  `message` tells why they end early or miss the accuracy.  The
-    cost is that of all integrations.
-    """
+    cost is that of all integrations."""
 
     system: NumpySystem
     directions: tuple[Direction, ...]

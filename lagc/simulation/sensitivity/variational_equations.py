@@ -118,12 +118,9 @@ Progress = Callable[[float], None]
 
 @dataclass
 class Followed:
-    """S at the recorded times, (times, nq + nv, directions), NaN from `reached` on.
-
-    `rounding` is the accumulated round-off and `terms` the largest terms at events, by scaling groups and
-    directions; `passed` counts the events before each recorded time.  If directions are `lost`, the others
-    could continue.
-    """
+    """S at the recorded times, (times, nq + nv, directions), NaN from `reached` on. `rounding` is the
+    accumulated round-off and `terms` the largest terms at events, by scaling groups and directions; `passed`
+    counts the events before each recorded time.  If directions are `lost`, the others could continue."""
 
     values: Array
     rounding: Array

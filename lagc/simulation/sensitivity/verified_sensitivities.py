@@ -38,10 +38,7 @@ def sensitivities(
     progress: Progress | None = None,
 ) -> None:
     """Add sensitivities to `run`, the result of the complete `request`, computed by the system with
-    derivatives.
-
-    If they fail or miss the accuracy, the run fails, and its message says why.
-    """
+    derivatives. If they fail or miss the accuracy, the run fails, and its message says why."""
     began = perf_counter()
     shape = (len(run.times), system.nq + system.nv, len(directions))
     values, doubts = np.full(shape, np.nan), np.zeros(shape[1:])
@@ -137,10 +134,8 @@ def _verified(
 
 def _apart(one: Followed, two: Followed, kinds: Sequence[int]) -> float:
     """The largest difference of two results, relative to the largest in its scaling group and direction, or
-    to the terms that cancel at events.
-
-    Values within round-off, and times between the events of the two, do not count.
-    """
+    to the terms that cancel at events. Values within round-off, and times between the events of the two, do
+    not count."""
     end = min(one.reached, two.reached)
     alike = np.flatnonzero(one.passed[:end] == two.passed[:end])
     far, sizes = np.abs(one.values[alike] - two.values[alike]), np.abs(two.values[:end])
