@@ -63,6 +63,7 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
         s.first_order_time = 0.0
     if NWHEN > 0:
         s.conditions_known = False
+        s.short_bounces = 0
         s.jumps = 0
         s.x_before_event[:] = x
 

@@ -5,7 +5,13 @@ from __future__ import annotations
 from math import fabs
 
 from lagc.kernels.dynamics.rhs import rhs_at
-from lagc.kernels.events.location import confirm_crossings, is_within_slack
+from lagc.kernels.events.location import (
+    confirm_crossings,
+    estimate_indicator_roundoff,
+    increase_slack,
+    is_known,
+    is_within_slack,
+)
 from lagc.kernels.events.modes import accept_modes, propagate_changes, sign_of, step_mode, update_edges
 from lagc.kernels.events.sliding import (
     SLIDING_RATE,
@@ -20,6 +26,37 @@ from lagc.kernels.events.sliding import (
 from lagc.kernels.language.vocabulary import *
 
 MOST_CHANGES = 20  # at one time, plus two for each relation
+
+TOUCHING = 64.0  # units in the last place: a smaller motion over the longest step is round-off
+
+
+def find_touching(p: Params, s: State, w: Work) -> None:
+    """Mark indicators of clauses in w.touching that would move by no more than round-off of the states over
+    the longest step: bodies touch that do not approach each other."""
+    for i in range(NQ + NV):
+        w.x_part_middle[i] = s.sizes[scaling_group[i]]
+    estimate_indicator_roundoff(p, s, w.x_part_middle, w)
+    for j in range(NFREE):
+        k = NTIMED + j
+        w.size_roundoff[j] = w.indicator_roundoff[j]
+        way = fabs(w.indicator_rates[k]) * s.longest_step
+        near = way <= TOUCHING * w.indicator_roundoff[j] and s.longest_step > 0.0
+        known = is_known(w.enclosures[2 * j], w.enclosures[2 * j + 1])
+        w.touching[j] = 1 if near and known and clauses_only[k] > 0 and has_edges[k] == 0 else 0
+
+
+def drop_touching(p: Params, s: State, w: Work) -> bool:
+    """Remove touching indicators from w.crossed, and return whether any crosses."""
+    find_touching(p, s, w)
+    found = False
+    for k in range(NMODE):
+        if k >= NTIMED and w.crossed[k] > 0:
+            if w.touching[k - NTIMED] > 0:
+                increase_slack(p, s, k, w)
+                w.crossed[k] = 0
+        if w.crossed[k] > 0:
+            found = True
+    return found
 
 
 def cancel_grazing(p: Params, s: State, direction: Real, w: Work) -> bool:
@@ -210,6 +247,9 @@ def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
     if NFREE > 0:
         if not confirm_crossings(p, s, direction, w):
             return OK
+        if NWHEN > 0:
+            if not drop_touching(p, s, w):
+                return OK
     w.old_indicator_rates[:] = w.indicator_rates
     leave_modes(s, direction, w)
     propagate_changes(p, s, direction, w.old_rates, w)

@@ -11,12 +11,13 @@ from math import fabs, inf
 from lagc.kernels.constraints.projection import project
 from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
-from lagc.kernels.events.mode_change import change_modes, is_first_order
+from lagc.kernels.events.mode_change import change_modes, find_touching, is_first_order
 from lagc.kernels.events.modes import accept_modes, adopt_modes, advance_mode, choose_modes, update_edges
 from lagc.kernels.events.sliding import slides, time_since_crossing, turns_back
 from lagc.kernels.language.vocabulary import *
 
 MOST_GROWTH_AFTER_EVENT = 1e5  # longest next step, over the time between the last two crossings
+MOST_SHORT_BOUNCES = 1000  # in a row, lower than round-off of the sizes of states
 MOST_PROJECTION = 1e-6  # of the sizes of states: a larger change of new values by projection is an error
 
 
@@ -97,13 +98,17 @@ def choose_modes_after_reinit(p: Params, s: State, direction: Real, w: Work) -> 
         if w.indicator_jumped[i] > 0:
             advance_mode(i, direction, 0.0, w, s.t)
     if NFREE > 0:
+        find_touching(p, s, w)
         estimate_indicator_roundoff(p, s, s.x, w)
         for j in range(NFREE):
             k = NTIMED + j
             if w.indicator_jumped[k] > 0:
                 w.indicator_reset[j] = 1
             beyond = w.crossed[k] > 0 and w.indicator_reset[j] == 0 and has_edges[k] == 0
-            advance_mode(k, direction, inf if beyond else SLACK_GROWTH * w.indicator_roundoff[j], w, s.t)
+            if w.touching[j] == 0:
+                advance_mode(k, direction, inf if beyond else SLACK_GROWTH * w.indicator_roundoff[j], w, s.t)
+            elif beyond:
+                w.modes[k] = 0.0
     update_edges(w)
     status = rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
     s.rhs += 1
@@ -167,18 +172,22 @@ def reinitialize(p: Params, s: State, giver: int, direction: Real, w: Work) -> S
 def has_left_crossing(p: Params, s: State, direction: Real, w: Work) -> bool:
     """Return whether the indicators in w.crossed enter their new modes, and were elsewhere since their
     last crossing. An indicator that returns within round-off of time or state, as in ever shorter bounces,
-    has not left it."""
+    has not left it; nor has one that returns within round-off of the sizes of states without end."""
+    is_low = False
     if NFREE > 0:
         estimate_indicator_roundoff(p, s, s.x, w)
         for j in range(NFREE):
             k = NTIMED + j
             if w.crossed[k] > 0 and w.indicator_jumped[k] == 0:
                 distance = fabs(w.old_indicator_rates[k]) * fabs(s.t - s.crossing_times[j])
+                if distance <= SLACK_GROWTH * w.size_roundoff[j]:
+                    is_low = True
                 if distance <= SLACK_GROWTH * w.indicator_roundoff[j] or turns_back(
                     k, w.old_indicator_rates[k], w.old_indicator_rates[k], direction, w
                 ):
                     return False
-    return True
+    s.short_bounces = s.short_bounces + 1 if is_low else 0
+    return s.short_bounces <= MOST_SHORT_BOUNCES
 
 
 def report_chattering(w: Work) -> Status:
