@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
@@ -40,15 +39,19 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark as `full` all cases of a test with the marker `sample(n)` but its first n."""
-    counts: Counter[str] = Counter()
+    """Mark the cases of a test with the marker `sample(n, m)`: the first n belong to the quick tier, m of the
+    others, evenly spread, to the full tier (all, without m), and the rest to the long one."""
+    cases: dict[str, list[pytest.Item]] = {}
     for item in items:
-        sample = item.get_closest_marker("sample")
-        if sample is not None:
-            test = item.nodeid.partition("[")[0]
-            counts[test] += 1
-            if counts[test] > sample.args[0]:
-                item.add_marker("full")
+        if item.get_closest_marker("sample") is not None:
+            cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    for own in cases.values():
+        quick, *full = own[0].get_closest_marker("sample").args  # type: ignore[union-attr]
+        others = own[quick:]
+        most = min(full[0] if full else len(others), len(others))
+        chosen = {k * len(others) // most for k in range(most)}
+        for k, item in enumerate(others):
+            item.add_marker("full" if k in chosen else "long")
 
 
 def pytest_configure() -> None:

@@ -134,7 +134,7 @@ def uses() -> list[Use]:
     return found
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 12)
 @pytest.mark.parametrize("word", WORDS)
 def test_a_word_is_not_used(word: str) -> None:
     wrong = [use.place for use in uses() if use.word == word]

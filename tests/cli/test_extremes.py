@@ -58,7 +58,7 @@ end S;
 """
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 8)
 @pytest.mark.parametrize("text", [STRUCTURAL, CONSTANTS, START], ids=["sizes", "constants", "start"])
 @pytest.mark.parametrize("value", VALUES)
 def test_parameters(text: str, value: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

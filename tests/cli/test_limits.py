@@ -198,7 +198,7 @@ def test_less_memory_than_is_taken_is_refused_before_anything_is_done() -> None:
         bytearray(10_000_000)
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.skipif(compiler() is None or sys.platform != "linux", reason="limits of memory")
 @pytest.mark.parametrize("words", [["--backend", "c"], ["--backend", "auto"], ["--plot", "a.svg"]])
 def test_any_limit_of_memory_is_kept_or_reached(spring: str, words: list[str], tmp_path: Path) -> None:
@@ -219,7 +219,7 @@ def test_any_limit_of_memory_is_kept_or_reached(spring: str, words: list[str], t
     assert codes[:2] == [4, 0]
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 5)
 @pytest.mark.parametrize(
     ("outer", "inner", "ended"),
     [
@@ -453,7 +453,7 @@ def test_what_is_recorded_takes_the_memory_that_is_foretold() -> None:
         assert 0.5 * taken < request.size() * (supervision.POINT + supervision.NUMBER * 2) < 2.0 * taken
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize(
     ("words", "code"),
     [

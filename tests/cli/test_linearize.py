@@ -105,7 +105,7 @@ def test_matrices_are_written(tmp_path: Path, capsys: Capture) -> None:
     assert arrays["eigenvalues"] == pytest.approx(np.roots([1.0, 0.2, 4.0]))
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("model", ["simple_pendulum", "classic/chain", "classic/spring_chain"])
 def test_modes_are_drawn(model: str, tmp_path: Path, capsys: Capture) -> None:
     pytest.importorskip("matplotlib")

@@ -170,7 +170,7 @@ def test_the_model_is_not_written_over(
     assert (tmp_path / file).read_text() == text
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(6, 12)
 @pytest.mark.parametrize("command", ["explain", "equations", "build", "sim", "linearize", "check"])
 @pytest.mark.parametrize(
     ("given", "code"),

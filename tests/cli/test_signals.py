@@ -161,7 +161,7 @@ def told_in_the_end(terminal: int) -> str:
     return shown.decode()
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
 def test_a_run_that_is_ended_keeps_what_was_computed(name: str, tmp_path: Path) -> None:
     out, number = tmp_path / "run.csv", getattr(signal, name)
@@ -231,7 +231,7 @@ def test_the_compiler_goes_too_with_all_that_it_started(tmp_path: Path) -> None:
     assert not lives(state)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 2)
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
 @pytest.mark.parametrize("reader", [False, True])
 def test_a_pipe_that_nobody_reads_is_given_up_and_its_content_kept(

@@ -196,7 +196,7 @@ def test_where_sensitivities_alone_fail_the_end_is_the_last_time(
     assert "last recorded" not in printed
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(6, 12)
 @pytest.mark.parametrize(
     "words, code, said",
     [

@@ -172,7 +172,7 @@ end {0};
 WELL_KNOWN = [*OURS, *of_python(), *LATEX]
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("seed", range(6))
 def test_models_with_such_names_are_built_and_run(seed: int, tmp_path: Path) -> None:
     """In each role; what the language refuses, it refuses with a reason."""

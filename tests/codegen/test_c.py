@@ -63,7 +63,7 @@ PROGRAMS = {
 }
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 4)
 @pytest.mark.parametrize("compiler", COMPILERS)
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_compiles_without_a_warning(name: str, compiler: str, tmp_path: Path) -> None:
@@ -134,7 +134,7 @@ def test_public_names_carry_the_prefix(tmp_path: Path) -> None:
                          "__stack_chk_fail"}  # fmt: skip
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("name", ["free", "loop", "quaternion", "lifted", "looped"])
 def test_sanitizers_find_nothing(name: str, tmp_path: Path) -> None:
     """A whole run with all public functions, from a main of its own."""

@@ -94,7 +94,7 @@ def _both(program: Program, folder: Path, seed: str) -> Both:
     return Both(interface, module, ctypes.CDLL(str(library)), files[".c"].stem, (t, x, a, lam))
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.skipif(not present("gcc"), reason="no gcc")
 @pytest.mark.parametrize("name", [*NAMES, "looped", "switched"])
 def test_c_and_python_agree(name: str, tmp_path: Path) -> None:
@@ -116,7 +116,7 @@ def test_c_and_python_agree(name: str, tmp_path: Path) -> None:
         assert tuple(zip(rows[:count], columns[:count])) == pattern
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.skipif(not present("gcc"), reason="no gcc")
 @pytest.mark.parametrize("name", [*NAMES, "looped", "switched"])
 def test_very_many_are_along_directions(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,7 +16,7 @@ from tests.codegen.tools import STRICT, of_model
 EXTREME = [LEVELS[0], LEVELS[-1]]
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize(
     ("model", "levels"),
     [("classic/double_pendulum", LEVELS), ("classic/four_bar", EXTREME), ("classic/gyroscope", EXTREME)],

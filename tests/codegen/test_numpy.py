@@ -67,7 +67,7 @@ def states(python: Any, count: int) -> list[list[float]]:
     return [[v + rng.gauss(0, 0.3) for v in start] for _ in range(count)]
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 4)
 @pytest.mark.parametrize("name", [*MODELS, "classic/chain"])
 def test_every_public_function_agrees_bitwise(name: str, tmp_path: Path) -> None:
     made = of_model(name, n=30) if name == "classic/chain" else of_model(name)

@@ -82,7 +82,7 @@ def test_quad_keeps_a_constrained_motion_on_its_constraint(tmp_path: Path) -> No
 NAMES = sorted(p.stem for p in (MODELS / "classic").glob("*.lag"))[:: 1 if os.environ.get("LAGC_ALL") else 6]
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("name", NAMES)
 def test_float_runs_the_library_on_its_own_tolerances(name: str, tmp_path: Path) -> None:
     """A part of the motion of a scene, with floats to 1e-5: the states of doubles to a few 1e-3 of the
@@ -179,7 +179,7 @@ def bounded(low: str, high: str, value: str) -> Program:
     return pipeline.optimize(pipeline.derive(model), True)
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("real", TYPES)
 def test_a_value_on_its_bound_is_within(real: str, tmp_path: Path) -> None:
     """Bounds are of the type, as values are: 0.1, 1/3, none at all, and those that a float does not hold."""

@@ -217,7 +217,7 @@ def angles(count: int, calls: int) -> Function:
     return Function("f", ("x",), (("y", calls),), tuple(operations), tuple(stores))
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not there")
 @pytest.mark.parametrize("calls", [1, 5, 40, 700, 2000])
 def test_functions_of_a_model_call_it_once_an_angle(calls: int, tmp_path: Path) -> None:

@@ -31,13 +31,13 @@ def faults_of(text: str, code: str) -> list[str]:
     return [c for c in found if c != "LAG0429" or code == c]
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(6, 12)
 @pytest.mark.parametrize("code", [code for code, entry in ENTRIES.items() if entry.wrong])
 def test_the_wrong_example_brings_its_code_alone(code: str) -> None:
     assert set(faults_of(ENTRIES[code].wrong, code)) == {code}
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(6, 12)
 @pytest.mark.parametrize("code", [code for code, entry in ENTRIES.items() if entry.right])
 def test_the_right_example_is_accepted(code: str) -> None:
     assert faults_of(ENTRIES[code].right, code) == []

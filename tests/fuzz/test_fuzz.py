@@ -49,7 +49,7 @@ def trials(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Trials]:
         yield Trials(tmp_path_factory.mktemp("fuzz"), compiled=0.0, jobs=1)
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("kind", KINDS)
 def test_nothing_stumbles(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if kind == "disturbed" and not (sys.platform == "linux" and shutil.which("cc")):
@@ -61,7 +61,7 @@ def test_nothing_stumbles(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert main(words) == 0
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("path", CORPUS, ids=lambda path: path.stem)
 def test_what_was_found_once_is_mended(path: Path, trials: Trials) -> None:
     assert trials.stumbles(Case(path.read_text(encoding="utf-8")), 0) == []
@@ -75,7 +75,7 @@ def test_noise_is_refused(seed: int, trials: Trials) -> None:
     assert trials.stumbles(Case(text), seed) == []
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 3)
 @pytest.mark.parametrize(
     "text",
     [
@@ -141,7 +141,7 @@ def _fill() -> None:
     del hoard
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize(
     ("act", "how"),
     [

@@ -73,7 +73,7 @@ def rolled(model: str, backend: str = "numpy") -> lagc.api.Run:
     return run
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 12)
 @pytest.mark.parametrize("way", ["angles", "places"])
 @pytest.mark.parametrize(("plane", "start"), [
     *(("xz", start) for start in STARTS), *((plane, STARTS[k]) for plane in PLANES for k in (0, 1)),
@@ -177,7 +177,7 @@ STEEP = ["cosh(2*y/one) = 1", "max(x, 0)^2 = 0"]
 TOUCHING[STEEP[0]] = "`2*y/one = 0`"
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(6, 12)
 @pytest.mark.parametrize(("row", "size"), [
     *((row, size) for row in TOUCHING if row not in STEEP for size in (1e-6, 0.3, 1e6)),
     *((row, 0.3) for row in STEEP),
@@ -190,7 +190,7 @@ def test_rows_that_touch_zero_are_refused_with_what_they_say(row: str, size: flo
     assert fault.remedy is not None and TOUCHING.get(row, GENERIC) in fault.remedy
 
 
-@pytest.mark.sample(5)
+@pytest.mark.sample(5, 12)
 @pytest.mark.parametrize("size", [1e-6, 0.3, 1e6])
 @pytest.mark.parametrize("row", CROSSING)
 @pytest.mark.parametrize("length", [1e-9, 0.3, 1e9])

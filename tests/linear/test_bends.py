@@ -25,7 +25,7 @@ def line(force: str, start: str = "0 [m]", rate: str = "0 [m/s]") -> lagc.Compil
     return lagc.loads(text).compile(backend="numpy")
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 4)
 @pytest.mark.parametrize("seed", range(6))
 def test_both_sides_of_a_bend_are_told(seed: int) -> None:
     """A spring k on one side of d and c on the other, written in all ways: that on which x is larger

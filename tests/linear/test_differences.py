@@ -45,7 +45,7 @@ def rates(linear: Linear, y: Any) -> tuple[Any, Any]:
     return np.array(xdot)[linear.indices], np.array(system.outputs(linear.t, x.tolist()))
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 12)
 @pytest.mark.parametrize("name, scene", fullest())
 def test_a_linear_model_is_that_of_differences(name: str, scene: str) -> None:
     model = compiled(name, scene, "numpy")

@@ -42,7 +42,7 @@ def differentiated(name: str, scene: str) -> Differentiated:
     return Differentiated(equations, groups(at), model.differentiated())
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 11)
 @pytest.mark.parametrize("name, scene", fullest())
 def test_derivatives_are_those_of_differences(name: str, scene: str) -> None:
     model = compiled(name, scene, "numpy")
@@ -78,7 +78,7 @@ def _assert_close(found: Any, expected: Sequence[Any], terms: Any) -> None:
         assert far <= max(CLOSE * max(float(size), abs(b)), rounding), (k, a, b, size)
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 8)
 @pytest.mark.parametrize("name, scene", fullest())
 def test_those_of_the_motion_are_those_of_differences(name: str, scene: str) -> None:
     """d(a, lam)/d(state, parameters) against accelerations that are solved for in 50 digits."""

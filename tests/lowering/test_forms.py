@@ -35,7 +35,7 @@ def net(n: int) -> EquationsOfMotion:
     return Compilation(Source("net.lag", NET), Choice(parameters={"n": n})).equations
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("n", (6, 7, 9, 12))
 def test_a_net_is_solved_by_its_own_structure(n: int) -> None:
     e = net(n)

@@ -53,7 +53,7 @@ def keeping(e: EquationsOfMotion) -> Solver | None:
     return Solver(system, plan)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 10)
 @pytest.mark.parametrize("seed", range(60))
 def test_random_systems(seed: int) -> None:
     e = derive(model(random_system(seed)))

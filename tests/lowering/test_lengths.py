@@ -46,7 +46,7 @@ def truth(nodes: list[Node], leaves: list[Node], state: dict[Node, float]) -> li
         return [[float((a[k] - b[k]) / (2 * STEP)) for a, b in pairs] for k in range(len(nodes))]
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("positive", [True, False], ids=["positive", "any"])
 @pytest.mark.parametrize("seed", range(3))
 def test_lengths_of_gradients(seed: int, positive: bool) -> None:

@@ -100,7 +100,7 @@ def dense(e: EquationsOfMotion, state: Mapping[Node, float]) -> tuple[np.ndarray
     return np.array([float(x) for x in found]), condition
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 8)
 @pytest.mark.parametrize("seed", range(60))
 def test_every_form_gives_the_motion_of_random_systems(seed: int) -> None:
     """Rounding of a backward stable elimination, times what the pivots say that it grows by."""
@@ -194,7 +194,7 @@ MOST = {  # operations of one more link or body, with the pivots watched
 }  # fmt: skip
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("family", MOST)
 def test_work_grows_as_the_number_of_bodies(family: str) -> None:
     text = large.TREES[family]

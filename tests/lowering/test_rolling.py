@@ -31,7 +31,7 @@ def length(f: Function) -> int:
     return sum([run.period for run in f.runs]) if f.runs else len(f.operations) + len(f.stores)
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize(("family", "n"), [("chain", 60), ("relative", 40), ("spherical", 40), ("balls", 20)])
 def test_the_code_of_a_chain_does_not_grow_with_it(family: str, n: int) -> None:
     """But for tables of indices, of which there are few."""

@@ -34,7 +34,7 @@ TIP = "constraint tip: P[n].z = 0.1 [m];"
 AGAIN = "constraint again: 2*dot(P[n] - P[0], world.z) = 0.2 [m];"
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("n", [3, 9, 20])
 def test_springs_and_drag_leave_nothing_conserved(n: int) -> None:
     found = analyse(equations_of(CHAIN.format(n=n, each=SPRING, more=DRAG)))

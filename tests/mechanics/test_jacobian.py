@@ -63,7 +63,7 @@ def by_sums(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "_FEW", 0)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 9)
 @pytest.mark.parametrize("seed", range(40))
 def test_random_systems(seed: int, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
     plain = derive(model(random_system(seed)))
@@ -97,7 +97,7 @@ def ladder(n: int, length: float = 0.3, more: str = "") -> Model:
     return resolve(parse(Source("m.lag", LADDER.format(n=n, length=length, more=more))), Choice())
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("length", [0.3, 1e-9, 1e9])
 def test_rank_of_a_long_ladder_whatever_its_unit(length: float) -> None:
     """Twice the same rung, and one rung more than has room."""
@@ -146,7 +146,7 @@ ACTIONS = {
 }
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("name", ACTIONS)
 def test_actions_along_a_chain_are_derived_in_proportion(name: str) -> None:
     """As many nodes for each link, however long the chain; and the forces are those of differences."""

@@ -369,7 +369,7 @@ FEEDING = [
 ]
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(6, 12)
 @pytest.mark.parametrize("radius", [1e-3, 0.1, 30.0])
 @pytest.mark.parametrize("lines", TAKING)
 def test_what_takes_energy_or_is_a_drive_is_not_warned_of(lines: str, radius: float) -> None:
@@ -383,7 +383,7 @@ def test_a_slip_in_rates_is_seen_at_a_point_that_does_not_slip(slip: str, radius
     assert found == ["LAG0411", "LAG0412"]
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(6, 12)
 @pytest.mark.parametrize("radius", [1e-3, 0.1, 30.0])
 @pytest.mark.parametrize("lines", FEEDING)
 def test_frictions_that_feed_are_warned_of(lines: str, radius: float) -> None:
@@ -446,7 +446,7 @@ def test_dissipations_take_energy_where_their_form_is_nowhere_negative(seed: int
     assert codes(f"dissipation D = {form} + {drive};") == (["LAG0412"] if feeds else [])
 
 
-@pytest.mark.sample(5)
+@pytest.mark.sample(5, 11)
 @pytest.mark.parametrize("angular", [False, True])
 @pytest.mark.parametrize("seed", range(12))
 def test_linear_frictions_are_warned_of_where_their_form_has_both_signs(seed: int, angular: bool) -> None:

@@ -211,7 +211,7 @@ def by_differences(e: EquationsOfMotion) -> int:
     return len(e.q) - int(np.sum(sizes > 1e-6))  # central differences err by about 1e-10
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 6)
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("kind", range(len(KINDS)))
 def test_mobility_of_loops(kind: int, seed: int) -> None:

@@ -109,7 +109,7 @@ BREAKERS: list[Breaker] = [
 ]
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(6, 12)
 @pytest.mark.parametrize("as_force", [False, True], ids=["potential", "force"])
 @pytest.mark.parametrize("breaker", BREAKERS)
 @pytest.mark.parametrize("kind", ["springs", "smooth", "gravitation"])

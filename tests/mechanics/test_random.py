@@ -36,7 +36,7 @@ def assert_close(found: object, expected: object, scale: float = 0.0) -> None:
     assert np.abs(a - b).max(initial=0.0) <= CLOSE * size
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 10)
 @pytest.mark.parametrize("seed", range(0, COUNT, 3))
 def test_rows_of_the_mass_matrix_are_its_rows(seed: int) -> None:
     _, e = derived(seed)
@@ -48,7 +48,7 @@ def test_rows_of_the_mass_matrix_are_its_rows(seed: int) -> None:
     assert_close(found, mass_matrix(e, state)[which])
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 8)
 @pytest.mark.parametrize("seed", range(COUNT))
 def test_equations_agree_with_differences(seed: int) -> None:
     system, e = derived(seed)
@@ -67,7 +67,7 @@ def test_equations_agree_with_differences(seed: int) -> None:
         assert_close(vector([row.gamma for row in e.rows], state), [gamma[k] for k in places])
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 10)
 @pytest.mark.parametrize("seed", range(COUNT))
 def test_energy_changes_by_the_power(seed: int) -> None:
     _, e = derived(seed)

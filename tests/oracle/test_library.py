@@ -65,7 +65,7 @@ def assert_close(found: Sequence[float], expected: Any) -> None:
         assert np.abs(a - b).max() <= CLOSE * max(np.abs(b).max(), np.abs(a).max(), 1e-300)
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 9)
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
 def test_the_equations_are_lagranges(path: Path) -> None:
     model = richest(path)

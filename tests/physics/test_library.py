@@ -15,7 +15,7 @@ SCENES = scenes()
 IDS = [f"{name}-{scene}" for name, scene in SCENES]
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 8)
 @pytest.mark.parametrize("name", library_models())
 def test_model_has_no_faults_in_any_scene(name: str) -> None:
     assert lagc.load(name).check() == []
@@ -32,7 +32,7 @@ def test_model_is_told_and_named(name: str) -> None:
     assert max(map(len, text.splitlines())) <= 120
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 12)
 @pytest.mark.parametrize(("name", "scene"), SCENES, ids=IDS)
 def test_scene_runs_with_its_energy_accounted_for(name: str, scene: str) -> None:
     system = compiled(name, scene, "numpy")
@@ -46,7 +46,7 @@ def test_scene_runs_with_its_energy_accounted_for(name: str, scene: str) -> None
     assert abs(energy.imbalance) <= 1e-6 * scale
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(6, 12)
 @pytest.mark.parametrize(("name", "scene"), SCENES, ids=IDS)
 def test_scene_stays_on_its_constraints(name: str, scene: str) -> None:
     system = compiled(name, scene, "numpy")

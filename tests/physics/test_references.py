@@ -9,7 +9,7 @@ from tests.physics.references import compiled, names, read
 CASES = [(name, sample.t) for name in names() for sample in read(name).samples]
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(2, 12)
 @pytest.mark.parametrize(("name", "t"), CASES, ids=[f"{n}-{t:g}" for n, t in CASES])
 def test_motion_is_the_published_one(name: str, t: float) -> None:
     reference = read(name)

@@ -14,7 +14,7 @@ SCENES = fullest()
 STEPS = 400
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 12)
 @pytest.mark.parametrize(("name", "scene"), SCENES, ids=[f"{n}-{s}" for n, s in SCENES])
 def test_backends_agree_bitwise(name: str, scene: str) -> None:
     stop = float(compiled(name, scene, "numpy").interface.simulate.get("stop", 10.0))

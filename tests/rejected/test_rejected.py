@@ -29,7 +29,7 @@ def unmarked(text: str) -> tuple[str, int, int]:
     return text.replace("«", "").replace("»", ""), start, end
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(6, 12)
 @pytest.mark.parametrize("about, code, text", CASES, ids=[case[0] for case in CASES])
 def test_a_faulty_model_is_refused_at_the_place(about: str, code: str, text: str) -> None:
     plain, start, end = unmarked(whole(text))

@@ -91,7 +91,7 @@ def assert_true(e: EquationsOfMotion) -> None:
     assert not (tries and kept)
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 8)
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
 def test_claims_over_the_library(path: Path) -> None:
     name = str(path.relative_to(MODELS).with_suffix(""))
@@ -99,7 +99,7 @@ def test_claims_over_the_library(path: Path) -> None:
         assert_true(derived(name, scene))
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 7)
 @pytest.mark.parametrize("seed", range(16))
 def test_claims_over_random_systems(seed: int) -> None:
     e = derive(model(random_system(seed)))
@@ -107,7 +107,7 @@ def test_claims_over_random_systems(seed: int) -> None:
         assert_true(e)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 7)
 @pytest.mark.parametrize("seed", range(16))
 def test_claims_over_random_systems_that_keep_their_energy(seed: int) -> None:
     """Without drives, friction and given loads: energy is claimed."""

@@ -53,7 +53,7 @@ def motion_terms(equations: EquationsOfMotion, state: Mapping[Node, float]) -> l
     return rows
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 9)
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
 def test_written_equations_are_the_derived_ones(path: Path) -> None:
     """In every scene."""
@@ -68,7 +68,7 @@ def test_unusual_equations_are_the_derived_ones(text: str) -> None:
     assert_same(equations_of(text))
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 4)
 @pytest.mark.parametrize("seed", range(24))
 def test_equations_of_random_systems_are_the_derived_ones(seed: int) -> None:
     assert_same(derive(model(random_system(seed))))

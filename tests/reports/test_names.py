@@ -120,7 +120,7 @@ def test_distinct_names_are_distinct_in_latex() -> None:
     assert text["mu_a"] == r"\mu_{a}"
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 11)
 @pytest.mark.parametrize("path", sorted(MODELS.rglob("*.lag")), ids=lambda path: path.stem)
 def test_no_name_of_the_library_collides(path: Path) -> None:
     """And each is written by its letters."""

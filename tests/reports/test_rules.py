@@ -94,7 +94,7 @@ def check(equations: EquationsOfMotion) -> None:
         )
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 3)
 @pytest.mark.parametrize("name", LARGE)
 def test_equations_by_rules_are_the_derived_ones(name: str) -> None:
     check(large(name, 20))
@@ -107,7 +107,7 @@ def test_a_net_is_written_by_rules() -> None:
     assert len(page(equations, full=False).lines) == 29
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("name", LARGE)
 def test_equations_fit_on_pages_whatever_their_number(name: str) -> None:
     few, many = (write(large(name, n), full=False) for n in (20, 100 if name != "n_body" else 30))
@@ -116,7 +116,7 @@ def test_equations_fit_on_pages_whatever_their_number(name: str) -> None:
         assert len(few.splitlines()) == len(many.splitlines())
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 3)
 @pytest.mark.parametrize(
     ("how", "most"),
     [
@@ -137,7 +137,7 @@ def test_what_breaks_the_pattern_stands_apart(how: dict[str, str], most: int) ->
         assert [x.indices for x in found if not x.counters] == [(8,), (9,)]
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("name", ["chain", "relative_chain", "ball_chain", "mobile", "n_body"])
 def test_compiled_accelerations_solve_equations_by_rules(name: str) -> None:
     model = lagc.load(f"{'classic' if name == 'chain' else 'large'}/{name}")
@@ -182,7 +182,7 @@ def test_a_chain_of_any_length_is_one_equation(capsys: pytest.CaptureFixture[str
     assert said.count(" = 0\n") == 30 and "sum" not in said and "more" not in said
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("name", LARGE)
 def test_latex_of_rules_is_read_by_another_program(name: str) -> None:
     """matplotlib's reader of formulas stands in for TeX."""
@@ -238,7 +238,7 @@ def test_linear_expressions_are_as_people_write_them(start: int, step: int) -> N
     assert "+ -" not in text and "- -" not in text and "1*k" not in text
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize(
     "name", ["chain", "relative_chain", "rope", "ball_chain", "mobile", "truss", "n_body"]
 )

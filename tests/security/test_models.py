@@ -162,7 +162,7 @@ COMMANDS = {
 }
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 3)
 @pytest.mark.skipif(os.name != "posix", reason="the paths of the events are those of POSIX")
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_model_opens_starts_and_runs_nothing(name: str, folder: Path) -> None:

@@ -99,7 +99,7 @@ def _c(name: str, text: str, choice: Choice) -> dict[str, str]:
     return pipeline.render(pipeline.optimize(found.equations, work=False), "c")
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 11)
 @pytest.mark.parametrize("name, text, variant", CASES, ids=[f"{n}-{v.scene}" for n, _, v in CASES])
 def test_the_c_is_that_of_the_model_without_unused_effects(name: str, text: str, variant: Variant) -> None:
     shorter = without_unused(parse(Source(name, text)), variant.scene)

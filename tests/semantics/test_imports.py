@@ -164,7 +164,9 @@ def test_packages_of_packages_that_import_each_other(monkeypatch: pytest.MonkeyP
 
 def test_imports_of_a_model_are_looked_at_where_they_stand() -> None:
     text = "package P package Q constant Real c = 3; end Q; end P;"
-    body = "import Q.c; import P.*; coordinate Length x(rate = 1); body b = Particle(mass = 1, at = {x, 0, 0});"
+    body = (
+        "import Q.c; import P.*; coordinate Length x(rate = 1); body b = Particle(mass = 1, at = {x, 0, 0});"
+    )
     source = Source("m.lag", f"{text} model M {body} output Real y = c; end M;")
     assert check(source, Choice()) == []
     assert output(resolve(parse(source)), "y") == 3

@@ -66,7 +66,7 @@ def program(request: Any, tmp_path_factory: Any) -> Path:
     return folder
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 12)
 @COMPILED
 @pytest.mark.parametrize("t0, steps, added", [
     (0.0, 1, 0), (813.0, 1, 0), (1e4, 1, 0), (1e6, 1, 0), (0.0, 10, 0), (1000.0, 10, 0), (0.0, 1, 1),

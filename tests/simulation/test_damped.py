@@ -224,7 +224,7 @@ def assert_solved(found: Solved, e: EquationsOfMotion, state: State) -> None:
         assert np.abs(found.lam - lam).max() <= 1e-8 * np.abs(lam).max()
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 7)
 @pytest.mark.parametrize("name", [*AGAIN, *OPEN, *LARGE])
 def test_mechanisms(name: str) -> None:
     e, state = special_case(name)
@@ -274,7 +274,7 @@ def times(factor: float, row: Row) -> Row:
     )
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("make", [planar, spherical, bennett, general_7r, sarrus, cranks, frames])
 def test_spatial_loops(make: Callable[[random.Random], Made]) -> None:
     """At random speeds, where the loop comes to from its start."""

@@ -56,7 +56,7 @@ end Encounter;""",
     assert hypot(found["x"][-1] - x, found["y"][-1] + y) <= 3 * accuracy * 4.0
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(3, 12)
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-4, 1e-6, 1e-8])
 @pytest.mark.parametrize("size", [1e-2, 1e-4, 1e-6])
 @pytest.mark.parametrize("cut", [False, True])

@@ -56,7 +56,7 @@ int main(void)
 """
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 3)
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
 @pytest.mark.parametrize(
     "program",

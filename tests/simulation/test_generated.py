@@ -50,7 +50,7 @@ def rates(system: System, x: list[float], t: float = 0.0) -> tuple[int, list[flo
     return system.rhs(t, x, xdot, lam), xdot, lam
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 12)
 @needs_compiler
 @pytest.mark.parametrize("name", PROGRAMS)
 @pytest.mark.parametrize(
@@ -88,7 +88,7 @@ def test_going_back_agrees_too(name: str) -> None:
 COMPILERS = {"gcc": ["gcc", "-std=c99", "-O1"], "g++": ["g++", "-x", "c++", "-O0"], "zig": ["zig"]}
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 7)
 @pytest.mark.parametrize("compile_", COMPILERS.values(), ids=COMPILERS)
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_the_text_compiles_without_a_warning(name: str, compile_: Any, tmp_path: Path) -> None:

@@ -94,7 +94,7 @@ end Mixed;"""
     told(text, way, w, exact)
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 10)
 @pytest.mark.parametrize("way", [3.0, 8.0, 12.0, 16.0, 18.0, 20.0, 24.0])
 @pytest.mark.parametrize("w", [0.75, 1.7, 4.0])
 def test_a_pendulum_that_rises_to_its_top(w: float, way: float) -> None:

@@ -241,7 +241,7 @@ def test_dense_output_belongs_to_the_step_done(name: str, backend: str, method: 
         assert states[3].facts()[1] == pytest.approx(fresh.facts()[1], abs=2e-5)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(2, 12)
 @BACKENDS
 @METHODS
 @NAMES

@@ -140,7 +140,7 @@ def stairs(chance: Random) -> tuple[str, float, float, Exact]:
     return action, x, v, exact
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 2)
 @pytest.mark.parametrize("make", [wedge, two_springs, friction, switched, gap, stairs])
 def test_pieces(make: Callable[[Random], tuple[str, float, float, Exact]]) -> None:
     """None errs by more than was asked, nor by much more than it says.  What it says is meant for the worst

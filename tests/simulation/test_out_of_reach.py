@@ -26,7 +26,7 @@ def chain(links: int, reach: float, by_rows: bool, rng: random.Random) -> str:
     return "model A " + "\n".join(text) + "\nend A;"
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 4)
 @pytest.mark.parametrize("by_rows", [True, False])
 @pytest.mark.parametrize("links", range(2, 7))
 def test_all_rows_of_a_chain_that_does_not_reach_are_named(links: int, by_rows: bool) -> None:

@@ -20,7 +20,7 @@ from tests.simulation.test_generated import BACKENDS, PROGRAMS, build
 pytestmark = pytest.mark.usefixtures("own_cache")
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 7)
 @BACKENDS
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_a_system_comes_back(name: str, backend: str) -> None:
@@ -36,7 +36,7 @@ def test_a_system_comes_back(name: str, backend: str) -> None:
     assert both[0].compiled is both[1].compiled  # what is shared stays shared
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @BACKENDS
 @pytest.mark.parametrize("name", ["simple_pendulum", "classic/four_bar"])
 def test_everything_travels(name: str, backend: str) -> None:

@@ -89,7 +89,7 @@ def system(text: str, backend: str) -> System:
     return lagc.loads(text).compile(backend=backend).system
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 @pytest.mark.parametrize("text, number", [(BARS, 30), (MIXED, 36), (UNLIKE, 37)])
 def test_some_at_a_time_are_what_all_are(text: str, number: int, backend: str) -> None:
@@ -160,7 +160,7 @@ def test_what_hangs_together_has_no_pieces() -> None:
     assert not system(BARS.replace("n = 30", "n = 2"), "numpy").interface.pieces
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("text", [BARS, MIXED, UNLIKE], ids=["alike", "beside others", "unlike"])
 def test_a_start_is_the_same_without_them(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     with_them = system(text, "numpy")

@@ -35,7 +35,7 @@ def model(quarters: float, axis: str) -> str:
     return MODEL.format(a=90 * quarters, axis=axis, own=own, other=other, zero=zero)
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 3)
 @needs_gcc
 @pytest.mark.parametrize("axis", "xyz")
 @pytest.mark.parametrize("quarters", [1, 2, -3, 7, 40, -1001])

@@ -59,7 +59,7 @@ def check_bits(name: str, factors: Factors, backend: str, method: str) -> None:
     assert (other.position_drift, other.velocity_drift) == (one.position_drift, one.velocity_drift)
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 7)
 @pytest.mark.parametrize("name", library_models())
 def test_units_that_are_powers_of_two_change_no_bit(name: str) -> None:
     rng = random.Random(name)
@@ -76,7 +76,7 @@ def test_nor_in_c(name: str) -> None:
     check_bits(name, (kg, m, s), "c", "dop853")
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 9)
 @pytest.mark.parametrize("name", library_models())
 def test_other_units_change_the_motion_by_rounding_alone(name: str) -> None:
     rng = random.Random(name)

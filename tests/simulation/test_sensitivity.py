@@ -88,7 +88,7 @@ def test_the_motion_is_what_it_is_without() -> None:
     close(by_hand.sensitivity("x", "m"), fine.sensitivity("x", "m"), 1e-6)
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 7)
 @pytest.mark.parametrize("seed", range(16))
 def test_of_motions_under_forces_that_jump(seed: int) -> None:
     """By both start values, against differences in 40 digits of parabolas, one after the other."""
@@ -183,7 +183,7 @@ CHECKED = [
 SHARE = 1e-3  # of a parameter: by how much differences differ
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("name, stop", CHECKED)
 def test_of_the_library_by_differences(name: str, stop: float) -> None:
     """Of fourth order: what they leave out is (1e-3)^4 and less, with derivatives as large as themselves, and

@@ -197,7 +197,7 @@ def tried(name: str, seed: int, count: int, backend: str = "numpy") -> list[tupl
     return found
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 3)
 @pytest.mark.parametrize("seed", [2, 6])
 @pytest.mark.parametrize("name", MODELS)
 def test_no_run_errs_by_more_than_it_says(name: str, seed: int) -> None:

@@ -46,7 +46,7 @@ def arrived(name: str, options: Options, t1: float) -> tuple[int, int, float, li
     return found[0]
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 11)
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.parametrize("method", ["dop853", "dopri5", "bs32"])
 @pytest.mark.parametrize("first", [0.0, 1e-3])

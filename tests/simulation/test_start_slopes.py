@@ -40,7 +40,7 @@ def _random(seed: int) -> tuple[str, dict[str, float]]:
     return text, values
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 6)
 @pytest.mark.parametrize("seed", range(-1, 12))
 def test_where_the_search_has_a_choice(seed: int) -> None:
     """By differences of fourth order of the starts themselves."""

@@ -19,7 +19,7 @@ LIBRARY = (
 )  # fmt: skip
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @needs_gcc
 @pytest.mark.parametrize("name", LIBRARY)
 def test_c_and_python_find_the_same_start(name: str) -> None:
@@ -77,7 +77,7 @@ def factor(text: str, scales: tuple[float, float, float]) -> float:
     return found
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 10)
 @pytest.mark.parametrize("scales", [(1.0, 2.0**50, 1.0), (1.0, 1.0, 2.0**-50), (2.0**50, 2.0**-50, 2.0**30)])
 @pytest.mark.parametrize("name", [name for name in LIBRARY if not name.endswith("_speeds")])
 def test_a_scaled_model_starts_in_the_scaled_state(name: str, scales: tuple[float, float, float]) -> None:

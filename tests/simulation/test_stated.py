@@ -68,7 +68,7 @@ def truth(matrix: np.ndarray, right: np.ndarray, x: np.ndarray, levels: Sequence
     return counts
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(6, 12)
 @pytest.mark.parametrize("seed", range(60))
 def test_as_few_move_as_possible(seed: int) -> None:
     """Against all subsets.  Where choices of a higher level tie, the least move decides, and it is

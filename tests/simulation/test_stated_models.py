@@ -341,7 +341,7 @@ RECIPES = {
 }
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
 @pytest.mark.parametrize("name", RECIPES)
 def test_the_recipe_of_the_header_gives_the_motion_of_a_run(name: str, tmp_path: Path) -> None:

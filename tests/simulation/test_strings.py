@@ -27,7 +27,7 @@ def table(strings: int, dice: random.Random) -> str:
     return "\n".join([*lines, "end Table;\n"])
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("seed", range(4))
 def test_a_plate_on_equal_strings_stays_level(seed: int) -> None:
     """It moves as one string: y and the rates that are left tell themselves, the stated stay."""

@@ -30,7 +30,7 @@ def braked(condition: str, friction: str, pull: float, action: str) -> str:
     end Braked;"""
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(2, 12)
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 @pytest.mark.parametrize("friction", FRICTION)
 @pytest.mark.parametrize("condition", CONDITIONS)

@@ -185,7 +185,7 @@ CASES = [
 ]  # fmt: skip
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 2)
 @pytest.mark.parametrize(("job", "make", "n"), CASES, ids=[f"{c[1].__name__}-{c[0].__name__}" for c in CASES])
 def test_work_grows_with_the_model(job: Callable[[str], None], make: Callable[[int], str], n: int) -> None:
     job(make(n))  # what is loaded, and written for many objects, once

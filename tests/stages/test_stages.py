@@ -34,7 +34,7 @@ def name(value: object) -> str:
     return "-".join(filter(None, [value.scene, *value.with_effects]))
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 6)
 @pytest.mark.parametrize("path, variant", every_variant(), ids=name)
 def test_stages(path: Path, variant: Variant, tmp_path: Path) -> None:
     model = resolve(parse(Source(path.name, path.read_text())), variant.scene, variant.with_effects,

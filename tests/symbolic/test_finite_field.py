@@ -65,7 +65,7 @@ def test_identities_vanish(name: str) -> None:
     assert node.is_zero or set(values(node)) == {0}
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(6, 12)
 @pytest.mark.parametrize("size", [1.0, 1e-12, 1e-300])
 @pytest.mark.parametrize("name", IDENTITIES)
 def test_what_is_added_to_an_identity_is_seen(name: str, size: float) -> None:

@@ -51,7 +51,7 @@ def named(row: Operator) -> str:
     return row.name
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(3, 12)
 @pytest.mark.parametrize("row", NUMERIC, ids=named)
 def test_values_ranges_and_symmetries_are_those_of_the_function(row: Operator) -> None:
     before: list[list[float]] = []

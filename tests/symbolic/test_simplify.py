@@ -42,7 +42,7 @@ def random_vector(graph: Graph, rng: random.Random) -> tuple[Vector, Node, set[N
     return vector, square, symbols([square]), values
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(6, 12)
 @pytest.mark.parametrize("seed", range(200))
 def test_angles_drop_out_of_the_length_of_what_they_turn(seed: int) -> None:
     graph, rng = Graph(), random.Random(seed)

@@ -181,7 +181,7 @@ def uncollected() -> Iterator[None]:
     gc.enable()
 
 
-@pytest.mark.full
+@pytest.mark.sample(0, 12)
 @pytest.mark.usefixtures("uncollected")
 @pytest.mark.parametrize("seed", range(20))
 def test_damaged_models(seed: int) -> None:

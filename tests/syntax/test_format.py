@@ -37,7 +37,7 @@ def in_model(lines: str) -> str:
     return check(f"model M\n{lines}\nend M;\n").removeprefix("model M\n").removesuffix("end M;\n")
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(6, 12)
 @pytest.mark.parametrize("path", MODELS, ids=lambda path: path.stem)
 def test_the_models_are_laid_out(path: Path) -> None:
     text = path.read_text("utf-8")

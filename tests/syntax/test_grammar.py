@@ -22,7 +22,7 @@ def lark() -> Lark:
     return Lark(lalr_tables.grammar_text(), parser="lalr", start="file", maybe_placeholders=True)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, 12)
 @pytest.mark.parametrize("path", MODELS, ids=lambda path: path.stem)
 def test_lark_reads_the_models(lark: Lark, path: Path) -> None:
     """Fed with the same tokens (which a lexer alone cannot tell apart, as the grammar says)."""
