@@ -61,10 +61,10 @@ def compiler() -> tuple[str, ...] | None:
     return None
 
 
-def library_key(sources: Mapping[str, str]) -> str:
-    """The cache key of the library of `sources`: their content, the flags and the machine."""
+def library_key(sources: Mapping[str, str], more: Sequence[str] = ()) -> str:
+    """The cache key of the library of `sources`: their content, the flags (and `more`) and the machine."""
     words = [item for name in sorted(sources) for item in (name, sources[name])]
-    return cache.key("1", sys.platform, _machine(), *FLAGS, os.environ.get("LAGC_CC", ""), *words)
+    return cache.key("1", sys.platform, _machine(), *FLAGS, *more, os.environ.get("LAGC_CC", ""), *words)
 
 
 def cached_library(sources: Mapping[str, str]) -> bool:
@@ -72,8 +72,9 @@ def cached_library(sources: Mapping[str, str]) -> bool:
     return cache.holds("library", library_key(sources))
 
 
-def build_library(sources: Mapping[str, str]) -> bytes:
-    """Compile the shared library of `sources` (file name -> text).  Raises CannotCompile."""
+def build_library(sources: Mapping[str, str], more: Sequence[str] = ()) -> bytes:
+    """Compile the shared library of `sources` (file name -> text), with `more` flags behind the usual ones.
+    Raises CannotCompile."""
     words = compiler()
     if words is None:
         raise CannotCompile("no C compiler was found (cc, gcc, clang, or the package `ziglang`)")
@@ -81,7 +82,7 @@ def build_library(sources: Mapping[str, str]) -> bytes:
         with (
             stage("compiling the code", LONGEST),
             scratch() as work,
-            open(_compile(words, sources, work), "rb") as file,
+            open(_compile(words, sources, work, more), "rb") as file,
         ):
             built = file.read()
     except OSError as error:
@@ -108,7 +109,7 @@ def _is_whole(library: bytes) -> bool:
     return all(offset + length <= len(library) for offset, length in segments)
 
 
-def _compile(words: tuple[str, ...], sources: Mapping[str, str], folder: str) -> str:
+def _compile(words: tuple[str, ...], sources: Mapping[str, str], folder: str, more: Sequence[str]) -> str:
     import subprocess
 
     for name, text in sources.items():
@@ -116,7 +117,7 @@ def _compile(words: tuple[str, ...], sources: Mapping[str, str], folder: str) ->
             file.write(text)
     units = [name for name in sources if name.endswith(".c")]
     target = os.path.join(folder, "model" + SUFFIX)
-    command = [*words, *FLAGS, "-o", target, *units, "-lm"]
+    command = [*words, *FLAGS, "-o", target, *units, *more, "-lm"]
     try:
         done = _finished(command, folder)
     except subprocess.TimeoutExpired:
@@ -160,14 +161,14 @@ def _machine() -> str:
     return os.uname().machine if hasattr(os, "uname") else os.environ.get("PROCESSOR_ARCHITECTURE", "")
 
 
-def library(sources: Mapping[str, str]) -> ctypes.CDLL:
-    """Return the library of `sources` (file name -> text), compiled unless the cache has a valid one.
-    Raises CannotCompile."""
-    key = library_key(sources)
+def library(sources: Mapping[str, str], more: Sequence[str] = ()) -> ctypes.CDLL:
+    """Return the library of `sources` (file name -> text), compiled unless the cache has a valid one, with
+    `more` flags.  Raises CannotCompile."""
+    key = library_key(sources, more)
     found = cache.load("library", key, load)
     if found is not None:
         return found
-    data = build_library(sources)
+    data = build_library(sources, more)
     cache.store("library", key, data)
     try:
         return load(data)
