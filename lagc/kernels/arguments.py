@@ -1,7 +1,5 @@
 """Checks of options, times and parameters of a call."""
 
-from __future__ import annotations
-
 from math import fabs, inf
 
 from lagc.kernels.language.vocabulary import *

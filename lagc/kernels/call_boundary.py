@@ -1,7 +1,5 @@
 """Beginning and end of a call: changes that the caller made, and the evaluation of the first rate."""
 
-from __future__ import annotations
-
 from lagc.kernels.dynamics.rhs import factor_safely, rhs_at
 from lagc.kernels.events.modes import update_edges
 from lagc.kernels.events.when_clauses import start_modes

@@ -4,8 +4,6 @@ E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 
 section II.4; L. F. Shampine, I. Gladwell, R. W. Brankin, ACM Trans. Math. Software 17 (1991) 11-25 (events).
 """
 
-from __future__ import annotations
-
 from math import fabs
 
 from lagc.kernels.call_boundary import evaluate_start, keep_parameters, report_culprit

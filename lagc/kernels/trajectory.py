@@ -1,7 +1,5 @@
 """Trajectories: dense output, and integration to one time or to many."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from lagc.kernels.arguments import check_call

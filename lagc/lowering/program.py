@@ -104,18 +104,6 @@ class Function:
         loops = sum([run.period for run in self.runs])
         return loops or len(self.operations) + len(self.stores)
 
-    def verify(self) -> None:
-        """Every operand comes before its use; every load and store is of an array of the signature."""
-        outputs, count = dict(self.outputs), operands()
-        for position, operation in enumerate(self.operations):
-            assert len(operation.operands) == count[operation.op]
-            assert all(0 <= operand < position for operand in operation.operands)
-            if operation.op == "load":
-                assert isinstance(operation.payload, tuple) and operation.payload[0] in self.inputs
-        for store in self.stores:
-            assert 0 <= store.index < outputs[store.array]
-            assert 0 <= store.value < len(self.operations)
-
 
 def tables(functions: Iterable[Function]) -> list[Table]:
     """Those in which `functions` look numbers up, in the order of their first use."""
@@ -395,10 +383,3 @@ class Program:
             return self
         kept = {name: f for name, f in self.functions.items() if name not in ("assemble", "factor", "solve")}
         return Program(replace(self.interface, work_size=0, functions=tuple(kept)), kept)
-
-    def verify(self) -> None:
-        """The invariants of straight-line code.  Raises AssertionError."""
-        assert set(self.interface.functions) == set(self.functions)
-        for name, function in self.functions.items():
-            assert function.name == name
-            function.verify()

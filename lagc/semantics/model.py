@@ -26,14 +26,12 @@ declared in, or None.
 
 from __future__ import annotations
 
-from itertools import chain
 from typing import TypeAlias
 
 from lagc.base.records import dataclass, field
 from lagc.diagnostics.faults import Fault, Span
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.vectors import Matrix, Vector, dot, matvec
-from lagc.symbolic.walk import reachable
 from lagc.syntax.tree import Expression
 
 
@@ -363,23 +361,6 @@ class Model:
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.name}, scene {self.scene}>"
 
-    def verify(self) -> None:
-        """Check the invariants of a resolved model.  Raises AssertionError."""
-        for group in (self.parameters, self.inputs, self.coordinates, self.speeds, self.frames, self.points,
-                      self.bodies, self.actions, self.constraints, self.outputs):  # fmt: skip
-            names = [item.name for item in group]
-            assert len(names) == len(set(names)), f"a name stands twice: {names}"
-        labels = [label for c in self.constraints for label in c.labels]
-        assert len(labels) == len(set(labels))
-        for constraint in self.constraints:
-            assert len(constraint.labels) == len(constraint.residuals) == len(constraint.units)
-            assert not any(residual.is_zero for residual in constraint.residuals)
-        for node in self.nodes():
-            assert node.graph is self.graph
-        known = {"time", "parameter", "input", "coordinate", "rate", "speed"}
-        for kind in {node.record.kind for node in reachable(self.nodes()) if node.op == "symbol"}:
-            assert kind in known, f"{kind} stands outside of the outputs"
-
     @property
     def states(self) -> int:
         """Return the number of states: coordinates, and rates or declared speeds."""
@@ -390,30 +371,3 @@ class Model:
         """The frames, also those that only a body has."""
         found = [*self.frames, *(body.frame for body in self.bodies if body.frame is not None)]
         return list(dict.fromkeys(found))
-
-    def nodes(self) -> list[Node]:
-        """Every expression that decides the motion: all but the outputs."""
-        found: list[Node] = []
-        for frame in self.frames:
-            found += [x for row in frame.axes for x in row] + [*frame.angular_velocity, *frame.spin]
-        for body in self.bodies:
-            found += [body.mass, *body.position, *body.velocity]
-            found += [x for row in body.inertia or () for x in row]
-        for action in self.actions:
-            if isinstance(action, Potential):
-                found.append(action.energy)
-            elif isinstance(action, Force):
-                found += [*action.vector, *action.velocity]
-            elif isinstance(action, Torque):
-                found += action.vector
-            else:
-                found.append(action.function)
-        for coordinate in self.coordinates:
-            if isinstance(coordinate, Coordinate):
-                found += [coordinate.start, coordinate.rate]
-            else:
-                found += [*coordinate.start, *coordinate.rate]
-        found += [speed.expression for speed in self.speeds]
-        found += [residual for c in self.constraints for residual in c.residuals]
-        found += [condition.residual for condition in self.initial_conditions]
-        return found + [x for when in self.whens for x in (when.condition, *chain(*when.changes))]

@@ -21,6 +21,7 @@ from lagc.lowering.lower_equations import optimize
 from lagc.lowering.program import Interface, Program
 from lagc.mechanics.derive import derive
 from tests.codegen.tools import COMPILERS, MODELS, STRICT, bits, call, present, write
+from tests.invariants import verify
 from tests.mechanics.models import entangled
 
 NAMES = [
@@ -84,7 +85,7 @@ def _numbers(values: Sequence[float]) -> Any:
 
 
 def _both(program: Program, folder: Path, seed: str) -> Both:
-    program.verify()
+    verify(program)
     module, files = _module(program, folder), write(render_c(program), folder)
     library = folder / "model.so"
     call(*COMPILERS["gcc"], *STRICT, "-O1", "-fPIC", "-shared", "-o", library, files[".c"], "-lm")

@@ -28,6 +28,7 @@ from lagc.codegen.trigonometry import NAMES, sine_cosine_kernels
 from lagc.lowering.program import Function, Operation, Store
 from tests.codegen.everywhere import LEVELS, clang, compilers, machines, wide
 from tests.codegen.tools import STRICT, bits, present
+from tests.invariants import verify
 
 ROOT = Path(__file__).parents[2]
 POINTS = int(os.environ.get("LAGC_POINTS", "4000"))
@@ -227,7 +228,7 @@ def test_functions_of_a_model_call_it_once_an_angle(calls: int, tmp_path: Path) 
     from lagc.codegen.c.functions import function_text
 
     f = angles(6, calls)
-    f.verify()
+    verify(f)
     names = {("x", k): f"x{k}" for k in range(6)}
     text = function_text(f, names, {}).replace("lagc_real", "double")
     used = {o.operands for o in f.operations if o.op in ("sin", "cos")}

@@ -10,6 +10,7 @@ import pytest
 from lagc.lowering.program import Function
 from lagc.lowering.scalar.scheduling import balanced
 from lagc.lowering.scalar.value_numbering import Block
+from tests.invariants import verify
 from tests.lowering.interpret import interpret
 
 
@@ -36,7 +37,7 @@ def random_function(seed: int) -> Function:
 def test_values_stay_up_to_rounding(seed: int) -> None:
     function = random_function(seed)
     other = balanced(function)
-    other.verify()
+    verify(other)
     assert other.cost <= function.cost
     x = {"x": [0.3 + 0.2 * k for k in range(6)]}
     before, after = interpret(function, x)["w"], interpret(other, x)["w"]

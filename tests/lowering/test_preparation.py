@@ -24,6 +24,7 @@ from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.operators import TRUTHS
 from lagc.symbolic.walk import reachable
+from tests.invariants import verify
 from tests.lowering.interpret import interpret
 from tests.lowering.test_lower import compare, random_nodes
 
@@ -75,7 +76,7 @@ def test_values_are_those_of_the_expressions_and_nothing_is_left_to_prepare(seed
     rng = random.Random(seed + 1)
     found, read = prepared([function(graph, x, nodes), function(graph, x, nodes[:3], "g")])
     for f in found.values():
-        f.verify()
+        verify(f)
     assert not idle(found["f"]) and not idle(found["g"])
     bind = found.get("bind")
     if bind is not None:

@@ -18,6 +18,7 @@ from lagc.lowering.program import LEAVES, Function, Program
 from lagc.lowering.scalar.value_numbering import ordered
 from tests.codegen.programs import repeated_function
 from tests.codegen.test_loops import sorted_leaves
+from tests.invariants import verify
 from tests.lowering import large
 from tests.lowering.interpret import interpret
 
@@ -59,7 +60,7 @@ def test_the_code_of_trees_grows_slowly() -> None:
 @pytest.mark.parametrize("family", sorted({*large.TREES} - {"balls_relative"}))
 def test_runs_cover_all_operations(family: str) -> None:
     found = program(family, 31)
-    found.verify()
+    verify(found)
     for f in found.functions.values():
         if f.runs:
             ends = [f.runs[0].first, *(run.end for run in f.runs)]
@@ -91,7 +92,7 @@ def test_the_order_of_long_functions_changes_no_value(seed: int, monkeypatch: py
     assert interpret(rerolled(f), given) == wanted
     for order in (ordered, local):
         back = order(f)
-        back.verify()
+        verify(back)
         assert interpret(back, given) == wanted
 
 

@@ -14,6 +14,7 @@ from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.semantics.resolve import resolve
 from lagc.syntax.parse import parse
+from tests.invariants import verify
 
 CODES = [code for code in ENTRIES if code.startswith("LAG04")]
 
@@ -36,7 +37,7 @@ def test_wrong_example_is_refused_or_warned_of_at_a_place(code: str) -> None:
 @pytest.mark.parametrize("code", CODES)
 def test_right_example_passes(code: str) -> None:
     equations = derived(ENTRIES[code].right)
-    equations.verify()
+    verify(equations)
     assert not equations.warnings
     assert equations.v
 

@@ -13,6 +13,7 @@ from lagc.mechanics.formulation.states import build_states
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.walk import reachable
+from tests.invariants import verify
 from tests.mechanics.builder import Builder
 from tests.mechanics.models import (
     ALL,
@@ -42,7 +43,7 @@ def parameters(e: EquationsOfMotion) -> dict[str, float]:
 
 @pytest.mark.parametrize("name", ALL)
 def test_invariants_hold(name: str) -> None:
-    derive(ALL[name]()).verify()
+    verify(derive(ALL[name]()))
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -282,5 +283,5 @@ def test_energy_of_a_driven_bead() -> None:
 
 def test_nothing_moves() -> None:
     e = derive(Builder().model())
-    e.verify()
+    verify(e)
     assert e.v == () and e.mass_matrix == {} and e.power.is_zero

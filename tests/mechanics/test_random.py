@@ -15,6 +15,7 @@ from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.formulation.states import build_states
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.evaluate import evaluate
+from tests.invariants import verify
 from tests.mechanics.numbers import consistent_state, jacobian, mass_matrix, motion, random_state, vector
 from tests.mechanics.oracle import Oracle
 from tests.mechanics.random_systems import System, model, random_system
@@ -52,7 +53,7 @@ def test_rows_of_the_mass_matrix_are_its_rows(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(COUNT))
 def test_equations_agree_with_differences(seed: int) -> None:
     system, e = derived(seed)
-    e.verify()
+    verify(e)
     state = random_state(e, seed)
     oracle = Oracle(system, [state[x] for x in e.q], [state[x] for x in e.v], state[e.time])
     assert_close(mass_matrix(e, state), oracle.mass_matrix())

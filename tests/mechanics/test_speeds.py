@@ -12,6 +12,7 @@ from lagc.semantics.model import Model
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.expression_text import text
+from tests.invariants import verify
 from tests.mechanics.builder import Builder
 from tests.mechanics.numbers import mass_matrix, motion, random_state
 
@@ -42,7 +43,7 @@ def arm(n: int, count: int, seed: int) -> Model:
 def test_same_accelerations_as_rates(n: int, count: int) -> None:
     """Sizes below and above what Cramer's rule serves."""
     plain, spoken = derive(arm(n, 0, 5)), derive(arm(n, count, 5))
-    spoken.verify()
+    verify(spoken)
     names = {**dict(zip(plain.v_names, plain.v))}
     first = motion(plain, random_state(plain, 1))
     second = {x: first[y] for x, y in zip(spoken.q, plain.q)} | {spoken.time: first[plain.time]}

@@ -16,6 +16,7 @@ from lagc.mechanics.derive import derive
 from lagc.semantics.resolve import resolve
 from lagc.semantics.scenes.variants import Variant, variants
 from lagc.syntax.parse import parse
+from tests.invariants import verify
 
 MODELS = Path(__file__).resolve().parents[2] / "models"
 FILES = sorted(MODELS.rglob("*.lag"))
@@ -39,11 +40,11 @@ def name(value: object) -> str:
 def test_stages(path: Path, variant: Variant, tmp_path: Path) -> None:
     model = resolve(parse(Source(path.name, path.read_text())), variant.scene, variant.with_effects,
                     variant.without_effects, variant.model)  # fmt: skip
-    model.verify()
+    verify(model)
     equations = derive(model)
-    equations.verify()
+    verify(equations)
     program = optimize(equations, work=True)
-    program.verify()
+    verify(program)
     assert program.interface.nv == len(program.interface.v_names) > 0
     for file, text in render(program).items():
         (tmp_path / file).write_text(text)

@@ -1,7 +1,5 @@
 """Unit quaternions."""
 
-from __future__ import annotations
-
 from math import fabs, inf, sqrt
 from typing import Any
 

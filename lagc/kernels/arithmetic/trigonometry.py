@@ -9,8 +9,6 @@ M. Hanek, R. Payne, Radian reduction for trigonometric functions, SIGNUM Newslet
 T. J. Dekker, A floating-point technique for extending the available precision, Numer. Math. 18, 1971.
 """
 
-from __future__ import annotations
-
 from math import fabs, inf
 
 from lagc.kernels.language.vocabulary import *

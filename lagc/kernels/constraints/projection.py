@@ -4,8 +4,6 @@ E. Eich, Convergence results for a coordinate projection method applied to mecha
 algebraic constraints, SIAM J. Numer. Anal. 30 (1993) 1467-1482.
 """
 
-from __future__ import annotations
-
 from math import fabs, inf
 from typing import Any
 

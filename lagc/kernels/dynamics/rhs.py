@@ -4,8 +4,6 @@ The sparse factors of [M G^T; G 0] are straight-line code without pivoting. If t
 are bad, the rank-revealing factorization is used.
 """
 
-from __future__ import annotations
-
 from math import fabs, inf
 
 from lagc.kernels.language.vocabulary import *

@@ -7,8 +7,6 @@ there: L. F. Shampine, I. Gladwell, R. W. Brankin, Reliable solution of special 
 ODEs, ACM Trans. Math. Software 17 (1991) 11-25.
 """
 
-from __future__ import annotations
-
 from math import fabs, inf, sqrt
 
 from lagc.kernels.dynamics.rhs import rhs_at

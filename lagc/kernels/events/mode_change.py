@@ -1,7 +1,5 @@
 """Mode changes at an event: new modes, sliding, and the first-order correction of the state."""
 
-from __future__ import annotations
-
 from math import fabs
 
 from lagc.kernels.dynamics.rhs import rhs_at

@@ -4,8 +4,6 @@ A mode is sign(z) of an indicator z, or floor(z) of a stepwise relation, which c
 mode. Modes are constant during a step.
 """
 
-from __future__ import annotations
-
 from math import fabs, inf
 
 from lagc.kernels.dynamics.rhs import rhs_at

@@ -5,8 +5,6 @@ with Discontinuous Righthand Sides, Kluwer 1988). In mode zero, sign(z) is 0; th
 rate vanishes then. Other sliding motions are refused.
 """
 
-from __future__ import annotations
-
 from math import fabs
 
 from lagc.kernels.dynamics.rhs import rhs_at

@@ -5,8 +5,6 @@ pulse. Features and divisors are enclosed over parts of the dense output (R. E. 
 1966).
 """
 
-from __future__ import annotations
-
 from math import fabs, inf
 
 from lagc.kernels.events.location import (

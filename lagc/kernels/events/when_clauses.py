@@ -4,8 +4,6 @@ Clauses that are triggered at the same time act in their order, each on the stat
 left. Conditions that this makes true trigger more clauses.
 """
 
-from __future__ import annotations
-
 from math import fabs, inf
 
 from lagc.kernels.constraints.projection import project

@@ -1,7 +1,5 @@
 """Consistent initial conditions: unstated values move first, stated values only where they have to."""
 
-from __future__ import annotations
-
 from math import fabs, inf
 
 from lagc.kernels.arguments import bad_parameter

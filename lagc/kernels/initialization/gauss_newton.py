@@ -1,7 +1,5 @@
 """Gauss-Newton iteration with least-norm steps."""
 
-from __future__ import annotations
-
 from math import fabs, floor, inf, sqrt
 
 from lagc.kernels.initialization.least_norm import least_norm

@@ -1,7 +1,5 @@
 """The least-norm solution of a sparse linear system, by a rank-revealing orthogonalisation."""
 
-from __future__ import annotations
-
 from math import fabs, inf, sqrt
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The search for consistent initial conditions from the guess and from points beside it."""
 
-from __future__ import annotations
-
 from math import fabs, inf
 
 from lagc.kernels.arithmetic.quaternions import normalise

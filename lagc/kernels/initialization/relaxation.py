@@ -6,8 +6,6 @@ equations, each value scaled by its last move: moves that are not needed vanish.
 moves is put back if a start remains, the least move first.
 """
 
-from __future__ import annotations
-
 from math import fabs, sqrt
 
 from lagc.kernels.initialization.gauss_newton import (

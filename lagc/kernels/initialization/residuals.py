@@ -5,8 +5,6 @@ psi = 0, the `initial` section, rate - value = 0 for these rates, and unit quate
 level, from UNSTATED to FIXED.
 """
 
-from __future__ import annotations
-
 from math import fabs, inf, sqrt
 
 from lagc.kernels.arithmetic.quaternions import square_at

@@ -1,7 +1,5 @@
 """Scaling of the unknowns, and round-off estimates of the initial equations."""
 
-from __future__ import annotations
-
 from math import fabs, inf
 
 from lagc.kernels.initialization.residuals import SLIGHT, evaluate_all, evaluate_rows, is_roundoff, row_begin

@@ -1,7 +1,5 @@
 """The workspace of the initialization."""
 
-from __future__ import annotations
-
 from lagc.kernels.language.vocabulary import *
 
 # Priority of a start value: in a conflict the lower level gives way; FIXED never does.

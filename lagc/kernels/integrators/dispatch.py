@@ -1,7 +1,5 @@
 """Dispatch: the functions and coefficients of a method by its number."""
 
-from __future__ import annotations
-
 from lagc.kernels.language.vocabulary import *
 
 

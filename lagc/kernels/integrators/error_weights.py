@@ -1,7 +1,5 @@
 """Error weights, and the size of the first step."""
 
-from __future__ import annotations
-
 from math import fabs, sqrt
 
 from lagc.kernels.dynamics.rhs import rhs_at

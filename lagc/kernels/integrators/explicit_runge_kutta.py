@@ -4,8 +4,6 @@ E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 
 sections II.4 (error), II.6 (dense output), II.10 (DOP853).
 """
 
-from __future__ import annotations
-
 from math import fabs, inf, sqrt
 
 from lagc.kernels.dynamics.rhs import rhs_at

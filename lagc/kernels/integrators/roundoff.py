@@ -5,8 +5,6 @@ which a shorter step does not reduce. It is estimated by a second evaluation wit
 Higham, Accuracy and Stability of Numerical Algorithms, SIAM 2002, chapter 1).
 """
 
-from __future__ import annotations
-
 from math import fabs, inf, sqrt
 
 from lagc.kernels.constraints.projection import perturb_off_constraints, project_error

@@ -4,8 +4,6 @@ A call that ends within round-off of a point of the grid ends at this point.  If
 time in this precision, as with steps of 1 ms at 1e6 s in float, a call passes as many points as the last one.
 """
 
-from __future__ import annotations
-
 from math import fabs, floor
 
 from lagc.kernels.call_boundary import state_changed

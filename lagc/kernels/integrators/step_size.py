@@ -4,8 +4,6 @@ E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 
 sections II.4 and IV.2 (PI controller).
 """
 
-from __future__ import annotations
-
 from math import fabs, sqrt
 
 from lagc.kernels.integrators.dispatch import beta, error_exponent, largest_growth, largest_reduction

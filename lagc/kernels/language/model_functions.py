@@ -1,7 +1,5 @@
 """The functions of the model.  They are printed from its Program."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from lagc.kernels.language.sizes import (

@@ -1,7 +1,5 @@
 """Tables of a model: constant arrays in the generated code."""
 
-from __future__ import annotations
-
 from lagc.kernels.language.sizes import (
     NBOUNDED,
     NE,

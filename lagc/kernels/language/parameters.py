@@ -1,9 +1,7 @@
 """Numbers computed from the parameters alone, once and not at every evaluation."""
 
-from __future__ import annotations
-
 from lagc.kernels.language.model_functions import fn_bind
-from lagc.kernels.language.model_tables import sources
+from lagc.kernels.language.model_tables import *
 from lagc.kernels.language.sizes import NP, NPREPARED, NREAD
 from lagc.kernels.language.words import Params, public, vector
 

@@ -1,7 +1,5 @@
 """The records of a run: options, workspace, state of a trajectory, and one attempted step."""
 
-from __future__ import annotations
-
 from lagc.kernels.language.sizes import (
     NACTS,
     NBOUNDS,

@@ -4,12 +4,10 @@ A scaling group holds the coordinates, or the speeds, of one unit.  Errors of a 
 largest magnitude in its group.  Group 0 holds coordinates without unit, such as angles.
 """
 
-from __future__ import annotations
-
 from math import fabs
 from typing import Any
 
-from lagc.kernels.language.model_tables import scaling_group
+from lagc.kernels.language.model_tables import *
 from lagc.kernels.language.sizes import NGROUP, NQ, NV, NX
 from lagc.kernels.language.words import Size, Vec
 

@@ -1,7 +1,5 @@
 """Sizes and switches of a model.  They are known when its code is printed."""
 
-from __future__ import annotations
-
 from lagc.kernels.language.words import SizeType
 
 # fmt: off

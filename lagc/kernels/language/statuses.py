@@ -1,7 +1,5 @@
 """Statuses: the result of a call."""
 
-from __future__ import annotations
-
 from lagc.kernels import Status
 
 OK = Status(0)  # Success.

@@ -1,7 +1,5 @@
 """The names of a tableau, as `explicit_runge_kutta` and `dispatch` use them: see `tableaus`."""
 
-from __future__ import annotations
-
 from typing import Protocol
 
 from lagc.kernels.language.records import State, Work

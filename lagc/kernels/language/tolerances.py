@@ -3,8 +3,6 @@
 A kernel compares with a number from here where the result depends on round-off.
 """
 
-from __future__ import annotations
-
 from lagc.kernels.language.words import by_type
 
 TINY = by_type(1e-30, 1e-300, "1e-4000")  # replaces zero in a divisor

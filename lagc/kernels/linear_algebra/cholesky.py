@@ -1,7 +1,5 @@
 """Cholesky factorization of the dense mass matrix, with the leading zeros of each row skipped."""
 
-from __future__ import annotations
-
 from math import sqrt
 
 from lagc.kernels.language.vocabulary import *

@@ -5,8 +5,6 @@ orthogonalized twice (A. Bjorck, Numerical Methods for Least Squares Problems, S
 rows row_order[rank..] depend on the others.
 """
 
-from __future__ import annotations
-
 from math import fabs, inf, sqrt
 
 from lagc.kernels.language.vocabulary import *

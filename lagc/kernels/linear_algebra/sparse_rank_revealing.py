@@ -16,8 +16,6 @@ this size that is independent (0: the row is left out), and the least such share
 of all rows, and of rows that give a pivot to a speed without inertia.
 """
 
-from __future__ import annotations
-
 from math import fabs, sqrt
 
 from lagc.kernels.language.vocabulary import *

@@ -16,7 +16,6 @@ from functools import cached_property
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Span
-from lagc.mechanics.formulation.jacobian import formed_of
 from lagc.mechanics.formulation.mass_matrix import Inertia, Moving, inertial_forces
 from lagc.semantics.model import FIXED, Model, Statement, When
 from lagc.symbolic.derivative import gradient, seeds
@@ -248,59 +247,3 @@ class EquationsOfMotion:
     def starts(self) -> tuple[StartValue, ...]:
         """Of q, of v, and of the stated rates."""
         return (*self.starts_q, *self.starts_v, *(s.start for s in self.stated_rates))
-
-    def verify(self) -> None:
-        """Raises ValueError where the noun is not as described: shapes, order, leaves of the nodes."""
-        nq, nv = len(self.q), len(self.v)
-        sizes = [
-            ("q", nq, (self.q_units, self.qdot, self.starts_q)),
-            ("v", nv, (self.a, self.v_units, self.starts_v)),
-            ("v", nv, (self.bias_forces, self.given_forces)),
-        ]
-        for name, size, arrays in sizes:
-            if any(len(array) != size for array in arrays):
-                raise ValueError(f"an array does not have the length of {name}")
-        if any(not 0 <= j <= i < nv or m.is_zero for (i, j), m in self.mass_matrix.items()):
-            raise ValueError("the mass matrix holds a zero or an entry above the diagonal")
-        if any(not 0 <= i <= nq - 4 for i in self.quaternions):
-            raise ValueError("a quaternion does not fit into q")
-        self._verify_rows()
-        self._verify_leaves()
-
-    def _verify_rows(self) -> None:
-        holonomic = [row.holonomic for row in self.rows]
-        if holonomic != sorted(holonomic, reverse=True):
-            raise ValueError("rows are not holonomic first")
-        if len({row.label for row in self.rows}) != len(self.rows):
-            raise ValueError("two rows have the same label")
-        for row in self.rows:
-            if not row.jacobian or any(not 0 <= j < len(self.v) for j in row.jacobian):
-                raise ValueError(f"the Jacobian of {row.label} is empty or too wide")
-            if not row.holonomic and row.residual is not row.rate:
-                raise ValueError(f"the velocity row {row.label} has a rate of its own")
-
-    def _verify_leaves(self) -> None:
-        parameters = {p.symbol for p in self.model.parameters}
-        given = parameters | {u.symbol for u in self.model.inputs} | {self.time}
-        position = given | set(self.q)
-        state = position | set(self.v)
-        late = state | set(self.a) | set(self.lam)
-        phi = [row.residual for row in self.rows if row.holonomic]
-        rows = [x for row in self.rows for x in (row.rate, row.gamma)]
-        rows += formed_of([row.jacobian for row in self.rows])
-        works = [c.power for c in self.contributions]
-        works += formed_of([c.forces for c in self.contributions])
-        balance = [self.kinetic, self.energy, *self.rates.values()]
-        forces = [*self.qdot, *self.mass_matrix.values(), *self.bias_forces, *self.given_forces, *works]
-        conditions = [residual for residual, _ in self.initial_conditions]
-        tables: list[tuple[str, list[Node], set[Node]]] = [
-            ("start", [s.value for s in self.starts], parameters),
-            ("position", [*phi, self.potential], position),
-            ("state", [*forces, *rows, *balance, *conditions, *(s.rate for s in self.stated_rates)], state),
-            ("late", [self.power, *(o.expression for o in self.outputs)], late),
-        ]
-        for name, nodes, allowed in tables:
-            strange = symbols(nodes) - allowed
-            if strange:
-                found = ", ".join(sorted(s.record.name for s in strange))
-                raise ValueError(f"a {name} expression holds {found}")

@@ -16,8 +16,6 @@ EXPONENT and BETA are sums of powers of 1/2: with an error of order q, EXPONENT 
 USES_END_RATE: 1 if the error estimate contains the rate at the new state.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 
 

@@ -4,8 +4,6 @@ P. Bogacki, L. F. Shampine: A 3(2) pair of Runge-Kutta formulas, Appl. Math. Let
 output is the cubic Hermite interpolant.
 """
 
-from __future__ import annotations
-
 TITLE = "Bogacki and Shampine 3(2)"
 ORDER = 3
 USES_END_RATE = 1

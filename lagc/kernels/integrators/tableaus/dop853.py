@@ -3,8 +3,6 @@
 Hairer, Norsett, Wanner 1993, section II.10 and the code DOP853 there.
 """
 
-from __future__ import annotations
-
 # fmt: off
 TITLE = "Dormand and Prince 8(5,3)"
 ORDER = 8

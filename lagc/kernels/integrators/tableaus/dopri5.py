@@ -3,8 +3,6 @@
 Hairer, Norsett, Wanner 1993, table II.5.2; dense output section II.6, pp. 191-192.
 """
 
-from __future__ import annotations
-
 # fmt: off
 TITLE = "Dormand and Prince 5(4)"
 ORDER = 5

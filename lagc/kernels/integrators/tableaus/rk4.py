@@ -3,8 +3,6 @@
 W. Kutta 1901; Hairer, Norsett, Wanner 1993, table II.1.2.  Dense output is the cubic Hermite interpolant.
 """
 
-from __future__ import annotations
-
 TITLE = "Classical Runge-Kutta 4, fixed steps"
 ORDER = 4
 USES_END_RATE = 0
