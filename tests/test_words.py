@@ -43,7 +43,6 @@ WORDS: dict[str, Word] = {
     "blame": Word("source provenance", "blam(e|ed|es)", r"\bblam(e|ed|es)\b"),
     "resting": Word("sliding mode, sticking", "resting", r"\bresting\b"),
     "grounds": Word("sampling domain", "grounds", r"\bgrounds\b"),
-    "touching": Word("degenerate constraint", "touching"),
     "judge": Word("zero test", "judg(e|es|ed|ing)", r"\bjudg(e|es|ed|ing)\b"),
     "opposing": Word("passivity check", "opposing|feeding"),
     "noisy": Word("round-off dominated", "noisy", r"\bnoisy\b"),

@@ -37,8 +37,8 @@ def find_touching(p: Params, s: State, w: Work) -> None:
     for j in range(NFREE):
         k = NTIMED + j
         w.size_roundoff[j] = w.indicator_roundoff[j]
-        way = fabs(w.indicator_rates[k]) * s.longest_step
-        near = way <= TOUCHING * w.indicator_roundoff[j] and s.longest_step > 0.0
+        distance = fabs(w.indicator_rates[k]) * s.longest_step
+        near = distance <= TOUCHING * w.indicator_roundoff[j] and s.longest_step > 0.0
         known = is_known(w.enclosures[2 * j], w.enclosures[2 * j + 1])
         w.touching[j] = 1 if near and known and clauses_only[k] > 0 and has_edges[k] == 0 else 0
 

@@ -1,8 +1,8 @@
-"""Whether expressions vanish, and how that is known.
+"""Zero tests of expressions.
 
-First asked of exact values in a finite field (`expr.modular`), branch by branch: zero there is proved, not
-zero is refuted where every relation of the expression's functions is known.  What neither settles is asked of
-numbers: it *seems* to vanish where terms that are not zero cancel on all states tried, on every branch.
+The first test evaluates in a finite field, branch by branch.  A zero there is a proof; another value refutes
+it if every relation of the expression's functions is known.  The second test evaluates numbers: an expression
+*seems* to vanish if terms that are not zero cancel on all states tried, on every branch.
 """
 
 from __future__ import annotations
