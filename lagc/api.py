@@ -374,16 +374,13 @@ class CompiledModel(Differentiable):
     def rhs(self, t: float, x: Sequence[float], parameters: Mapping[str, Value] | None = None) -> Array:
         """Return dx/dt at (t, x) as an array of the length of x, in SI units; for use with other integrators.
 
-        x = (q, v), or (q, v, z) with the integral z of the work.  Raises ValueError if x has another length,
+        x = (q, v), without the integral z of the work.  Raises ValueError if x has another length,
         ArithmeticError if the accelerations are not determined there.
         """
         import numpy
 
         interface, system = self.interface, self._with(parameters)
-        state = reals("x", x)
-        wanted = interface.nq + interface.nv
-        if len(state) not in (wanted, interface.nx):
-            raise ValueError(f"x has {len(state)} entries, not {wanted}: {', '.join(self.state_names)}")
+        state = reals("x", x, interface.nq + interface.nv, self.state_names)
         xdot, lam = [0.0] * interface.nx, [0.0] * interface.nc
         full = state + [0.0] * (interface.nx - len(state))
         status = system.rhs(real("t", t), full, xdot, lam)

@@ -75,9 +75,9 @@ class Differentiable:
         from lagc.simulation.linearization.derivatives import Point
 
         system = self.differentiated(parameters)
-        state = _entries("x", system.start() if x is None else x, system.nx)
-        a = None if a is None else _entries("a", a, system.nv)
-        lam = None if lam is None else _entries("lam", lam, system.nc)
+        state = reals("x", system.start() if x is None else x, system.nx, system.interface.state_names)
+        a = None if a is None else reals("a", a, system.nv)
+        lam = None if lam is None else reals("lam", lam, system.nc)
         if of not in ALONG and of not in FIXED:
             raise KeyError(f"{of!r} is none of {', '.join((*ALONG, *FIXED))}")
         words = [wrt] if isinstance(wrt, str) else list(wrt)
@@ -153,7 +153,7 @@ class Differentiable:
         if x is None:
             x, notes = self._at(t, parameters, starts, progress)
         system = self.differentiated(parameters)
-        found = linearize(system, t, _entries("x", x, system.nx))
+        found = linearize(system, t, reals("x", x, system.nx, system.interface.state_names))
         return replace(found, notes=(*notes, *found.notes)) if notes else found
 
     def equilibria(
@@ -251,10 +251,3 @@ class Differentiable:
         raise KeyError(
             f"{word!r} is not a coordinate, speed, parameter or input, and not one of {', '.join(groups)}"
         )
-
-
-def _entries(name: str, values: Sequence[float], wanted: int) -> list[float]:
-    found = reals(name, values)
-    if len(found) != wanted:
-        raise ValueError(f"{name} has {len(found)} entries, not {wanted}")
-    return found

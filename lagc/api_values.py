@@ -12,6 +12,8 @@ from lagc.simulation.request import Quantity, expression, si
 if TYPE_CHECKING:
     from lagc.semantics.context import Points
 
+MOST_LISTED = 8  # names of entries in a message
+
 Value: TypeAlias = float | tuple[float, str] | Quantity
 Input: TypeAlias = "Value | str | tuple[Sequence[float], Sequence[float]] | Points"
 
@@ -85,7 +87,17 @@ def real(name: str, value: object) -> float:
     return found
 
 
-def reals(name: str, values: Sequence[float]) -> list[float]:
+def reals(name: str, values: Sequence[float], wanted: int, names: Sequence[str] = ()) -> list[float]:
+    """`wanted` numbers, with their `names` for messages.  Raises ValueError or TypeError."""
+    shape = getattr(values, "shape", (0,))
+    if isinstance(values, str) or not hasattr(values, "__len__"):
+        raise TypeError(f"{name} must be a sequence of {wanted} numbers, not {values!r}")
+    if len(shape) != 1:
+        raise ValueError(f"{name} has the shape {tuple(shape)}, not ({wanted},)")
+    if len(values) != wanted:
+        more = ["..."] if len(names) > MOST_LISTED else []
+        listed = ": " + ", ".join([*names[:MOST_LISTED], *more]) if names else ""
+        raise ValueError(f"{name} has {len(values)} entries, not {wanted}{listed}")
     return [real(name, value) for value in values]
 
 

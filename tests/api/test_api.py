@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 import pickle
@@ -9,6 +10,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import numpy
 import pytest
 
 import lagc
@@ -70,7 +72,7 @@ def test_the_right_hand_side_serves_other_integrators(pendulum: lagc.CompiledMod
     run = pendulum.simulate(stop=2.0, accuracy=1e-9)
     assert found.y[0, -1] == pytest.approx(run["theta"][-1], abs=1e-8)
     with pytest.raises(ValueError, match="3 entries"):
-        pendulum.rhs(0.0, [1.0, 2.0, 3.0, 4.0, 5.0][:3] if pendulum.interface.nz == 0 else [1.0] * 5)
+        pendulum.rhs(0.0, [1.0, 2.0, 3.0])
 
 
 def test_wrong_values_are_refused(pendulum: lagc.CompiledModel) -> None:
@@ -114,9 +116,16 @@ def test_what_is_no_number_is_refused(pendulum: lagc.CompiledModel, given: dict[
 
 def test_arrays_of_another_length_are_refused(pendulum: lagc.CompiledModel) -> None:
     for x in ([], [1.0], [1.0, 2.0, 3.0]):
-        for call in (pendulum.linearize, lambda t, x: pendulum.jacobian("rates", "state", t, x)):
+        rates = functools.partial(pendulum.jacobian, "rates", "state")
+        for call in (pendulum.linearize, pendulum.rhs, rates):
             with pytest.raises(ValueError, match=f"x has {len(x)} entries, not 2"):
                 call(0.0, x)
+    for shape in ((2, 2), (1, 2), ()):
+        with pytest.raises(ValueError, match=r"x has the shape .*, not \(2,\)"):
+            pendulum.rhs(0.0, numpy.zeros(shape))
+    for wrong in (1.0, "theta", None):
+        with pytest.raises(TypeError, match="x must be a sequence of 2 numbers"):
+            pendulum.rhs(0.0, wrong)  # type: ignore[arg-type]
     string = lagc.load("string_pendulum").compile(backend="numpy")
     for name, wanted in (("a", 2), ("lam", 1)):
         for given in ([], [1.0] * (wanted + 1)):

@@ -38,7 +38,7 @@ def accelerations(t, x, p=None):
 
 def integrate(t0, x0, times, p=None, options=None, progress=None):
     """Integrate from (t0, x0) to times[-1]; return a Trajectory with the states at `times`."""
-    return _integrate(equations(p), options or Options(), float(t0), _floats(x0), _floats(times), progress)
+    return _integrate(equations(p), options or Options(), float(t0), _state(x0), _floats(times), progress)
 
 
 def equations(p=None):
@@ -49,7 +49,7 @@ def equations(p=None):
 def _solved(t, x, p):
     model = equations(p)
     xdot, lam = [0.0] * NX, [0.0] * NC
-    status = model.rhs(float(t), _floats(x), xdot, lam)
+    status = model.rhs(float(t), _state(x), xdot, lam)
     if status in FAILED:
         raise ArithmeticError(f"{STATUSES[status]} Index: {model.culprit}.")
     return model, xdot, lam
@@ -57,6 +57,12 @@ def _solved(t, x, p):
 
 def _floats(values):
     return [float(v) for v in values]
+
+
+def _state(x):
+    if len(x) != NX:
+        raise ValueError(f"x has {len(x)} entries, not {NX}")
+    return _floats(x)
 '''
 
 _CHECK = '''\
@@ -93,7 +99,7 @@ def consistent(x=None, t=0.0, p=None, levels=None):
         raise ValueError(f"the time {t!r} is not finite")
     if levels is not None and not (len(levels) == NU and set(levels) <= set(range(FIXED + 1))):
         raise ValueError(f"levels are {NU} numbers from {UNSTATED} to {FIXED}: not {levels!r}")
-    guess = start(p) if x is None else _floats(x)
+    guess = start(p) if x is None else _state(x)
     work = StartWork()
     status = prepare(model.p, float(t), guess, levels, work)
     if status == OK:
@@ -106,21 +112,21 @@ def consistent(x=None, t=0.0, p=None, levels=None):
 _SYSTEM = '''\
 def mass_matrix(t, x, p=None):
     """Return the mass matrix M, NV rows of NV."""
-    packed = equations(p).system(float(t), _floats(x))[1]
+    packed = equations(p).system(float(t), _state(x))[1]
     rows = [packed[i * (i + 1) // 2 :][: i + 1] for i in range(NV)]
     return [[rows[max(i, j)][min(i, j)] for j in range(NV)] for i in range(NV)]
 
 
 def forces(t, x, p=None):
     """Return r[NV] = tau - h: applied forces minus velocity terms, M a = r + G^T lam."""
-    return equations(p).system(float(t), _floats(x))[2]
+    return equations(p).system(float(t), _state(x))[2]
 '''
 
 _CONSTRAINTS = '''\
 def constraints(t, x, p=None):
     """Return phi[NH], psi[NC] (all constraints at velocity level), G (NC rows of NV) and gamma[NC] with
     G a = gamma."""
-    model, t, x = equations(p), float(t), _floats(x)
+    model, t, x = equations(p), float(t), _state(x)
     _, _, _, g, gamma = model.system(t, x)
     rows = [g[i * NV : (i + 1) * NV] for i in range(NC)]
     phi, psi = [0.0] * NH, [0.0] * NC
@@ -134,7 +140,7 @@ _ENERGIES = '''\
 def energies(t, x, p=None):
     """Return kinetic energy, potential energy, and the energy whose change is the work."""
     e = [0.0] * 3
-    fn_energies(equations(p).p, float(t), _floats(x), e)
+    fn_energies(equations(p).p, float(t), _state(x), e)
     return e
 '''
 
@@ -143,13 +149,13 @@ def outputs(t, x, p=None):
     """Return the outputs y[NY], in the order of Y_NAMES."""
     model, xdot, lam = _solved(t, x, p)
     y = [0.0] * NY
-@ENERGIES@    fn_outputs(model.p, float(t), _floats(x), @E@xdot[NQ : NQ + NV], lam, y)
+@ENERGIES@    fn_outputs(model.p, float(t), _state(x), @E@xdot[NQ : NQ + NV], lam, y)
     return y
 '''
 
 _ENERGIES_FIRST = """\
     e = [0.0] * 3
-    fn_energies(model.p, float(t), _floats(x), e)
+    fn_energies(model.p, float(t), _state(x), e)
 """
 
 _DERIVATIVES = '''
@@ -159,7 +165,7 @@ def stack(t, x, a, lam, p=None):
     tau - h + G^T lam, G a - gamma, initial equations, start values, outputs, event indicators, values of
     `reinit`."""
     found = [0.0] * max(rows.stop for rows in STACK.values())
-    _at_state(fn_stack@ON@, equations(p).p, float(t), _floats(x), _floats(a), _floats(lam), found)
+    _at_state(fn_stack@ON@, equations(p).p, float(t), _state(x), _floats(a), _floats(lam), found)
     return found
 
 
@@ -175,7 +181,7 @@ def derivatives(group, t, x, a, lam, p=None):
     found = [0.0] * len(PATTERNS[group])
     if found:
         function = {@FUNCTIONS@}[group]
-        _at_state(function, equations(p).p, float(t), _floats(x), _floats(a), _floats(lam), found)
+        _at_state(function, equations(p).p, float(t), _state(x), _floats(a), _floats(lam), found)
     return found
 '''
 
@@ -185,7 +191,7 @@ def along(t, x, a, lam, d, p=None):
     """Return the derivative of `stack` in the direction d = (dt, dx, da, dlam, dp), with parameters, then
     inputs, in p.  The entries of d may be arrays, for many directions at once."""
     found = [0.0] * max(rows.stop for rows in STACK.values())
-    _at_state(fn_along@ON@, equations(p).p, float(t), _floats(x), _floats(a), _floats(lam), d, found)
+    _at_state(fn_along@ON@, equations(p).p, float(t), _state(x), _floats(a), _floats(lam), d, found)
     return found
 '''
 
