@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import os
 
+from lagc.base.text import one_line
 from lagc.cli.deliver import spare
 from lagc.cli.options import add_general_options, add_model_options, choice_of
 from lagc.cli.output import DONE, Usage, cannot_write, print_json, say, show
@@ -70,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
             say(f"warning: {warning}")
         for note in program.interface.notes:
             say(note)
-        show("".join(f"{path}\n" for path in paths), exact=True)
+        show("".join(f"{one_line(path)}\n" for path in paths))
     return DONE
 
 

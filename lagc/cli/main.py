@@ -42,6 +42,19 @@ COMMANDS = {
 }
 
 
+# Verbs of other tools -> the command that does it.
+VERBS = {
+    **dict.fromkeys(("run", "simulate", "solve", "integrate"), "sim"), "plot": "sim FILE --plot",
+    **dict.fromkeys(("compile", "generate", "codegen", "export", "make"), "build"),
+    **dict.fromkeys(("lint", "validate", "verify", "test"), "check"), "format": "fmt",
+    **dict.fromkeys(("init", "create"), "new"),
+    **dict.fromkeys(("list", "ls", "library", "models"), "new --list"),
+    **dict.fromkeys(("eq", "latex", "derive"), "equations"), "describe": "explain", "info": "explain",
+    **dict.fromkeys(("linearise", "modes", "eigenvalues", "equilibrium"), "linearize"),
+    "clean": "cache --clear",
+}  # fmt: skip
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run one command and return the exit code (see `lagc.cli.output`)."""
     words = sys.argv[1:] if arguments is None else list(arguments)
@@ -71,10 +84,12 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _dispatch(words: list[str]) -> int:
+    if words[:1] == ["help"] and len(words) > 1:  # `lagc help sim`
+        words = [words[1], "--help"]
     if not words or words[0] in ("-h", "--help", "help"):
         show(_overview() + "\n")
         return DONE if words else USAGE
-    if words[0] in ("--version", "-V"):
+    if words[0] in ("--version", "-V", "version"):
         show(f"lagc {__version__}\n")
         return DONE
     name = words[0]
@@ -145,7 +160,9 @@ def _tell_of_the_cache() -> None:
 def _similar(name: str) -> str:
     from lagc.diagnostics.suggest import closest
 
-    close = closest(name, COMMANDS)
+    if name.endswith(".lag"):
+        return f" (did you mean `lagc sim {name}`?)"
+    close = VERBS.get(name.lower()) or closest(name, COMMANDS)
     return f" (did you mean `{close}`?)" if close else ""
 
 

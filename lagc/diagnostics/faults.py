@@ -1,65 +1,12 @@
-"""Faults and places in texts."""
+"""Faults, and the exception that carries them."""
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from functools import cached_property
-
-from lagc.base.records import dataclass, field
-
-
-@dataclass(frozen=True)
-class Source:
-    """A text and its name for messages.  `asked`: it comes from a command or a caller, not from a file."""
-
-    name: str
-    text: str = field(repr=False)
-    asked: bool = field(default=False, repr=False)
-
-    @cached_property
-    def line_starts(self) -> tuple[int, ...]:
-        starts = [0]
-        for offset, char in enumerate(self.text):
-            if char == "\n":
-                starts.append(offset + 1)
-        return tuple(starts)
-
-    def place(self, offset: int) -> tuple[int, int]:
-        """Return the 1-based line and column (in characters) of `offset`."""
-        line = bisect_right(self.line_starts, offset)
-        return line, offset - self.line_starts[line - 1] + 1
-
-    def line(self, number: int) -> str:
-        start = self.line_starts[number - 1]
-        end = self.text.find("\n", start)
-        return self.text[start : len(self.text) if end < 0 else end].rstrip("\r")
-
-
-@dataclass(frozen=True, slots=True)
-class Span:
-    """Characters start..end (end excluded) of a source."""
-
-    source: Source = field(repr=False)
-    start: int
-    end: int
-
-    @property
-    def line(self) -> int:
-        return self.source.place(self.start)[0]
-
-    @property
-    def column(self) -> int:
-        return self.source.place(self.start)[1]
-
-    @property
-    def text(self) -> str:
-        return self.source.text[self.start : self.end]
-
-    def to(self, other: Span) -> Span:
-        return Span(self.source, self.start, max(self.end, other.end))
-
-    def __str__(self) -> str:
-        return f"{self.source.name}:{self.line}:{self.column}"
+from lagc.base.records import dataclass
+from lagc.base.text import one_line
+from lagc.diagnostics.sources import WIDEST, paint, snippet
+from lagc.diagnostics.sources import Source as Source
+from lagc.diagnostics.sources import Span as Span
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,16 +21,78 @@ class Fault:
     remedy: str | None = None
     severity: str = "error"  # or "warning"
 
+    @property
+    def file(self) -> str | None:
+        return self.span.source.name if self.span else None
+
+    @property
+    def line(self) -> int | None:
+        return self.span.line if self.span else None
+
+    @property
+    def column(self) -> int | None:
+        return self.span.column if self.span else None
+
     def __str__(self) -> str:
         return f"{self.code}: {self.message}" + (f" ({self.remedy})" if self.remedy else "")
 
+    def shown(self, color: bool = False, head: str = "") -> str:
+        """Return the fault in lines: the message after `head`, the places with carets, the remedy."""
+        head = head or paint(f"{self.severity}[{self.code}]", self.severity, color)
+        lines = [f"{head}: {paint(one_line(self.message), 'bold', color)}"]
+        spans = [*([self.span] if self.span else []), *(span for span, _ in self.related)]
+        width = max((len(str(span.line)) for span in spans), default=0) + 1
+        if self.span:
+            lines += snippet(self.span, "-->", "^", "", width, self.severity, color)
+        before = self.span
+        for span, label in self.related:
+            more = snippet(span, ":::", "-", label, width, "frame", color)
+            lines += more[3:] if before is not None and _on_one_line(span, before) else more
+            before = span
+        if self.remedy:
+            lines.append(f"{' ' * (width + 1)}{paint('= help:', 'help', color)} {one_line(self.remedy)}")
+        return "\n".join(lines)
+
+
+def _on_one_line(span: Span, other: Span) -> bool:
+    """Whether both spans are in the same line of text, which is then shown once."""
+    if span.source is not other.source or span.line != other.line:
+        return False
+    return len(span.source.line(span.line)) <= WIDEST
+
 
 class Refused(Exception):
-    """The model is refused because of `faults`."""
+    """The model or the request is refused because of `faults`.
+
+    `code`, `file`, `line`, `column` and `remedy` are those of the first one.
+    """
 
     def __init__(self, faults: list[Fault] | tuple[Fault, ...]):
         self.faults = tuple(faults)
-        super().__init__("; ".join(map(str, self.faults)))
+        super().__init__(self.faults)
+
+    def __str__(self) -> str:
+        return "\n\n".join(fault.shown(head=fault.code) for fault in self.faults)
+
+    @property
+    def code(self) -> str | None:
+        return self.faults[0].code if self.faults else None
+
+    @property
+    def file(self) -> str | None:
+        return self.faults[0].file if self.faults else None
+
+    @property
+    def line(self) -> int | None:
+        return self.faults[0].line if self.faults else None
+
+    @property
+    def column(self) -> int | None:
+        return self.faults[0].column if self.faults else None
+
+    @property
+    def remedy(self) -> str | None:
+        return self.faults[0].remedy if self.faults else None
 
     def __reduce__(self) -> tuple[type[Refused], tuple[tuple[Fault, ...]]]:
         return type(self), (self.faults,)

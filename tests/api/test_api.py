@@ -75,6 +75,54 @@ def test_the_right_hand_side_serves_other_integrators(pendulum: lagc.CompiledMod
         pendulum.rhs(0.0, [1.0, 2.0, 3.0])
 
 
+WORK = """model W
+  coordinate Length x(rate = 1);
+  body b = Particle(mass = 1, at = {x, 0, 0});
+  force f = -1 [N.s/m]*velocity(b) at b;
+end W;
+"""
+
+
+def test_a_state_has_no_work() -> None:
+    """The integral of the work is one of the columns of a run, but none of the state."""
+    system = lagc.loads(WORK).compile(backend="numpy")
+    run = system.simulate(stop=1.0, points=2)
+    assert run.x.shape == (2, 3) and system.rhs(0.0, run.x[0, :2]).tolist() == [1.0, -1.0]
+    with pytest.raises(ValueError, match=r"x has 3 entries, not 2: x, der\(x\)"):
+        system.rhs(0.0, run.x[0])
+
+
+def test_a_refusal_shows_the_place_and_the_remedy() -> None:
+    text = WORK.replace("-1 [N.s/m]*velocity(b)", "-c*velocity(b)").replace("Length x", "Lenght x")
+    with pytest.raises(lagc.Refused) as refused:
+        lagc.loads(text, "work.lag").compile()
+    assert str(refused.value) == (
+        "LAG0203: there is no type `Lenght`\n"
+        "  --> work.lag:2:14\n"
+        "   |\n"
+        " 2 |   coordinate Lenght x(rate = 1);\n"
+        "   |              ^^^^^^\n"
+        "   = help: did you mean `Length`?\n"
+        "\n"
+        "LAG0201: `c` is not declared\n"
+        "  --> work.lag:4:14\n"
+        "   |\n"
+        " 4 |   force f = -c*velocity(b) at b;\n"
+        "   |              ^\n"
+        "   = help: declare it, as in `parameter Length c = 1 [m];`"
+    )
+    first, second = refused.value.faults
+    found = refused.value
+    assert (found.code, found.file, found.line, found.column) == ("LAG0203", "work.lag", 2, 14)
+    assert found.remedy == first.remedy == "did you mean `Length`?"
+    assert (second.code, second.file, second.line, second.column) == ("LAG0201", "work.lag", 4, 14)
+    assert str(pickle.loads(pickle.dumps(found))) == str(found)
+    with pytest.raises(lagc.Refused) as refused:
+        lagc.loads(WORK).compile().simulate(1.0, starts={"X": 1.0})
+    assert (refused.value.file, refused.value.line, refused.value.column) == (None, None, None)
+    assert str(refused.value) == "LAG0606: there is no coordinate or speed `X`\n  = help: did you mean `x`?"
+
+
 def test_wrong_values_are_refused(pendulum: lagc.CompiledModel) -> None:
     for given in ({"L": 1.0}, {"l": -1.0}, {"l": math.nan}, {"l": (1.0, "kg")}):
         with pytest.raises(lagc.Refused):

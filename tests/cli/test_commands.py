@@ -25,6 +25,24 @@ def pendulum(tmp_path: Path, capsys: Capture) -> str:
     return str(path)
 
 
+@pytest.mark.parametrize(
+    "verb, command",
+    [("run", "sim"), ("simulate", "sim"), ("compile", "build"), ("plot", "sim FILE --plot"), 
+     ("format", "fmt"), ("chek", "check"), ("pendulum.lag", "lagc sim pendulum.lag")],
+)  # fmt: skip
+def test_verbs_of_other_tools_are_answered_with_the_command(
+    verb: str, command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([verb, "pendulum.lag"]) == 2
+    assert f"there is no command `{verb}` (did you mean `{command}`?)" in capsys.readouterr().err
+
+
+def test_version_and_help_are_words_too(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["version"]) == main(["help"]) == main(["help", "sim"]) == 0
+    shown = capsys.readouterr().out
+    assert shown.startswith("lagc ") and "usage: lagc COMMAND" in shown and "usage: lagc sim" in shown
+
+
 def test_a_new_model_is_sound_and_simulates(pendulum: str, capsys: Capture) -> None:
     assert main(["check", pendulum]) == 0
     assert main(["sim", pendulum, "-q", "--backend", "numpy", "--stop", "1"]) == 0

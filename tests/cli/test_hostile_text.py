@@ -89,6 +89,16 @@ def test_nothing_that_the_command_line_says_steers_the_terminal(
                 json.loads(out)
 
 
+def test_names_of_files_are_escaped_in_lists(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["build", "simple_pendulum", "-o", "\x1b[31m\nred"]) == 0
+    shown = capsys.readouterr().out
+    assert is_harmless(shown) and shown.count("\n") == 2 and "\\x1b[31m\\nred" in shown
+    assert (tmp_path / "\x1b[31m\nred" / "simple_pendulum.c").is_file()
+
+
 @pytest.mark.full
 def test_nothing_in_a_model_steers_the_terminal_or_breaks_a_file(tmp_path: Path, capsys: Capture) -> None:
     pytest.importorskip("matplotlib")

@@ -111,7 +111,8 @@ def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
         remedy=foreign(e.name)
         or _strength(e.name, instance)
         or _rate(e.name, instance)
-        or did_you_mean(e.name, known),
+        or did_you_mean(e.name, known)
+        or f"declare it, as in `parameter Length {e.name} = 1 [m];`",
     )
 
 
