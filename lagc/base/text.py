@@ -39,7 +39,6 @@ def seconds(text: str) -> float | None:
 
 
 def whole(text: str) -> int | None:
-    """Return the integer in `text`, or None."""
     return int(text) if re.fullmatch(_WHOLE, text) else None
 
 

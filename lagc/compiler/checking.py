@@ -33,7 +33,6 @@ class Checked:
 
 
 def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[Fault]:
-    """Return the faults of `source`."""
     return look(source, choice, roots).faults
 
 
@@ -110,7 +109,6 @@ def _faults(
 
 
 def _by_place(faults: Sequence[Fault]) -> dict[tuple[object, ...], Fault]:
-    """Return faults by code and place, one for each."""
     found: dict[tuple[object, ...], Fault] = {}
     for fault in faults:
         span = fault.span

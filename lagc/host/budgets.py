@@ -276,7 +276,6 @@ def rest() -> None:
 
 
 def time_text(s: float) -> str:
-    """Return a time in words."""
     if s > 1e18:
         return "more than 1e10 years"
     for unit, name in ((31557600.0, "years"), (86400.0, "days"), (3600.0, "h"), (60.0, "min")):

@@ -224,7 +224,6 @@ class _Freezing:
         return None if self._kind(slope) & _TIME or slope.is_zero else slope
 
     def _words(self, node: Node) -> str:
-        """Return the words for a change."""
         args = node.args
         first = brief(args[0], self._texts)
         if len(args) == 1:

@@ -17,7 +17,6 @@ _ROOT = 3  # products that a root costs, with what stands about it
 
 
 def terms(graph: Graph, node: Node) -> list[Node]:
-    """Return the terms of `node`."""
     found: list[Node] = []
     stack: list[tuple[float, Node]] = [(1.0, node)]
     while stack:

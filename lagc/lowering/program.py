@@ -152,7 +152,6 @@ class Clause:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of its event."""
         return self.marks or (f"when {self.words}",)
 
 
@@ -295,7 +294,6 @@ class Interface:
 
     @property
     def angles(self) -> tuple[int, ...]:
-        """The coordinates that are angles."""
         return tuple([i for i, unit in enumerate(self.q_units) if unit == "rad"])
 
     @property

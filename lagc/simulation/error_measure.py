@@ -131,7 +131,6 @@ class ComparisonGrid:
         self.times += recorded[-1:]
 
     def recorded(self, run: Trajectory) -> Trajectory:
-        """Return `run` at the recorded times."""
         if self.parts == 1:
             return run
         return run.changed(times=run.times[:: self.parts], states=run.states[:: self.parts])

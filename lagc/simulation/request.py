@@ -270,7 +270,6 @@ def si(name: str, number: float | Quantity, unit: str, faults: list[Fault]) -> f
 
 
 def unknown(name: str, known: Iterable[str], what: str, code: str) -> Fault:
-    """The fault for an unknown name, with similar ones from `known`."""
     names = list(known)
     parts = [n for n in names if n.startswith((f"{name}[", f"{name}."))]
     remedy = did_you_mean(name, names)

@@ -231,7 +231,6 @@ class Slopes:
 
     @property
     def nodes(self) -> list[Node]:
-        """Return all derivatives."""
         return [node for own in (*self.rows, *self.sums) for node in own.values()]
 
     @cached_property
@@ -352,12 +351,10 @@ def _through(
 
 
 def _gradients(graph: Graph, nodes: Sequence[Node], by: Mapping[Node, int]) -> list[dict[int, Node]]:
-    """Return the gradient of each node, by column."""
     moving = depends(nodes, by)
     found = (gradient(graph, {node: graph.one}, by, within([node], moving)) for node in nodes)
     return [{by[x]: slope for x, slope in own.items()} for own in found]
 
 
 def _places(bits: int) -> list[int]:
-    """Return the positions of the ones."""
     return [k for k, digit in enumerate(reversed(f"{bits:b}")) if digit == "1"]

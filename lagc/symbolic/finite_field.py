@@ -63,7 +63,6 @@ class Point:
         return (self._state >> 64) % (P - 1) + 1
 
     def place(self, values: Mapping[Node, int]) -> None:
-        """Set the values of symbols."""
         self.symbols.update(values)
         for found in self._found:
             found.clear()

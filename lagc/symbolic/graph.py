@@ -90,7 +90,6 @@ class Node:
 
     @property
     def record(self) -> Symbol:
-        """Return the Symbol of a leaf."""
         found: Symbol = self.value
         return found
 
@@ -131,7 +130,6 @@ class Graph:
         return self._intern("const", (), float(value) + 0.0)
 
     def symbol(self, kind: str, owner: str = "", component: str = "", order: int = 0) -> Node:
-        """Return the leaf of this `Symbol`."""
         return self.leaf(Symbol(kind, owner, component, order))
 
     def leaf(self, symbol: Symbol) -> Node:
@@ -141,7 +139,6 @@ class Graph:
         return value if isinstance(value, Node) else self.const(value)
 
     def scale(self, c: float, x: Node) -> Node:
-        """Return c*x for a number c."""
         op = x.op
         if op == "const":
             return self.const(c * x.value)

@@ -30,7 +30,6 @@ class Symbol:
 
     @property
     def derivative(self) -> Symbol:
-        """Return the symbol of the time derivative."""
         return replace(self, kind=_RATES[self.kind], order=self.order + 1)
 
     @property
@@ -56,7 +55,6 @@ def underived(name: str) -> str:
 
 
 def digest(numbers: Sequence[float]) -> str:
-    """Return a name for `numbers`."""
     return cache.digest(struct.pack(f"<{len(numbers)}d", *numbers))
 
 

@@ -79,7 +79,6 @@ def _angles(square: Node, work: _Work) -> list[tuple[Node, Node]]:
 
 
 def _expanded(node: Node, work: _Work) -> Terms:
-    """Return the expanded terms."""
     terms: Terms = {}
     stack = [(node, 1.0)]
     while stack:

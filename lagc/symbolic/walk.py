@@ -66,7 +66,6 @@ def linked(nodes: Iterable[Node], links: Mapping[Node, Sequence[Node]]) -> list[
 
 
 def symbols(nodes: Iterable[Node]) -> set[Node]:
-    """Return the symbols below `nodes`."""
     return {node for node in reachable(nodes) if node.op == "symbol"}
 
 

@@ -315,7 +315,6 @@ class Spacing:
         return True
 
     def _is_sign(self, number: int) -> bool:
-        """Whether this `+` or `-` is a sign."""
         before = self.tokens[number - 1]
         if before.kind == SYMBOL:
             return before.text not in _CLOSING

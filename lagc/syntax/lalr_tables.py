@@ -40,7 +40,6 @@ class Tables:
 
 @cache
 def tables() -> Tables:
-    """Return the tables of the language."""
     grammar = grammar_text()
     shipped = _shipped(grammar)
     if shipped is not None:

@@ -24,8 +24,6 @@ def recover(machine: Machine) -> bool:
 
 
 class Recovery:
-    """Recovery from one fault."""
-
     def __init__(self, machine: Machine):
         self.machine = machine
 

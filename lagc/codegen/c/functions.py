@@ -158,7 +158,6 @@ def _definition(name: str, function: Function, body: list[str], more: Mapping[st
 
 
 def parameters(function: Function) -> str:
-    """Return the formal parameters of `function`."""
     outputs = {name for name, _ in function.outputs}
     return ", ".join(_formal(name, name in outputs) for name in _order(function))
 

@@ -41,7 +41,6 @@ class CPrinter:
         return (f"lagc_{snake(kind[1])}" if name is None else name) + " "
 
     def size(self, name: str) -> str:
-        """Return the size of an array."""
         return self.named(name)[0]
 
     def named(self, name: str) -> tuple[str, int]:

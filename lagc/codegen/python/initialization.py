@@ -23,7 +23,6 @@ def code(kinds: tuple[bool, ...]) -> CodeType:
 
 
 def text(flags: dict[str, bool]) -> str:
-    """Return the text of the kernels."""
     from lagc.codegen.kernel_compiler.linker import chosen
     from lagc.codegen.kernel_compiler.shipped import parts
     from lagc.codegen.python.functions import ARITHMETIC

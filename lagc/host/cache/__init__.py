@@ -71,7 +71,6 @@ def key(*parts: str) -> str:
 
 
 def digest(data: bytes) -> str:
-    """Return a hash of `data`."""
     return hashed(data).hexdigest()
 
 

@@ -45,7 +45,6 @@ def limit() -> int:
 
 
 def entries(place: Folder) -> list[Entry]:
-    """Return all entries, valid or not."""
     found = _files(place, _ENTRY)
     return [Entry(name, match[1], -(-s.st_size // BLOCK) * BLOCK, s.st_mtime) for name, match, s in found]
 

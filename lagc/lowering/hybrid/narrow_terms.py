@@ -19,7 +19,6 @@ MOST = 10_000  # beyond, none is looked at
 
 
 def features(equations: EquationsOfMotion) -> tuple[Node, ...]:
-    """Those of the equations, each once."""
     changing = [equations.time, *equations.q, *equations.v]
     moving = depends(deciding(equations), changing)
     moved = sorted(moving, key=lambda node: node.index)

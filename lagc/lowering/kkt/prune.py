@@ -177,7 +177,6 @@ class _Parts:
         return sum(self.find(j) == j for j in range(len(self._leader)))
 
     def groups(self, size: int) -> list[list[int]]:
-        """Of the first `size`."""
         found: dict[int, list[int]] = {}
         for j in range(size):
             found.setdefault(self.find(j), []).append(j)

@@ -59,7 +59,6 @@ def rate_coefficients(states: States, forces: Mapping[int, Node]) -> dict[Node, 
 
 
 def velocity_form(states: States, row: Row) -> Form:
-    """The form of an affine velocity row."""
     graph = states.graph
     weights = rate_coefficients(states, row.jacobian)
     coefficients: dict[Node, Node] = {}

@@ -73,7 +73,6 @@ def _balance(states: States, drives: Node, free: FreeTerms) -> str:
 
 
 def _vanishes(states: States, node: Node) -> bool:
-    """It is proved to."""
     if node.is_zero:
         return True
     from lagc.mechanics.identities.sampling_domains import (

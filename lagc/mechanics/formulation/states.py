@@ -86,7 +86,6 @@ class States:
 
     @cached_property
     def bounds(self) -> dict[Node, Interval]:
-        """Of the parameters."""
         return {p.symbol: (p.minimum, p.maximum) for p in self.model.parameters}
 
     @cached_property

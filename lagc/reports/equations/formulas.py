@@ -130,7 +130,6 @@ class Formulas:
 
     @cached_property
     def definitions(self) -> list[Formula]:
-        """Return the definitions of the parts."""
         collect, symbol = self.collector.collect, self.collector.algebra.symbol_only
         return [
             Formula("shared", node.record.name, collect(symbol(node)), collect(p)) for node, p in self.parts

@@ -158,7 +158,6 @@ def _shown(equations: EquationsOfMotion) -> Names:
 
 
 def _letter(equations: EquationsOfMotion) -> str:
-    """That of the parts."""
     bases = [name.base for name in names(equations).values()]
     return next(c for c in ("s", "part", "shared_part") if not any(x.startswith(c) for x in bases))
 

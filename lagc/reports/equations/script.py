@@ -224,7 +224,6 @@ class ScriptWriter(TextWriter):
         return f"    {equation},  # {label}"
 
     def event(self, clause: Clause) -> str:
-        """Likewise."""
         first, changes = clause.lines[0], []
         for line in clause.lines:
             change = f"{self.total(line.left)}: {self.total(line.right)}"
@@ -287,7 +286,6 @@ class ScriptWriter(TextWriter):
 
 
 def _range(first: str, last: str) -> str:
-    """Of the numbers from `first` to `last`."""
     if last.isdigit():
         return f"range({first}, {int(last) + 1})"
     return (

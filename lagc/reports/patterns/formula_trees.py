@@ -258,7 +258,6 @@ def all_of(line: Line) -> list[Line]:
 
 
 def counted(form: Any) -> set[str]:
-    """The counters in it."""
     found: set[str] = set()
 
     def seen(number: Number) -> Number:

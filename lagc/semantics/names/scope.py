@@ -210,8 +210,6 @@ class Array:
 
 @dataclass(frozen=True, slots=True)
 class Truth:
-    """A condition."""
-
     node: Node
 
 

@@ -84,7 +84,6 @@ def _of_model(name: str, declaration: tree.ModelDeclaration, space: Namespace) -
 
 
 def _required(effect: tree.Effect, effects: dict[str, tree.Effect]) -> list[str]:
-    """Return the effect and all effects that it requires."""
     wanted = [effect.name]
     for name in wanted:  # the list grows
         if name in effects:

@@ -32,7 +32,6 @@ def is_constant(context: Context, nodes: Sequence[Node]) -> bool:
 
 
 def length_of(context: Context, vector: Vector) -> Node:
-    """Return the length of a vector."""
     if not is_constant(context, vector):
         for axes in _near(context, vector):
             own = _factors(context, axes, vector)

@@ -176,7 +176,6 @@ def _place(file: Columns, asked: Argument) -> int:
 
 
 def _measured(file: Columns, k: int, asked: Argument) -> Column:
-    """Return column k in SI."""
     name, said = file.heads[k]
     try:
         numbers, meant = file.numbers(k), None if said is None else unit(said)

@@ -275,7 +275,6 @@ def frame_of(argument: Argument) -> Frame:
 
 
 def about_axis(context: Context, frame: Argument, k: int, angle: Argument) -> Frame:
-    """Return a frame rotated by an angle about axis k."""
     return _about_own(context, frame_of(frame), k, 1.0, angle)
 
 

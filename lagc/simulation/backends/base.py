@@ -79,7 +79,6 @@ class CompiledSystem(ABC):
         return self.compiled.bind(self._values, self._branch(t, x))
 
     def _apply_branch(self, workspace: Any) -> None:
-        """Set the branch of a new workspace."""
         if self.branch is not None:
             self._set_branch(workspace, self.branch)
 

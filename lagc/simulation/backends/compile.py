@@ -68,7 +68,6 @@ def library_key(sources: Mapping[str, str], more: Sequence[str] = ()) -> str:
 
 
 def cached_library(sources: Mapping[str, str]) -> bool:
-    """Whether the library is in the cache."""
     return cache.holds("library", library_key(sources))
 
 

@@ -53,7 +53,6 @@ class NumpyModel(Compiled):
 
     @once
     def module(self) -> dict[str, Any]:
-        """The namespace of the module."""
         ((name, text),) = self.sources.items()
         return executed(self.code or compiled(text, name))
 
@@ -187,7 +186,6 @@ class NumpySystem(CompiledSystem):
         return found
 
     def rhs_on(self, modes: Vector, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
-        """`rhs` on a branch."""
         with self._on(modes):
             return self.rhs(t, x, xdot, lam)
 

@@ -57,7 +57,6 @@ class Remembered:
 
 
 def recall(name: str) -> Remembered | None:
-    """Return the remembered run, or None."""
     return cache.load("accuracy", name, lambda body: Remembered(*marshal.loads(body)))
 
 
@@ -108,7 +107,6 @@ class Verified:
 
 
 def method_for(accuracy: float) -> str:
-    """The integration method for an accuracy."""
     return "dopri5" if accuracy >= 1e-5 else "dop853"
 
 
@@ -154,8 +152,6 @@ def longest_step(system: System, method: str, tol: float, time: float, max_step:
 
 
 class _Search:
-    """The search for the tolerance."""
-
     def __init__(self, system: System, x0: Sequence[float], times: Sequence[float], accuracy: float,
                  progress: Progress | None, max_step: float | None):  # fmt: skip
         self.system, self.x0, self.times = system, x0, times

@@ -191,7 +191,6 @@ class Consistency:
 
     @property
     def work(self) -> int:
-        """Factorisations."""
         return int(self.work_space.work)
 
 

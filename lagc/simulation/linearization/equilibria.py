@@ -115,7 +115,6 @@ class _Search:
             yield [*q, *rest]
 
     def reach(self, guess: list[float]) -> Equilibrium | None:
-        """The equilibrium that the steps reach from `guess`, or None."""
         try:
             self.inertias.append(np.abs(np.diag(self._mass(guess))))
             return self._reached(np.array([*guess, *[0.0] * self.system.nc]))
@@ -313,7 +312,6 @@ class _Search:
 
 
 def _turns(angle: float) -> int:
-    """The whole turns of an angle."""
     return round((angle - SAME) / (2.0 * pi))
 
 

@@ -85,7 +85,6 @@ class Linear:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """The names of the outputs."""
         return tuple([f.name for f in self.system.interface.outputs])
 
     @property

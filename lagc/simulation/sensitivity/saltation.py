@@ -35,7 +35,6 @@ class Changes:
     """The changes of S at events."""
 
     def __init__(self, system: NumpySystem, directions: Sequence[int], columns: Sequence[int]):
-        """`directions` are those by the parameters `columns`."""
         self.system, self.by_p, self.columns = system, list(directions), list(columns)
 
     def beyond(self, s: Any, now: Array, before: Sequence[float], jumped: bool) -> tuple[Array, Array]:

@@ -85,7 +85,6 @@ def combined(row: Array, table: Array) -> Array:
 
 @cache
 def tableau(method: str) -> Tableau:
-    """The tableau of a method."""
     m: Any = import_module(f"lagc.kernels.integrators.tableaus.{method}")
     n = len(m.C)
     full = n + 1 + len(m.EXTRA_C)

@@ -55,7 +55,6 @@ class Where:
         return Span(self.source, first.start, (last or first).end)
 
     def sign(self, text: str) -> str:
-        """Return the terminal of a sign."""
         return self.signs[text]
 
     def new_line(self) -> bool:
