@@ -168,6 +168,8 @@ def scaled(a: Vec[NX], b: Vec[NX], y: Vec[NX], n: int) -> Real:
         if k % 2 == 0:
             continue
         count += k // 2 - sign(a[k % 3]) * (k >> 1 & 1)
+    for j in range(2 + sign(a[0])):
+        count += j
     for i in range(NX - 1, -1, -1):
         y[i] += float(count) * quotient(own[i], b[i]) if b[i] != 0.0 or not own[i] > 0.0 else fabs(own[i])
     y[1:3] = part(own, 0, 2)

@@ -147,6 +147,10 @@ class CPrinter:
         kind: Type = node.kind  # type: ignore[attr-defined]
         first, end = ("0", args[0]) if len(args) == 1 else (self.text(args[0]), args[1])
         limit = self.operand(end, None, SHIFT)
+        if any(
+            isinstance(n, ast.Attribute | ast.Call) for n in ast.walk(end)
+        ):  # evaluated once, as in Python
+            first, limit = f"{first}, {i}_end = {self.text(end)}", f"{i}_end"
         test = f"{i} < {limit}"
         if len(args) == 3:
             test = f"{i} >= 0" if limit == "-1" else f"{i} > {limit}"

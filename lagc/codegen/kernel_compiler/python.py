@@ -124,7 +124,8 @@ class Zipped(ast.NodeTransformer):
         node.body = self.block(node.body)
         assert isinstance(node.iter, ast.Call) and isinstance(node.target, ast.Name)
         i, ends = node.target.id, node.iter.args
-        found = self.zipped(node, i, ends[0]) if len(ends) == 1 else None
+        calls = any(isinstance(n, ast.Call) for n in ast.walk(ends[0]))
+        found = self.zipped(node, i, ends[0]) if len(ends) == 1 and not calls else None
         if found is not None:
             found.lead, found.trail = node.lead, node.trail  # type: ignore[attr-defined]
         return found or node

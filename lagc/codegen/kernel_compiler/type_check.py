@@ -175,8 +175,8 @@ class Types:
     def loop(self, node: ast.For, name: str, args: list[ast.expr]) -> None:
         kinds = [self.of(a) for a in args]
         for a, kind in zip(args, kinds):
-            if kind not in WHOLE or any(isinstance(n, ast.Attribute | ast.Call) for n in ast.walk(a)):
-                raise self.fail(node, "the ends of a range are names and numbers")
+            if kind not in WHOLE:
+                raise self.fail(node, "the ends of a range are integers")
             if {n.id for n in ast.walk(a) if isinstance(n, ast.Name)} & targets(node.body):
                 raise self.fail(node, "an end of the range changes in the loop")
         if len(args) == 3 and ast.unparse(args[2]) != "-1":

@@ -158,8 +158,7 @@ def factor_safely(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
         if NM > 0:
             status = factor_rank_revealing(p, t, x, least_share(w), w)
             if status == REDUNDANT:
-                rank = w.rank
-                for i in range(rank, NC):
+                for i in range(w.rank, NC):
                     w.redundant[w.row_order[i]] = 1
         else:
             assemble_entries(p, t, x, w)

@@ -22,9 +22,7 @@ from lagc.kernels.language.vocabulary import *
 def moves_massless(i: int, w: StartWork) -> bool:
     """Whether equation i contains an unstated speed without inertia."""
     found = False
-    first = row_begin(i)
-    end = ends[i]
-    for k in range(first, end):
+    for k in range(row_begin(i), ends[i]):
         j = w.column[k]
         found = found or (massless[j] == 1 and w.levels[j] == UNSTATED)
     return found
@@ -78,8 +76,7 @@ def search(p: Params, t: Real, end: int, w: StartWork) -> bool:
 def release_level(level: int, w: StartWork) -> bool:
     """Free all values of a level in this block; return whether there are any."""
     found = False
-    owned = w.unknown_count
-    for k in range(owned):
+    for k in range(w.unknown_count):
         i = w.unknowns[k]
         if w.levels[i] == level:
             w.free[i] = 1
@@ -89,8 +86,7 @@ def release_level(level: int, w: StartWork) -> bool:
 
 def has_level(level: int, w: StartWork) -> bool:
     """Whether this block has a value of the level."""
-    owned = w.unknown_count
-    for k in range(owned):
+    for k in range(w.unknown_count):
         i = w.unknowns[k]
         if w.levels[i] == level:
             return True
@@ -156,8 +152,7 @@ def select_block(part: int, w: StartWork) -> int:
         select_equations(n, w)
         for i in range(NU):
             w.free[i] = 0
-        owned = w.unknown_count
-        for k in range(owned):
+        for k in range(w.unknown_count):
             w.free[w.unknowns[k]] = w.free_before[w.unknowns[k]]
         w.y[:] = w.block_begin
     return n
@@ -178,8 +173,7 @@ def solve_blocks(p: Params, t: Real, w: StartWork) -> bool:
         )
         if not met and not release_levels(p, t, w):
             return False
-        owned = w.unknown_count
-        for k in range(owned):
+        for k in range(w.unknown_count):
             i = w.unknowns[k]
             if w.levels[i] < FIXED:
                 w.combined[i] = w.y[i]
@@ -194,8 +188,7 @@ def reset_traces(w: StartWork) -> bool:
     and held; return whether there are any."""
     w.combined[:] = w.y
     found = False
-    owned = w.unknown_count
-    for k in range(owned):
+    for k in range(w.unknown_count):
         i = w.unknowns[k]
         move = fabs(w.y[i] - w.guess[i])
         if w.free[i] == 1 and 0.0 < move and move <= TRACE * w.scaling[i]:

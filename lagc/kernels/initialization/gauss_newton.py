@@ -32,8 +32,7 @@ FULL_TURN = 6.283185307179586
 def select_columns(first: Size, end: Size, w: StartWork) -> None:
     """Set w.columns: the free unknowns first..end-1, coupled ones side by side."""
     w.column_count = 0
-    owned = w.unknown_count
-    for k in range(owned):
+    for k in range(w.unknown_count):
         i = w.ordered[k]
         w.column_of[i] = -1
         if first <= i and i < end and w.free[i] == 1:
@@ -46,9 +45,7 @@ def find_row_range(i: int, r: int, w: StartWork) -> None:
     """Set w.first_column and w.end_column of row r, which holds equation i."""
     begin = w.column_count
     stop = 0
-    first = row_begin(i)
-    end = ends[i]
-    for e in range(first, end):
+    for e in range(row_begin(i), ends[i]):
         at = w.column_of[w.column[e]]
         if at >= 0:
             begin = at if at < begin else begin
@@ -63,13 +60,9 @@ def fill(first: int, end: int, w: StartWork) -> None:
     for k in range(first, end):
         find_row_range(w.rows[k], k - first, w)
         row = w.matrix[k - first]
-        begin = w.first_column[k - first]
-        behind = w.end_column[k - first]
-        for j in range(begin, behind):
+        for j in range(w.first_column[k - first], w.end_column[k - first]):
             row[j] = 0.0
-        begin = row_begin(w.rows[k])
-        behind = ends[w.rows[k]]
-        for e in range(begin, behind):
+        for e in range(row_begin(w.rows[k]), ends[w.rows[k]]):
             i = w.column[e]
             if w.column_of[i] >= 0 and not is_roundoff(e, w):
                 row[w.column_of[i]] = w.J[e] * w.step_scaling[i]
@@ -78,25 +71,20 @@ def fill(first: int, end: int, w: StartWork) -> None:
 
 def move_along(y: Vec[NU], base: Vec[NU], factor: Real, w: StartWork) -> None:
     """Set y, in w.columns, to base plus a fraction of w.step."""
-    count = w.column_count
-    for k in range(count):
+    for k in range(w.column_count):
         i = w.columns[k]
         y[i] = base[i] + factor * w.step[k] * w.step_scaling[i]
 
 
 def accept_trial(y: Vec[NU], w: StartWork) -> None:
     """Accept w.trial as y, with its residuals and Jacobian."""
-    count = w.column_count
-    for k in range(count):
+    for k in range(w.column_count):
         y[w.columns[k]] = w.trial[w.columns[k]]
-    rows = w.row_count
-    for r in range(rows):
+    for r in range(w.row_count):
         i = w.rows[r]
         w.c[i] = w.trial_c[i]
         w.term_sizes[i] = w.trial_term_sizes[i]
-        first = row_begin(i)
-        end = ends[i]
-        for k in range(first, end):
+        for k in range(row_begin(i), ends[i]):
             w.J[k] = w.trial_J[k]
     scale_rows(y, w.J, w.term_sizes, w)
 
@@ -104,8 +92,7 @@ def accept_trial(y: Vec[NU], w: StartWork) -> None:
 def largest_fraction(w: StartWork) -> Real:
     """The largest fraction of w.step that turns no angle by more than a radian."""
     factor = 1.0
-    count = w.column_count
-    for k in range(count):
+    for k in range(w.column_count):
         i = w.columns[k]
         rotation = fabs(w.step[k]) * w.step_scaling[i]
         if angle[i] == 1 and rotation * factor > 1.0:
@@ -147,9 +134,7 @@ def unscaled_norm(c: Vec[NE], sizes: Vec[NE], first: int, end: int, w: StartWork
     for k in range(first, end):
         i = w.rows[k]
         free = False
-        begin = row_begin(i)
-        behind = ends[i]
-        for e in range(begin, behind):
+        for e in range(row_begin(i), ends[i]):
             free = free or (w.column_of[w.column[e]] >= 0 and not is_roundoff(e, w))
         if free:
             faint = CLOSE * w.row_scaling[i]
@@ -182,8 +167,7 @@ def polish(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) -
 
 def only_speeds(w: StartWork) -> bool:
     """Whether no coordinate is among w.columns."""
-    count = w.column_count
-    for k in range(count):
+    for k in range(w.column_count):
         if w.columns[k] < NQ:
             return False
     return True
@@ -261,8 +245,7 @@ def leads_to_start(p: Params, t: Real, y: Vec[NU], w: StartWork) -> bool:
 def distance(y: Vec[NU], w: StartWork) -> Real:
     """The scaled distance of y from the guess."""
     total = 0.0
-    owned = w.unknown_count
-    for k in range(owned):
+    for k in range(w.unknown_count):
         i = w.unknowns[k]
         move = (y[i] - w.guess[i]) / w.step_scaling[i]
         total += move * move
@@ -272,8 +255,7 @@ def distance(y: Vec[NU], w: StartWork) -> Real:
 def unstated_distance(y: Vec[NU], w: StartWork) -> Real:
     """The scaled distance of the unstated values from the guess."""
     total = 0.0
-    owned = w.unknown_count
-    for k in range(owned):
+    for k in range(w.unknown_count):
         i = w.unknowns[k]
         if w.levels[i] == UNSTATED:
             move = (y[i] - w.guess[i]) / w.scaling[i]
@@ -289,9 +271,7 @@ def step_to_guess(p: Params, t: Real, y: Vec[NU], end: int, trial_number: int, w
     fill(0, end, w)
     for r in range(end):
         value = w.right[r]
-        begin = w.first_column[r]
-        stop = w.end_column[r]
-        for k in range(begin, stop):
+        for k in range(w.first_column[r], w.end_column[r]):
             i = w.columns[k]
             value += w.matrix[r][k] * ((y[i] - w.guess[i]) / w.step_scaling[i])
         w.right[r] = value
@@ -334,8 +314,7 @@ def remove_turns(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
     """Remove whole turns of angles in y, where that is a start too."""
     has_turns = False
     w.tried[:] = y
-    owned = w.unknown_count
-    for k in range(owned):
+    for k in range(w.unknown_count):
         i = w.unknowns[k]
         if angle[i] == 1:
             turns = floor((y[i] - w.guess[i]) / FULL_TURN + 0.5)

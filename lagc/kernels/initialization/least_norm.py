@@ -114,9 +114,7 @@ def orthogonalize(w: StartWork, i: int, along: int) -> bool:
     extend_row(w, i, along)
     values = w.orthogonal[i]
     direction = w.orthogonal[along]
-    begin = w.first_nonzero[along]
-    stop = w.end_nonzero[along]
-    for j in range(begin, stop):
+    for j in range(w.first_nonzero[along], w.end_nonzero[along]):
         values[j] -= part * direction[j]
     return True
 
@@ -142,9 +140,7 @@ def orthogonalize_exactly(w: StartWork, i: int, along: int, lost: Real) -> Real:
     given = w.matrix[i]
     direction = w.orthogonal[along]
     largest = 0.0
-    begin = w.first_nonzero[i]
-    stop = w.end_nonzero[i]
-    for j in range(begin, stop):
+    for j in range(w.first_nonzero[i], w.end_nonzero[i]):
         taken = part * direction[j] if w.first_nonzero[along] <= j and j < w.end_nonzero[along] else 0.0
         left = fabs(values[j] - taken)
         own = fabs(given[j]) if w.first_column[i] <= j and j < w.end_column[i] else 0.0
@@ -245,9 +241,7 @@ def step_along(w: StartWork, i: int) -> None:
     direction = w.orthogonal[i]
     above = w.right[i] - inner(w.matrix[i], w.step, w.first_column[i], w.end_column[i])
     factor = above / along_direction(w, i)
-    begin = w.first_nonzero[i]
-    stop = w.end_nonzero[i]
-    for j in range(begin, stop):
+    for j in range(w.first_nonzero[i], w.end_nonzero[i]):
         w.step[j] += factor * direction[j]
 
 

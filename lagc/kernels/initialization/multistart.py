@@ -53,8 +53,7 @@ def perturb_guess(y: Vec[NU], k: int, w: StartWork) -> None:
         return
     # the congruential generator of rand() in the C standard, of 31 bits
     state: Length = 12345 + k
-    owned = w.unknown_count
-    for n in range(owned):
+    for n in range(w.unknown_count):
         i = w.unknowns[n]
         state = (1103515245 * state + 12345) & 2147483647
         if w.free[i] == 1:
@@ -70,13 +69,10 @@ def is_unsolvable(p: Params, t: Real, w: StartWork) -> bool:
     """Whether an equation without free unknowns is not met."""
     evaluate_rows(p, t, w.guess, w.c, w.J, w.term_sizes, w)
     scale_rows(w.guess, w.J, w.term_sizes, w)
-    rows = w.row_count
-    for r in range(rows):
+    for r in range(w.row_count):
         i = w.rows[r]
         held = True
-        first = row_begin(i)
-        end = ends[i]
-        for k in range(first, end):
+        for k in range(row_begin(i), ends[i]):
             if w.free[w.column[k]] == 1:
                 held = False
         if held and not relative_residual(w.c[i], w.roundoff[i], w.row_scaling[i]) <= ACCEPTED:
@@ -112,12 +108,9 @@ def attempt_from(p: Params, t: Real, k: int, even: bool, w: StartWork) -> bool:
 
 def is_significant(j: int, w: StartWork) -> bool:
     """Whether a derivative by unknown j is far above round-off."""
-    rows = w.row_count
-    for r in range(rows):
+    for r in range(w.row_count):
         i = w.rows[r]
-        first = row_begin(i)
-        end = ends[i]
-        for k in range(first, end):
+        for k in range(row_begin(i), ends[i]):
             if w.column[k] == j and fabs(w.J[k]) > SURE * w.entry_roundoff[k]:
                 return True
     return False
@@ -130,8 +123,7 @@ def relies_on_roundoff(p: Params, t: Real, w: StartWork) -> bool:
     evaluate_rows(p, t, w.y, w.c, w.J, w.term_sizes, w)
     estimate_slope_roundoff(p, t, w.y, w.scaling, w)
     found = False
-    owned = w.unknown_count
-    for k in range(owned):
+    for k in range(w.unknown_count):
         j = w.unknowns[k]
         if fabs(w.y[j] - w.guess[j]) > FARTHEST * w.scaling[j]:
             found = found or not is_significant(j, w)
@@ -151,8 +143,7 @@ def multistart(p: Params, t: Real, begin: int, end: int, w: StartWork) -> bool:
     w.nearest = inf
     some = False
     stated = False
-    owned = w.unknown_count
-    for n in range(owned):
+    for n in range(w.unknown_count):
         i = w.unknowns[n]
         some = some or w.free[i] == 1
         stated = stated or (w.free[i] == 1 and w.levels[i] > UNSTATED)

@@ -60,8 +60,7 @@ def restore(first: int, y: Vec[NU], w: StartWork) -> None:
 def reweight(level: int, y: Vec[NU], w: StartWork) -> None:
     """w.step_scaling: of values of a level by their moves in y; lower levels move like unstated values."""
     set_scales(False, w)
-    owned = w.unknown_count
-    for k in range(owned):
+    for k in range(w.unknown_count):
         i = w.unknowns[k]
         if w.levels[i] < level:
             w.step_scaling[i] = w.scaling[i]
@@ -206,8 +205,7 @@ def hold_one(p: Params, t: Real, n: int, w: StartWork) -> bool:
 def relax(p: Params, t: Real, level: int, w: StartWork) -> None:
     """Hold the values of a level that need not move; all of them move in the start w.y."""
     n = 0
-    owned = w.unknown_count
-    for k in range(owned):
+    for k in range(w.unknown_count):
         i = w.unknowns[k]
         if w.levels[i] == level and w.part[i] == 0:
             w.candidates[n] = i

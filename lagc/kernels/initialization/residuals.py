@@ -33,9 +33,8 @@ def assemble_slopes(J: Vec[NJ]) -> None:
     stretch = 0
     for i in range(NCOND):
         first = part_begin(i)
-        end = part_ends[i]
         last = -1
-        for k in range(first, end):
+        for k in range(first, part_ends[i]):
             total[part_column[k]] = parts[k]
             if part_column[k] - NU > last:
                 last = part_column[k] - NU
@@ -44,9 +43,7 @@ def assemble_slopes(J: Vec[NJ]) -> None:
             slope = total[NU + at]
             total[NU + at] = 0.0
             if slope != 0.0:
-                first = part_begin(NCOND + at)
-                end = part_ends[NCOND + at]
-                for k in range(first, end):
+                for k in range(part_begin(NCOND + at), part_ends[NCOND + at]):
                     total[part_column[k]] += slope * parts[k]
         while made < ends[i]:
             for j in range(stretch_begins[stretch], stretch_ends[stretch]):
@@ -104,8 +101,7 @@ def evaluate_rows(
     if NPIECE > 0:
         fn_conditions_some(p, t, y, c, J, sizes, w.first_piece, w.end_piece)
         if NRATE > 0 or NQUAT > 0:
-            rows = w.row_count
-            for r in range(rows):
+            for r in range(w.row_count):
                 complete_row(w.rows[r], y, c, J, sizes)
     else:
         evaluate_all(p, t, y, c, J, sizes)
@@ -124,14 +120,11 @@ def set_scales(even: bool, w: StartWork) -> None:
 def scale_rows(y: Vec[NU], J: Vec[NJ], sizes: Vec[NE], w: StartWork) -> None:
     """Set w.row_scaling and w.roundoff of w.rows at y: residuals count relative to the terms and to the
     change by a thousandth of the magnitudes of the unknowns; residuals below round-off count as zero."""
-    rows = w.row_count
-    for r in range(rows):
+    for r in range(w.row_count):
         i = w.rows[r]
         slight = 0.0
         w.roundoff[i] = w.residual_roundoff[i]
-        first = row_begin(i)
-        end = ends[i]
-        for k in range(first, end):
+        for k in range(row_begin(i), ends[i]):
             j = w.column[k]
             size = fabs(y[j])
             if w.free[j] == 1 and w.magnitude[j] > size:
@@ -179,9 +172,7 @@ def largest_residual(p: Params, t: Real, y: Vec[NU], end: int, w: StartWork) -> 
 
 def has_speeds(i: int, w: StartWork) -> bool:
     """Whether equation i contains speeds."""
-    first = row_begin(i)
-    end = ends[i]
-    for k in range(first, end):
+    for k in range(row_begin(i), ends[i]):
         if w.column[k] >= NQ:
             return True
     return False
@@ -191,12 +182,9 @@ def link_entries(w: StartWork) -> None:
     """Link the derivatives of w.rows by each unknown: from w.last on by w.previous; w.equation_of each."""
     for j in range(NU):
         w.last[j] = -1
-    rows = w.row_count
-    for r in range(rows):
+    for r in range(w.row_count):
         i = w.rows[r]
-        first = row_begin(i)
-        end = ends[i]
-        for k in range(first, end):
+        for k in range(row_begin(i), ends[i]):
             w.equation_of[k] = i
             w.previous[k] = w.last[w.column[k]]
             w.last[w.column[k]] = k
@@ -206,9 +194,7 @@ def visit(i: int, count: int, w: StartWork) -> int:
     """Append the new unknowns of equation i to w.ordered; return how many it holds."""
     w.chosen[i] = 1
     found = count
-    first = row_begin(i)
-    end = ends[i]
-    for k in range(first, end):
+    for k in range(row_begin(i), ends[i]):
         j = w.column[k]
         if w.marks[j] == 0:
             w.marks[j] = 1
@@ -227,8 +213,7 @@ def order_unknowns(w: StartWork) -> None:
         w.chosen[i] = 0
     count = 0
     at = 0
-    rows = w.row_count
-    for r in range(rows):
+    for r in range(w.row_count):
         if w.chosen[w.rows[r]] == 0:
             count = visit(w.rows[r], count, w)
         while at < count:
@@ -244,8 +229,7 @@ def find_piece_range(w: StartWork) -> None:
     """Set the range of independently evaluated groups that the rows belong to."""
     w.first_piece = size(NPIECE)
     w.end_piece = 0
-    rows = w.row_count
-    for r in range(rows):
+    for r in range(w.row_count):
         own = row_piece[w.rows[r]]
         if own >= 0 and own < w.first_piece:
             w.first_piece = own
@@ -258,9 +242,7 @@ def select_equations(n: Size, w: StartWork) -> None:
     for i in range(NU):
         w.marks[i] = 0
     for i in range(n):
-        first = row_begin(w.selected[i])
-        end = ends[w.selected[i]]
-        for k in range(first, end):
+        for k in range(row_begin(w.selected[i]), ends[w.selected[i]]):
             w.marks[w.column[k]] = 1
     w.unknown_count = 0
     for i in range(NU):

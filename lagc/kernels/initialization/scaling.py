@@ -49,11 +49,8 @@ def estimate_slope_roundoff(p: Params, t: Real, y: Vec[NU], sizes: Vec[NU], w: S
         size = fabs(y[i]) if fabs(y[i]) > fabs(sizes[i]) else fabs(sizes[i])
         w.trial[i] += (FOUR_ULPS if i % 2 == 0 else -FOUR_ULPS) * size
     evaluate_rows(p, t, w.trial, w.trial_c, w.trial_J, w.trial_term_sizes, w)
-    rows = w.row_count
-    for r in range(rows):
-        first = row_begin(w.rows[r])
-        end = ends[w.rows[r]]
-        for k in range(first, end):
+    for r in range(w.row_count):
+        for k in range(row_begin(w.rows[r]), ends[w.rows[r]]):
             change = fabs(w.trial_J[k] - w.J[k])
             w.entry_roundoff[k] = change if change > w.slope_roundoff[k] else w.slope_roundoff[k]
 
@@ -61,9 +58,7 @@ def estimate_slope_roundoff(p: Params, t: Real, y: Vec[NU], sizes: Vec[NU], w: S
 def known_terms(i: int, w: StartWork) -> Real:
     """The sum of the terms of equation i with known magnitudes."""
     total = w.guess_term_sizes[i]
-    first = row_begin(i)
-    end = ends[i]
-    for k in range(first, end):
+    for k in range(row_begin(i), ends[i]):
         if w.magnitude[w.column[k]] < inf:
             total += fabs(w.J[k]) * w.magnitude[w.column[k]]
     return total
@@ -84,9 +79,7 @@ def is_steepest(i: int, k: int, w: StartWork) -> bool:
     magnitude."""
     if not is_open(k, w):
         return False
-    first = row_begin(i)
-    end = ends[i]
-    for other in range(first, end):
+    for other in range(row_begin(i), ends[i]):
         if (
             unit[w.column[other]] == unit[w.column[k]]
             and is_open(other, w)
@@ -102,9 +95,7 @@ def size_single(w: StartWork) -> bool:
     for i in range(NE):
         at = -1
         count = 0
-        first = row_begin(i)
-        end = ends[i]
-        for k in range(first, end):
+        for k in range(row_begin(i), ends[i]):
             if is_open(k, w):
                 at = k
                 count += 1
@@ -126,9 +117,7 @@ def size_several(w: StartWork) -> bool:
             total = known_terms(i, w)
             if w.chosen[i] == 1 or not (0.0 < total and total < inf):
                 continue
-            first = row_begin(i)
-            end = ends[i]
-            for k in range(first, end):
+            for k in range(row_begin(i), ends[i]):
                 if is_steepest(i, k, w):
                     size = total / fabs(w.J[k])
                     if turn == 0 and size < w.moves[w.column[k]]:

@@ -58,8 +58,7 @@ def solve_lower(w: Work, z: Vec[NV]) -> None:
     for i in range(NV):
         start = i * (i + 1) // 2
         value = z[i]
-        head = row_begin_of(w, i)
-        for k in range(head, i):
+        for k in range(row_begin_of(w, i), i):
             value -= w.cholesky[start + k] * z[k]
         z[i] = value / w.cholesky[start + i]
 
@@ -70,6 +69,5 @@ def solve_upper(w: Work, z: Vec[NV]) -> None:
         start = i * (i + 1) // 2
         value = z[i] / w.cholesky[start + i]
         z[i] = value
-        head = row_begin_of(w, i)
-        for k in range(head, i):
+        for k in range(row_begin_of(w, i), i):
             z[k] -= w.cholesky[start + k] * value

@@ -34,9 +34,8 @@ def squared_length(w: Work, i: int) -> Real:
     """Return the squared length of row i of Q^T."""
     v = w.q_rows[i]
     begin = w.q_begin[i]
-    stop = w.q_end[i]
     value = 0.0
-    for j in range(begin, stop):
+    for j in range(begin, w.q_end[i]):
         value += v[j] * v[j]
     return value
 
@@ -44,9 +43,7 @@ def squared_length(w: Work, i: int) -> Real:
 def divide_row(w: Work, i: int, length: Real) -> None:
     """Divide row i of Q^T by a length."""
     v = w.q_rows[i]
-    begin = w.q_begin[i]
-    stop = w.q_end[i]
-    for j in range(begin, stop):
+    for j in range(w.q_begin[i], w.q_end[i]):
         v[j] = v[j] / length
 
 
