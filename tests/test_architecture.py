@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from lagc.lowering.program import Interface
+
 ROOT = Path(__file__).resolve().parent.parent
 IMPORT_LINTER = """
 import sys
@@ -131,3 +133,9 @@ def test_documents_name_files_that_exist() -> None:
         for page, path in found
         if not ((ROOT / path).exists() or (ROOT / "lagc" / path).exists() or path in names)
     ]
+
+
+def test_documents_name_members_of_the_interface() -> None:
+    text = "".join(page.read_text(encoding="utf-8") for page in (ROOT / "docs").rglob("*.md"))
+    named = set(re.findall(r"\.interface\.(\w+)", text))
+    assert named and not [name for name in named if not hasattr(Interface, name)]
