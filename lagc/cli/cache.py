@@ -18,9 +18,7 @@ from lagc.host.cache import upkeep
 def add_options(parser: argparse.ArgumentParser) -> None:
     what = parser.add_mutually_exclusive_group()
     what.add_argument(
-        "--verify",
-        action="store_true",
-        help="read every entry and remove damaged ones (exit code 1)",
+        "--verify", action="store_true", help="read every entry and remove damaged ones (exit code 1)"
     )
     what.add_argument("--clear", action="store_true", help="remove every entry")
     add_general_options(parser)

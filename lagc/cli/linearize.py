@@ -11,13 +11,7 @@ import os
 from typing import TYPE_CHECKING, Any
 
 from lagc.cli.deliver import spare
-from lagc.cli.options import (
-    add_general_options,
-    add_model_options,
-    choice_of,
-    quantities,
-    quantity,
-)
+from lagc.cli.options import add_general_options, add_model_options, choice_of, quantities, quantity
 from lagc.cli.output import DONE, FAILED, UNWRITTEN, Usage, print_json, say, show
 
 if TYPE_CHECKING:

@@ -54,10 +54,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="the end time in s or with a unit: 20, '5[min]'; default: that of the scene, or 10 s",
     )
     parser.add_argument(
-        "--until",
-        metavar="CONDITION",
-        action="append",
-        help="end when this becomes true, e.g. 'x > 3 [m]'",
+        "--until", metavar="CONDITION", action="append", help="end when this becomes true, e.g. 'x > 3 [m]'"
     )
     parser.add_argument("--accuracy", metavar="A", help="the global relative error; default: 1e-6")
     parser.add_argument("--method", choices=METHODS, help="by hand: the integration method")

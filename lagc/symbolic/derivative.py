@@ -46,10 +46,7 @@ def partial(graph: Graph, node: Node, k: int) -> Node:
 
 
 def tangent(
-    graph: Graph,
-    outputs: Sequence[Node],
-    seeds: Mapping[Node, Node],
-    within: Sequence[Node] | None = None,
+    graph: Graph, outputs: Sequence[Node], seeds: Mapping[Node, Node], within: Sequence[Node] | None = None
 ) -> list[Node]:
     """Return d(outputs) along the direction d(leaf) = seeds[leaf]; leaves without a seed are constant.
     `within`: the nodes below `outputs` that the leaves can change, arguments before users, if they are known

@@ -35,11 +35,7 @@ def dot(a: Sequence[T], b: Sequence[T]) -> T:
 
 
 def cross(a: tuple[T, T, T], b: tuple[T, T, T]) -> tuple[T, T, T]:
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 def norm(a: Sequence[Node]) -> Node:
@@ -53,11 +49,7 @@ def matvec(m: Matrix, a: Vector) -> Vector:
 
 
 def transpose(m: Matrix) -> Matrix:
-    return (
-        (m[0][0], m[1][0], m[2][0]),
-        (m[0][1], m[1][1], m[2][1]),
-        (m[0][2], m[1][2], m[2][2]),
-    )
+    return ((m[0][0], m[1][0], m[2][0]), (m[0][1], m[1][1], m[2][1]), (m[0][2], m[1][2], m[2][2]))
 
 
 def matmul(a: Matrix, b: Matrix) -> Matrix:

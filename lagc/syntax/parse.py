@@ -51,10 +51,7 @@ def read(source: Source) -> tuple[Tree, Lexed, list[Fault]]:
     """Return the tree, the tokens and the faults of a text."""
     nul = source.text.find("\0")
     if nul >= 0:  # in a comment too
-        message, remedy = (
-            "the language does not use the character U+0000",
-            "save the file as UTF-8 text",
-        )
+        message, remedy = ("the language does not use the character U+0000", "save the file as UTF-8 text")
         fault = Fault("LAG0101", message, Span(source, nul, nul + 1), remedy=remedy)
         return Tree(source, ()), Lexed([], [], []), [fault]
     lexed = tokenise(source)

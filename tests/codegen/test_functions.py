@@ -93,13 +93,7 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
 
 
 def both(
-    python: dict[str, Any],
-    library: ctypes.CDLL,
-    name: str,
-    p: list[float],
-    t: float,
-    x: list[float],
-    n: int,
+    python: dict[str, Any], library: ctypes.CDLL, name: str, p: list[float], t: float, x: list[float], n: int
 ) -> tuple[list[bytes], list[bytes]]:
     y = [0.0] * n
     python[f"fn_{name}"](p, t, x, y)

@@ -184,12 +184,7 @@ def bounded(low: str, high: str, value: str) -> Program:
 def test_a_value_on_its_bound_is_within(real: str, tmp_path: Path) -> None:
     """Bounds are of the type, as values are: 0.1, 1/3, none at all, and those that a float does not hold."""
     (tmp_path / "main.c").write_text(ASK)
-    for case in [
-        ("0.1", "0.1", "0.1"),
-        ("1/3", "1/3", "1/3"),
-        ("0", "1e200", "2"),
-        ("1e-200", "0.3", "0.3"),
-    ]:
+    for case in [("0.1", "0.1", "0.1"), ("1/3", "1/3", "1/3"), ("0", "1e200", "2"), ("1e-200", "0.3", "0.3")]:
         write(render(bounded(*case), real=TYPES[real]), tmp_path)
         libraries = ["-lquadmath", "-lm"] if real == "quad" else ["-lm"]
         call(

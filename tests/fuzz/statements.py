@@ -88,7 +88,7 @@ def _rename(text: str, chance: random.Random, texts: list[str]) -> str:
 
 
 CHANGES: list[Callable[[str, random.Random, list[str]], str]] = [
-    *(_insert, _insert, _insert, _replace, _replace, _double, _delete, _rename),
+    *(_insert, _insert, _insert, _replace, _replace, _double, _delete, _rename)
 ]
 
 

@@ -177,12 +177,7 @@ for i in 1:{n} loop
   body b[i] = Solid(mass = 1 [kg], inertia = {{1, 2, 2}}, frame = F[i], com = P[i]);
 end for;
 end C;"""
-AXES = (
-    "{1, 0.5, 0}",
-    "{i, 0.5, 1}",
-    "F[i-1].x + 0.5*F[i-1].y",
-    "normalize(F[i-1].x + 0.5*F[i-1].y)",
-)
+AXES = ("{1, 0.5, 0}", "{i, 0.5, 1}", "F[i-1].x + 0.5*F[i-1].y", "normalize(F[i-1].x + 0.5*F[i-1].y)")
 
 
 @pytest.mark.sample(2)

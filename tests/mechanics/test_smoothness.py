@@ -35,15 +35,7 @@ def sized(size: float) -> str:
     return head
 
 
-VARIABLES = (
-    "x/l",
-    "th",
-    "time/T",
-    "ps + th^2",
-    "sin(th) + x/l",
-    "norm({x, y, 0})/l - 2",
-    "x*y/l^2 - time/T",
-)
+VARIABLES = ("x/l", "th", "time/T", "ps + th^2", "sin(th) + x/l", "norm({x, y, 0})/l - 2", "x*y/l^2 - time/T")
 
 
 def expressions(u: str, chance: Random) -> list[tuple[str, str]]:
@@ -155,10 +147,7 @@ def test_singular_configurations_are_left_to_the_run() -> None:
 def test_a_change_that_the_rows_keep_away_from_is_none() -> None:
     for row in ("abs(x) = l", "abs(x - y) = 2*l", "abs(x)/l = 2 + sin(th)^2"):
         assert codes(f"constraint k: {row};") == set(), row
-    for row in (
-        "abs(x) = y + l",
-        "abs(th) = sin(ps)",
-    ):
+    for row in ("abs(x) = y + l", "abs(th) = sin(ps)"):
         assert codes(f"constraint k: {row};") == {"LAG0421"}, row
 
 

@@ -341,12 +341,7 @@ def test_an_index_stands_right_behind_a_name(head: str, name: str, unit: str | N
         (b"time,u,v\n0,1,1\n1,2,2\n", '"d.csv"', "LAG0210", "`time`, `u`, `v`"),
         (b"time,u\n0,1\n0,2\n", '"d.csv", "u"', "LAG0314", "line 3 of the file has 0 again"),
         (b"time,u\n0,1\n2,2\n1,2\n", '"d.csv", "u"', "LAG0314", "line 4 of the file has 1 after 2"),
-        (
-            b'"time",u\n0,"1\n"\n2,2\n1,2\n',
-            '"d.csv", "u"',
-            "LAG0314",
-            "line 5 of the file has 1",
-        ),
+        (b'"time",u\n0,"1\n"\n2,2\n1,2\n', '"d.csv", "u"', "LAG0314", "line 5 of the file has 1"),
         (b"time,u [m]\n0,1\n1,2\n", '"d.csv", "u"', "LAG0302", "Length"),
         (b"time,u [rad]\n0,1\n1,2\n", '"d.csv", "u"', "LAG0302", "a number"),
         (b"time [m],u\n0,1\n1,2\n", '"d.csv", "u"', "LAG0301", "the table has the argument Length [m]"),

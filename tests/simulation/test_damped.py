@@ -38,16 +38,7 @@ from tests.lowering import large
 from tests.lowering.test_lift import in_digits
 from tests.mechanics.numbers import consistent_state, jacobian, mass_matrix, random_state
 from tests.mechanics.random_systems import model, random_system
-from tests.mechanics.test_mobility import (
-    Made,
-    bennett,
-    cranks,
-    frames,
-    general_7r,
-    planar,
-    sarrus,
-    spherical,
-)
+from tests.mechanics.test_mobility import Made, bennett, cranks, frames, general_7r, planar, sarrus, spherical
 from tests.simulation.test_generated import BACKENDS, build, rates
 
 DIGITS = 50

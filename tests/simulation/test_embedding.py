@@ -59,9 +59,7 @@ int main(void)
 @pytest.mark.sample(0, 3)
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
 @pytest.mark.parametrize(
-    "program",
-    [*PROGRAMS.values(), four_bar(2, 0.0, -4.0)],
-    ids=[*PROGRAMS, "four bars, flat"],
+    "program", [*PROGRAMS.values(), four_bar(2, 0.0, -4.0)], ids=[*PROGRAMS, "four bars, flat"]
 )
 def test_a_loop_of_steps(program: Program, tmp_path: Path) -> None:
     """The same bits as the loop in Python; no access out of bounds, no undefined operation."""

@@ -49,10 +49,7 @@ def test_fixed_values_stay() -> None:
 
 
 def test_given_values_are_held_where_they_can() -> None:
-    assert consistent_start(Pendulum(), given={"x": 0.8}).x[:2] == [
-        0.8,
-        pytest.approx(-0.6, abs=1e-14),
-    ]
+    assert consistent_start(Pendulum(), given={"x": 0.8}).x[:2] == [0.8, pytest.approx(-0.6, abs=1e-14)]
     start = consistent_start(Pendulum(), given={"x": 3.0})
     assert not start.unmet and norm(start.x[:2]) == pytest.approx(1.0)
     assert "x" in {c.name for c in start.changes}

@@ -55,9 +55,7 @@ def bent(n: int, dice: random.Random) -> list[tuple[float, float]]:
     return found
 
 
-def test_divisors_that_are_zero_at_a_guess_cost_no_more_than_others(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_divisors_that_are_zero_at_a_guess_cost_no_more_than_others(monkeypatch: pytest.MonkeyPatch) -> None:
     """Links that have no direction yet: nothing is computed again as C does, which takes far longer."""
     system = system_of(hanging(6))
     again: list[object] = []

@@ -83,10 +83,7 @@ def test_what_a_clause_makes_true_acts_too() -> None:
         'when x > 1 [m] then reinit(x, 5 [m]); mark("far"); end when;\n'
         'when x > 4 [m] then reinit(der(x), 0); mark("still"); end when;'
     ).simulate(3.0)
-    assert [(e.t, e.name) for e in run.events] == [
-        (pytest.approx(1.0), "far"),
-        (pytest.approx(1.0), "still"),
-    ]
+    assert [(e.t, e.name) for e in run.events] == [(pytest.approx(1.0), "far"), (pytest.approx(1.0), "still")]
     assert run["x"][-1] == pytest.approx(5.0)
 
 

@@ -21,7 +21,7 @@ def not_finite(values, n):
         if not values[i] - values[i] == 0.0:
             return i
     return -1
-''',
+'''
 }
 Short = tuple[Sequence[str], ast.expr]  # arguments and result of a kernel
 

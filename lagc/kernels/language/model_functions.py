@@ -2,34 +2,7 @@
 
 from typing import Any
 
-from lagc.kernels.language.sizes import (
-    NBOUNDS,
-    NBOX,
-    NC,
-    NEDGES,
-    NENDS,
-    NFEAT,
-    NG,
-    NGROUP,
-    NHEALTH,
-    NJ,
-    NJUMP,
-    NLIMITS,
-    NM,
-    NMODE,
-    NNEAR,
-    NPOLE,
-    NPREPARED,
-    NQ,
-    NR,
-    NREACH,
-    NTIMED,
-    NU,
-    NV,
-    NWHEN,
-    NWORK,
-    NX,
-)
+from lagc.kernels.language.sizes import *
 from lagc.kernels.language.words import Out, Params, Real, Vec
 
 

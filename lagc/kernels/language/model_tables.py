@@ -1,21 +1,6 @@
 """Tables of a model: constant arrays in the generated code."""
 
-from lagc.kernels.language.sizes import (
-    NBOUNDED,
-    NE,
-    NJUMP,
-    NLIMITS,
-    NMODE,
-    NPARTED,
-    NPARTS,
-    NQUAT,
-    NREAD,
-    NSTRETCH,
-    NU,
-    NWHEN,
-    NX,
-    TWO,
-)
+from lagc.kernels.language.sizes import *
 from lagc.kernels.language.words import IVec, Mat
 
 scaling_group: IVec[NX]  # of each coordinate and speed; group 0: angles and other numbers without unit

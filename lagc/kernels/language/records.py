@@ -1,37 +1,6 @@
 """The records of a run: options, workspace, state of a trajectory, and one attempted step."""
 
-from lagc.kernels.language.sizes import (
-    NACTS,
-    NBOUNDS,
-    NBOX,
-    NC,
-    ND,
-    NEDGES,
-    NENDS,
-    NFEAT,
-    NFREE,
-    NG,
-    NGROUP,
-    NH,
-    NHEALTH,
-    NJUMP,
-    NK,
-    NM,
-    NMODE,
-    NNEAR,
-    NPOLE,
-    NQ,
-    NR,
-    NREACH,
-    NSEARCH,
-    NTIMED,
-    NV,
-    NWHEN,
-    NWORK,
-    NX,
-    THREE,
-    TWO,
-)
+from lagc.kernels.language.sizes import *
 from lagc.kernels.language.words import Code, Count, IVec, Mat, Params, Real, Size, Vec, struct
 
 # The culprit of INVALID.  A parameter or input has LAGC_BAD_PARAMETER + its place in lagc_params.  A value

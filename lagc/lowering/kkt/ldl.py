@@ -228,12 +228,7 @@ def _combined(block: Block, structure: Structure, matrix: Matrix, k: int, x: Seq
 
 
 def residual(
-    block: Block,
-    plan: Elimination,
-    factors: Factors,
-    matrix: Matrix,
-    right: Sequence[int],
-    x: Sequence[int],
+    block: Block, plan: Elimination, factors: Factors, matrix: Matrix, right: Sequence[int], x: Sequence[int]
 ) -> tuple[list[int], int]:
     """Return the residual of `x` for `right`, and the square of its size relative to that of the right side.
 
@@ -283,12 +278,7 @@ def residual(
 
 
 def refine(
-    block: Block,
-    plan: Elimination,
-    factors: Factors,
-    matrix: Matrix,
-    right: Sequence[int],
-    x: Sequence[int],
+    block: Block, plan: Elimination, factors: Factors, matrix: Matrix, right: Sequence[int], x: Sequence[int]
 ) -> list[int]:
     """One step of iterative refinement of the solution `x`, which lowers its residual by about the
     factor that the residual is below the right side."""

@@ -41,10 +41,7 @@ STANDARD = 9.81  # m/s2, the default
 
 _SAME = 12  # decimal digits that equal directions share
 _DIMENSIONS = {"mass": KG, "at": M, "com": M, "inertia": INERTIA, "frame": NONE}
-_PARAMETERS = {
-    "Particle": (("mass", "at"), 2),
-    "Solid": (("mass", "inertia", "frame", "com", "at"), 3),
-}
+_PARAMETERS = {"Particle": (("mass", "at"), 2), "Solid": (("mass", "inertia", "frame", "com", "at"), 3)}
 
 
 def declare_body(context: Context, entry: Entry) -> Value:

@@ -59,12 +59,7 @@ _ATTRIBUTES = {
     "output": ("displayUnit",),
 }  # fmt: skip
 
-_SYMBOLS = (
-    "parameter",
-    "input",
-    "coordinate",
-    "speed",
-)  # kinds that have a symbol
+_SYMBOLS = ("parameter", "input", "coordinate", "speed")  # kinds that have a symbol
 _SAID = {"structural": "structural parameter"}
 
 

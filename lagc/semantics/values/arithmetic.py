@@ -94,11 +94,7 @@ def _same(
         return a.dimension
     message = f"{what} have different dimensions: {describe(a.dimension)} and {describe(b.dimension)}"
     raise Wrong(
-        "LAG0301",
-        message,
-        span,
-        remedy,
-        ((a_span, describe(a.dimension)), (b_span, describe(b.dimension))),
+        "LAG0301", message, span, remedy, ((a_span, describe(a.dimension)), (b_span, describe(b.dimension)))
     )
 
 

@@ -129,12 +129,7 @@ def _real(written: tree.Unit) -> QuantityType:
     try:
         meant = unit(text or "1")
     except UnknownUnit as unknown:
-        raise Wrong(
-            "LAG0304",
-            unknown.reason,
-            written.span,
-            remedy=unknown.remedy,
-        ) from None
+        raise Wrong("LAG0304", unknown.reason, written.span, remedy=unknown.remedy) from None
     if meant.factor != 1.0:
         return quantity_type("Real", si_text(meant.dimension), text)
     return quantity_type("Real", "" if text == "1" else text)

@@ -88,11 +88,7 @@ class _Drawn:
 
 
 def _explained(
-    system: System,
-    times: Sequence[float],
-    states: Sequence[Sequence[float]],
-    groups: Sizes,
-    accuracy: float,
+    system: System, times: Sequence[float], states: Sequence[Sequence[float]], groups: Sizes, accuracy: float
 ) -> float:
     """The largest imbalance that state errors of the accuracy, and round-off, explain, in J."""
     from lagc.simulation.backends.directed_rounding import apart

@@ -276,11 +276,7 @@ def _limits(
 
 
 def _bounds(
-    system: System,
-    states: States,
-    span: float,
-    noise: dict[int, Sequence[int]],
-    limits: Sequence[float],
+    system: System, states: States, span: float, noise: dict[int, Sequence[int]], limits: Sequence[float]
 ) -> Bounds:
     """How far rates of the size of `limits` move the states over the time."""
     nq, nv = system.nq, system.nv

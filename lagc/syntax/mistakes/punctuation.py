@@ -85,10 +85,7 @@ def decimal_comma(w: Where) -> Explained | None:
     number = token_of("0", whole.start)
     number.kind, number.text, number.end = NUMBER, f"{whole.text}.{part.text}", part.end
     fault = Fault(
-        "LAG0105",
-        "decimals are written with a point",
-        w.span(whole, part),
-        remedy=f"write `{number.text}`",
+        "LAG0105", "decimals are written with a point", w.span(whole, part), remedy=f"write `{number.text}`"
     )
     return Explained(fault, Repair(at - 1, 3, (number,)))
 
