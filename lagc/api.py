@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
+from lagc.api_cost import Measurable
 from lagc.api_derivatives import Differentiable
 from lagc.api_values import Input, Value, condition, parted, quantities, real, reals, seconds, word, words
 from lagc.base.records import dataclass, names, replace
@@ -143,7 +144,7 @@ class Run(Solution):
         return solution_html(self)
 
 
-class CompiledModel(Differentiable):
+class CompiledModel(Differentiable, Measurable):
     """A compiled scene of a model: its equations, its code, and the methods that simulate and linearize it.
 
     Compiled code comes from the cache if it is there; other stages run only if they are needed.  An

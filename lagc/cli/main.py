@@ -35,6 +35,7 @@ COMMANDS = {
     "explain": "explain what was derived from a model",
     "equations": "print the equations of motion",
     "sim": "compile and simulate a model",
+    "cost": "measure what accuracy costs in time",
     "linearize": "find equilibria and linear models",
     "build": "write generated code for other projects",
     "new": "write a model to start from; --list: models of the library",

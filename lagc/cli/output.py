@@ -192,14 +192,18 @@ class Bar:
             draw("\r\033[K")
 
     def __call__(self, t: float) -> None:
+        part = min(max(t / self.stop, 0.0), 1.0) if self.stop > 0.0 else 1.0
+        self.part(part, f"t = {t:.4g} s of {self.stop:.4g} s")
+
+    def part(self, part: float, doing: str) -> None:
+        """Draw a part done, from 0 to 1, and what is being done."""
         if SIGNALS.noted:
             raise KeyboardInterrupt
-        SIGNALS.patient = t > 0.0
+        SIGNALS.patient = part > 0.0
         if not self.wanted or perf_counter() < self.next:
             return
         self.next = perf_counter() + REDRAW
         self.shown = True
-        part = min(max(t / self.stop, 0.0), 1.0) if self.stop > 0.0 else 1.0
         done = int(WIDTH * part)
         bar = "#" * done + "." * (WIDTH - done)
-        draw(f"\r[{bar}] {100 * part:3.0f} %  t = {t:.4g} s of {self.stop:.4g} s\033[K")
+        draw(f"\r[{bar}] {100 * part:3.0f} %  {doing}\033[K")

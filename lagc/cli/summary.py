@@ -33,6 +33,8 @@ def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: boo
     lines += [f"  {'final' if k == 0 else '':9} {line}" for k, line in enumerate(final)]
     lines += [f"  {'events' if k == 0 else '':9} {line}" for k, line in enumerate(_events(run, verbose))]
     lines.append(f"  {'accuracy':9} {_accuracy(run)}")
+    if run.asked is not None and run.cost.alone:
+        lines.append(f"  {'price':9} {_price(run)}")
     if run.sensitivities is not None:
         lines.append(f"  {'sensitive':9} {run.sensitivities}")
     if interface.nc or interface.quaternions:
@@ -86,6 +88,16 @@ def _accuracy(run: Solution) -> str:
     if run.estimated is None or run.estimated == float("inf"):
         return f"asked {run.asked:.0e}, not verified"
     return f"asked {run.asked:.1e}, estimated {run.estimated:.1e} (global, relative)"
+
+
+def _price(run: Solution) -> str:
+    """What the verification cost, and a digit by the order p of the method: 10^(1/p) times the steps."""
+    from lagc.kernels.integrators.tableaus import order
+
+    factor = 10.0 ** (1.0 / order(run.method))
+    times = run.cost.rhs / run.cost.alone
+    return (f"{run.cost.rhs} right-hand sides, {times:.2g} times the run alone; one digit more about "
+            f"{100 * (factor - 1):+.0f} %, one less {100 * (1 / factor - 1):+.0f} %")  # fmt: skip
 
 
 def _energy(run: Solution) -> str:

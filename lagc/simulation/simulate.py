@@ -85,6 +85,7 @@ def simulate(
             steps=sum(r.steps for r in runs), rejected=sum(r.rejected for r in runs),
             rhs=sum(r.rhs for r in runs) + counted.evaluations, operations=system.interface.operations,
             compile_s=compile_s, run_s=perf_counter() - began, start_s=start.seconds, integrations=len(runs),
+            alone=trajectory.rhs,
         ),
     )  # fmt: skip
 

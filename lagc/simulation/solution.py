@@ -46,6 +46,7 @@ class Cost:
     run_s: float = 0.0
     start_s: float = 0.0
     integrations: int = 1
+    alone: int = 0  # right-hand sides of the returned run, without those that verify it
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,7 +238,7 @@ class Solution:
             "accuracy": self.accuracy, **self._varied(), "drift": self.drift,
             "energy": {"of": interface.balance, "start": energy.start, "end": energy.end, "work": energy.work,
                        "imbalance": energy.imbalance},
-            "cost": {"steps": cost.steps, "rejected": cost.rejected, "rhs": cost.rhs,
+            "cost": {"steps": cost.steps, "rejected": cost.rejected, "rhs": cost.rhs, "alone": cost.alone,
                      "operations": cost.operations, "compile_s": cost.compile_s, "run_s": cost.run_s,
                      "start_s": cost.start_s},
             "warnings": list(interface.warnings), "dropped": list(interface.dropped),

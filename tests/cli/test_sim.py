@@ -66,7 +66,16 @@ def test_the_json_of_a_run(capsys: pytest.CaptureFixture[str]) -> None:
     assert energy["work"] < 0.0  # the drag takes energy out
     assert energy["imbalance"] == energy["end"] - energy["start"] - energy["work"]
     assert abs(energy["imbalance"]) < 1e-6 * abs(energy["start"])
-    assert set(found["cost"]) == {"steps", "rejected", "rhs", "operations", "compile_s", "run_s", "start_s"}
+    assert set(found["cost"]) == {
+        "steps",
+        "rejected",
+        "rhs",
+        "alone",
+        "operations",
+        "compile_s",
+        "run_s",
+        "start_s",
+    }
     assert 0.0 < found["cost"]["start_s"] < found["cost"]["run_s"]
 
 

@@ -1,0 +1,137 @@
+"""What accuracy costs, for a compiled model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from time import process_time
+from typing import TYPE_CHECKING, Any
+
+from lagc.api_values import quantities, seconds
+from lagc.compiler.loaded import Loaded
+from lagc.diagnostics.faults import Fault, Refused
+from lagc.simulation.request import Request, bound_starts
+
+if TYPE_CHECKING:
+    from lagc.lowering.program import Interface
+    from lagc.mechanics.formulation.equations import EquationsOfMotion
+    from lagc.simulation.solution import Solution
+    from lagc.simulation.system import System
+    from lagc.study.cost import Study, Verified
+    from lagc.study.probe import Array, Probe
+    from lagc.symbolic.graph import Node
+
+BUDGET = 30.0  # s
+POINTS = 301  # recorded times
+LOOKED = 8  # states of a motion at which the sizes of terms are taken
+
+
+class Measurable:
+    """A compiled model whose accuracy has a price that can be measured."""
+
+    _loaded: Loaded
+    run: Callable[..., Any]
+
+    @property
+    def interface(self) -> Interface:
+        raise NotImplementedError
+
+    def _bound(self, parameters: Mapping[str, Any] | None, demanding: bool = True) -> list[float]:
+        raise NotImplementedError
+
+    def cost(
+        self,
+        stop: float | None = None,
+        *,
+        points: int = POINTS,
+        budget: float = BUDGET,
+        parameters: Mapping[str, Any] | None = None,
+        starts: Mapping[str, Any] | None = None,
+        progress: Callable[[float, str], None] = lambda part, doing: None,
+    ) -> Study:
+        """Measure errors and CPU times of many settings on the motion to `stop`, against a reference.
+
+        points: the number of recorded times at which errors are taken.
+        budget: about the wall time to spend, in s.  An interruption (KeyboardInterrupt) ends it early.
+        progress: a function that is called with the part done, from 0 to 1, and a word.
+
+        `lagc.reports.cost` prints the result.  Raises Refused if an argument is invalid, if there is no
+        consistent initial state or C compiler, or if the motion does not reach `stop`.
+        """
+        from lagc.compiler import pipeline
+        from lagc.simulation.backends.compile import CannotCompile
+        from lagc.study.cost import Study, study
+        from lagc.study.probe import Failed, Probe
+
+        request = Request(
+            stop=seconds("stop", stop), points=points,
+            starts=bound_starts(self.interface, quantities("starts", starts)),
+        )  # fmt: skip
+        times = request.completed({**self.interface.simulate, "accuracy": 1e-6}).grid()
+        values = self._bound(parameters)
+        system = self._loaded.system("numpy").bind(values)
+        x0 = self._loaded.initialize(system, request).x
+        program = pipeline.delivered(self._loaded.compilation, False)
+        interface = program.interface
+
+        def make(real: str, flags: tuple[str, ...]) -> Probe:
+            return Probe(pipeline.render(program, "c", real=real), interface, values, x0, real, flags)
+
+        def verify(accuracy: float) -> tuple[Verified, Array | None]:
+            asked = Request(stop=times[-1], accuracy=accuracy, points=points, starts=request.starts)
+            self._loaded.system("c")
+            began = process_time()
+            return _verified(self.run(asked, values), accuracy, process_time() - began, names)
+
+        def sizes(table: Array) -> Array:
+            return term_sizes(self._loaded.compilation.equations, system, times, table)
+
+        names = (*interface.q_names, *interface.v_names, *(o.name for o in interface.outputs))
+        begun = Study(names, times[-1], len(times), interface.operations)
+        try:
+            return study(make, verify, sizes, begun, times, budget, progress)
+        except CannotCompile as error:
+            raise Refused([Fault("LAG0701", f"the cost cannot be measured: {error}")]) from None
+        except Failed as failed:
+            message = f"the cost cannot be measured: the motion does not reach {times[-1]:g} s: {failed}"
+            raise Refused([Fault("LAG0620", message, remedy="see `lagc sim` for the reason")]) from None
+
+
+def term_sizes(equations: EquationsOfMotion, system: System, times: Sequence[float], table: Array) -> Array:
+    """The size of the terms of each state and output over a motion, from LOOKED rows of its values.
+
+    A state has the largest value of its unit."""
+    import numpy as np
+
+    from lagc.mechanics.numeric.cancellation import magnitudes
+
+    nx, model = system.nq + system.nv, equations.model
+    units = [*equations.q_units, *equations.v_units]
+    largest = np.abs(table[:, :nx]).max(axis=0)
+    states = [max(x for x, other in zip(largest, units) if other == unit) for unit in units]
+    symbols: list[Node] = [equations.time, *equations.q, *equations.v, *equations.a, *equations.lam]
+    given: list[Node] = [*(p.symbol for p in model.parameters), *(u.symbol for u in model.inputs)]
+    outputs = np.zeros(len(equations.outputs))
+    known = dict(
+        zip([f.name for f in (*system.interface.parameters, *system.interface.inputs)], system.parameters)
+    )
+    for k in range(0, len(table), max(len(table) // LOOKED, 1)):
+        x = [*table[k, :nx].tolist(), *[0.0] * system.nz]
+        a, lam = system.accelerations(times[k], x)
+        values = dict(zip(symbols, [times[k], *x[:nx], *a, *lam]))
+        values.update((s, known.get(s.record.name, 0.0)) for s in given)
+        found = magnitudes([o.expression for o in equations.outputs], values)
+        outputs = np.maximum(outputs, [size for _, size in found])
+    return np.array([*states, *outputs])
+
+
+def _verified(
+    found: Solution, accuracy: float, spent: float, names: tuple[str, ...]
+) -> tuple[Verified, Array | None]:
+    import numpy as np
+
+    from lagc.study.cost import Verified
+
+    outcome = Verified(accuracy, found.status, found.estimated, float("nan"), spent, found.cost.rhs)
+    if found.status == "failed":
+        return outcome, None
+    return outcome, np.array([found.column(name) for name in names]).T

@@ -1,0 +1,1 @@
+"""Studies of one model: many runs, and what they tell together."""

@@ -1,0 +1,208 @@
+"""What accuracy costs: errors against closed forms, laws against made points, the report by all its ways."""
+
+from __future__ import annotations
+
+import json
+from math import cos, sqrt
+from pathlib import Path
+
+import pytest
+
+import lagc
+from lagc.cli.main import main
+from lagc.diagnostics.faults import Refused
+from lagc.simulation.backends.compile import CannotCompile
+from tests.simulation.test_generated import needs_compiler
+
+np = pytest.importorskip("numpy")
+
+from lagc.study import cost  # noqa: E402
+from lagc.study.cost import Point, Study, advise, errors_of, fitted, scales_of  # noqa: E402
+from lagc.study.probe import Probe, Setting  # noqa: E402
+
+SPRING = """\
+model Spring
+  parameter Mass m = 2 [kg];
+  parameter Stiffness k = 8 [N/m];
+  coordinate Length x(start = 0.5 [m]);
+  body b = Particle(mass = m, at = {x, 0, 0});
+  potential V = 1/2*k*x^2;
+  output Energy E = energy();
+  scene s
+    simulate(stop = 4 [s]);
+  end s;
+end Spring;
+"""
+ORDERS = {"dop853": 8, "dopri5": 5, "bs32": 3}
+
+
+def point(method: str, size: float, error: float, seconds: float) -> Point:
+    setting = Setting(method, step=size) if method == "rk4" else Setting(method, rtol=size)
+    return Point(setting, np.array([error]), 1, 1, 0, seconds)
+
+
+def made(factor: float, power: float, order: int, method: str = "dop853") -> list[Point]:
+    sizes = [10.0 ** (-0.5 * k) for k in range(2, 28)]
+    return [point(method, s, factor * s**power, 1e-5 * s ** (-power / order)) for s in sizes]
+
+
+def test_a_law_is_found_again_and_its_setting_meets_the_target() -> None:
+    points = made(30.0, 1.02, 8)
+    law = fitted(points, 1e-17)
+    assert law is not None
+    assert (law.factor, law.power, law.scatter) == pytest.approx((30.0, 1.02, 1.0), rel=1e-9)
+    for target in (1e-3, 1e-6, 1e-9):
+        advice = advise(points, {"dop853": law}, target)
+        assert advice.setting is not None and advice.digit is not None
+        assert 30.0 * advice.setting.rtol**1.02 == pytest.approx(target, rel=1e-9)
+        assert advice.digit == pytest.approx(10 ** (1 / 8) - 1, rel=1e-6)
+
+
+def test_scatter_makes_a_setting_finer() -> None:
+    """Errors jump between a third and three times the law: the setting is finer than that of the law."""
+    points = made(1.0, 1.0, 8)
+    for k, p in enumerate(points):
+        p.errors *= 3.0 if k % 2 else 1 / 3.0
+    law = fitted(points, 1e-17)
+    assert law is not None and 2.0 < law.scatter < 4.0
+    assert law.size_for(1e-6) < 0.5e-6
+
+
+def test_the_cheapest_method_is_taken_and_what_cannot_be_reached_is_told() -> None:
+    slow = made(1.0, 1.0, 3, "bs32")
+    fast = made(1.0, 1.0, 8)
+    laws = {"bs32": fitted(slow, 1e-17), "dop853": fitted(fast, 1e-17)}
+    advice = advise([*slow, *fast], laws, 1e-9)  # type: ignore[arg-type]
+    assert advice.setting is not None and advice.setting.method == "dop853"
+    assert advise(slow[:6], {"bs32": fitted(slow[:6], 1e-17)}, 1e-12).setting is None  # type: ignore[dict-item]
+
+
+def test_errors_that_do_not_follow_the_tolerance_make_no_law() -> None:
+    assert fitted([point("dop853", 10.0**-k, 1e-4, 1.0) for k in range(3, 12)], 1e-17) is None
+    assert fitted(made(1.0, 1.0, 8)[:3], 1e-17) is None
+
+
+def test_the_front_is_what_nothing_beats() -> None:
+    study = Study(("x",), 1.0, 2, 1)
+    study.points = [
+        point("dop853", 1.0, e, s) for e, s in ((1e-2, 1.0), (1e-3, 2.0), (1e-1, 1.5), (1e-3, 3.0))
+    ]
+    assert [(p.error, p.seconds) for p in study.front] == [(1e-2, 1.0), (1e-3, 2.0)]
+
+
+def test_scales_are_ranges_or_sizes_of_terms() -> None:
+    values = np.array([[1.0, 5.0, 0.0, np.nan], [3.0, 5.0 + 1e-15, 0.0, 1.0]])
+    assert list(scales_of(values, np.array([3.0, 5.0, 20.0, 1.0]))) == [2.0, 5.0, 20.0, 0.0]
+
+
+@needs_compiler
+@pytest.mark.full
+@pytest.mark.parametrize("real", ["double", "quad"])
+def test_a_probe_follows_a_closed_form(real: str) -> None:
+    """x = 0.5 cos(2 t); quad to the spacing of the doubles that the times are."""
+    from lagc.compiler import pipeline
+
+    model = lagc.loads(SPRING).compile()
+    program = pipeline.delivered(model.compilation, False)
+    sources = pipeline.render(program, "c", real=real)
+    probe = Probe(sources, program.interface, [2.0, 8.0], [0.5, 0.0], real)
+    times = [0.25 * k for k in range(17)]
+    shot = probe.run(Setting("dop853", rtol=1e-20 if real == "quad" else 1e-13), times, 2)
+    exact = np.array([[0.5 * cos(2 * t)] for t in times])
+    assert np.abs(shot.hi[:, :1] - exact).max() < (2e-16 if real == "quad" else 1e-12)
+    assert np.abs(shot.hi[:, 2] - 1.0).max() < 1e-12 and shot.steps > 10 and shot.seconds > 0.0
+    if real == "quad":  # energy is kept to more digits than a double has
+        assert 0.0 < np.abs((shot.hi[:, 2] - 1.0) + shot.lo[:, 2]).max() < 1e-18
+
+
+@needs_compiler
+@pytest.mark.full
+def test_a_study_of_a_spring() -> None:
+    """Errors are those of the closed form; a recommended setting meets its target at nearby parameters."""
+    model = lagc.loads(SPRING).compile(backend="c")
+    study = model.cost(points=41, budget=6.0)
+    assert study.complete and study.reference is not None and study.reference.agreement < 1e-15
+    times = np.linspace(0, 4, 41)
+    for p in study.points[::7]:
+        words = {"step": p.setting.step} if p.setting.step else {"rtol": p.setting.rtol}
+        run = model.simulate(4, method=p.setting.method, points=41, **words)
+        error = np.abs(run["x"] - 0.5 * np.cos(2 * times)).max() / (0.5 - min(0.5 * np.cos(2 * times)))
+        assert p.errors[0] == pytest.approx(error, rel=0.05, abs=1e-14)
+    for (
+        method,
+        law,
+    ) in study.laws.items():  # the error per unit step of an embedded method goes as its tolerance
+        assert 0.7 < law.power < (4.6 if method == "rk4" else 1.35)
+    met = 0
+    for advice in study.advice[:3]:
+        assert advice.setting is not None
+        words = {"step": advice.setting.step} if advice.setting.step else {"rtol": advice.setting.rtol}
+        for k in (7.0, 7.5, 8.5, 9.0):
+            run = model.simulate(4, method=advice.setting.method, points=41, parameters={"k": k}, **words)
+            exact = 0.5 * np.cos(sqrt(k / 2) * times)
+            met += np.abs(run["x"] - exact).max() / np.ptp(exact) < advice.target
+    assert met >= 10  # of 12
+
+
+@needs_compiler
+@pytest.mark.full
+def test_the_report_in_all_its_forms(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("matplotlib")
+    (tmp_path / "spring.lag").write_text(SPRING)
+    outputs = [str(tmp_path / name) for name in ("c.html", "c.json", "c.png", "c.svg")]
+    words = [w for path in outputs for w in ("-o", path)]
+    assert main(["cost", str(tmp_path / "spring.lag"), "--points", "21", "--budget", "3", *words]) == 0
+    said = capsys.readouterr().out
+    assert "one digit more" in said and "the front" in said and "quad" in said
+    found = json.loads(Path(outputs[1]).read_text())
+    assert {p["method"] for p in found["points"]} == {"dop853", "dopri5", "bs32", "rk4"}
+    assert found["quantities"] == ["x", "der(x)", "E"] and len(found["advice"]) == 4
+    page = Path(outputs[0]).read_text()
+    assert page.startswith("<!DOCTYPE html>") and "<svg" in page and "http" not in page.split("<svg")[0]
+    assert Path(outputs[2]).read_bytes()[1:4] == b"PNG" and "<svg" in Path(outputs[3]).read_text()
+
+
+@needs_compiler
+@pytest.mark.full
+def test_an_interruption_keeps_what_was_measured() -> None:
+    def progress(part: float, doing: str) -> None:
+        if doing.startswith("round 2"):
+            raise KeyboardInterrupt
+
+    study = lagc.loads(SPRING).compile().cost(points=21, budget=5.0, progress=progress)
+    assert not study.complete and len(study.points) > 20 and study.advice and "interrupted" in study.notes[0]
+
+
+@needs_compiler
+@pytest.mark.full
+def test_without_quadruple_precision_the_report_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    own = Probe.__init__
+
+    def refuse(self: Probe, *given: object, **named: object) -> None:
+        if "quad" in given:
+            raise CannotCompile("no __float128")
+        own(self, *given, **named)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Probe, "__init__", refuse)
+    study = lagc.loads(SPRING).compile().cost(points=21, budget=3.0)
+    assert study.reference is not None and "double precision" in study.reference.words
+    assert any("no quadruple precision" in note for note in study.notes)
+
+
+def test_wrong_words_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "spring.lag").write_text(SPRING)
+    for words, said in ((["-o", "x.txt"], "the ending gives the format"), (["--budget", "0"], "positive")):
+        assert main(["cost", str(tmp_path / "spring.lag"), *words]) == 2
+        assert said in capsys.readouterr().err
+    with pytest.raises(Refused, match="LAG0604"):
+        lagc.loads(SPRING).compile(backend="numpy").cost(points=1)
+
+
+def test_errors_are_over_the_scale_of_each_quantity() -> None:
+    from lagc.study.probe import Shot
+
+    zero = np.zeros((2, 2))
+    exact = Shot(np.array([[0.0, 1.0], [2.0, 1.0]]), zero, 0, 0, 0, 0.0, False)
+    other = Shot(np.array([[0.0, 1.0], [2.2, 1.5]]), zero, 0, 0, 0, 0.0, False)
+    reference = cost.Reference(exact, np.array([2.0, 0.0]), 0.0, 0.0, "")
+    assert list(errors_of(other, reference)) == pytest.approx([0.1, 0.0])
