@@ -1,4 +1,4 @@
-"""What accuracy costs, for a compiled model."""
+"""The price of accuracy, for a compiled model."""
 
 from __future__ import annotations
 

@@ -111,7 +111,7 @@ def _verified(study: Study) -> list[str]:
 
 
 def headline(study: Study) -> str:
-    """Return what a digit costs, in one sentence."""
+    """Return the price of a digit in one sentence."""
     taken = [a for a in study.advice if a.setting is not None]
     digits = [a.digit for a in taken if a.digit is not None]
     if not digits:

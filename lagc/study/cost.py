@@ -1,4 +1,4 @@
-"""What accuracy costs: errors and CPU times of many settings on one motion, against a reference.
+"""The price of accuracy: errors and CPU times of many settings on one motion, against a reference.
 
 The study is a work-precision diagram (E. Hairer, S. P. Norsett, G. Wanner, Solving ODEs I, 1993, II.10) with
 its conclusions: the settings that nothing beats, the law that connects tolerance and error, and from it the
@@ -29,7 +29,7 @@ SAFE = 0.9  # share of runs that meet the target with the setting for it
 FLOOR = 30.0  # times the uncertainty of the reference, or of double precision: errors above follow a law
 LEAST_POWER = 0.3  # of a tolerance or step in the law of the error
 COARSE = 0.03  # errors above follow no law yet
-STILL = 1e-9  # of its largest value: a quantity with less range does not move
+CONSTANT = 1e-9  # of its largest value: a quantity with less range does not move
 
 Progress = Callable[[float, str], None]
 
@@ -223,7 +223,7 @@ def scales_of(values: Array, sizes: Array) -> Array:
     have no scale."""
     with np.errstate(invalid="ignore"):
         span: Array = np.ptp(values, axis=0)
-    found = np.where(span > STILL * sizes, span, sizes)
+    found = np.where(span > CONSTANT * sizes, span, sizes)
     return np.where(np.isfinite(span) & np.isfinite(found), found, 0.0)
 
 

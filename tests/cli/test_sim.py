@@ -101,7 +101,7 @@ def test_the_summary_gives_the_time_of_a_long_initialization(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for least, told in ((60.0, False), (0.0, True)):
-        monkeypatch.setattr("lagc.cli.summary.TOLD", least)
+        monkeypatch.setattr("lagc.cli.summary.REPORTED", least)
         assert sim(PENDULUM) == 0
         assert ("of it for the initialization" in capsys.readouterr().out) is told
 

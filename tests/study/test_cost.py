@@ -1,4 +1,4 @@
-"""What accuracy costs: errors against closed forms, laws against made points, the report by all its ways."""
+"""The price of accuracy: errors against closed forms, laws against made points, the report by all its ways."""
 
 from __future__ import annotations
 
