@@ -2,26 +2,29 @@
 
 All expressions are nodes of `Model.graph`.  Its leaves are `Symbol`s:
 
-kind            name                 stands for parameter       l, a.b[2].m          a parameter, kept
-symbolic to the end input           u                    a quantity given from outside, a function of time
-time            time                 the time t coordinate      theta, o.w           q_i; an orientation o
-brings the components w x y z of a unit quaternion rate            der(theta)           q'_i of a scalar
-coordinate, order 1 rate            o.rate.x             body-axes angular velocity of an orientation (rad/s),
-order 0 speed           u1                   a declared generalized speed acceleration    der(der(theta))
-the time derivative of a rate or speed, der(o.rate.x); outputs only multiplier      string, roll[2]
-multiplier of a constraint's row; outputs only
+kind            name                 stands for
+parameter       l, a.b[2].m          a parameter, kept symbolic to the end
+input           u                    a quantity given from outside, a function of time
+time            time                 the time t
+coordinate      theta, o.w           q_i; an orientation o brings the components w x y z of a unit quaternion
+rate            der(theta)           q'_i of a scalar coordinate, order 1
+rate            o.rate.x             body-axes angular velocity of an orientation (rad/s), order 0
+speed           u1                   a declared generalized speed
+acceleration    der(der(theta))      the time derivative of a rate or speed, der(o.rate.x); outputs only
+multiplier      string, roll[2]      multiplier of a constraint's row; outputs only
 
 and whole-system quantities, filled in by `mechanics`; outputs only:
 
-energy          energy()             also kinetic() and potential() power           power(F)             of an
-action momentum        momentum(theta)      of a coordinate; momentum().x in total angular_momentum
-angular_momentum().x   in total, about the origin
+energy          energy()             also kinetic() and potential()
+power           power(F)             of an action
+momentum        momentum(theta)      of a coordinate; momentum().x in total
+angular_momentum  angular_momentum().x   in total, about the origin
 
-A time derivative taken here (`der(e)`, `velocity(P)`) is already in terms of the rates: `meaning`
-differentiates, `mechanics` substitutes rates by speeds where speeds are declared.
+A time derivative taken here (`der(e)`, `velocity(P)`) is already in terms of the rates:
+`meaning` differentiates, `mechanics` substitutes rates by speeds where speeds are declared.
 
-A name is the user's, with instance path and subscripts: `a.bob[3]`.  `effect` is the effect a thing was
-declared in, or None.
+A name is the user's, with instance path and subscripts: `a.bob[3]`.  `effect` is the effect
+a thing was declared in, or None.
 """
 
 from __future__ import annotations

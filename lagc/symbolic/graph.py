@@ -41,10 +41,15 @@ def _total(a: float, b: float) -> float:
 class Node:
     """An interned expression: an operator `op`, its arguments `args` and a `value`.
 
-    op        args            value const     ()              float symbol    ()              Symbol add
-    (a, b)          None scale     (x,)            float coefficient mul       (b1, ..., bk)   (e1, ..., ek)
-    integer exponents piece ..  (x,)            Table         every operator with `looked_up` sin ...   (x,
-    ...)        None          every other operator"""
+    op        args            value
+    const     ()              float
+    symbol    ()              Symbol
+    add       (a, b)          None
+    scale     (x,)            float coefficient
+    mul       (b1, ..., bk)   (e1, ..., ek) integer exponents
+    piece ..  (x,)            Table         every operator with `looked_up`
+    sin ...   (x, ...)        None          every other operator
+    """
 
     __slots__ = ("args", "graph", "index", "op", "value")
 

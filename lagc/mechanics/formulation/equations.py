@@ -50,9 +50,12 @@ class Law(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One scalar constraint, and the multiplier of its force. At the level of positions: residual = phi(t,q),
-    rate = d(phi)/dt (in v). At the level of velocities: residual = rate = psi(t,q,v). jacobian = {column of
-    v: d(rate)/d(v)}; gamma as in G a = gamma."""
+    """One scalar constraint, and the multiplier of its force.
+
+    At the level of positions: residual = phi(t,q), rate = d(phi)/dt (in v).
+    At the level of velocities: residual = rate = psi(t,q,v).
+    jacobian = {column of v: d(rate)/d(v)}; gamma as in G a = gamma.
+    """
 
     label: str  # the constraint's row label, unique
     constraint: str
