@@ -12,8 +12,8 @@
 
 Each function has the derivatives of the stack by one group of what it depends on, at any a and lam: of the
 forces without constraints at lam = 0, of -gamma at a = 0.  Where rows share so much that these would be long,
-one function has what the stack changes by along a direction in all that it depends on.  Where there are
-switches these are functions of modes, too: on each branch, what a run takes to be smooth there.
+one function has what the stack changes by along a direction in all that it depends on.  With
+relations these are functions of modes too: they belong to the branch of the run.
 """
 
 from __future__ import annotations

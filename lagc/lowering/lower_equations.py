@@ -106,7 +106,7 @@ def _functions(
     dense: bool,
     preparation: Preparation,
 ) -> tuple[dict[str, Function], Slopes]:
-    """`at` the state alone; `along` the branches of a run, which differ where there are switches.  With the
+    """`at` the state alone; `along` the branches of a run, which differ if there are relations.  With the
     functions, the slopes of the conditions of a start."""
     constrained = bool(at.equations.rows)
     made: list[Function | None] = [*solving]

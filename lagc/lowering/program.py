@@ -284,12 +284,12 @@ class Interface:
         return _ranges(sizes)
 
     def drives(self, relation: int) -> bool:
-        """Whether the equations depend on it: a place behind all switches is that of a clause `when`."""
+        """Whether the equations depend on it: an index beyond the relations is that of a clause `when`."""
         return relation < len(self.relations) and not self.relations_aside[relation]
 
     @property
     def noted(self) -> tuple[int, ...]:
-        """The switches whose changes are events: those that clauses `when` alone ask for are none."""
+        """The relations whose changes are events. Those that only clauses `when` use are not."""
         return tuple([k for k, aside in enumerate(self.relations_aside) if not aside])
 
     @property
@@ -346,7 +346,7 @@ class Program:
       feature_bounds (p,box)      -> e[]    least and largest value of each, in a box
       poles       (p,t,x)         -> e[]    divisors that may come near zero
       pole_bounds (p,box)         -> e[]    least and largest value of each, in a box
-    and with switches, where `rhs`, `system`, `assemble` and `power` are functions of (p,t,x,modes...):
+    and with relations, where `rhs`, `system`, `assemble` and `power` are functions of (p,t,x,modes...):
       modes       (p,t,x)         -> modes[]   of the state: sign(e), floor(e), or the piece of a table
       sides       (p,t,x,modes)   -> e[]    what each changes at
       own         (p,t,x,modes)   -> e[]    the modes that sides tell
@@ -361,7 +361,7 @@ class Program:
       stack       (p,t,x,a,lam)   -> s[]        where derivatives are asked for: what is differentiated
       by_time, by_state, by_acceleration, by_parameter   (p,t,x,a,lam) -> J[]   its derivatives, each at the
                                      (row, column) of `derivatives`; see `lagc.lowering.jacobians`;
-                                     with switches, all of them of (p,t,x,modes,a,lam)
+                                     with relations, all of them of (p,t,x,modes,a,lam)
       along       (p,t,x,a,lam,d) -> s[]        in their place where they are very many: what the stack
                                      changes by with (t, x, a, lam, p) along d = (dt, dx, da, dlam, dp)
     health = (smallest pivot ratio |d_k|/|a_kk|, square of the relative residual, 0 of rhs, ...).

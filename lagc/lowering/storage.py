@@ -45,7 +45,7 @@ class Places:
 def places(
     equations: EquationsOfMotion, parameters: Sequence[Parameter], modes: Sequence[Node] = ()
 ) -> Places:
-    """Parameters and inputs in p, time in t, q and v in x, modes of switches, and a, lam."""
+    """Parameters and inputs in p, time in t, q and v in x, modes of relations, and a, lam."""
     found: dict[Node, tuple[str, int]] = {equations.time: ("t", 0)}
     given = [*(p.symbol for p in parameters), *(u.symbol for u in equations.model.inputs)]
     for array, symbols in (

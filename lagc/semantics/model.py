@@ -21,7 +21,7 @@ momentum        momentum(theta)      of a coordinate; momentum().x in total
 angular_momentum  angular_momentum().x   in total, about the origin
 
 A time derivative taken here (`der(e)`, `velocity(P)`) is already in terms of the rates:
-`meaning` differentiates, `mechanics` substitutes rates by speeds where speeds are declared.
+`semantics` differentiates, `mechanics` substitutes rates by speeds where speeds are declared.
 
 A name is the user's, with instance path and subscripts: `a.bob[3]`.  `effect` is the effect
 a thing was declared in, or None.

@@ -1,4 +1,4 @@
-"""Sizes and switches of a model.  They are known when its code is printed."""
+"""Sizes and flags of a model.  They are known when its code is printed."""
 
 from lagc.kernels.language.words import SizeType
 

@@ -2,7 +2,7 @@
 
 Off the constraints the rank of a closed loop is too large: rows that depend on each other where the
 loop is closed do not elsewhere.  So it is taken beside the start, along motions that the rows allow
-(`manifold.walk`), and the largest one counts: configurations where it is less are passed.  It is proved
+(`constraint_manifold`), and the largest one counts: configurations where it is less are passed.  It is proved
 where it cannot be larger: as many as there are rows, or as at a random point of a finite field.  A field
 also tells rows apart that agree in more digits than double precision has.
 Where surfaces touch, motions are counted by steps instead (`Consistent.freedom`).

@@ -1,6 +1,6 @@
 """A linear model of a compiled model about a state of its motion.
 
-With y the independent entries of the state x = (q, v) (see `independent`), and x' = f(x, u) along the
+With y the independent entries of the state x = (q, v) (see `independent_states`), and x' = f(x, u) along the
 constraints:
 
 dy' = A dy + B du,      d(output) = C dy + D du,      A = S (df/dx) X,
