@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from stat import S_ISDIR, S_ISFIFO, S_ISREG
 
@@ -14,6 +15,7 @@ SUFFIX = ".lag"
 LARGEST = 4_000_000  # bytes of one model file
 LARGEST_DATA = 40_000_000  # bytes of one data file
 _READ = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
+_FOLDER = getattr(os, "O_PATH", os.O_RDONLY) | getattr(os, "O_DIRECTORY", 0)
 
 
 def models_folder() -> str:
@@ -105,11 +107,19 @@ class Unreadable(Exception):
         self.code, self.remedy = code, remedy
 
 
-def content(path: str, pipes: bool = False, largest: int = LARGEST) -> bytes:
-    """Return all bytes of a regular file, at most `largest`; with `pipes`, also of a pipe such as `<(...)`.
-    Raises Unreadable."""
+class Outside(Unreadable):
+    """A file that is in none of the folders that may be read."""
+
+
+def content(
+    path: str, pipes: bool = False, largest: int = LARGEST, roots: Sequence[str] | None = None
+) -> bytes:
+    """Return all bytes of a regular file, at most `largest`; with `pipes`, also of a pipe such as `<(...)`;
+    with `roots`, only of a file that is in one of these folders behind all links. Raises Unreadable,
+    Outside."""
     try:
-        found = os.open(path, _READ)  # does not wait for a pipe
+        # Does not wait for a pipe.
+        found = os.open(path, _READ) if roots is None else _open_within(path, roots)
         with open(found, "rb") as file:
             mode = os.fstat(found).st_mode
             if not S_ISREG(mode):
@@ -123,6 +133,33 @@ def content(path: str, pipes: bool = False, largest: int = LARGEST) -> bytes:
     if S_ISFIFO(mode) and not data:
         raise Unreadable("LAG0702", "cannot be read: it is a pipe that nothing is written to")
     return _bounded(data, largest)
+
+
+def is_within(real: str, roots: Iterable[str]) -> bool:
+    """Whether a path without links is below one of the folders."""
+    return any(real.startswith(root.rstrip(os.sep) + os.sep) for root in roots)
+
+
+def _open_within(path: str, roots: Sequence[str]) -> int:
+    """Open a file that is in one of the folders. Raises Outside, OSError.
+
+    The file that is checked is the one that is opened: no folder on the way is opened through a link, so that
+    a link that another process puts there meanwhile is an error."""
+    real = os.path.realpath(path)
+    if not is_within(real, roots):
+        raise Outside("LAG0217", "is outside the folders that may be imported from")
+    if os.open not in os.supports_dir_fd:  # Windows, where links need a privilege
+        return os.open(real, _READ)
+    *folders, file = real.split(os.sep)[1:]
+    here = os.open(os.sep, _FOLDER)
+    try:
+        for folder in folders:
+            inner = os.open(folder, _FOLDER | os.O_NOFOLLOW, dir_fd=here)
+            os.close(here)
+            here = inner
+        return os.open(file, _READ | os.O_NOFOLLOW, dir_fd=here)
+    finally:
+        os.close(here)
 
 
 def decoded(data: bytes) -> str:

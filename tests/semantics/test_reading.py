@@ -241,10 +241,45 @@ def test_an_import_that_grows_after_it_was_compiled_is_refused(
         started_at(tmp_path)
 
 
+@only_posix
+def test_a_link_that_is_exchanged_while_it_is_read_leads_nowhere_else(tmp_path: Path) -> None:
+    """Another process exchanges links to a file and to its folder; what is read is inside, or nothing is."""
+    inner, outer = tmp_path / "inner", tmp_path / "outer"
+    for folder, text in ((inner / "real", "inside"), (outer, "outside")):
+        folder.mkdir(parents=True)
+        (folder / "d.csv").write_text(text)
+    ended = threading.Event()
+
+    def exchange() -> None:
+        k = 0
+        while not ended.is_set():
+            k += 1
+            target = (outer, inner / "real")[k % 2]
+            for link, goal in ((inner / "d.csv", target / "d.csv"), (inner / "folder", target)):
+                spare = inner / "spare"
+                spare.symlink_to(goal)
+                spare.replace(link)
+
+    other = threading.Thread(target=exchange)
+    other.start()
+    seen = []
+    try:
+        for path in [inner / "d.csv", inner / "folder" / "d.csv"] * 1500:
+            try:
+                seen.append(model_library.content(str(path), roots=[str(inner)]).decode())
+            except model_library.Unreadable as error:
+                seen.append(type(error).__name__)
+    finally:
+        ended.set()
+        other.join()
+    assert {"inside", "Outside"} <= set(seen) <= {"inside", "Outside", "Unreadable"}
+
+
 def test_resolving_reads_each_file_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     reads: list[str] = []
     monkeypatch.setattr(
-        "lagc.semantics.names.namespace.content", lambda path: [reads.append(path), WHOLE.encode()][1]
+        "lagc.semantics.names.namespace.content",
+        lambda path, roots: [reads.append(path), WHOLE.encode()][1],
     )
     (tmp_path / "main.lag").write_text(MAIN)
     resolve(parse(model_library.read(str(tmp_path / "main.lag"))), Choice())

@@ -14,7 +14,16 @@ from typing import TypeAlias
 
 from lagc.diagnostics.faults import Refused, Source, Span
 from lagc.diagnostics.suggest import LIBRARIES, NO_LIBRARY, did_you_mean
-from lagc.host.model_library import LARGEST_DATA, Unreadable, content, decoded, fingerprint, folder_of
+from lagc.host.model_library import (
+    LARGEST_DATA,
+    Outside,
+    Unreadable,
+    content,
+    decoded,
+    fingerprint,
+    folder_of,
+    is_within,
+)
 from lagc.semantics.names.data_files import Columns, Unfit, columns
 from lagc.semantics.refusals import Wrong
 from lagc.syntax import tree
@@ -325,10 +334,13 @@ class Importer:
         real = os.path.realpath(path)
         try:
             if real not in self._data:
-                found = content(path, largest=LARGEST_DATA)
+                roots = None if span.source in self.free else self.roots
+                found = content(path, largest=LARGEST_DATA, roots=roots)
                 self._count(found, span)
                 self._fingerprints[real] = fingerprint(path, found)
                 self._data[real] = columns(decoded(found))
+        except Outside:
+            raise _outside(written, span) from None
         except Unreadable as error:
             raise Wrong("LAG0226", f"`{written}` {error}", span, error.remedy) from None
         except Unfit as error:
@@ -340,13 +352,8 @@ class Importer:
     def _beside(self, written: str, span: Span) -> str:
         """Return the path of a file named in a text.  Raises Wrong if it is outside the roots."""
         path = os.path.join(folder_of(span.source.name) or os.sep, written)
-        if span.source not in self.free and not self._allowed(os.path.realpath(path)):
-            raise Wrong(
-                "LAG0217",
-                f"`{written}` is outside the folders that may be imported from",
-                span,
-                remedy="move the file into the folder of the model or a subfolder",
-            )
+        if span.source not in self.free and not is_within(os.path.realpath(path), self.roots):
+            raise _outside(written, span)
         return path
 
     def _count(self, data: bytes, span: Span) -> None:
@@ -354,9 +361,6 @@ class Importer:
         self.size += len(data)
         if self.size > TOGETHER:
             raise Wrong("LAG0216", f"the imports together are larger than {TOGETHER // 1_000_000} MB", span)
-
-    def _allowed(self, path: str) -> bool:
-        return any(path.startswith(root.rstrip(os.sep) + os.sep) for root in self.roots)
 
     def in_files(self, declaration: tree.Import) -> Found | Namespace | None:
         """Return what an import provides from a file named by its path, or None.  Raises Wrong."""
@@ -367,7 +371,7 @@ class Importer:
                 if not os.path.exists(path):
                     self.asked[path] = None
                     continue
-                if not self._allowed(os.path.realpath(path)):
+                if not is_within(os.path.realpath(path), self.roots):
                     continue
                 file = self._read(path, declaration.span)
                 if names[length - 1] in file.names:
@@ -401,8 +405,10 @@ class Importer:
         from lagc.syntax.parse import parse
 
         try:
-            data = content(path)
+            data = content(path, roots=self.roots)
             text = decoded(data)
+        except Outside:
+            raise _outside(os.path.basename(path), span) from None
         except Unreadable as error:
             message = f"`{os.path.basename(path)}` cannot be imported: it {error}"
             raise Wrong("LAG0216", message, span, error.remedy) from None
@@ -415,6 +421,11 @@ class Importer:
             self.broken.add(path)
             return
         self.files[path] = Namespace(parsed.declarations, None, self)
+
+
+def _outside(written: str, span: Span) -> Wrong:
+    message = f"`{written}` is outside the folders that may be imported from"
+    return Wrong("LAG0217", message, span, "move the file into the folder of the model or a subfolder")
 
 
 def _candidates(names: tuple[str, ...]) -> str:
