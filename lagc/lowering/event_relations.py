@@ -1,11 +1,11 @@
-"""The equations with their conditions taken out: what a condition decides is the same all through a step.
+"""The equations on one branch: the values of all relations become symbols.
 
-Of each condition that a motion may change, `sign(g)`, `floor(g)` or the piece of a table that holds its side
-g is a *mode*, a symbol of its own; the equations are made of modes, and smooth for each choice of them.
-`abs(x)` is mode*x, `a < b` says that the mode of b - a is above 0.
+Each condition that a motion may change becomes a *mode*, a symbol of its own: `sign(g)`, `floor(g)` or the
+piece of a table that contains the indicator g. The equations are smooth for each choice of modes. `abs(x)` is
+mode*x; `a < b` means that the mode of b - a is positive.
 
-A step ends where a side changes but for rounding, and stages go beyond.  There a power whose base is not
-negative on its branch, as those of abs(x) or max(0, x), goes on as that of the distance from zero.
+A step ends within round-off of a zero of g, and its stages go beyond. A power whose base is not negative on
+its branch, as in max(0, x)^1.5, therefore uses the absolute value of the base.
 """
 
 from __future__ import annotations
@@ -34,10 +34,9 @@ _TIME, _MOVES, _MODES = 1, 2, 4  # time; what states move; modes of relations wi
 
 @dataclass(frozen=True, slots=True)
 class EventRelation:
-    """A condition that a motion may change.  `side`: g, on the branches that the modes of others tell, and
-    `own` its mode there; `natural` as a function of the state alone.  `edges`: between which the side of one
-    that counts is, by its mode; None of a sign.  `slope`: dg/dt, where g is affine in time and nothing else
-    moves it: when it changes is known."""
+    """A condition that a motion may change. `side` is its indicator g on the branches of other modes, `own`
+    its mode there, `natural` its mode as a function of the state alone. `edges` bound the indicator of a
+    counted relation, by its mode. `slope` is dg/dt if g is affine in time and nothing else moves it."""
 
     mode: Node
     side: Node
@@ -50,8 +49,8 @@ class EventRelation:
 
 
 def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[EventRelation, ...]]:
-    """The equations as they are along a step, and their relations, those with a slope first; each depends on
-    the modes of relations before it, among those with a slope and all."""
+    """Return the equations along a step and their relations, those with a slope first. A relation depends on
+    the modes of relations before it."""
     changing = [equations.time, *equations.q, *equations.v]
     conditions = [when.condition for when in equations.whens]
     moved = depends([*deciding(equations), *conditions], changing)
@@ -151,8 +150,8 @@ class _Freezing:
         return self.graph.add(*map(self._opposite, side.args)) if side.op == "add" else -side
 
     def _base(self, base: Node) -> Node:
-        """That of a power, on its branch and beyond: with the sign of the whole, where that is known, else
-        with those of its factors."""
+        """Return the base of a power for its branch and beyond: with the sign of the whole if that is known,
+        else with the signs of its factors."""
         whole = self._beyond(base)
         if whole is not self.known[base]:
             return whole
@@ -216,8 +215,8 @@ class _Freezing:
         self._kinds[relation.mode] = _MODES if relation.slope is None else 0
 
     def _slope(self, side: Node) -> Node | None:
-        """Return the slope of an indicator that is affine in time and moved by nothing else but such
-        modes."""
+        """Return the slope of an indicator that is affine in time and depends on nothing else that varies but
+        such modes."""
         if self._kind(side) != _TIME:
             return None
         (slope,) = tangent(self.graph, [side], {self._time: self.graph.one})

@@ -56,8 +56,8 @@ def interface(
     derivatives: Mapping[str, tuple[tuple[int, int], ...]],
     relations: tuple[EventRelation, ...] = (),
 ) -> Interface:
-    """Return the interface of `functions`, and of `slopes`, the derivatives of the initial equations.
-    `dropped` are the names that `equations` are without, `remarks` go to the notes."""
+    """Return the interface of `functions` and of `slopes`, the derivatives of the initial equations.
+    `dropped` are names that were left out; `remarks` become notes."""
     model = equations.model
     kept = {p.name for p in parameters}
     notes = [f"parameter `{p.name}` reaches nothing" for p in model.parameters if p.name not in kept]
@@ -274,9 +274,8 @@ FLAT = 1.0 + 1e-9  # round-off of a flat body's moments: one is the sum of the o
 
 
 def bounded(model: Model) -> Model:
-    """`model` with the bounds that its bodies ask for: neither a mass nor a moment of inertia is negative,
-    and no moment is more than the two others together, as each is a sum of squares of two coordinates.
-    Where declared bounds see to that already, there are none."""
+    """Return `model` with the bounds that its bodies need, unless declared bounds imply them: masses and
+    moments of inertia are not negative, and no moment exceeds the sum of the two others."""
     asked = list(_inertias(model))
     direct = {limit.value for limit in asked}
     parameters = tuple([

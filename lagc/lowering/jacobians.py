@@ -36,8 +36,8 @@ TOGETHER = 1024  # rows whose sweeps are counted at once
 
 
 class Derivatives(NamedTuple):
-    """The stack itself, and its derivatives by each group: a function, and the places of what it stores; or
-    none of these, and the one along a direction."""
+    """The stack and its derivatives by each group: a function, and the places of its outputs. If these would
+    be too long, only the derivative along a direction."""
 
     values: Function
     by: dict[str, tuple[Function, tuple[tuple[int, int], ...]]]  # (row, column) of each entry
@@ -106,8 +106,7 @@ def stack(
 
 
 def groups(places: Places) -> dict[str, list[Node]]:
-    """Return the variables that the stack is differentiated by, in the order of the arrays of generated
-    functions."""
+    """Return the variables of differentiation, in the order of the arrays of generated functions."""
     equations = places.equations
     given = [symbol for symbol, (array, _) in places.arrays.items() if array == "p"]
     return {
@@ -119,8 +118,8 @@ def groups(places: Places) -> dict[str, list[Node]]:
 
 
 def derivatives(places: Places, relations: Sequence[EventRelation]) -> Derivatives:
-    """By the names of `groups`, one reverse sweep a row of the stack; or along a direction d in all of them,
-    one forward sweep."""
+    """Return the derivatives by the names of `groups`, by a reverse sweep for each row of the stack; or the
+    derivative along a direction d, by one forward sweep."""
     equations, by = places.equations, groups(places)
     every = [symbol for symbols in by.values() for symbol in symbols]
     swept = _rows(stack(equations, relations, motion_by_sweeps))

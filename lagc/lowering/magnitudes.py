@@ -1,7 +1,7 @@
-"""How large a sum is, and a gradient: before anything cancels, and without its entries where they are many.
+"""Magnitudes of sums and gradients before cancellation.
 
-An expression of many leaves through shared sums has a gradient with as many entries as there are pairs
-of a row and a leaf.  How long such a gradient is follows along the graph, from node to node.
+A gradient through shared sums has an entry for each pair of a row and a leaf. Its length is computed from
+node to node instead, without its entries.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def terms(graph: Graph, node: Node) -> list[Node]:
 
 
 def magnitudes(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
-    """The absolute values of `nodes` before anything in them cancels: they add in sums and multiply in
+    """Return the absolute values of `nodes` before cancellation: magnitudes add in sums and multiply in
     products."""
     found: dict[Node, Node] = {}
     for node in reachable(nodes):
@@ -51,8 +51,8 @@ def magnitudes(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
 
 
 def gradient_magnitudes(graph: Graph, nodes: Sequence[Node], weights: Mapping[Node, Node]) -> list[Node]:
-    """Of each of `nodes` the sum over leaves w of |weights[w] d(node)/dw| before anything in it cancels. Each
-    product on the way to a leaf adds the same in any order: no gradient is formed."""
+    """Return for each of `nodes` the sum over leaves w of |weights[w] d(node)/dw| before cancellation. All
+    products along a path contribute the same in any order, so no gradient is formed."""
     order = reachable(nodes)
     bits = leaves_below(order, weights)
     moving = [node for node in order if node in bits and node not in weights]
@@ -66,11 +66,10 @@ def gradient_magnitudes(graph: Graph, nodes: Sequence[Node], weights: Mapping[No
 
 
 def gradient_bounds(graph: Graph, nodes: Sequence[Node], weights: Mapping[Node, Node]) -> list[Node] | None:
-    """Of each of `nodes` what the sum over leaves w of |weights[w] d(node)/dw| is at most, by the inequality
-    of Cauchy and Schwarz: the root of the sum of squares times their number.  None where that takes no fewer
-    products than the entries of the gradients, two each with their weights.
-
-    The product of two gradients is that of the arguments' of the later node, each times its slope."""
+    """Return an upper bound of the sum over leaves w of |weights[w] d(node)/dw| for each of `nodes`, by the
+    Cauchy-Schwarz inequality: the root of the sum of squares times their number. None if that takes as many
+    products as the gradients. The product of two gradients is that of the arguments of the later node, each
+    times its slope."""
     bits = leaves_below(reachable(nodes), weights)
     most = sum([2 * bits.get(node, 0).bit_count() - _ROOT for node in nodes])
     seen = {(node, node) for node in nodes if node in bits}

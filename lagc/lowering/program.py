@@ -1,8 +1,7 @@
-"""Program: straight-line functions of binary operations, in the order they are executed.
+"""Program: straight-line functions of binary operations in the order of execution.
 
-This is the last form that is free of any target.  A printer turns it into text without
-taking a decision that changes a floating-point result: every printer writes the same
-operations on the same operands in the same order.
+This is the last form without a target. Every printer writes the same operations on the same operands in the
+same order, so that all targets return the same bits.
 """
 
 from __future__ import annotations
@@ -21,8 +20,8 @@ LEAVES = ("const", "load")
 
 
 def operands() -> dict[str, int]:
-    """op -> number of operands.  `load` and `const` have none.  Integer powers are products by now, x*x,
-    never pow(x, 2).  Comparisons give truth values, used by select/and/or/not only."""
+    """Return the number of operands of each operation. `load` and `const` have none. Integer powers are
+    products, x*x. Comparisons give truth values, which only select, and, or and not use."""
     from lagc.symbolic.operators import OPERATORS  # a run from the cache has no use for it
 
     arithmetic = {"const": 0, "load": 0, "neg": 1, "add": 2, "sub": 2, "mul": 2, "div": 2}
@@ -31,9 +30,8 @@ def operands() -> dict[str, int]:
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """Value number k of a function is the result of its operation number k. `const`: payload is the float.
-    `load`: payload is (array, index), e.g. ("x", 3), ("t", 0), ("p", 1). An operation that is looked up has
-    the `Table`."""
+    """Value number k of a function is the result of its operation number k. The payload of `const` is the
+    float, that of `load` is (array, index) such as ("x", 3), that of a look-up is the `Table`."""
 
     op: str
     operands: tuple[int, ...] = ()
@@ -51,10 +49,9 @@ class Store:
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """`count` times the same `period` operations on other operands, one repetition after the other.  Stores
-    are numbered behind the operations.  Where a function has `pieces` it belongs to `piece`, or goes
-    `through` pieces from that one on, with a repetition each; -1: to none, and is made whichever are asked
-    for."""
+    """`count` repetitions of the same `period` operations on other operands. Stores are numbered after the
+    operations. In a function with `pieces` it belongs to `piece`, or it goes `through` pieces from that one
+    on, one repetition each; -1: to none, and is always evaluated."""
 
     first: int
     period: int
@@ -69,11 +66,10 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Function:
-    """A straight-line function.  `comments` maps an operation or store position to the
-    formula or source line that starts there.  Where it is long, and what it does comes again and again, its
-    leaves come first, and `runs` are all that is behind them: see `rolling`.  Where some of it may be made
-    alone, `pieces` tells which part depends on each entry of x, and `row_pieces` which makes each of the
-    first output, -1 for none."""
+    """A straight-line function. `comments` maps the position of an operation or store to the formula or
+    source line that begins there. A long repetitive function has its leaves first and then `runs` (see
+    `loop_rolling`). `pieces` tells which block depends on each entry of x, `row_pieces` which block computes
+    each entry of the first output, -1 for none."""
 
     name: str
     inputs: tuple[str, ...]  # arrays read, in signature order: p t x e a lam c d w r s
@@ -141,8 +137,8 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Clause:
-    """A `when`: its condition as it is written, the names of its event, why the run ends there (None: it goes
-    on), the states that take new values, and whether a run that ends there has failed."""
+    """A `when`: its condition as written, the names of its event, the reason if it ends the run (else None),
+    the states that get new values, and whether such a run has failed."""
 
     words: str
     marks: tuple[str, ...]
@@ -168,8 +164,7 @@ def _ranges(sizes: Mapping[str, int]) -> dict[str, range]:
 class Interface:
     """Facts of a compiled model for a run, a file header and a cache; plain data. State x = (q, v, z): nq
     coordinates, nv speeds, nz work integrals (0 or 1: z' = power). Multipliers: nc rows, the first nh
-    holonomic.  Parameter array p: `parameters`, then `inputs`, then what `bind` prepared of the
-    parameters."""
+    holonomic. Parameter array p: `parameters`, then `inputs`, then values that `bind` computes."""
 
     model: str
     scene: str
@@ -348,10 +343,10 @@ class Program:
       pole_bounds (p,box)         -> e[]    least and largest value of each, in a box
     and with relations, where `rhs`, `system`, `assemble` and `power` are functions of (p,t,x,modes...):
       modes       (p,t,x)         -> modes[]   of the state: sign(e), floor(e), or the piece of a table
-      sides       (p,t,x,modes)   -> e[]    what each changes at
-      own         (p,t,x,modes)   -> e[]    the modes that sides tell
-      side_rates  (p,t,x,modes,d) -> e[]    the rates of sides, with those of the state
-      edges       (modes)         -> e[]    least and largest value of each side that is counted, in its mode
+      indicators  (p,t,x,modes)   -> e[]    the event indicators
+      own_modes   (p,t,x,modes)   -> e[]    the modes by the indicators
+      indicator_rates (p,t,x,modes,d) -> e[] their rates, for rates of the state
+      edges       (modes)         -> e[]    bounds of each counted indicator, in its mode
       slopes      (p,modes)       -> e[]    of those that time alone changes
       enclosure   (p,modes,box)   -> e[]    least and largest value of each other one, where time and states
                                             keep to a box (least ones, then largest)

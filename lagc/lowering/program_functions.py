@@ -90,8 +90,8 @@ def velocity(places: Places) -> Function:
 
 
 def scales(places: Places) -> Function:
-    """The sum of the absolute values of a row's terms.  There is one more term for each coordinate that
-    is no angle (speed, for a velocity row), which sees what cancels inside products, as in dot(v, u)."""
+    """Return the sum of the absolute terms of each row. A further term for each coordinate that is no angle
+    (speed, for a velocity row) covers cancellation inside products, as in dot(v, u)."""
     graph, equations = places.graph, places.equations
     states = kinds(equations.q_units, equations.v_units)
     lengths = {x: k for k, (x, kind) in enumerate(zip(equations.q, states)) if kind > 0}
@@ -109,8 +109,8 @@ def scales(places: Places) -> Function:
 
 
 def _beside_others(places: Places, rows: Sequence[Row], sizes: Sequence[Node]) -> list[Node]:
-    """Return `sizes`, at least a share of the largest of its unit where all terms of a row may vanish: the
-    round-off of a point at the origin is not a measure of its row."""
+    """Return `sizes`, each at least a share of the largest of its unit if all terms of a row may vanish: the
+    round-off of a point at the origin is no measure of its row."""
     graph, found = places.graph, list(sizes)
     moving = {*places.equations.q, *places.equations.v}
     largest: dict[str, Node] = {}
@@ -124,8 +124,8 @@ def _beside_others(places: Places, rows: Sequence[Row], sizes: Sequence[Node]) -
 
 
 def gamma_sizes(places: Places) -> Function:
-    """Return the sum of the absolute terms of each row's gamma: where the row's gradient vanishes nothing
-    else tells whether gamma is more than round-off."""
+    """Return the sum of the absolute terms of each row's gamma. If the gradient of the row vanishes, gamma is
+    compared with it alone."""
     graph, speeds = places.graph, places.equations.v
     gammas = [row.gamma for row in places.equations.rows]
     slopes = gradient_magnitudes(graph, gammas, dict(zip(speeds, speeds)))
@@ -135,8 +135,7 @@ def gamma_sizes(places: Places) -> Function:
 
 
 def gradient_sizes(places: Places) -> Function:
-    """Return the sum of the absolute terms of each row's gradient, over its entries: a gradient that is far
-    less is round-off."""
+    """Return the sum of the absolute terms of each row's gradient. A gradient far below it is round-off."""
     graph, equations = places.graph, places.equations
     ones = dict.fromkeys(equations.v, graph.one)
     sizes = gradient_magnitudes(graph, [row.rate for row in equations.rows], ones)
@@ -154,9 +153,9 @@ def gradients(places: Places) -> Function:
 
 
 def reaches(places: Places) -> Function:
-    """Return how much each row changes when every coordinate (speed, for a velocity row) changes by the size
-    of its kind, c[k], or that of what it is added to; then the same of the rates of holonomic rows, and of
-    their gradients; then the sizes of the kinds, with those of what their coordinates are added to."""
+    """Return the change of each row if every coordinate (speed, for a velocity row) changes by the size c[k]
+    of its scaling group or of the place that it is added to; then the same for the rates of holonomic rows
+    and for their gradients; then these sizes."""
     graph, equations = places.graph, places.equations
     states = kinds(equations.q_units, equations.v_units)
     given = {k: graph.symbol("size", str(k)) for k in range(max(states) + 1)}
@@ -209,8 +208,8 @@ def reaches(places: Places) -> Function:
 
 
 def _displaced(graph: Graph, rows: Sequence[Row], coordinates: Container[Node]) -> dict[Node, Node]:
-    """Of the coordinates that are displacements from places, `z - l`, how large those are in `rows`.
-    They may begin at zero, and their size is that of the place."""
+    """Return the sizes of the places from which coordinates are displaced in `rows`, as l in `z - l`. Such
+    coordinates may begin at zero; the place gives their size."""
     found: dict[Node, Node] = {}
     for node in _sums([row.residual for row in rows]):
         parts = [(part, _lever(part, coordinates)) for part in terms(graph, node)]
@@ -232,7 +231,7 @@ def _sums(nodes: Sequence[Node]) -> list[Node]:
 
 
 def _lever(part: Node, coordinates: Container[Node]) -> tuple[Node, Node] | None:
-    """The coordinate that a part of a sum is proportional to, and the rest of it, of parameters; sines and
+    """Return the coordinate that a part of a sum is proportional to, and its factor of parameters. Sines and
     cosines count as 1."""
     factor, part = (part.value, part.args[0]) if part.op == "scale" else (1.0, part)
     graph = part.graph
@@ -281,8 +280,8 @@ def outputs(places: Places) -> Function | None:
 
 
 def _energies_in(places: Places, nodes: Sequence[Node]) -> dict[Node, int]:
-    """The kinetic and the potential energy, each with its place among `energies`, where `nodes` are made of
-    all that moves and little else in them is made of the same."""
+    """Return the kinetic and potential energies with their places in `energies`, if `nodes` contain them and
+    share little else with them."""
     equations = places.equations
     parts = {node: k for k, node in enumerate((equations.kinetic, equations.potential)) if node.args}
     if not parts.keys() <= set(reachable(nodes)):
@@ -311,10 +310,9 @@ def limits(places: Places) -> Function | None:
 
 
 def conditions(places: Places, slopes: Slopes) -> Function | None:
-    """Return the equations of a consistent initial state, c = 0: phi, psi, the `initial` section, and the
-    rates that were stated (less their values, which are unknowns too); with the derivatives by q and v that
-    are not identically zero, `slopes` row by row, then those of sums, and the sum of the absolute values of
-    each row's terms."""
+    """Return the initial equations c = 0: phi, psi, the `initial` section, and the stated rates (less their
+    values, which are unknowns too); their derivatives that are not identically zero, `slopes` row by row and
+    then those of sums; and the sum of the absolute terms of each row."""
     equations, graph = places.equations, places.graph
     rows = condition_rows(equations)
     if not rows:
@@ -326,8 +324,8 @@ def conditions(places: Places, slopes: Slopes) -> Function | None:
 
 
 def measures(places: Places) -> Function | None:
-    """The values of the rates that were stated, and the largest parameter of each unit that a
-    coordinate or speed has (0 where there is none)."""
+    """Return the values of the stated rates, and the largest parameter of each unit of a coordinate or speed
+    (0 if there is none)."""
     equations, graph = places.equations, places.graph
     if not condition_rows(equations):
         return None
@@ -353,8 +351,8 @@ def made(
     rare: bool = False,
     factors: bool = True,
 ) -> Function:
-    """`comments` belong to the first entries of the first output; `rare`: not called by every step; for
-    `factors` see `lower`."""
+    """Return the function. `comments` belong to the first entries of the first output; `rare`: no step calls
+    it; for `factors` see `lower`."""
 
     def make(nodes: Sequence[Node]) -> list[Function]:
         block = Block()

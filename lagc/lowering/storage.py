@@ -60,9 +60,9 @@ def places(
 def lower(
     places: Places, block: Block, nodes: Sequence[Node], rare: bool = False, factors: bool = True
 ) -> tuple[Lowering, list[int]]:
-    """The values of `nodes` in `block`, of a function that is called `rare` or often, and the lowering for
-    more.  Symbols are loaded from their places.  Without `factors` many are not searched for those that are
-    common."""
+    """Return the values of `nodes` in `block`, for a function that is called rarely or often, and the
+    lowering for more. Symbols are loaded from their places. Without `factors`, common factors are not
+    searched in long functions."""
     graph = places.graph
     known = {symbol: block.load(array, k) for symbol, (array, k) in places.arrays.items()}
     size = len(reachable(nodes))
@@ -85,8 +85,8 @@ def cheapest(
     make: Callable[[Sequence[Node]], list[Function]],
     rare: bool = False,
 ) -> list[Function]:
-    """`make(nodes)`, or the same of the nodes multiplied out where the first of the functions is cheaper. For
-    a function that is called `rare` this is tried only where it takes no time."""
+    """Return `make(nodes)`, or the same of the expanded nodes if the first of the functions is cheaper. For a
+    `rare` function this is tried only if it is fast."""
     plain = make(nodes)
     if len(reachable(nodes)) > (_LARGEST_RARE if rare else _LARGEST_TRIAL):
         return plain

@@ -17,9 +17,9 @@ from lagc.symbolic.walk import symbols
 
 
 def relation_functions(natural: Places, along: Places, relations: Sequence[EventRelation]) -> list[Function]:
-    """`modes` by the state alone; `indicators`, `own_modes` and `indicator_rates` on the branches that modes
-    tell; `edges` of those that count, `slopes` of those that time alone moves; `enclosure` of the others.
-    None where there are no relations."""
+    """Return the functions of the relations, None if there are none: `modes` of the state alone;
+    `indicators`, `own_modes` and `indicator_rates` on given modes; `edges` of counted relations; `slopes` of
+    those of time alone; `enclosure` of the others."""
     if not relations:
         return []
     found = [_modes(natural, relations), _indicators(along, relations), _own(along, relations)]
@@ -80,8 +80,8 @@ def _slopes(along: Places, timed: Sequence[EventRelation]) -> Function:
 
 
 def _enclosure(along: Places, others: Sequence[EventRelation]) -> Function:
-    """The least and the largest value of each while time and state keep to a box: the least of time and
-    states, then the largest."""
+    """Return the function of the smallest and the largest values of the indicators in a box, given as the
+    smallest and then the largest time and states."""
     more, boxes = boxed(along)
     ends = enclosures(along.graph, [relation.side for relation in others], boxes)
     values = [end for pair in ends for end in pair]
@@ -119,8 +119,8 @@ def in_boxes(along: Places, found: Sequence[Node], name: str, about: str) -> lis
 def changing(
     equations: EquationsOfMotion, moving: EquationsOfMotion, relations: Sequence[EventRelation]
 ) -> tuple[EquationsOfMotion, EquationsOfMotion]:
-    """Both without the clauses that no motion reaches, as inputs alone decide them, and without new values
-    of states that were left out; `moving` are the frozen equations."""
+    """Return both without clauses that no motion reaches (inputs alone decide them) and without new values of
+    states that were left out. `moving` are the frozen equations."""
     modes, states = {relation.mode for relation in relations}, {*equations.q, *equations.v}
     pairs = [
         [replace(when, changes=tuple([pair for pair in when.changes if pair[0] in states])) for when in both]

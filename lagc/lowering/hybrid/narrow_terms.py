@@ -1,7 +1,7 @@
-"""Narrow terms of the equations: terms that are nothing for most of a motion, and much for a moment.
+"""Narrow terms of the equations: negligible for most of a motion, and large for a moment.
 
-exp, tanh and atan of what moves, powers whose exponent does, and quotients by what is never zero, as
-of a bell or a smooth step.  Each is put into a measure in which 1 is much.
+These are exp, tanh and atan of varying arguments, powers with varying exponents, and quotients by divisors
+that never vanish, as in a bell or a smooth step. Each is scaled so that 1 is large.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ def features(equations: EquationsOfMotion) -> tuple[Node, ...]:
 
 
 def divisors(graph: Graph, node: Node, moving: Set[Node]) -> list[tuple[Node, Node]]:
-    """The bases of its powers below zero that move, each with the condition that it is one: the exponent may
-    be a parameter."""
+    """Return the varying bases of negative powers, each with the condition that the exponent, which may be a
+    parameter, is negative."""
     if node.op == "mul":
         return [(base, graph.one) for base, e in zip(node.args, node.value) if e < 0 and base in moving]
     if node.op == "pow" and node.args[0] in moving:

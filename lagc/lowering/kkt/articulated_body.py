@@ -1,17 +1,17 @@
-"""The lifted form of the equations: what velocities share becomes unknowns of its own.
+"""The articulated-body form of the equations: shared velocities become unknowns.
 
-The velocities of bodies and rows are sums that build on one another, along a chain for instance.
-A sum that is used more than once is *lifted*: it becomes an unknown w_k with one definition
+The velocities of bodies and rows are sums that build on one another, for instance along a chain. A sum that
+is used more than once becomes an unknown w_k with one definition
 
-    w_k = sum of c_u u        over speeds and lifted velocities u before it.
+    w_k = sum of c_u u        over speeds and earlier velocities u.
 
-A body then puts its mass on the few unknowns that its velocity is written in, a row its gradient, and
+A body contributes its mass to the few unknowns of its velocity, a row its gradient, and
 
     [A G^T; G 0] (w, -lam) = (r, gamma),      M = J^T A J  with  (v, w) = J v,
 
-is solved without M, in work that grows as the number of bodies does.  With no definitions A is M.
-Of trees this is the articulated-body method (R. Featherstone, *Rigid Body Dynamics Algorithms*, 2008, ch. 7),
-found from the structure of the sums alone.
+is solved without M, at a cost proportional to the number of bodies. Without definitions A is M. For trees
+this is the articulated-body method (R. Featherstone, *Rigid Body Dynamics Algorithms*, 2008, ch. 7), found
+from the structure of the sums alone.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ _Slopes = dict[int, Node]  # by unknown
 
 @dataclass(frozen=True)
 class ArticulatedBody:
-    """The matrix [A G^T; G 0] and the definitions, as nodes. Unknowns: the speeds, the multipliers, the
-    lifted velocities."""
+    """The matrix [A G^T; G 0] and the definitions, as nodes. The unknowns are speeds, multipliers and shared
+    velocities."""
 
     structure: Structure
     entries: dict[Entry, Node]
@@ -91,8 +91,8 @@ class _Sums:
                 self.definitions[k] = slopes
 
     def _choose(self, users: Mapping[Node, int]) -> list[Node]:
-        """The sums of two moving terms that bodies and rows use twice or more and that are made of more than
-        one vector: those of the components of one vector, as in w x r, stay where they are."""
+        """Return the sums of two moving terms that bodies and rows use more than once and that combine more
+        than one vector. Sums of the components of one vector, as in w x r, stay."""
         group = _groups(self.equations)
         made_of: dict[Node, frozenset[object]] = {v: frozenset([group.get(v, v)]) for v in self.equations.v}
         found: list[Node] = []
@@ -156,8 +156,8 @@ class _Sums:
         return moved
 
     def _slopes(self, seeds: Mapping[Node, Node]) -> _Slopes:
-        """The derivatives of sum of seeds[node] * node by the unknowns that it is written in: a reverse sweep
-        that ends at unknowns."""
+        """Return the derivatives of sum of seeds[node] * node by the unknowns: a reverse sweep that ends at
+        unknowns."""
         graph = self.equations.graph
         found: _Slopes = {}
         weights = dict(seeds)
@@ -224,8 +224,8 @@ def _masses(part: Moving) -> Iterator[tuple[int, int, Node]]:
 def _affine(
     outputs: Sequence[Node], speeds: Sequence[Node]
 ) -> tuple[dict[Node, None], set[Node], dict[Node, int]]:
-    """The nodes below `outputs` that speeds change, arguments first; those of them that are affine in the
-    speeds; and how often each is used, as an output too."""
+    """Return the nodes below `outputs` that depend on speeds, arguments first; those that are affine in the
+    speeds; and the number of uses of each, outputs included."""
     linear, moving = set(speeds), dict.fromkeys(speeds)
     users = dict.fromkeys(speeds, 0)
     for node in reachable(outputs):
@@ -249,8 +249,8 @@ def _affine(
 
 
 def _groups(equations: EquationsOfMotion) -> dict[Node, object]:
-    """Return the nodes that are components of a vector, each with its vector: the rates of an orientation,
-    the turn of a frame."""
+    """Return the nodes that are components of a vector, each with its vector: rates of an orientation,
+    angular velocity of a frame."""
     found: dict[Node, object] = {}
     for number, c in enumerate(equations.model.coordinates):
         for rate in rate_symbols(c):
@@ -267,8 +267,8 @@ def _in_speeds(equations: EquationsOfMotion, nodes: Sequence[Node]) -> Sequence[
 
 
 def _influence(definitions: Mapping[int, Sequence[int]], moved: Mapping[int, int]) -> dict[int, int]:
-    """The number of bodies that a speed moves; for a lifted velocity that of the speed in it, or in what it
-    is made of, which moves fewest."""
+    """Return the number of bodies that a speed moves. A shared velocity has the smallest number of the speeds
+    in it."""
     reached = dict(moved)
     for k in sorted(definitions, reverse=True):
         for u in definitions[k]:

@@ -1,22 +1,21 @@
-"""The order in which the matrix of the equations is eliminated, plain or lifted (see `lift`), and what
-the structure tells of the work.
+"""The order of elimination of the matrix of the equations (see `articulated_body`), and its cost.
 
-Unknown n + c of [A G^T; G 0] (a, -lam) = (r, gamma) is minus the multiplier of row c, so that
-the matrix is symmetric.  There are two steps:
+Unknown n + c of [A G^T; G 0] (a, -lam) = (r, gamma) is minus the multiplier of row c, so that the matrix is
+symmetric. There are two steps:
 
-* *pivot*: a speed, or a multiplier as soon as all speeds that it touches are gone (its pivot is then
-  -G M^-1 G^T < 0), a massless speed after the multipliers that touch it: L D L^T;
-* *substitution*: a lifted velocity w_k = sum of c_u u, once no other definition uses it.  Together with
-  the multiplier of its definition it has the pivot [[A_kk, -1], [-1, 0]], which is no division.
+* *pivot*: a speed; a multiplier after all speeds of its row (its pivot is then -G M^-1 G^T < 0); a massless
+  speed after the multipliers of its rows: L D L^T;
+* *substitution*: a shared velocity w_k = sum of c_u u that no other definition uses. Together with the
+  multiplier of its definition it has the pivot [[A_kk, -1], [-1, 0]], which needs no division.
 
-Unknowns that move few bodies go first, from the leaves of a tree to its root; then the cheapest.
+Unknowns that move few bodies come first, from the leaves of a tree to its root; then the cheapest.
 
-Where loops are many, as in a ladder, each substitution ties all loops further out to each other.  A shared
-velocity that is one of a body may be *kept* then: its mass is its pivot, its definition a row, whose
-multiplier is the force in the joint, and what is left is the graph of the bodies.
+With many loops, as in a ladder, each substitution couples all outer loops. The shared velocity of a body may
+then be *kept*: its mass is its pivot, its definition is a row, the multiplier of that row is the force in the
+joint, and the graph of the bodies remains.
 
-G. Golub, C. Van Loan, *Matrix Computations*, 4.1; R. Vanderbei, *Symmetric quasidefinite
-matrices*, SIAM J. Optim. 5 (1995), for the signs of the pivots.
+G. Golub, C. Van Loan, *Matrix Computations*, 4.1; R. Vanderbei, *Symmetric quasidefinite matrices*, SIAM J.
+Optim. 5 (1995), for the signs of the pivots.
 """
 
 from __future__ import annotations
@@ -36,8 +35,8 @@ def entry(i: int, j: int) -> Entry:
 
 @dataclass(frozen=True)
 class Structure:
-    """The entries that are not zero.  Unknowns: speeds, multipliers, shared velocities, multipliers of the
-    definitions of those that are kept, in their order."""
+    """The nonzero entries. The unknowns are speeds, multipliers, shared velocities, and multipliers of kept
+    definitions, in this order."""
 
     speeds: int
     multipliers: int
@@ -71,8 +70,8 @@ class Structure:
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """Of an elimination: the unknown, those it is tied to when its turn comes, and those of its
-    definition; none: a pivot."""
+    """A step of the elimination: the unknown, its neighbours at that step, and those in its definition (none
+    for a pivot)."""
 
     unknown: int
     near: tuple[int, ...]
@@ -123,8 +122,8 @@ class Elimination:
 
 
 def eliminate(structure: Structure, most: float = inf) -> Elimination | None:
-    """Choose the order; None where no order without pivoting exists (a massless speed that no
-    constraint gives a mass, a row that touches no speed), or where it takes more than `most` operations."""
+    """Choose the order. None if no order without pivoting exists (a massless speed that no constraint
+    determines, a row without speeds) or if it takes more than `most` operations."""
     search = _Search(structure)
     steps = tuple(search.steps(most))
     return Elimination(structure, steps) if len(steps) == structure.unknowns else None
@@ -241,11 +240,10 @@ class _Search:
 def _frees(
     structure: Structure, near: Sequence[set[int]], massive: Sequence[bool]
 ) -> dict[int, tuple[int, ...]]:
-    """Those that wait for each unknown, beside what is near.
+    """Return the unknowns that wait for each unknown, besides its neighbours.
 
-    A velocity waits for definitions that use it; where these are rows, a lifted one does not.  A
-    constraint on what is kept waits for the speeds in its definitions that move a mass: all rows but these
-    speeds depend on each other, as what holds two parts together does where both are held at rest."""
+    A velocity waits for the definitions that use it, unless these are rows. A constraint on a kept velocity
+    waits for the massive speeds in its definitions: before that, all rows but these speeds are dependent."""
     found = dict(structure.definitions)
     rows: dict[int, list[int]] = {}
     for k, row in structure.ties:

@@ -1,8 +1,8 @@
 """Straight-line sparse factors of the matrix of the equations, along an `Elimination`, and solves with them.
 
-A substitution of w_k = sum of c_u u makes, with z = A_k. + A_kk c, of the other entries A_uj + c_u z_j,
-and within the definition A_uw + c_u z_w + A_uk c_w.  No pivoting: what goes wrong shows in `health` and
-in the residual, which the caller watches.
+A substitution of w_k = sum of c_u u changes the other entries to A_uj + c_u z_j with z = A_k. + A_kk c, and
+those within the definition to A_uw + c_u z_w + A_uk c_w. There is no pivoting: errors show in `health` and in
+the residual, which the caller checks.
 """
 
 from __future__ import annotations
@@ -16,9 +16,8 @@ from lagc.lowering.scalar.value_numbering import Block
 
 @dataclass(frozen=True)
 class Factors:
-    """References: L below the diagonal, 1/D, the smallest pivot ratio, the sizes that pivots would have
-    if nothing were subtracted and, of rows that are guarded, the shares of these that are their own, 0 of one
-    that is left out."""
+    """References to L below the diagonal, 1/D, the smallest pivot ratio, the sizes of the pivots without
+    subtraction, and the independent shares of guarded rows (0 if a row is left out)."""
 
     lower: Mapping[Entry, int]
     inverse: Mapping[int, int]
@@ -29,9 +28,9 @@ class Factors:
 
 @dataclass(frozen=True)
 class Guard:
-    """References to what keeps the factors of dependent rows finite.  A row with no more than its `limits` of
-    its size of its own is left out, with multiplier 0, others are damped by the `share` of their size.  One
-    that gives a pivot to a speed without inertia is never left out, and damped by `least`."""
+    """References to the numbers that keep the factors of dependent rows finite. A row whose independent share
+    is at most its limit is left out, with multiplier 0; others are damped by `share` of their size. A row
+    that gives a pivot to a speed without inertia is never left out and is damped by `least`."""
 
     limits: Mapping[int, int]
     share: int
@@ -47,9 +46,8 @@ class Matrix:
 
 
 class _Factoring:
-    """The matrix while it is eliminated, and how large the terms of its diagonal are that have the sign of
-    the pivots: of the speeds their mass and -sum of L_j^2 d_j over the rows j, of the rows that sum over the
-    speeds."""
+    """The matrix during elimination, and the sizes of the diagonal terms that have the sign of the pivot: the
+    mass of a speed and -sum of L_j^2 d_j over the rows j; for a row that sum over the speeds."""
 
     def __init__(self, block: Block, plan: Elimination, matrix: Matrix, guard: Guard | None):
         self.block, self.structure, self.matrix, self.guard = block, plan.structure, matrix, guard
@@ -119,8 +117,8 @@ class _Factoring:
         return ~block.apply("select", kept, whole, block.zero)
 
     def _watch(self, k: int, pivot: int) -> None:
-        """The ratio of a pivot to its size: near zero for a speed without inertia and for a redundant row, of
-        the wrong sign where the matrix is indefinite."""
+        """Return the ratio of a pivot to its size: near zero for a speed without inertia and a redundant row,
+        of the wrong sign if the matrix is indefinite."""
         size = self.sizes.get(k)
         if size == pivot or k not in self.lessened:
             return
@@ -164,10 +162,9 @@ def _tied(block: Block, structure: Structure, matrix: Matrix) -> dict[Entry, int
 
 
 def factor(block: Block, plan: Elimination, matrix: Matrix, guard: Guard | None = None) -> Factors:
-    """L D L^T of the matrix, lifted velocities substituted. The ratio of a speed's pivot is d/M_kk, about;
-    that of a multiplier's, -d / sum(L_j^2 d_j) over the speeds j, the size it would have without the rows
-    eliminated before it: near zero for a redundant row.  A pivot of the wrong sign makes its ratio
-    negative."""
+    """Return L D L^T of the matrix, with substitutions. The pivot ratio of a speed is about d/M_kk; that of a
+    multiplier is -d / sum(L_j^2 d_j) over the speeds j, near zero for a redundant row. A pivot of the wrong
+    sign makes its ratio negative."""
     work = _Factoring(block, plan, matrix, guard)
     for step in plan.steps:
         work.eliminate(step)
@@ -230,12 +227,10 @@ def _combined(block: Block, structure: Structure, matrix: Matrix, k: int, x: Seq
 def residual(
     block: Block, plan: Elimination, factors: Factors, matrix: Matrix, right: Sequence[int], x: Sequence[int]
 ) -> tuple[list[int], int]:
-    """Return the residual of `x` for `right`, and the square of its size relative to that of the right side.
-
-    Sizes are in the norm of the inverse pivots, sum of r_k^2 / |D_k|, in which forces and constraints are
-    alike (it is the energy that an impulse r brings).  The terms M_kk a_k count for the right side, so that
-    what is driven by constraints alone is not measured by round-off. Where `x` has more than speeds and
-    multipliers, what is kept and its definitions are looked at, too."""
+    """Return the residual of `x` for `right`, and its squared size relative to the right side. Sizes are in
+    the norm of the inverse pivots, sum of r_k^2 / |D_k|, which is the energy of an impulse r. The terms M_kk
+    a_k count for the right side, so that motions driven by constraints alone are not compared with round-off.
+    Kept velocities and their definitions are checked if `x` contains them."""
     structure = plan.structure
     ties = dict(structure.ties) if len(x) > plan.size else {}
     y = [*x[: plan.size], *[block.zero] * len(structure.definitions)]
@@ -280,8 +275,8 @@ def residual(
 def refine(
     block: Block, plan: Elimination, factors: Factors, matrix: Matrix, right: Sequence[int], x: Sequence[int]
 ) -> list[int]:
-    """One step of iterative refinement of the solution `x`, which lowers its residual by about the
-    factor that the residual is below the right side."""
+    """Return `x` after one step of iterative refinement, which reduces its relative residual to about its
+    square."""
     rest, _ = residual(block, plan, factors, matrix, right, x)
     return [block.add(a, da) for a, da in zip(x, substitute(block, plan, factors, matrix, rest))]
 
@@ -304,8 +299,8 @@ def _square(block: Block, a: int) -> int:
 
 
 def pair(block: Block, entries: Mapping[Entry, int], right: Sequence[int]) -> tuple[list[int], int]:
-    """The unknowns of a full positive definite 2 x 2 system, and its pivot ratio, by Cramer's rule:
-    one division on the way, where factors need two, one after the other."""
+    """Return the unknowns of a positive definite 2 x 2 system and its pivot ratio by Cramer's rule, with one
+    division instead of two dependent ones."""
     m, k, n = entries[(0, 0)], entries[(1, 0)], entries[(1, 1)]
     whole = block.mul(m, n)
     determinant = block.sub(whole, block.mul(k, k))

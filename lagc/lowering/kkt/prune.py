@@ -19,8 +19,8 @@ _MOST_NAMED = 8  # independent parts that a note lists
 
 
 def prune(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[str, ...]]:
-    """`equations` without the coordinates and speeds that no inertia, force, constraint, output
-    or condition speaks of, and their names.  Where that is all of them, none is left out."""
+    """Return `equations` without the coordinates and speeds that no inertia, force, constraint, output or
+    condition contains, and their names. If that would remove all of them, none is removed."""
     q, v = _kept(equations)
     if (len(q) == len(equations.q) and len(v) == len(equations.v)) or not v:
         return equations, ()
@@ -119,8 +119,8 @@ def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]
 
 
 def independent(equations: EquationsOfMotion, system: ArticulatedBody) -> tuple[str, ...]:
-    """A note where the motion falls into parts that no inertia, force, constraint or event ties; `system` are
-    its equations in any form."""
+    """Return a note if the motion consists of parts that no inertia, force, constraint or event couples.
+    `system` are its equations in any form."""
     parts = _Parts(system.structure.unknowns)
     ties = [*system.entries.items(), *system.coefficients.items()]
     for (i, j), _ in ties:
@@ -184,11 +184,9 @@ class _Parts:
 
 
 def with_pivots(equations: EquationsOfMotion) -> EquationsOfMotion:
-    """`equations` as elimination can solve them.
-
-    A massless speed on which no force acts and that has a row of its own, `der(y) = ...`, has no pivot and
-    needs no force: y'' = gamma is asked of a unit of inertia too, so that the multiplier comes out as 0,
-    whatever the units.  Raises Refused, LAG0501 for each speed that neither inertia nor rows determine."""
+    """Return `equations` with pivots for all speeds. A massless speed without force that has a row of its
+    own, `der(y) = ...`, gets a unit inertia and the force gamma, so that the multiplier is 0 in any units.
+    Raises Refused, LAG0501 for each speed that neither inertia nor rows determine."""
     bare = [j for j in range(len(equations.v)) if j not in equations.massive]
     if not bare or eliminate(plain(equations).structure) is not None:
         return equations

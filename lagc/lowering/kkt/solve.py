@@ -1,7 +1,6 @@
 """The functions that solve for accelerations and multipliers: rhs and watch, assemble, factor, solve.
 
-All follow one `Elimination` of the matrix of the equations, plain or lifted (see `lift`), with the
-unknowns (a, -lam).
+All use one `Elimination` of the matrix of the equations, with the unknowns (a, -lam).
 """
 
 from __future__ import annotations
@@ -51,8 +50,8 @@ class Solver:
 
 
 def rhs(places: Places, solver: Solver, work: bool) -> list[Function]:
-    """xdot = (qdot, a, power), lam, health and, where there are multipliers, `watch`, which tells from what
-    stands in health how much the solution leaves of its right-hand side."""
+    """Return xdot = (qdot, a, power), lam, health and, with multipliers, `watch`, which computes the relative
+    residual of the solution from values stored in health."""
     equations = places.equations
     power = [equations.power] if work else []
     nodes = [*solver.nodes, *solver.system.right, *equations.qdot]
@@ -90,8 +89,8 @@ def _rhs(places: Places, solver: Solver, nodes: Sequence[Node], power: Sequence[
 
 
 def _watch(places: Places, block: Block, left: int) -> Function:
-    """`left` as a function of its own, health -> health, of what `block` makes for its stores; that which it
-    takes is stored behind them."""
+    """Return `left` as a separate function, health -> health, of values that `block` computes; they are
+    stored behind its outputs."""
     other, found = block.beside(left, "health", 2, len(places.constants))
     other.store("health", 1, found)
     outputs = (("health", _stored(block, "health")),)
@@ -105,8 +104,8 @@ def _stored(block: Block, array: str) -> int:
 def _with_inertia(
     block: Block, plan: Elimination, inverses: Mapping[int, int], found: Sequence[int], health: int
 ) -> int:
-    """`health`, not above zero where a pivot of a speed is, though nothing that was `found` is divided by it:
-    there must be inertia where no force acts, too."""
+    """Return `health`, not positive if the pivot of a speed is not, even if nothing was divided by it: a
+    speed needs inertia without forces too."""
     used = block.below([*found, health])
     for step in plan.pivots:
         inverse = block.unsigned(inverses[step.unknown])
@@ -120,9 +119,9 @@ def _with_inertia(
 
 
 def work_size(solver: Solver, guarded: bool) -> int:
-    """Doubles of w: the entries and coefficients, L below its diagonal, 1/D; where rows are guarded, the
-    sizes of all, the shares that are their own and the limits of these, then the share by which rows are
-    damped, and that of rows which give a pivot to a speed without inertia."""
+    """Return the number of doubles in w: entries and coefficients, L, 1/D; with guarded rows also their
+    sizes, independent shares and limits, the damping share of rows, and that of rows that give a pivot to a
+    speed without inertia."""
     factors = len(solver.nodes) + len(solver.plan.lower) + len(solver.plan.pivots)
     return factors + 3 * solver.plan.multipliers + 2 if guarded else factors
 
@@ -252,8 +251,8 @@ def solvers(equations: EquationsOfMotion) -> Iterator[Solver]:
 
 
 def _plan(system: ArticulatedBody) -> Elimination | None:
-    """All lifted velocities substituted, which loses no digits, or bodies' own kept where that is cheaper
-    by far, as with many loops."""
+    """Return the elimination with all shared velocities substituted, which loses no digits, or with those of
+    bodies kept if that is much cheaper, as with many loops."""
     structure, kept = system.structure, None
     most: float = _most(structure)
     if system.heavy and structure.multipliers:
@@ -285,6 +284,6 @@ def _forms(equations: EquationsOfMotion) -> Iterator[ArticulatedBody]:
 
 
 def _is_made_of(known: set[Node], system: ArticulatedBody) -> bool:
-    """Whether `system` reads nothing but those symbols: what cancels where forces are put together, as those
-    inside a body do, may not where they are not, and parameters and coordinates may be for nothing else."""
+    """Return whether `system` reads only those symbols. Forces that cancel when they are summed may not
+    cancel separately, and may need further parameters and coordinates."""
     return symbols([*system.entries.values(), *system.coefficients.values(), *system.right]) <= known

@@ -1,5 +1,6 @@
-"""Conditions that fall into pieces which share no unknown, as those of many instances: in such an order that
-some of the pieces may be made alone."""
+"""Initial equations that consist of blocks without a common unknown, as those of many instances, in an order
+in which some blocks can be evaluated alone.
+"""
 
 from __future__ import annotations
 
@@ -37,8 +38,8 @@ def in_pieces(function: Function) -> Function:
 
 
 def _apart(function: Function) -> tuple[_Piece, list[_Piece]]:
-    """Return the operations without an unknown, and the sets that share unknowns, in order of their
-    leaves."""
+    """Return the operations without an unknown, and the sets of operations that share unknowns, in the order
+    of their leaves."""
     operations = function.operations
     parent = list(range(len(operations)))
     moving = [k >= 0 for k in _unknowns(function)]
@@ -67,8 +68,7 @@ def _apart(function: Function) -> tuple[_Piece, list[_Piece]]:
 
 
 def _alike(function: Function, letters: Sequence[Letter], pieces: Sequence[_Piece]) -> list[list[_Piece]]:
-    """The pieces whose operations and stores are the same in the same order, with the same edges among
-    themselves."""
+    """Return the blocks that have the same operations and stores in the same order, with the same edges."""
     count = len(function.operations)
     found: dict[Any, list[_Piece]] = {}
     for piece in pieces:

@@ -1,10 +1,9 @@
-"""Long functions as loops: where the same operations come again and again on other operands.
+"""Loop rerolling: repeated sequences of operations become loops.
 
-A model of n like parts takes n times the same operations, as values are made part by part in every
-stage before.  In the order in which they were made, operations are then a text with periods: so many of its
-letters come again at once, with the same edges among themselves.  Each such run is a `Run` of the function,
-which printers write as a loop; what it takes from outside may come from anywhere, and needs a table where it
-does not come from side by side.  No operation and no operand changes, and so no bit of a result.
+A model of n equal parts has n copies of the same operations. In the order in which they were made, operations
+form a text with periods: sequences that repeat with the same edges among themselves. Each repetition is a
+`Run` of the function, which printers write as a loop; operands from outside come from a table unless they are
+consecutive. No operation and no operand changes, so results have the same bits.
 """
 
 from __future__ import annotations
@@ -38,8 +37,8 @@ Letter: TypeAlias = "tuple[str, ...]"
 
 
 def rerolled(function: Function, often: bool = False) -> Function:
-    """`function` with its `runs` where it is long and loops cost less, else in the order of `ordered`.
-    Where it is called `often` time counts, and another order is tried; else room."""
+    """Return `function` with its `runs` if it is long and loops cost less, else in the order of `ordered`. A
+    function that is called `often` is optimized for time, others for size."""
     straight = len(function.operations) + len(function.stores)
     if straight <= STRAIGHT:
         return function
@@ -62,8 +61,8 @@ def _looped(function: Function, often: bool) -> tuple[float, Function]:
 
 
 def lettered(function: Function) -> tuple[Function, list[Letter]]:
-    """With operands that may change places in one order; what operations and stores are but for the places
-    of their operands."""
+    """Return the operations with commutative operands in one order, and a letter for each: operation or store
+    without the places of operands."""
     kinds = _kinds(function)
     operations = tuple([_alike(o, kinds) for o in function.operations])
     letters: list[Letter] = [(o.op, *_table(o), *[kinds[k] for k in o.operands]) for o in operations]
@@ -96,9 +95,9 @@ def _cost(often: bool, text: int, indexing: int = 0) -> float:
 
 
 def local(function: Function) -> Function:
-    """Return the function with its operations store by store, each followed by those that it makes possible:
-    all that is done to one value and all of one part come together.  A value that few operations make of
-    leaves is made where it is asked for, and counts as there."""
+    """Return the function with its operations store by store, each followed by those that it makes possible,
+    so that operations on one value and on one part are adjacent. A value of few operations on leaves is
+    computed where it is needed."""
     operations = function.operations
     cone = [0] * len(operations)  # operations that lead to each, as far as they are few
     users: list[list[int]] = [[] for _ in operations]
@@ -130,8 +129,8 @@ def local(function: Function) -> Function:
 
 
 def _kinds(function: Function) -> list[str]:
-    """Where each value comes from: a number, which stands for itself where it comes often, an array, an
-    operation."""
+    """Return the source of each value: an array, an operation, or a number, which is its own kind if it is
+    frequent."""
     operations = function.operations
     often = Counter([k for o in operations for k in o.operands] + [store.value for store in function.stores])
     return [

@@ -1,6 +1,6 @@
-"""Fewer operations by algebra: common factors out of sums, shared parts of products.
+"""Fewer operations by algebra: common factors of sums, shared parts of products.
 
-Only what keeps the value up to rounding and is certain to pay: nothing is distributed.
+Transformations keep the value up to round-off and always save operations; nothing is distributed.
 """
 
 from __future__ import annotations
@@ -102,8 +102,8 @@ def _term(node: Node) -> Term:
 
 
 def _collect(graph: Graph, terms: list[Term], partners: Partners) -> Node:
-    """The sum of `terms`, the factor that most of them share taken out, again and again. The recursion is as
-    deep as a monomial has factors."""
+    """Return the sum of `terms` with the most common factor taken out, recursively. The recursion is as deep
+    as a monomial has factors."""
     total = graph.zero
     shared = _Shared(terms, partners)
     while (key := shared.most_common()) is not None:
@@ -192,12 +192,11 @@ def _without(c: float, powers: dict[Node, int], key: Key) -> Term:
 
 
 def plan(nodes: Sequence[Node]) -> dict[Product, tuple[Product, Product]]:
-    """Which two parts each product is made of, so that products share as much as can be.
+    """Return the two parts of each product, chosen so that products share as much as possible.
 
-    Greedy: the pair of factors that most products hold becomes a factor of its own, while any two products
-    share one (M. Breuer, *Generation of optimal code for expressions via factorization*, CACM 12 (1969)).  A
-    divisor is one factor more: what products share may be over it. As products have few factors
-    (`MOST_FACTORS`), the work is linear in the number of products."""
+    Greedy: the pair of factors that most products contain becomes a factor, as long as two products share one
+    (M. Breuer, *Generation of optimal code for expressions via factorization*, CACM 12 (1969)). A divisor is
+    one more factor. Products have at most `MOST_FACTORS` factors, so the work is linear in their number."""
     products: dict[Product, Row] = {}
     atoms: list[Product] = []  # what each factor number stands for
     numbers: dict[Node | Product, int] = {}

@@ -1,7 +1,7 @@
-"""Nodes of the expression graph -> operations of a block.
+"""Nodes of the expression graph become operations of a block.
 
-A monomial becomes a product over a divisor; which factors are multiplied or divided first is a `Plan`
-(see `factors`), so that monomials share parts.
+A monomial becomes a product over a divisor. A `Plan` (see `common_factors`) decides which factors are
+combined first, so that monomials share parts.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
-"""Products of sums multiplied out, where the sums are of turned vectors.
+"""Expansion of products of sums, if the sums are components of rotated vectors.
 
-The components of velocities and accelerations of rotating links are sums in which every term has
-a sine or a cosine.  Multiplied out, terms of the products cancel (s c w^2 of one axis against that
-of another) and sin^2 + cos^2 meet.  Other sums, differences of lengths above all, are left as
-they are: multiplying those out would lose digits.
+The velocities and accelerations of rotating links are sums whose terms all have a sine or a cosine. After
+expansion, terms of products cancel and sin^2 + cos^2 meet. Other sums, such as differences of lengths, stay:
+their expansion would lose digits.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from lagc.symbolic.walk import reachable
 
 
 class Coefficients:
-    """`nodes`, with their coefficients as symbols, and the `meaning` of each.  `constants` are the symbols of
+    """`nodes` with symbols as coefficients, and the `meaning` of each symbol. `constants` are the symbols of
     parameters."""
 
     def __init__(self, graph: Graph, nodes: Sequence[Node], constants: Collection[Node]) -> None:

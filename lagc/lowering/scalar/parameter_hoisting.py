@@ -1,7 +1,7 @@
-"""Values that depend on parameters alone are computed once, by `bind`, and not at every call.
+"""Values that depend on parameters alone are computed once, by `bind`, and not in every call.
 
-Of each function the values that are made of parameters and numbers only, and cost an operation, go into one
-function that all others share.  A quotient by one of them is a product with its inverse.
+One function computes all values of parameters and numbers that cost an operation, for all other functions. A
+quotient by such a value becomes a product with its inverse.
 """
 
 from __future__ import annotations
@@ -56,8 +56,8 @@ class Preparation:
         return _Separation(self, function).run()
 
     def finished(self, functions: Mapping[str, Function]) -> tuple[dict[str, Function], tuple[int, ...]]:
-        """`functions` with the places of what is prepared, behind p, and `bind` if there is any; and the
-        parameters that it reads, whose copies are the last that it stores."""
+        """Return `functions` with the places of prepared values behind p; `bind`, if there is any; and the
+        parameters that it reads, whose copies it stores last."""
         places: dict[int, int] = {}
         found = {name: self._placed(function, places) for name, function in functions.items()}
         if not places:
@@ -117,8 +117,8 @@ class _Separation:
         return replace(made, cleared=function.cleared)
 
     def _product(self, k: int, o: Operation) -> int:
-        """Operation k as a coefficient of what is kept times the rest; as it is made already where that
-        coefficient is a number."""
+        """Return operation k as a prepared coefficient times the rest; unchanged if the coefficient is a
+        number."""
         coefficient, rest = self.shared.one, self.block.one
         for i in o.operands:
             one, other = self._factors(i)

@@ -1,12 +1,11 @@
 """Sums and products in the order in which their parts are ready.
 
-A processor works on several operations at once, as long as they do not wait for each other: how
-long a right-hand side takes is decided as much by its longest chain of operations as by their
-number.  In a sum of many terms whose partial sums nobody else uses, the terms that are known first
-are added first, and what is known last comes last; products likewise.
+A processor executes independent operations at the same time, so the longest chain of operations counts as
+much as their number. In a long sum whose partial sums have no other use, the terms that are known first are
+added first; products likewise.
 
-The order that gives the shortest chain takes the two parts that are ready first, again and again
-(J.-L. Baer, D. P. Bovet, *Compilation of arithmetic expressions for parallel computations*, 1968).
+The shortest chain results if the two parts that are ready first are combined, repeatedly (J.-L. Baer, D. P.
+Bovet, *Compilation of arithmetic expressions for parallel computations*, 1968).
 """
 
 from __future__ import annotations
@@ -28,8 +27,7 @@ _KIND = {"add": "sum", "sub": "sum", "neg": "sum", "mul": "product"}
 
 
 def balanced(function: Function) -> Function:
-    """`function` with its sums and products in the order that ends first, and the longest
-    chains of operations begun first."""
+    """Return `function` with sums and products in the order that ends first, and the longest chains first."""
     return _Balance(function).run()
 
 
@@ -121,8 +119,8 @@ def _inner(function: Function) -> list[bool]:
 
 
 def by_height(rows: Sequence[Row], roots: Sequence[int]) -> list[int]:
-    """Return the operations that `roots` need: of those that could come next always the one that the
-    longest chain to an end begins with.  Loads and constants stand before their first use."""
+    """Return the operations that `roots` need: of all that could come next, the one with the longest chain to
+    an end. Loads and constants stand before their first use."""
     needed = _needed(rows, roots)
     height = [0] * len(rows)  # cycles from the start of an operation to the end of the function
     users: dict[int, list[int]] = {v: [] for v in needed}

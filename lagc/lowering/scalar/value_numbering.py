@@ -1,7 +1,7 @@
-"""Block: the operations of one function while it is being built, with value numbering.
+"""Block: the operations of one function while it is built, with value numbering.
 
-A *reference* is an integer: `k` for value number k and `~k` for its negative, so that a sign
-costs nothing until it must be stored; sums with negative terms become differences.
+A *reference* is an integer: `k` for value number k and `~k` for its negative. So a sign costs nothing until
+it is stored; sums with negative terms become differences.
 """
 
 from __future__ import annotations
@@ -65,8 +65,8 @@ class Block:
         return number
 
     def _known(self, op: str, operands: tuple[int, ...]) -> float | None:
-        """Return the result of two numbers, where that is a number: else some compilers would compute it and
-        some programs, which differs where arithmetic is rounded up."""
+        """Return the result of two numbers if it is a number. Otherwise only some compilers would compute it,
+        and with other rounding if arithmetic is rounded up."""
         if op not in _OF_NUMBERS:
             return None
         a, b = self._rows[operands[0]], self._rows[operands[1]]
@@ -182,8 +182,8 @@ class Block:
         return set(_schedule(self._rows, [self.unsigned(a) for a in roots]))
 
     def beside(self, wanted: int, array: str, first: int, parameters: int) -> tuple[Block, int]:
-        """Another block that makes `wanted`, and the reference to it there: of the `parameters`, and of what
-        the stores of this one need, which it stores for that from array[first] on."""
+        """Return another block that computes `wanted` and the reference to it there. It reads `parameters`
+        and the values that the stores of this block need, which are stored from array[first] on."""
         here = self.below([store.value for store in self.stores])
         again: list[bool] = []  # what is made of parameters alone, or nobody else needs
         fixed: list[bool] = []
@@ -224,8 +224,8 @@ class Block:
         schedule: Schedule | None = None,
     ) -> Function:
         """Return the operations that the stores need, each close before its first use, or in the order that
-        `schedule` gives: (operations and operands, roots) -> value numbers.  A long function keeps the
-        order in which it was made, leaves first."""
+        `schedule` gives: (operations and operands, roots) -> value numbers. A long function keeps the order
+        in which it was made, leaves first."""
         roots = [s.value for s in self.stores]
         order = _as_made(self._rows, roots) if len(self._rows) + len(roots) > STRAIGHT else []
         if len(order) + len(roots) <= STRAIGHT:
