@@ -28,8 +28,7 @@ _RELATIONS = smooth_as(STEP, CORNER)
 
 
 def derive(model: Model) -> EquationsOfMotion:
-    """The equations of motion of `model`. Raises Refused with LAG04xx: what the mechanics of a well-formed
-    model forbids."""
+    """Return the equations of motion of `model`. Raises Refused with LAG04xx for mechanical errors."""
     graph = model.graph
     states = build_states(model)
     cuts, stops = _cuts(states)

@@ -1,7 +1,7 @@
-"""Properties of a system that follow from its equations of motion, for people to read.
+"""Properties of a system that follow from its equations of motion.
 
-Every claim is proved, by exact values on every branch of its expressions (`zero_test`) or by a rank that
-cannot be larger (`mobility`), or it *seems* to hold: on all states tried that meet the constraints.
+Each property is proved, by exact values on every branch (`zero_test`) or by a rank that cannot be larger
+(`mobility`), or it *seems* to hold: in all tested states that meet the constraints.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ _FEW = 20  # rows with which states far away are tried
 
 @dataclass(frozen=True, slots=True)
 class RowKind:
-    """The kind of a constraint's row.  `integrable` is None where the question does not arise, or was not
-    examined; `proved` says how it is known."""
+    """The kind of a constraint equation. `integrable` is None if it does not apply or was not examined;
+    `proved` says how it is known."""
 
     label: str
     constraint: str
@@ -72,9 +72,8 @@ class Seems:
 
 @dataclass(frozen=True)
 class Analysis:
-    """Plain facts, and nodes of the graph of the equations. n speeds and p rows make n + p unknowns
-    (accelerations and multipliers) and as many equations. `kinetic_parts` are K2, K1, K0, by degree in v;
-    None where K is no polynomial of degree 2."""
+    """Plain facts, and nodes of the graph of the equations. `kinetic_parts` are K2, K1, K0 by degree in v;
+    None if K is no polynomial of degree 2."""
 
     coordinates: int
     speeds: int
@@ -215,8 +214,8 @@ def _conserved(
     cyclic: Mapping[str, bool],
     sure: bool,
 ) -> tuple[list[Conserved], list[str]]:
-    """Quantities that are constant along the motion, with the independent `rows`, by index, `sure` or
-    not that these are all; and those that were not examined."""
+    """Return the quantities that are constant along the motion with the independent `rows`, by index, `sure`
+    or not that these are all; and those that were not examined."""
     kept = [row for _, row in rows]
     small = len(equations.v) + len(rows) <= LARGEST
     tries = _tries(states, kept, met, small)

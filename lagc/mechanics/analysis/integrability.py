@@ -1,14 +1,14 @@
-"""Which affine velocity rows are in fact integrable, alone or together with others.
+"""Integrable velocity constraints, alone or in combination.
 
-The forms of all rows span a codistribution I.  A combination of them restricts positions where it annuls all
-motions that can be made of those allowed, brackets included (`brackets`): these combinations are the largest
-integrable part of I (the last of its derived flag; R. L. Bryant et al., *Exterior Differential Systems*,
-1991, ch. II).  A row that lies in that part is integrable; of relations that lie in no row alone the number
-is told.  All of it is linear algebra at points of a finite field on the constraints, so no tolerance decides.
+The forms of all affine velocity rows span a codistribution I. A combination restricts positions if it
+annihilates all motions that can be made of the allowed ones, Lie brackets included. These combinations are
+the last derived flag of I (R. L. Bryant et al., *Exterior Differential Systems*, 1991, ch. II). A row in this
+flag is integrable; other relations in it are counted. All steps are linear algebra at points of a finite
+field on the constraints, so no tolerance is involved.
 
-For many positions, or long rows, brackets become too long.  Rows are then taken for integrable where they are
-closed along each other, dw(X, Y) = 0 for all X, Y that all of them annul (F. W. Warner, *Foundations of
-Differentiable Manifolds and Lie Groups*, th. 2.32); combinations are not looked for.
+For many positions or long rows, brackets become too long. A row then counts as integrable if it is closed
+along the others, dw(X, Y) = 0 for all X, Y that all of them annihilate (F. W. Warner, *Foundations of
+Differentiable Manifolds and Lie Groups*, th. 2.32). Combinations are not searched.
 """
 
 from __future__ import annotations
@@ -117,8 +117,8 @@ class TooLong(Exception):
 def reachable_directions(
     graph: Graph, forms: Sequence[Form], where: Sequence[Node], point: Point, truths: Truths
 ) -> list[Entries]:
-    """A basis, at `point`, of the directions of all motions that the forms leave: by place in `where`. Raises
-    Undefined where something has no value at this point, TooLong where fields or brackets on the way are."""
+    """Return a basis, at `point`, of the directions of all motions that the forms admit, by place in `where`.
+    Raises Undefined if something has no value there, TooLong if fields or brackets are too long."""
     span = _Span(where, point, truths)
     fields = [x for x in _fields(graph, forms, where, point, truths) if span.grows(x)]
     latest = fields
@@ -186,8 +186,8 @@ class _Span:
 
 @dataclass(frozen=True, slots=True)
 class Integrable:
-    """Label -> why, of the integrable rows; how many relations between positions the velocity rows add
-    to the holonomic ones, and how many of these lie in no row alone; whether all that is proved; and
+    """The reasons of the integrable rows by label; the number of relations between positions that velocity
+    rows add to the holonomic ones, and how many of these belong to no single row; whether all is proved;
     labels of rows that were not examined."""
 
     rows: dict[str, str] = field(default_factory=dict)
@@ -210,8 +210,8 @@ class _Place:
 
 
 def integrable_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping[Node, float]]) -> Integrable:
-    """The affine velocity rows among `rows` that restrict positions. The holonomic rows are to be
-    independent; `tries` meet all."""
+    """Return the affine velocity rows among `rows` that restrict positions. The holonomic rows are
+    independent; `tries` meet all rows."""
     asked = [row for row in rows if not row.holonomic and row.linear]
     if not asked:
         return Integrable()

@@ -1,11 +1,10 @@
-"""How many motions the rows leave: the rank of their Jacobian at states that meet them.
+"""Degrees of freedom: the rank of the Jacobian of the rows at states that meet them.
 
-Off the constraints the rank of a closed loop is too large: rows that depend on each other where the
-loop is closed do not elsewhere.  So it is taken beside the start, along motions that the rows allow
-(`constraint_manifold`), and the largest one counts: configurations where it is less are passed.  It is proved
-where it cannot be larger: as many as there are rows, or as at a random point of a finite field.  A field
-also tells rows apart that agree in more digits than double precision has.
-Where surfaces touch, motions are counted by steps instead (`Consistent.freedom`).
+The rank is evaluated near the initial state, along motions that the rows allow (`constraint_manifold`):
+elsewhere rows that depend on each other in a closed loop are independent. The largest rank counts. It is
+proved if it cannot be larger: if it is the number of rows, or the rank at a random point of a finite field,
+which also distinguishes rows that agree in double precision. Where surfaces touch, motions are counted by
+steps (`Consistent.freedom`).
 """
 
 from __future__ import annotations
@@ -28,13 +27,11 @@ from lagc.symbolic.walk import depends
 
 @dataclass(frozen=True, slots=True)
 class Mobility:
-    """Of rows by index: those that follow from the ones before, and the rank of all.
-
-    `at_start` is the rank at the start (None: not found); `proved` as the module says; `examined` is False
-    where no consistent state was found: then the rank is that beside the constraints. `unseen`: rows that
-    follow from others as far as double precision tells, and are proved not to; they count in `rank`, and not
-    in `at_start`. `entangled`: the rows with multipliers that are not unique: those that follow from others,
-    and the others."""
+    """The rows, by index, that follow from earlier ones, and the rank of all. `at_start` is the rank at the
+    start (None: not found), `proved` as in the module; `examined` is False if no consistent state was found:
+    the rank is then that beside the constraints. `unseen` rows are proved to be independent although they are
+    not in double precision; they count in `rank` and not in `at_start`. `entangled` rows have multipliers
+    that are not unique."""
 
     spare: frozenset[int]
     rank: int

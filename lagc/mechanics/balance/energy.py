@@ -1,14 +1,14 @@
 """Energies and their balance.
 
-The energy kept account of is Jacobi's,  E = sum of rate_i dL/d(rate_i) - L = K2 - K0 + V,
-because its balance needs no force of a drive:
+The balance is that of Jacobi's energy E = sum of rate_i dL/d(rate_i) - L = K2 - K0 + V, because it needs no
+force of a drive:
 
     dE/dt = -dL/dt + sum of Q_i rate_i
 
-with dL/dt at held coordinates and rates, Q the forces that no potential gives, multipliers
-included (C. Lanczos, *The Variational Principles of Mechanics*, ch. V).  Where nothing is
-driven E = K + V, and where in addition nothing dissipates the power is the constant zero.
-A body's velocity u = (linear in the rates) + d gives K2 - K0 = K - d.p with its momentum p.
+with dL/dt at fixed coordinates and rates, and Q the forces without a potential, multipliers included (C.
+Lanczos, *The Variational Principles of Mechanics*, ch. V). Without drives E = K + V; without dissipation too,
+the power is the constant zero. A body's velocity u = (linear in the rates) + d gives K2 - K0 = K - d.p with
+its momentum p.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Given actions: what each brings to the generalized forces, and its power.
+"""The generalized forces of given actions, and their power.
 
-A potential brings -N^T dV/dq; a force F at a point of velocity u brings F . du/dv_j; a torque T on a
-frame brings T . dw/dv_j; a Rayleigh function D(rates) brings -dD/d(rate_i)
-on each rate, taken to the speeds.  Free terms of the Lagrangian are in `freeterms`.
+A potential contributes -N^T dV/dq, a force F at a point of velocity u F . du/dv_j, a torque T on a frame T .
+dw/dv_j, a Rayleigh function D(rates) -dD/d(rate_i) on each rate. `euler_lagrange` has the free terms of the
+Lagrangian.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from lagc.symbolic.walk import depends
 
 @dataclass(frozen=True, slots=True)
 class Acting:
-    """An action's contribution. `loads`: its weights on velocities, both in v, whose sum of products is its
-    virtual power; `relative_power` is its power with every drive held, forces . rates, in v; `stored` the
-    energy of a conservative one."""
+    """An action's contribution. `loads` are pairs of a weight and a velocity whose products sum to its
+    virtual power; `relative_power` is its power at fixed drives, forces . rates; `stored` is the energy of a
+    conservative one."""
 
     contribution: Contribution
     loads: dict[Node, Node]

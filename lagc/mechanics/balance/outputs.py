@@ -28,8 +28,8 @@ def output_equations(
     totals: Energies,
     dropped: Sequence[str],
 ) -> tuple[OutputEquation, ...]:
-    """The outputs in t, q, v, a, lam and parameters. `dropped` are the labels of rows that were found
-    superfluous: their multipliers are zero."""
+    """Return the outputs in t, q, v, a, lam and parameters. `dropped` are the labels of redundant rows, whose
+    multipliers are zero."""
     graph, outputs = states.graph, states.model.outputs
     asked = sorted(symbols([o.expression for o in outputs]), key=lambda s: s.index)
     filled: dict[Node, Node] = {}

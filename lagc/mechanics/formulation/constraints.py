@@ -1,7 +1,7 @@
 """Classification of the explicit constraints into rows.
 
-A residual that holds no rate is holonomic: phi(t,q) = 0, met also at the level of speeds by
-its rate d(phi)/dt.  Any other is a velocity row psi(t,q,v) = 0, affine in v or not.  For both,
+A residual without rates is holonomic: phi(t,q) = 0, with its rate d(phi)/dt = 0 at velocity level. Any other
+is a velocity row psi(t,q,v) = 0, affine in v or not. For both,
 
     G = d(rate)/d(v)        G a = gamma,  gamma = -d(rate)/dt along the motion with v' = 0.
 """
@@ -32,7 +32,7 @@ class Classified:
 
 
 def classify(states: States) -> list[Classified]:
-    """The rows of the model's constraints, holonomic first, each kind in the order of declaration. Raises
+    """Return the rows of the model's constraints, holonomic ones first, in the order of declaration. Raises
     Refused: LAG0407 a row that depends on an input, LAG0408 a row that no motion meets."""
     model = states.model
     labels = [(c, k) for c in model.constraints for k in range(len(c.residuals))]
@@ -76,8 +76,8 @@ def classify(states: States) -> list[Classified]:
 
 
 def _drive(states: States, row: Row, raw: Node) -> Node:
-    """sum of rate_i d(rate of row)/d(rate_i), less the rate of the row, which is zero. For an affine row that
-    is minus what is left at rest: the speed that the drive imposes."""
+    """Return sum of rate_i d(rate of row)/d(rate_i) less the rate of the row, which is zero. For an affine
+    row that is minus its value at rest: the speed that the drive imposes."""
     graph = states.graph
     if row.holonomic:
         moved = row.time_dependent

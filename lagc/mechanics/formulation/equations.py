@@ -81,9 +81,9 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Contribution:
-    """The contribution of a body or an action: its generalized force, a node a speed. For a body: {} (its
-    share is in M and h).  kind: potential force torque dissipation lagrangian.  `conservative` contributions
-    are in `potential`; others do `power`."""
+    """The contribution of a body or an action: its generalized force, a node for each speed ({} for a body,
+    whose share is in M and h). The kinds are potential, force, torque, dissipation, lagrangian.
+    `conservative` ones are in `potential`; others have `power`."""
 
     name: str
     kind: str
@@ -124,8 +124,7 @@ class StartValue:
 
 @dataclass(frozen=True, slots=True)
 class StatedRate:
-    """A rate that a start value is stated for and that is no speed, since a declared one replaces it:
-    its expression in t, q, v."""
+    """A rate with a start value that a declared speed replaces, as an expression in t, q, v."""
 
     symbol: Node
     unit: str
@@ -177,7 +176,7 @@ class EquationsOfMotion:
 
     @cached_property
     def mass_matrix(self) -> dict[tuple[int, int], Node]:
-        """(i, j) with i >= j, zeros left out; in q and t (in v too where a free Lagrangian is not
+        """Return the nonzero entries (i, j) with i >= j, in q and t (also in v if a free Lagrangian is not
         quadratic)."""
         inertia = Inertia(self.graph, self.v, self.inertias)
         found = {(i, j): m for i in range(len(self.v)) for j, m in inertia.row(i, range(i + 1)).items()}

@@ -1,15 +1,14 @@
 """Inertia and bias forces of the bodies, by the principle of virtual power.
 
-For every admissible virtual motion v*, the power of the quantities of acceleration is
-sum of m a_C . v_C* + (I w' + w x I w) . w*  (angular terms in the body's axes), hence with
-the partial velocities d(v_C)/d(v_j) and d(w)/d(v_j)
+For every admissible virtual motion v*, the inertia has the virtual power sum of m a_C . v_C* + (I w' + w x I
+w) . w* (angular terms in the body's axes). With the partial velocities d(v_C)/d(v_j) and d(w)/d(v_j):
 
-    M_ij = sum of m dv_C/dv_i . dv_C/dv_j + dw/dv_i . I dw/dv_j    (see `moving`)
+    M_ij = sum of m dv_C/dv_i . dv_C/dv_j + dw/dv_i . I dw/dv_j    (see `mass_matrix`)
     h_j  = sum of m a_0 . dv_C/dv_j + (I w'_0 + w x I w) . dw/dv_j
 
-where a_0, w'_0 are the accelerations that are left when v' = 0.  The sums over the bodies are
-reverse sweeps over the graph of the velocities: prefix sums along a chain are shared.  Kane &
-Levinson, *Dynamics: Theory and Applications*, 1985, ch. 4.
+with the accelerations a_0, w'_0 at v' = 0. The sums over the bodies are reverse sweeps over the graph of the
+velocities, so prefix sums along a chain are shared. Kane, Levinson, *Dynamics: Theory and Applications*,
+1985, ch. 4.
 """
 
 from __future__ import annotations
@@ -27,8 +26,8 @@ from lagc.symbolic.walk import depends
 
 
 def moving_parts(states: States) -> list[Moving]:
-    """Every velocity that carries inertia. Raises Refused: LAG0404 a mass or an inertia that changes with the
-    motion."""
+    """Return all velocities that carry inertia. Raises Refused: LAG0404 a mass or an inertia that changes
+    with the motion."""
     bodies = states.model.bodies
     _check(states, bodies)
     raw: list[Vector] = []
@@ -51,8 +50,8 @@ def moving_parts(states: States) -> list[Moving]:
 
 
 def inertial_loads(states: States, parts: Sequence[Moving]) -> dict[Node, Node]:
-    """The weights on velocities whose sum of products is the virtual power of the accelerations that are
-    left when v' = 0."""
+    """Return pairs of a weight and a velocity whose products sum to the virtual power of the inertia at v' =
+    0."""
     graph = states.graph
     flat = [x for part in parts for x in part.velocity]
     accelerations = triples(tangent(graph, flat, states.drift))

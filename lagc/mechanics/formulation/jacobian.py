@@ -1,5 +1,6 @@
-"""The constraint Jacobian by rows: each entry a node or, where rows build on sums that many of them share,
-put together from theirs only when somebody asks for it."""
+"""The constraint Jacobian by rows. An entry is a node; entries of rows that share sums are formed when they
+are used.
+"""
 
 from __future__ import annotations
 
@@ -36,8 +37,8 @@ class Entries(Mapping[int, Node]):
 
 
 def gradients(graph: Graph, nodes: Sequence[Node], places: Mapping[Node, int]) -> list[Mapping[int, Node]]:
-    """The derivatives of each of `nodes` by what has `places`, those left out that structure tells to be
-    zero: place -> entry."""
+    """Return the derivatives of each of `nodes` by the variables in `places`, without structural zeros: place
+    -> entry."""
     found = slopes(graph, nodes, places, len(places), _FEW)
     return _entries(found) if found.sums else list(found.rows)
 

@@ -4,8 +4,8 @@ With the partial velocities d(v_C)/d(v_j) and d(w)/d(v_j)
 
     M_ij = sum of m dv_C/dv_i . dv_C/dv_j + dw/dv_i . I dw/dv_j
 
-(see `inertia`).  The sums over the bodies are reverse sweeps over the graph of the velocities, so a
-chain of n links costs O(n) nodes a row: M is made where it is asked for.
+(see `inertia`). The sums are reverse sweeps over the graph of the velocities: a chain of n links costs O(n)
+nodes for each row. M is formed when it is used.
 """
 
 from __future__ import annotations

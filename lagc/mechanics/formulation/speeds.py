@@ -1,9 +1,8 @@
 """The choice of speeds: rates as functions of declared generalized speeds.
 
-A declared speed u_k = A_k(t,q) . rates + b_k(t,q) takes the place of one rate; the other rates stay speeds
-themselves.  Which rate a speed replaces is decided on a few states, so that the system stays solvable, and by
-sparsity; the system is then solved by Cramer's rule where it is small (a rotated pair of rates gives the
-determinant cos^2 + sin^2 = 1 and no division at all), by elimination otherwise.
+A declared speed u_k = A_k(t,q) . rates + b_k(t,q) replaces one rate; the other rates stay speeds. The choice
+keeps the system solvable on a few states, and sparse. Small systems are solved by Cramer's rule (a rotated
+pair of rates has the determinant cos^2 + sin^2 = 1 and needs no division), others by elimination.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ class ChosenSpeeds:
 
 def choose_speeds(model: Model, rates: Sequence[Node]) -> ChosenSpeeds:
     """Solve the declared speeds for as many rates. Raises Refused: LAG0401 not affine in the rates, LAG0402
-    not independent of one another, LAG0403 more speeds than rates."""
+    dependent on each other, LAG0403 more speeds than rates."""
     declared = model.speeds
     if not declared:
         return ChosenSpeeds({}, {})
@@ -110,8 +109,8 @@ def _eliminate(table: list[dict[int, float]], k: int, pivot: int) -> None:
 def solve_rows(
     graph: Graph, rows: Sequence[Mapping[int, Node]], right: Sequence[Node], pivots: Sequence[int]
 ) -> dict[int, Node]:
-    """The unknowns `pivots` of rows x = right (row k solvable for pivots[k] once the rows before
-    are), what else the rows hold left aside; block by block of rows that share none."""
+    """Solve rows x = right for the unknowns `pivots` (row k for pivots[k] after the rows before), ignoring
+    other entries, block by block of rows that share none."""
     solution: dict[int, Node] = {}
     for block in _blocks(rows, pivots):
         columns = [pivots[k] for k in block]

@@ -18,8 +18,8 @@ from lagc.symbolic.walk import substitute
 
 @dataclass(frozen=True)
 class States:
-    """The symbols of the motion. `rates` maps every rate symbol to its expression in v; it is the identity
-    when no speed is declared, and `plain` says so."""
+    """The symbols of the motion. `rates` maps each rate symbol to its expression in v, the identity if no
+    speed is declared (`plain`)."""
 
     model: Model
     q: tuple[Node, ...]

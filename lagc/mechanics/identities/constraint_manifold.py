@@ -1,8 +1,7 @@
-"""States that meet the rows: a state moved onto phi = 0, then its speeds onto rate = 0.
+"""States on the constraints: positions moved onto phi = 0, then speeds onto rate = 0.
 
-Gauss-Newton with steps of least norm, rows that depend on others left aside.  Used at compile time
-for questions of rank and consistency only; a start of the motion is found elsewhere, with the
-user's guesses held as far as possible.
+Gauss-Newton with steps of least norm, without dependent rows, for questions of rank and consistency at
+compile time. The initial state of a run is computed by `kernels.initialization`.
 """
 
 from __future__ import annotations
@@ -43,11 +42,11 @@ def onto(states: States, rows: Sequence[Row]) -> Callable[[Mapping[Node, float]]
 
 @dataclass(frozen=True, slots=True)
 class Consistent:
-    """States on the rows with the default parameters: the start moved onto them (None where that
-    fails), states beside it, and states farther along the motions that the rows allow.
+    """States on the rows with the default parameters: the initial state moved onto them (None if that fails),
+    states beside it, and states farther along motions that the rows allow.
 
-    Where surfaces only touch each other there, as a sphere and its tangent plane, no rank tells how many
-    motions of the positions there are: then they are counted in `freedom`."""
+    Where surfaces only touch, as a sphere and its tangent plane, no rank gives the number of motions of the
+    positions; `freedom` counts them."""
 
     start: State | None
     beside: list[State]
@@ -117,9 +116,9 @@ class _Manifold:
         self.tangential = False  # positions were met so slowly as those of surfaces that touch
 
     def start(self, given: Mapping[Node, float]) -> State | None:
-        """`given` on the rows, with what was stated where it is, if that can be: from guesses of what nobody
-        stated, or beside them, where they lead to a configuration that is met as slowly as where surfaces
-        touch."""
+        """Return a state on the rows that keeps stated values if possible, from the guesses of the others or
+        from points beside them. A point that is reached only linearly, as where surfaces touch, is not
+        accepted."""
         states = self.states
         free = [x for x, s in zip(states.q, states.starts_q) if s.stated.level == UNSTATED]
         slowly: State | None = None

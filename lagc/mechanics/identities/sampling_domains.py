@@ -1,13 +1,12 @@
-"""Where claims are tried: anywhere, or along the motions that the equations allow.
+"""Domains in which identities are tested: all states, or the states of the motion.
 
-Anywhere: positions, rates and time are free, quaternions have length one.  Along the motion: holonomic
-rows hold as far as they can be solved for coordinates or parameters that they hold linearly (a loop
-for its lengths) or as squares (a rod for its length), velocity rows hold, accelerations and
-multipliers solve the equations of motion.
+All states: positions, rates and time are free; quaternions have length one. On the motion: holonomic rows are
+solved for coordinates or parameters that they contain linearly (a loop for its lengths) or as squares (a rod
+for its length); velocity rows hold; accelerations and multipliers solve the equations of motion.
 
-Rows may have solutions of several kinds: a loop closes for lengths of zero too.  Those of the field are
-of the kind that the motion has where what is solved for can be solved for at a state of the motion
-as well: only then are rows solved, and what is zero for all solutions there is zero on the motion.
+Rows may have solutions of several kinds: a loop also closes for lengths of zero. Rows are therefore solved
+only for unknowns for which they can be solved at a state of the motion too. An expression that vanishes for
+all these solutions vanishes on the motion.
 """
 
 from __future__ import annotations
@@ -171,8 +170,8 @@ class _Placing:
 
 @dataclass(frozen=True, slots=True)
 class _Square:
-    """A row that is a quadratic polynomial in one `unknown`: `nodes` are its residual and the first two
-    derivatives; `others` may be drawn again, so that it has a root."""
+    """A row that is a quadratic polynomial in one `unknown`: `nodes` are its residual and its first two
+    derivatives; `others` may be drawn again until there is a root."""
 
     unknown: Node
     others: list[Node]
@@ -195,8 +194,8 @@ class _Square:
 def _squares(
     asked: Sequence[Node], residuals: Sequence[Node], solved: Sequence[Node], state: State
 ) -> list[_Square]:
-    """For each residual one of those `asked` that those solved before do not hold, and that it can be
-    solved for at `state`; residuals without one are left out."""
+    """Return for each residual one of `asked` that earlier solved ones do not contain and for which it can be
+    solved at `state`; residuals without one are left out."""
     fixed = symbols(solved)
     found: list[_Square] = []
     for residual in residuals[:_MOST_ROWS]:

@@ -30,10 +30,9 @@ _TRIES = 60  # points tried for those, where roots of random numbers are not the
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """Where an expression is asked for. `place` gives a point of the field the values that the ground
-    demands, and says whether it meets all of them; Undefined where it cannot.  `states` gives states of
-    numbers, on a branch or (None) as they are.  `support`: what both use, spelt out.  `digits` as of
-    `Point`."""
+    """The domain of a test. `place` gives a point of the field the values of the domain and returns whether
+    it meets all conditions; Undefined if it cannot. `states` gives numerical states on a branch, or (None) as
+    they are. `support` are the expressions of both. `digits` as in `Point`."""
 
     graph: Graph
     values: State  # of the parameters, to decide on comparisons of them
@@ -100,8 +99,8 @@ class ZeroTest:
         return proved, rooted
 
     def points(self, nodes: Sequence[Node]) -> Iterator[tuple[list[Placed], dict[Node, int]]]:
-        """Points and the truths of comparisons, for each branch of `nodes`, which are spelt out; where
-        these are too many, blended."""
+        """Return points and the truths of comparisons for each branch of `nodes`; blended if there are too
+        many."""
         ground = self._ground
         branches = Branches(ground.graph, [*ground.support, *nodes], ground.values)
         for signs in branches.all() if branches.complete else [branches.blended()]:
@@ -153,8 +152,8 @@ class ZeroTest:
 
 
 def cancels(nodes: Sequence[Node], states: Sequence[State], strict: bool = True) -> bool:
-    """All of `nodes` vanish on every state where they have values. With `strict` on one at least, and as
-    terms that are not zero cancel there."""
+    """Return whether all of `nodes` vanish on every state where they have values; with `strict`, on at least
+    one state, by cancellation of nonzero terms."""
     seen = [False] * len(nodes)
     for state in states:
         for k, (value, size) in enumerate(magnitudes(nodes, state)):

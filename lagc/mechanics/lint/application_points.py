@@ -1,9 +1,8 @@
-"""Forces `at P` whose point is none of a body.  Warnings only.
+"""Forces `at P` at points that belong to no body. Warnings only.
 
-Such a force moves with the point P itself.  Where P is no point of a body at rest relative to it (where a
-disc touches the ground, where something slides along a rod), the material point of the body that is there has
-another velocity.  Velocities are compared as linear maps of the speeds, first of all speeds, then of those
-that the constraints allow.
+Such a force moves with the point P. If P moves relative to the body (the contact of a disc, a sliding point
+on a rod), the material point of the body at P has another velocity. Velocities are compared as linear maps of
+all speeds, then of the speeds that the constraints allow.
 """
 
 from __future__ import annotations
@@ -104,8 +103,8 @@ def _arm(at: Vector, place: Vector, pose: Pose) -> list[float]:
 def _is_of_a_link(
     states: States, maps: Maps, force: Force, at: Vector, tied: Sequence[Body], tried: Sequence[Pose]
 ) -> bool:
-    """Return whether the point is fixed in a frame that turns it about a point of the model: on a massless
-    link.  The frames that a solid beside it turns in (the lean of a rolling disc) are no links."""
+    """Return whether the point is fixed in a frame that rotates it about a point of the model: a massless
+    link. The frames of a solid beside it (the lean of a rolling disc) are no links."""
     parents = {frame.name: frame.parent for frame in states.model.frames}
     turned_in: set[str] = {"world"}
     for body in tied:

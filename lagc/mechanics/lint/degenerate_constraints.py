@@ -1,8 +1,8 @@
 """Constraints whose gradient vanishes wherever they hold: `x^2 = 0`, `norm(a - b) = 0`, `1 - cos(u) = 0`.
 
-Such a residual touches zero and does not cross it.  No multiplier can enforce it, and it restricts more than
-one equation says.  It is seen by its structure: a power, or a sum of terms of one sign with extremes at zero.
-In a product such as `x^2*y` the gradient vanishes on one of the branches.
+Such a residual touches zero without crossing. No multiplier can enforce it, and it restricts more than one
+degree of freedom. It is recognized by structure: a power, or a sum of terms of one sign with extremes at
+zero. The gradient of a product such as `x^2*y` vanishes on one branch.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _KINKED = ("max", "min", "abs")  # no constraints by themselves
 
 def refuse_degenerate(states: States, classified: Sequence[Classified]) -> tuple[Fault, ...]:
     """Return warnings LAG0413 of products whose gradient vanishes with one factor. Raises Refused: LAG0413
-    constraints whose gradient vanishes wherever they hold, unless others imply them."""
+    for a constraint whose gradient vanishes wherever it holds, unless others imply it."""
     asked = [x for x in classified if x.row.holonomic or not x.row.linear]
     residuals = [x.row.residual for x in asked]
     moving = depends(residuals, symbols(residuals) - {p.symbol for p in states.model.parameters})

@@ -1,8 +1,7 @@
-"""Where expressions jump or have a kink: at the relations `abs`, `sign`, `floor`, `min`, `max`, `if`, tables.
+"""Jumps and kinks of expressions at the relations `abs`, `sign`, `floor`, `min`, `max`, `if` and tables.
 
-A relation has an event indicator that changes sign, passes a whole number or passes a knot there.  A zero of
-the indicator is located along single leaves.  At that point the expressions on both sides are compared, with
-their slopes: two different analytic functions differ at a random point (Schwartz-Zippel).
+The zero of an event indicator is located along single leaves. There the expressions on both sides and their
+slopes are compared: two different analytic functions differ at a random point (Schwartz-Zippel).
 """
 
 from __future__ import annotations
@@ -69,8 +68,8 @@ class Break:
 def find_break(
     states: States, nodes: Sequence[Node], leaves: Sequence[Node], slopes: bool, rows: bool = False
 ) -> Break | None:
-    """Return the first jump of `nodes` along `leaves`, or else the first kink; with `slopes` off jumps only.
-    `rows`: `nodes` vanish along the motion.  A relation at whose zeros one of them does not is left out."""
+    """Return the first jump of `nodes` along `leaves`, or else the first kink (not with `slopes` off).
+    `rows`: `nodes` vanish along the motion, so a relation counts only if they vanish at its zero."""
     everything = states.in_rates(nodes)
     moving = depends(everything, leaves)
     ops = RELATIONS if slopes else _STEPS

@@ -1,8 +1,9 @@
-"""Passivity check: loads and dissipations that can bring energy where friction was meant.  Warnings only.
+"""Passivity check: warnings of loads and dissipations that can add energy although friction was meant.
 
-A load opposes a velocity where the quadratic form of minus its power on that velocity is nowhere negative.
-The form is made of the derivatives by the speeds, at a few configurations with the parameters' values.  Those
-of a law that is not linear are taken at random speeds."""
+A load opposes a velocity if the quadratic form of minus its power on that velocity is nowhere negative. The
+form consists of derivatives by the speeds, at a few configurations with the values of the parameters, and at
+random speeds if the law is not linear.
+"""
 
 from __future__ import annotations
 
@@ -87,8 +88,8 @@ class _Forms:
         return False
 
     def is_law(self, pair: _Pair, pose: Pose) -> bool:
-        """Return whether the vector depends on the velocity that is acted on, and on nothing else that moves,
-        with power of both signs on it."""
+        """Return whether the vector depends on the velocity of its point and on no other motion, with power
+        of both signs."""
         moved = combined((sign, self.maps.at(vector, pose)) for sign, vector in pair.acted.terms)
         force, held = self.maps.at(pair.load.vector, pose), Spanned(moved)
         for row in force:
@@ -100,8 +101,8 @@ class _Forms:
 
 
 def active_loads(states: States, rows: Sequence[Row]) -> Iterator[Fault]:
-    """Yield LAG0412 of loads that oppose another velocity than that which they act on, or that which they act
-    on in some directions and not in others, or that a negative parameter turns into a drive."""
+    """Yield LAG0412 of loads that oppose another velocity than the one they act on, or oppose that one in
+    some directions only, or that a negative parameter turns into a drive."""
     loads = _moved(states)[:_MOST]
     if not loads or len(states.v) > LARGEST:
         return
@@ -195,8 +196,8 @@ def _acted(load: Load) -> _Velocity:
 
 
 def _candidates(states: States, pair: _Pair) -> Iterator[_Velocity]:
-    """Yield what a load may be meant to oppose: velocities that it was written with, those of bodies or of
-    frames that move with what it depends on, of material points where it acts, and their differences."""
+    """Yield velocities that a load may be meant to oppose: those in its expression, those of bodies or frames
+    that depend on the same rates, those of material points at its point, and differences."""
     load, model = pair.load, states.model
     written = [_Velocity(((1.0, v),), span.text, span) for v, span in load.mentioned]
     yield from written
@@ -280,8 +281,8 @@ def _opposes_another(pair: _Pair, opposed: _Velocity) -> Fault:
 def active_dissipations(
     states: States, rows: Sequence[Row], contributions: Sequence[Contribution]
 ) -> Iterator[Fault]:
-    """Yield LAG0412 of quadratic dissipations whose form is negative, or that fall without end, in a motion.
-    The linear part may be the drive of a damper, 1/2 c (v - u)^2: it lies in the range of the form then."""
+    """Yield LAG0412 of quadratic dissipations whose form is negative or unbounded in a motion. A linear part
+    in the range of the form is the drive of a damper, 1/2 c (v - u)^2."""
     spans: Mapping[str, Span] = {x.name: x.span for x in states.model.actions}
     for c in contributions:
         if c.kind == "dissipation" and c.forces and len(states.v) <= LARGEST and _falls(states, rows, c):

@@ -1,8 +1,8 @@
-"""Warnings where a constraint, a place, an energy or a declared speed jumps or has a kink.
+"""Warnings if a constraint, a place, an energy or a declared speed jumps or has a kink.
 
-There the speeds would jump, which is an impact: no equation of motion holds it.  A motion may never get
-there, so the model is accepted, and a clause `when` stops a run that does.  Roots, quotients and angles are
-not looked at: a run stops where a row that holds one has no gradient, or where its energy is out of balance.
+The speeds would jump there, which is an impact. A motion may never get there, so the model is accepted, and a
+clause `when` stops a run that does. Roots, quotients and angles are not examined: a run stops where a row has
+no gradient or the energy is out of balance.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ class Cuts(NamedTuple):
 
 
 def find_cuts(states: States, relations: Collection[Node]) -> Cuts:
-    """Return warnings LAG0421 of constraints and LAG0422 of places with a jump or a kink, LAG0423 of energies
-    and LAG0424 of declared speeds that jump; `relations` are all that may."""
+    """Return warnings LAG0421 of constraints and LAG0422 of places with a jump or kink, LAG0423 of energies
+    and LAG0424 of declared speeds with a jump; `relations` are the candidates."""
     model = states.model
     above = set(relations)
     for node in states.graph.nodes:

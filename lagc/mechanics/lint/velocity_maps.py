@@ -1,5 +1,4 @@
-"""Velocities and loads as linear maps of the speeds, at a few configurations, and the forms of their
-power."""
+"""Velocities and loads as linear maps of the speeds at a few configurations, and the forms of their power."""
 
 from __future__ import annotations
 
@@ -45,8 +44,8 @@ class Pose:
 
 
 def poses(states: States, rows: Sequence[Row] = ()) -> list[Pose]:
-    """Return configurations near the start with the parameters' values: those that `rows` allow, where
-    given."""
+    """Return configurations near the start with the values of the parameters; if `rows` are given, on
+    these."""
     slow = [*states.v, *states.rates]
     found = [
         {**state, **{x: _SLOW * state[x] for x in slow}}

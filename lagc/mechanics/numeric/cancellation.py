@@ -1,10 +1,9 @@
-"""Values together with how large the terms are that they are made of.
+"""Values together with the sizes of their terms.
 
-Whether a number is zero can be told only beside what it is the sum of: what cancels leaves about
-1e-16 of its terms.  Sizes that add in sums and multiply in products tell this of short ones: components of a
-vector that was turned ten times are sums of thousands of terms, which are far less together.  So it is
-measured what a value changes by where each operation is off by a small part of its result, over that part
-(stochastic arithmetic: J. Vignes, *Math. Comput. Simul.* 35, 1993).
+A number is zero only relative to its terms: cancellation leaves about 1e-16 of them. Sizes that add in sums
+and multiply in products are far too large for long expressions, as components of a vector that was rotated
+ten times. So the size is measured: the change of the value if each operation is perturbed by a small relative
+error, over that error (stochastic arithmetic: J. Vignes, *Math. Comput. Simul.* 35, 1993).
 """
 
 from __future__ import annotations
@@ -27,8 +26,7 @@ _EXACT = smooth_as(STEP, FLAT, LOGIC) | {"const"}
 def magnitudes(
     nodes: Sequence[Node], state: Mapping[Node, float], within: Sequence[Node] | None = None
 ) -> list[tuple[float, float]]:
-    """Value and size of each node: the largest of the value and of what was measured.  `within` as in
-    `evaluate`."""
+    """Return the value and the size of each node, which is at least the value. `within` as in `evaluate`."""
     order = reachable(nodes) if within is None else within
     value = {**state, **dict(zip(order, evaluate(order, state, order)))}
     size = [abs(value[node]) for node in nodes]

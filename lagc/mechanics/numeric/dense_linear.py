@@ -68,8 +68,8 @@ class _Row:
 
 
 class Span:
-    """The span of rows, which are taken to size one, by an orthonormal basis; `rank` is decided at the
-    widest gap among the remainders of rows beside those before them, the largest first (`left`)."""
+    """The span of normalized rows by an orthonormal basis. `rank` is decided at the widest gap among the
+    remainders of rows without the rows before them, the largest first (`left`)."""
 
     def __init__(self, rows: Sequence[Sequence[float]]):
         self._units = [_unit(row) for row in rows]
@@ -120,9 +120,8 @@ class Span:
         return found
 
     def entangled(self) -> frozenset[int]:
-        """The rows in sums of rows that vanish, sum(z[k]*row[k]) = 0 with z[k] not 0: their multipliers are
-        not unique.  Each row beyond the rank gives one such sum, by substitution in the triangular parts of
-        the bases."""
+        """Return the rows in vanishing sums, sum(z[k]*row[k]) = 0 with nonzero z[k]: their multipliers are
+        not unique. Each row beyond the rank gives one such sum by back substitution."""
         bases = self.made[: self.rank]
         found = set()
         for row, parts in [*self.made[self.rank :], *self._others.items()]:

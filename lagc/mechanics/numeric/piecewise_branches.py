@@ -1,11 +1,10 @@
-"""The branches of piecewise expressions: every comparison held true, and held false.
+"""The branches of piecewise expressions: every comparison is taken as true and as false.
 
-A claim about an expression is made on each of its branches, whether or not the states that
-are tried lie on it: a force that acts beyond three turns only is there.  Comparisons of parameters
-alone are decided by their values.
+A property holds on each branch, whether or not tested states lie on it: a force may act beyond three turns
+only. Comparisons of parameters alone are decided by their values.
 
-Where conditions are many, their branches are blended: each condition is a random number c of the finite
-field, and `if` is c x + (1 - c) y.  An expression that is zero then is zero for all c, so on every branch.
+If there are many conditions, branches are blended: each condition is a random number c of the finite field,
+and `if` is c x + (1 - c) y. An expression that is zero then is zero for all c, so on every branch.
 """
 
 from __future__ import annotations
@@ -97,8 +96,8 @@ class Branches:
         return len(self.differences) <= _MOST
 
     def all(self) -> Iterator[Signs]:
-        """Combinations of signs: each one, or where they are many those that differ from all alike in
-        one or two."""
+        """Return the combinations of signs: all of them, or if they are many, those that differ from equal
+        signs in one or two."""
         count = len(self.differences)
         if self.complete:
             for signs in product((1, -1), repeat=count):

@@ -1,7 +1,7 @@
-"""States at which questions of rank are asked: seeded, near the defaults and the starts.
+"""Random states for questions of rank: seeded, near the defaults and the initial values.
 
-An identity that holds at a few states chosen at random holds everywhere, up to a set of measure
-zero (Schwartz-Zippel for analytic functions); numbers that cancel leave about 1e-16, others do not.
+An identity that holds at a few random states holds everywhere, up to a set of measure zero (Schwartz-Zippel
+for analytic functions); cancellation leaves about 1e-16.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ _TRIES = 8  # states tried for every one wanted, where expressions leave their d
 
 @dataclass
 class Chance:
-    """A small generator of numbers in (-1, 1): the same on every machine and version. G. Marsaglia's
-    multiply-with-carry family is more than enough here: only genericity matters."""
+    """A generator of numbers in (-1, 1), the same on every machine and version: G. Marsaglia's multiply with
+    carry."""
 
     state: int = 20011
 
@@ -30,9 +30,9 @@ class Chance:
 
 
 def samples(model: Model, count: int, vary: bool = True, spread: float = 0.3) -> Iterator[dict[Node, float]]:
-    """`count` states (fewer where starts are outside a domain): symbol -> value. With `vary` False the
-    parameters keep their defaults; with `spread` 0 the positions are those of the start, and speeds alone are
-    random."""
+    """Return `count` states, symbol -> value (fewer if initial values are outside a domain). With `vary`
+    False the parameters keep their defaults; with `spread` 0 the positions are the initial ones and only
+    speeds are random."""
     chance = Chance()
     given = 0
     sizes = unit_sizes(model)
@@ -46,8 +46,8 @@ def samples(model: Model, count: int, vary: bool = True, spread: float = 0.3) ->
 
 
 def unit_sizes(model: Model) -> dict[str, float]:
-    """How large scalar coordinates of a unit are: their largest start, or a parameter's value in that unit,
-    the median one, where that is more; 1 for pure numbers and angles, and without either."""
+    """Return the size of scalar coordinates of each unit: the largest start, or the median value of a
+    parameter of that unit if that is larger; 1 for numbers, angles and units without either."""
     values = {p.symbol: p.value if p.value is not None else 1.0 for p in model.parameters}
     found: dict[str, float] = {}
     for c in model.coordinates:

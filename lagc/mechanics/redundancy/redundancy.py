@@ -1,10 +1,9 @@
-"""Rows that follow from others whatever the state, and rows that contradict others.
+"""Redundant and contradictory rows.
 
-The Jacobian of the rows is reduced, row by row, on a few states chosen at random (`samples`): what
-may depend on earlier rows does on each of them.  A velocity row for which that is proved, by exact
-values in a finite field where positions are on the constraints, is left out, so that the multipliers
-stay unique.  Any other stays, and so does a holonomic row: the run shares the force out.  Rows that
-depend on others but can never hold with them are refused.
+The Jacobian is reduced, row by row, on a few random states (`samples`). A velocity row that is proved to
+depend on earlier rows, by exact values in a finite field on the constraints, is left out, so that the
+multipliers stay unique. Other dependent rows stay, as do holonomic ones: the run shares their forces.
+Dependent rows that can never hold together are refused.
 """
 
 from __future__ import annotations
@@ -49,11 +48,10 @@ class Dropped(NamedTuple):
 
 
 def drop_idle(states: States, classified: Sequence[Classified]) -> tuple[list[Classified], list[Dropped]]:
-    """The rows that hold a coordinate or speed, and others, which are proved to hold always, as may a
-    component of a vector, by what places of bodies say already.  The proof holds whatever the parameters are:
-    that of a root or a choice may not, as sqrt(l^2) = l and max(l, 0) = l where l > 0.
-
-    Raises Refused: LAG0409 a row without any coordinate or speed for which that is not proved."""
+    """Return the rows with a coordinate or speed, and those that are proved to hold always, as may a
+    component of a vector. The proof holds for all values of parameters, so roots and choices such as
+    sqrt(l^2) = l are not proved. Raises Refused: LAG0409 a row without coordinates and speeds that is not
+    proved."""
     idle = [x.row for x in classified if not x.row.jacobian]
     if not idle:
         return list(classified), []
@@ -72,8 +70,8 @@ def drop_idle(states: States, classified: Sequence[Classified]) -> tuple[list[Cl
 
 
 def shared_reactions(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:
-    """Warnings: LAG0428 of outputs that ask for reactions which rows share, one of them left out.  Of a row
-    that another one repeats the reaction is that of both."""
+    """Return warnings: LAG0428 of outputs with reactions that rows share, if one of them was left out. The
+    reaction of a repeated row is that of both."""
     found = []
     for output in states.model.outputs:
         asked = {x.record.owner for x in symbols([output.expression]) if x.record.kind == "multiplier"}
@@ -114,7 +112,7 @@ def _motionless(row: Row) -> Fault:
 def drop_redundant(
     states: States, classified: Sequence[Classified]
 ) -> tuple[list[Classified], list[Dropped]]:
-    """The rows that stay, and those that do not. Raises Refused: LAG0410 rows that can never hold
+    """Return the rows that stay and those that do not. Raises Refused: LAG0410 rows that can never hold
     together."""
     found = dependent_rows(states, [x.row for x in classified])
     if not found:
@@ -174,8 +172,8 @@ def _entangled(tried: Sequence[Reduced]) -> list[int]:
 
 
 def entangled(rows: Sequence[Mapping[int, bool]]) -> list[int]:
-    """The rows that may depend on each other, each given by column -> whether the entry is surely not zero:
-    no sum of rows that vanishes has one in it that is alone in a column, nor those that then are alone."""
+    """Return the rows that may depend on each other, each given as column -> whether its entry is surely
+    nonzero: a vanishing sum contains no row that is alone in a column, recursively."""
     users: dict[int, set[int]] = {}
     for k, row in enumerate(rows):
         for j in row:
@@ -194,8 +192,8 @@ def entangled(rows: Sequence[Mapping[int, bool]]) -> list[int]:
 
 
 def _contradict(states: States, row: Row, others: Sequence[Row]) -> bool:
-    """Return whether `row` is a combination of `others` with constant factors but for a number that is not
-    zero, so that it can never hold with them, with the parameters' values."""
+    """Return whether `row` is a combination of `others` with constant factors except for a nonzero number,
+    with the values of the parameters: it can never hold with them."""
     rows = [*others, row]
     alike = all(x.holonomic for x in rows)
     residuals = [x.residual if alike else x.rate for x in rows]
@@ -241,9 +239,8 @@ def _labels(rows: Sequence[Row]) -> str:
 
 
 def follows(states: States, row: Row, others: Sequence[Row]) -> bool:
-    """It is proved, where positions are on the constraints: rate and Jacobian of `row` are one combination of
-    those of `others`, with numbers that are the same for all configurations, speeds and parameters and
-    whatever comparisons say, of parameters too, which a run may give other values."""
+    """Return whether it is proved, on the constraints, that rate and Jacobian of `row` are one combination of
+    those of `others`, with the same numbers for all configurations, speeds, parameters and branches."""
     from lagc.mechanics.identities.sampling_domains import on_rows  # loaded where there is a question
     from lagc.mechanics.identities.zero_test import ZeroTest
     from lagc.mechanics.numeric.piecewise_branches import spelt_out
