@@ -1,7 +1,7 @@
-"""The search for consistent initial conditions, and the names of what takes part in it.
+"""The search for consistent initial conditions, with the names of the equations in a conflict.
 
-The equations that force a value, or contradict each other, are found by leaving out one after the other while
-the search still fails.
+Equations that force a value, or contradict each other, are found by leaving out one after the other while the
+search still fails.
 """
 
 from __future__ import annotations
@@ -98,8 +98,8 @@ class _Words:
         return tuple(found.values())
 
     def _forced(self, search: Consistency, values: Sequence[int]) -> tuple[str, ...]:
-        """The conditions that cannot hold with `values` as they were given: those whose combination, linear
-        at the start, asks for moves of them and of nothing else that is free."""
+        """Return the conditions that cannot hold with the given `values`: those whose combination, linear at
+        the start, requires moves of these values and of nothing else that is free."""
         rows = self._tied(search, values)
         _, jacobian, _ = search.evaluate(search.y)
         weights, free = search.weights, [j for j, moves in enumerate(search.free) if moves]

@@ -1,7 +1,4 @@
-"""Trying the start of a program without a run: what a run would refuse, found as a run finds it.
-
-The functions of the model are those of the NumPy module, with the kernels of one evaluation.
-"""
+"""A trial of the initial state of a program without a run, with the kernels of one evaluation."""
 
 from __future__ import annotations
 
@@ -37,8 +34,8 @@ class _Model(NumpyModel):
 
 
 def try_start(program: Program, parameters: Sequence[float]) -> list[str]:
-    """The outputs without a finite value at the start.  Raises Refused as a run with the array p would before
-    its first step: NoStart, LAG0617 or LAG0604."""
+    """Return the outputs without a finite value at the start. Raises Refused as a run with the parameters p
+    would before its first step: NoStart, LAG0617 or LAG0604."""
     request = Request().completed(program.interface.simulate)
     system = _Model(program).bind(parameters)
     x = begin(system, request).x

@@ -17,8 +17,9 @@ _ROUNDING = 1e-9  # of the energy of a speed by itself
 
 
 def negative_speed(system: System, t: float, x: Sequence[float]) -> int | None:
-    """A speed, by index, that takes part in a motion of negative kinetic energy at (t, x), beside what the
-    frames' own motion brings: by Cholesky's factors of the form on what the constraints allow."""
+    """Return the index of a speed in a motion of negative kinetic energy at (t, x), by a Cholesky
+    factorization of the form on the motions that the constraints allow. Prescribed motions of frames do not
+    count."""
     nv = system.nv
     if nv > _MOST:
         return None

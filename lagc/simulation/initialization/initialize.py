@@ -30,9 +30,8 @@ MOST_NAMED = 12  # conditions of a conflict
 
 
 class NoStart(Refused):
-    """There is no first step. `anchors` are parts of the model that it depends on, `x` is the state, `p` the
-    parameters and inputs, by name; `lagc.simulation.initialization.source_spans` finds their places in the
-    text."""
+    """There is no initial state. `anchors` are the parts of the model in the conflict, `x` is the state, `p`
+    the parameters and inputs by name; `source_spans` finds their places in the text."""
 
     def __init__(self, fault: Fault, anchors: Sequence[Anchor], x: Sequence[float], system: System):
         super().__init__([fault])
@@ -46,8 +45,8 @@ class NoStart(Refused):
 
 
 def begin(system: System, request: Request) -> Start:
-    """The consistent start.  Raises NoStart, naming the conditions that cannot be met (LAG0610), or the start
-    value that is not finite (LAG0611); and as `_energies`."""
+    """Return the consistent start. Raises NoStart with the conditions that cannot be met (LAG0610) or the
+    start value that is not finite (LAG0611), and as `_energies`."""
     keep_limits(system)
     doing("finding the start")
     began = perf_counter()
@@ -65,8 +64,7 @@ def begin(system: System, request: Request) -> Start:
 
 
 def _energies(system: System, x: Sequence[float]) -> None:
-    """Raises NoStart where an energy has no finite value (LAG0613), or some speeds have a negative kinetic
-    energy (LAG0615)."""
+    """Raise NoStart if an energy has no finite value (LAG0613) or a kinetic energy is negative (LAG0615)."""
     for name, value in zip(("kinetic", "potential", "total"), system.energies(0.0, x)):
         if not isfinite(value):
             fault = Fault("LAG0613", f"the {name} energy is not a finite number at the start")
@@ -91,8 +89,8 @@ def consistent_start(
     given: Mapping[str, float] | None = None,
     guesses: Mapping[str, float] | None = None,
 ) -> Start:
-    """The start of `system` at time `t`.  The values of `given` (by name) count as stated by the run,
-    those of `guesses` as not stated; both replace the model's."""
+    """Return the start of `system` at time `t`. The values of `given` (by name) count as stated by the run,
+    those of `guesses` as not stated; both replace those of the model."""
     guess, levels = guess_and_levels(system, system.start(), given or {}, guesses or {})
     if not system.interface.needs_consistency:
         return Start(guess)
@@ -104,8 +102,8 @@ def consistent_start(
 def guess_and_levels(
     system: System, start: Sequence[float], given: Mapping[str, float], guesses: Mapping[str, float]
 ) -> tuple[list[float], list[int]]:
-    """The guess of each state, and the level at which each unknown is stated; the four parts of an
-    orientation have one level."""
+    """Return the guess of each state and the level of each unknown; the four parts of an orientation have one
+    level."""
     guess, levels = list(start), list(system.interface.start_levels)
     for i, name in enumerate(system.interface.state_names):
         if name in given:

@@ -16,8 +16,8 @@ _SLIGHTLY = 0.01  # of their size: moves such as rounding leaves
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A start value that was not as given, SI; of an orientation that was stated, its four parts.
-    `forced` are the conditions that left no other, for one that was stated."""
+    """A start value that differs from the given one, in SI; the four parts of a stated orientation. `forced`
+    are the conditions that forced the change of a stated value."""
 
     name: str
     given: float | tuple[float, ...]
@@ -78,8 +78,8 @@ def unmet_lines(unmet: Sequence[Unmet]) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """The state to begin with.  `unmet` is empty if it is consistent; else these conditions and
-    the values `held` contradict each other, and each of them takes part."""
+    """The initial state. `unmet` is empty if it is consistent; else these conditions and the fixed values
+    `held` are a minimal contradiction."""
 
     x: list[float]
     changes: tuple[Change, ...] = ()

@@ -29,12 +29,12 @@ Evaluate: TypeAlias = Callable[[float, Sequence[float]], Found]
 class Conditions:
     """The conditions of a consistent start.
 
-    `evaluate(t, x)` gives c, J and sizes: residuals, derivatives row by row (row i ends at `ends[i]`, with
-    `columns` of the unknowns), sizes of the terms.  `measures()`: the stated rates, and the largest parameter
-    of each unit.  `elsewhere(p)` is `evaluate` with others than `parameters`.  `units[i]` is the number of
-    the unit of unknown i; `angles` are the coordinates that are angles.  Where conditions fall into pieces
-    that share no unknown, `pieces[i]` makes condition i (-1: none), and `some(t, x, c, J, sizes, first,
-    last)` fills in what belongs to some of them.  `massless` are the speeds without inertia."""
+    `evaluate(t, x)` returns c, J and sizes: residuals, derivatives row by row (row i ends at `ends[i]`;
+    `columns` are their unknowns), sizes of the terms. `measures()`: the stated rates, and the largest
+    parameter of each unit. `elsewhere(p)` is `evaluate` with other parameters. `units[i]` is the number of
+    the unit of unknown i; `angles` are the coordinates that are angles. If conditions consist of blocks
+    without common unknowns, `pieces[i]` is the block of condition i (-1: none), and `some(t, x, c, J, sizes,
+    first, last)` evaluates some of them. `massless` are the speeds without inertia."""
 
     def __init__(
         self,
@@ -116,12 +116,10 @@ class Conditions:
 
 
 class Consistency:
-    """The search for values of the unknowns near the guess `x` at time t that meet the conditions.
-
-    `levels` of q, v and the stated rates; `given`: the conditions that count, all where None.  Afterwards `y`
-    is the best that was found, and `free` tells what might move; `culprit` is the row that misses most, or
-    the unknown that is not finite; `rows`, of a failure, those of the part of the conditions that cannot be
-    met."""
+    """The search for values near the guess `x` at time t that meet the conditions. `levels` of q, v and the
+    stated rates; `given` are the conditions that count (None: all). Afterwards `y` is the best point, `free`
+    the unknowns that might move, `culprit` the row with the largest residual or the unknown that is not
+    finite, and `rows`, after a failure, the block that cannot be met."""
 
     def __init__(self, conditions: Conditions, t: float, x: Sequence[float], levels: Sequence[int],
                  given: Sequence[int] | None = None):  # fmt: skip
@@ -195,8 +193,8 @@ class Consistency:
 
 
 def least_norm(rows: Sequence[Sequence[float]], right: Sequence[float], dependent: float) -> list[float]:
-    """The shortest y with rows . y = right; empty where a number is not finite.  Rows that depend on the ones
-    before (to `dependent` of their length) are left out, the longest remaining row first."""
+    """Return the shortest y with rows . y = right; empty if a number is not finite. Dependent rows (to
+    `dependent` of their length) are left out, the row with the longest remainder coming next."""
     kernels: dict[str, Any] = {}
     exec(code((False,) * len(FLAGS)), kernels)
     m, n = len(rows), len(rows[0])
