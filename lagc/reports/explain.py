@@ -182,8 +182,8 @@ def _constraint(equations: EquationsOfMotion, kind: RowKind) -> Facts:
 
 
 def _count(interface: Interface) -> Facts:
-    """n accelerations and p multipliers against n equations of motion and p rows; what is dropped
-    is counted apart."""
+    """n accelerations and p multipliers, n equations of motion and p constraint equations; dropped equations
+    are counted apart."""
     return {
         "coordinates": interface.nq,
         "speeds": interface.nv,

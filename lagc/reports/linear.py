@@ -43,8 +43,8 @@ def large(linear: Linear) -> bool:
 
 
 def text(linear: Linear, verbose: bool = False, times: int = 1) -> str:
-    """The state, matrices where they are small or it is `verbose`, eigenvalues with their modes; one of so
-    many `times` that stand below each other, among which those of large models share the room."""
+    """Return the state, small matrices (all if `verbose`), eigenvalues and modes; one of `times` such texts,
+    among which those of large models share the space."""
     interface = linear.system.interface
     names, units = interface.state_names, interface.state_units
     most = MOST // times if large(linear) else MOST

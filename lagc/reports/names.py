@@ -18,8 +18,8 @@ from lagc.symbolic.operators import OPERATORS
 
 @dataclass(frozen=True, slots=True)
 class Name:
-    """A symbol or table as people see it: `base` with so many time derivatives; `full` the model's name, or
-    where the numbers of a table come from."""
+    """The printed name of a symbol or table: `base` with a number of time derivatives; `full` is the name in
+    the model, or the source of a table."""
 
     base: str
     full: str

@@ -52,8 +52,8 @@ class Collector:
         return {a: k for k, a in enumerate(self.trailing)}
 
     def cancel(self, p: Polynomial) -> Polynomial:
-        """`p` without the number and the parameters that all terms share; most of the terms of its
-        first acceleration are positive."""
+        """Return `p` without the number and the parameters that all terms share; most terms of its first
+        acceleration get a positive sign."""
         if not p:
             return p
         c, common, _ = self.algebra.content(p)

@@ -1,9 +1,9 @@
-"""Expressions multiplied out: sums of monomials with exact coefficients, for equations that people read.
+"""Expansion into sums of monomials with exact coefficients, for printed equations.
 
 A polynomial is a dict {monomial: coefficient}, a monomial a sorted tuple of (atom, exponent) pairs, an atom a
-number in `Algebra.atoms`: a symbol, a function of polynomials, or a sum that stands in a denominator or under
-a root.  Exponents are integers, or halves for roots.  All work is counted; beyond `limit` products `TooLarge`
-is raised and the caller writes the expression in another way.
+number in `Algebra.atoms`: a symbol, a function of polynomials, or a sum in a denominator or under a root.
+Exponents are integers, or halves for roots. Beyond `limit` products `TooLarge` is raised, and the caller
+writes the expression in another way.
 """
 
 from __future__ import annotations
@@ -102,8 +102,8 @@ class Algebra:
         return [(part, self._product(factors))]
 
     def _multiply_out(self, nodes: Iterable[Node]) -> None:
-        """Long sums, from the top: what stands in many of their parts, as in sums that run on along a
-        chain, is multiplied once, by the factors of all, and not written out for each."""
+        """Multiply out long sums from the top. A part of many sums, as along a chain, is multiplied once by
+        the factors of all."""
         for top in nodes:
             if top not in self._sums:
                 continue
@@ -155,8 +155,8 @@ class Algebra:
         return product
 
     def _entry(self, node: Node) -> Polynomial:
-        """A coefficient of a curve, as the curve and its slopes say it (Taylor's formula), so that these are
-        what comes out."""
+        """Return a coefficient of a table in terms of the table and its slopes (Taylor's formula), which are
+        printed."""
         table, piece = node.value, node.args[0]
         x = self._done[piece.args[0]]
         if table.curve is None:
@@ -269,8 +269,8 @@ class Algebra:
         return c >= 0 and all(e % 2 == 0 or self.atoms[a].nonnegative for a, e in monomial)
 
     def content(self, p: Polynomial) -> tuple[Fraction, Monomial, Polynomial]:
-        """(c, common, rest) with p = c*common*rest: the greatest common factor, c with the sign
-        of the first square, or else of the first term."""
+        """Return (c, common, rest) with p = c*common*rest: the greatest common factor; c has the sign of the
+        first square, or else of the first term."""
         if not p:
             return Fraction(0), (), {(): Fraction(1)}
         monomials = sorted(p)

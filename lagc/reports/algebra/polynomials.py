@@ -22,8 +22,7 @@ class NotFinite(Exception):
 
 
 def fraction(value: float) -> Fraction:
-    """The simple fraction that `value` is but for rounding, as products and sums of quotients are one, or
-    `value` itself.  Raises NotFinite."""
+    """Return the simple fraction that `value` equals up to round-off, or `value`. Raises NotFinite."""
     if value - value != 0.0:
         raise NotFinite
     near = Fraction(value).limit_denominator(1000)
@@ -83,8 +82,8 @@ def divided(monomial: Monomial, common: dict[int, Exponent]) -> Monomial:
 
 
 def number_content(values: Iterable[Fraction]) -> Fraction:
-    """The greatest number > 0 that divides all `values` to whole numbers; 1 where they are
-    different decimal numbers that no formula has."""
+    """Return the greatest number > 0 that divides all `values` to integers; 1 for different decimal
+    numbers."""
     sizes = {abs(value) for value in values}
     if len(sizes) == 1:
         return sizes.pop()

@@ -1,9 +1,9 @@
-"""Trigonometric identities that make a sum shorter, applied until none does.
+"""Trigonometric identities that shorten a sum, applied as long as one does.
 
     x sin^2 u + x cos^2 u = x             x cos u cos w + x sin u sin w = x cos(u - w)
     x - x cos^2 u = x sin^2 u             x sin u cos w - x cos u sin w = x sin(u - w)
 
-and the twins with u + w.  Every step leaves fewer terms or fewer factors, so the search ends.
+and the same with u + w. Every step leaves fewer terms or fewer factors, so the search ends.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ class ShortAlgebra(Algebra):
 
 
 class TurningAlgebra(ShortAlgebra):
-    """Shortens each sum as it comes: along frames that are turned one by the other, the sine and the cosine
-    of the whole angle are one term each, and not all products of those of the angles."""
+    """Shortens each sum at once: along frames that rotate relative to each other, sine and cosine of the
+    total angle are one term each."""
 
     def _convert(self, node: Node) -> Polynomial:
         p = super()._convert(node)
@@ -170,8 +170,8 @@ def unit_quaternion(algebra: Algebra, p: Polynomial, parts: tuple[int, int, int,
 
 
 def without_noise(algebra: Algebra, p: Polynomial) -> Polynomial:
-    """`p` without the terms that numbers which nearly cancel leave: beside a term that differs by
-    sines and cosines only, a coefficient of some 1e-16 of its is rounding."""
+    """Return `p` without terms of about 1e-16 of another term that differs in sines and cosines only: they
+    are round-off."""
     if all(c.denominator <= READABLE for c in p.values()):
         return p
     bounded = {a for a, atom in enumerate(algebra.atoms) if atom.op in TWINS}

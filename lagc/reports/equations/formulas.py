@@ -1,4 +1,4 @@
-"""The equations of motion as formulas: terms collected, common factors cancelled, names short.
+"""The equations of motion as formulas: collected terms, cancelled common factors, short names.
 
 Each equation is the derived one up to a factor that is a number or a product of parameters.
 """
@@ -29,8 +29,8 @@ from lagc.symbolic.walk import reachable
 
 
 class NamingAlgebra(ShortAlgebra):
-    """Takes `shared` nodes, and whatever gets long, as symbols, those of `graph`; `definitions` says what
-    they are.  It has no limit: nothing is multiplied out that would be long."""
+    """Represents `shared` nodes and long expressions by symbols of `graph`, with their `definitions`. Nothing
+    long is multiplied out, so there is no limit."""
 
     def __init__(self, graph: Graph, shared: Iterable[Node], nonnegative: Iterable[Node] = ()) -> None:
         super().__init__(nonnegative, limit=1 << 62)
@@ -85,9 +85,9 @@ class SharedAlgebra(NamingAlgebra):
 
 @dataclass(frozen=True, slots=True)
 class Formula:
-    """`left` = `right`; kind shared, kinematic, motion, position, velocity, event; `label` says of what.
-    At an event, when the `condition` of a clause, which has a number, becomes true, `left` takes the value
-    `right`."""
+    """`left` = `right`. The kinds are shared, kinematic, motion, position, velocity, event; `label` names the
+    origin. At an event, `left` takes the value `right` when the `condition` of a clause becomes true; clauses
+    have numbers."""
 
     kind: str
     label: str
@@ -103,8 +103,8 @@ MOST_WORK = 1_000_000  # some seconds
 
 
 def formulas(equations: EquationsOfMotion) -> Formulas:
-    """The formulas of `equations`, multiplied out, or where that is too long, with shared parts named s1, s2,
-    ..."""
+    """Return the formulas of `equations`, multiplied out, or with shared parts s1, s2, ... if that is too
+    long."""
     known = nonnegative(equations)
     work = min(WORK + PER_ENTRY * len(equations.v) ** 2, MOST_WORK)
     for kind in (ShortAlgebra, TurningAlgebra):

@@ -141,7 +141,7 @@ class LatexWriter(TextWriter):
 
 
 def alike(names: Names) -> set[str]:
-    """Names, without their indices, that would be written as others are: all but one, which is an array or
+    """Return the names, without indices, that would look like another one: all but one, which is an array or
     else the shortest."""
     found: dict[str, set[str]] = {}
     for of, name in names.items():

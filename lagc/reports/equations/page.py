@@ -1,7 +1,7 @@
-"""The equations of a model as lines that are written: all of them, or those of large models by their rules.
+"""The equations of a model as lines: all of them, or those of large models by their rules.
 
-Of large models the equations are multiplied out where they are sums that follow a rule, as those of a chain
-do, and else written by recursions along the model (see `recursion`).
+Equations of large models are multiplied out if they are sums that follow a rule, as for a chain; otherwise
+they are recursions along the model (see `recursion`).
 """
 
 from __future__ import annotations
@@ -58,8 +58,8 @@ class Page:
 
 
 def page(equations: EquationsOfMotion, full: bool = True) -> Page:
-    """Of all equations, in `full` or by their rules where they are many.  Raises Refused (LAG0590) where one
-    of their numbers is not finite."""
+    """Return the lines of all equations, in `full` or by their rules if they are many. Raises Refused
+    (LAG0590) if a number is not finite."""
     try:
         if full or max(len(equations.v), len(equations.rows)) <= MOST:
             return _plain(equations)
@@ -88,7 +88,7 @@ def _by_rule(equations: EquationsOfMotion) -> Page:
 
 
 def in_parts(equations: EquationsOfMotion, nodes: Sequence[Node]) -> Page:
-    """Of expressions, a line each, kind "motion", with names for what they share, by rules.  Raises
+    """Return a line for each expression, kind "motion", with names for shared parts, by rules. Raises
     NotFinite."""
     carried = {x for part in equations.inertias for x in part.carried if x.args}
     algebra = SharedAlgebra(equations.graph, shared(nodes) | carried, nonnegative(equations))

@@ -34,9 +34,9 @@ WORDS = spelling("sympy")
 
 
 def write_script(equations: EquationsOfMotion, found: Page) -> str:
-    """The text of the script: symbols, shared parts, the list `equations` of sympy.Eq, and where there are
-    clauses `when`, the list `events` of pairs: a condition, and a dict of states with their new values.  By
-    their rules, arrays are dicts by index, and shared parts functions of time that the list `parts` says."""
+    """Return the text of the script: symbols, shared parts, the list `equations` of sympy.Eq, and with `when`
+    clauses the list `events` of pairs: a condition, and a dict of states with their new values. By rules,
+    arrays are dicts by index, and shared parts are functions of time in the list `parts`."""
     declared = _declared(equations, found.names)
     parts = _parts(found) if found.ruled else []
     declared += [(name, "Function", "", "") for name in parts if indices(name)]
@@ -78,8 +78,8 @@ def _body(found: Page, writer: ScriptWriter) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class Clause:
-    """The changes at an event, for all values of the `counters`; those that a line has besides are of its
-    own changes."""
+    """The changes at an event, for all values of the `counters`; further counters of a line belong to its own
+    changes."""
 
     counters: Counters
     lines: list[Line]
@@ -296,8 +296,8 @@ def _range(first: str, last: str) -> str:
 
 
 class Matrices(NamedTuple):
-    """M a + h = tau + G^T lam, G a = gamma, qdot = N v + n; all in the symbols `q`, `v` and those of the
-    parameters, which are real and carry the names of the model. Shapes: q (nq, 1), v (nv, 1), qdot (nq, 1),
+    """M a + h = tau + G^T lam, G a = gamma, qdot = N v + n, in the symbols `q`, `v` and those of the
+    parameters, which are real and have the names of the model. Shapes: q (nq, 1), v (nv, 1), qdot (nq, 1),
     mass_matrix (nv, nv), bias_forces and given_forces (nv, 1), constraint_jacobian (nc, nv), gamma (nc,
     1)."""
 

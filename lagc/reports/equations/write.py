@@ -65,8 +65,8 @@ PARTS = 24  # lines that say the parts of expressions
 
 
 class Expressions:
-    """Writes expressions in t, q, v and the parameters of `equations`: of any length where they are asked for
-    as a `whole`; or else long sums by their rule, and where that is too long as well, how long they are."""
+    """Writes expressions in t, q, v and the parameters of `equations`: in full for a `whole`; otherwise long
+    sums by their rule, or their length if that is too long as well."""
 
     def __init__(self, equations: EquationsOfMotion, whole: bool) -> None:
         self.equations, self.whole = equations, whole

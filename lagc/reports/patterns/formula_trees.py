@@ -1,8 +1,7 @@
-"""Formulas as they are written: trees whose numbers may follow a counter.
+"""Formulas as trees whose numbers may follow a counter.
 
-The polynomials of atoms of the algebra stand here symbol by symbol, with the indices of the symbols
-apart: formulas that differ in numbers alone have the same `pattern`, and a rule puts linear expressions of a
-counter in the place of the numbers.
+Polynomials of atoms become trees of symbols with separate indices. Formulas that differ in numbers alone have
+the same `pattern`; a rule replaces the numbers by linear expressions of a counter.
 """
 
 from __future__ import annotations
@@ -75,9 +74,9 @@ class Total:
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """`left` = `right`, for all values of the counters, each as (name, first, last), the bounds in
-    those before it; of what kind, and of what.  At an event, when the `condition` of a `clause` becomes true,
-    `left` takes the value `right`."""
+    """`left` = `right` for all values of the counters, each as (name, first, last), with bounds in earlier
+    ones; its kind and its origin. At an event, `left` takes the value `right` when the `condition` of a
+    `clause` becomes true."""
 
     kind: str
     label: str

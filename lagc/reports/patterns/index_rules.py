@@ -1,7 +1,7 @@
-"""Rules: formulas, and terms of sums, that follow one another by their numbers become one, with a counter.
+"""Rules: formulas, and terms of sums, whose numbers follow each other become one with a counter.
 
-A rule is found where all numbers change evenly from one to the next, decimals but for rounding, and says what
-was there: written out, it is the same.  A formula that does not fit stays apart.
+A rule is found if all numbers change evenly from one to the next, decimals up to round-off. Written out, it
+gives the same formulas. A formula that does not fit stays separate.
 """
 
 from __future__ import annotations
@@ -53,8 +53,7 @@ class Rule:
 
 
 def progressions(values: Sequence[Values], strides: int = 1) -> list[list[int]]:
-    """Members whose numbers change evenly from one to the next; of members that take turns, every second or
-    third."""
+    """Return members whose numbers change evenly from one to the next, also every second or third of them."""
     n = len(values)
     best: list[list[int]] = []
     least = n
@@ -178,7 +177,7 @@ def _series(parts: Sequence[Part], taken: set[str]) -> list[Part]:
 
 
 def _reach(body: Part, made: Rule, found: dict[int, Part]) -> tuple[int, int]:
-    """The bounds of a sum of sums, further where the terms that it says are there, which are taken out of
+    """Return the bounds of a sum of sums, extended by terms that are there, which are removed from
     `found`."""
     if isinstance(body, Term):
         return made.first, made.last

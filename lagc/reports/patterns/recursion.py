@@ -1,8 +1,7 @@
-"""Equations of motion by their recursions: the parts that bodies share are named, along arrays, and each is
-made of those before it.
+"""Equations of motion as recursions: shared parts of bodies are members of arrays, each made of earlier ones.
 
-The whole of M a + h - tau - G^T lam is one sweep back over the velocities (virtual power), so that its parts
-are as many as those of the model, and repeat as these do.
+M a + h - tau - G^T lam is one reverse sweep over the velocities (virtual power), so the number of parts is
+proportional to the model, and they repeat with it.
 """
 
 from __future__ import annotations
@@ -64,8 +63,8 @@ class Use:
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """A line that may be one of an array: the part that it is about, None of an equation; its form
-    without numbers and parts, its numbers, and the symbols that it is made of."""
+    """A line that may be a member of an array: its part of the model (None of an equation), its form without
+    numbers and parts, its numbers, and its symbols."""
 
     node: Node | None
     shape: Hashable
@@ -80,8 +79,8 @@ class Array:
 
 
 def arrays(parts: Sequence[Node], lines: Sequence[Line], others: Sequence[Line], letter: str) -> Names:
-    """Names for `parts`, which `lines` define, as members of arrays: those that are alike, each
-    with the index of what it is made of.  `others` use them too."""
+    """Return names for `parts`, which `lines` define, as members of arrays: equal forms, each with the index
+    of its operands. `others` use them too."""
     members = [*map(_member, parts, lines), *[_member(None, line) for line in others]]
     at = _Arrays(members).at
     found: Names = {}
@@ -124,8 +123,8 @@ class _Arrays:
         return use.index
 
     def _joined(self, number: int) -> bool:
-        """Whether single parts joined an array: they stand in a line of array `number` where most others have
-        a member of that."""
+        """Return whether single parts joined an array: they stand in a line of array `number` where most
+        others have a member of it."""
         array, some = self.arrays[number], False
         for column in zip(*[member.uses for member in array.members]):
             steps = Counter(

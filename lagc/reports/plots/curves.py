@@ -20,8 +20,8 @@ ROUNDING = 1e-12  # of what an output is made of: a change below it is no more t
 
 @dataclass(frozen=True, slots=True)
 class Scales:
-    """Changes that are round-off: all of those in `constant`, changes of outputs beside their `sizes`, and
-    of sensitivities within their `doubts`."""
+    """Changes that are round-off: all changes of `constant`, changes of outputs below their `sizes`, and of
+    sensitivities within their `doubts`."""
 
     constant: frozenset[str]
     sizes: dict[str, float]
@@ -35,8 +35,8 @@ class Scales:
 
 
 def is_constant(values: Sequence[float], least: float = 0.0) -> bool:
-    """Whether the change is nothing beside the values, or no more than `least`: rounding must not fill an
-    axis."""
+    """Return whether the change is negligible relative to the values, or at most `least`: round-off must not
+    fill an axis."""
     low, high = min(values), max(values)
     return high - low <= max(CONSTANT * max(abs(low), abs(high)), least)
 
@@ -82,8 +82,7 @@ def _constant(solution: Solution, run: Trajectory) -> Iterator[str]:
 
 
 def _sizes(solution: Solution, run: Trajectory) -> dict[str, float]:
-    """Return how much each output would change if the states did by their sizes, angles by a radian at
-    most."""
+    """Return the change of each output if the states changed by their sizes, angles by at most a radian."""
     from lagc.simulation.error_measure import sizes
     from lagc.simulation.global_error.roundoff_estimate import generic
 

@@ -1,6 +1,6 @@
-"""A run as a picture: quantities over time, an axis a unit.
+"""A run as a picture: quantities over time, with an axis for each unit.
 
-matplotlib is imported when a picture is drawn; without it ImportError says what to install.
+matplotlib is imported when a picture is drawn; without it ImportError names the package.
 """
 
 from __future__ import annotations
@@ -54,9 +54,9 @@ _TURN = RLock()
 
 
 def plot(solution: Solution, names: Sequence[str] = (), path: str | None = None) -> Figure:
-    """Draw the columns `names` (coordinates and outputs without a name), into the file `path` where one is
-    given, by its ending: .png .svg .pdf. Raises ImportError without matplotlib, KeyError for an unknown name,
-    ValueError for an unknown ending, OSError where the file cannot be written."""
+    """Draw the columns `names` (default: coordinates and outputs), into the file `path` if given, by its
+    ending: .png .svg .pdf. Raises ImportError without matplotlib, KeyError for an unknown name, ValueError
+    for an unknown ending, OSError if the file cannot be written."""
     figure: Figure = _matplotlib().figure.Figure(layout="constrained")
     draw(solution, figure, names)
     if path is not None:
@@ -130,8 +130,8 @@ def draw(solution: Solution, figure: Figure, names: Sequence[str] = ()) -> None:
 
 
 def panels(figure: Figure, count: int, height: float) -> tuple[list[Axes], list[Axes]]:
-    """So many over one quantity, column after column where a figure would be much higher than wide; and those
-    that are the lowest of a column."""
+    """Return panels one over the other, in columns if the figure would be much higher than wide; and the
+    lowest ones of each column."""
     columns = 1 if count <= COLUMN else math.ceil(math.sqrt(count * height / WIDTH))
     rows = math.ceil(count / columns)
     figure.set_size_inches(WIDTH * columns, 1.2 + height * rows)
@@ -291,10 +291,9 @@ AT_REST_RATE = 1e-9  # of the largest: what a mode leaves where it is
 
 
 def plot_modes(linear: Linear, title: str, path: str | None = None) -> Figure:
-    """A panel a mode, of a pair one: for each coordinate a bar as high as it moves (SI) beside the largest,
-    in phase with it upwards, against it downwards; what is a quarter ahead is hollow.  Modes of the
-    eigenvalue 0 are left out.  Into the file `path` where one is given; raises as
-    `lagc.reports.plots.plot.plot`."""
+    """Draw a panel for each mode, one for a pair: a bar for each coordinate, its amplitude (SI) relative to
+    the largest, upwards in phase with it and downwards against it; hollow at a quarter of a period. Modes of
+    the eigenvalue 0 are left out. Writes the file `path` if given; raises as `plot`."""
     interface = linear.system.interface
     names, nq = interface.q_names, interface.nq
     shown = [k for k, value in enumerate(linear.eigenvalues) if value and value.imag >= 0.0][:MOST]
