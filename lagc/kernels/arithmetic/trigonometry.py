@@ -99,11 +99,9 @@ def times_half_pi(a: Real, more: Real, rest: Vec[TWO]) -> None:
 
 
 def reduce_far(x: Real, rest: Vec[TWO]) -> Real:
-    """Reduce any x; return n modulo 4, and NaN as the remainder of a number that is not finite.
-
-    The digits of |x| = 2^24k (y0 + y1 2^-24 + ...) are multiplied by those of 2/pi. Multiples of 2^24 and
-    digits below 2^-144 are left out: no double is nearer to a multiple of pi/2 than 2^-62.
-    """
+    """Reduce any x; return n modulo 4, and NaN as the remainder of a number that is not finite. The digits
+    of |x| = 2^24k (y0 + y1 2^-24 + ...) are multiplied by those of 2/pi. Multiples of 2^24 and digits below
+    2^-144 are left out: no double is nearer to a multiple of pi/2 than 2^-62."""
     if not fabs(x) < inf:
         rest[0] = x - x
         rest[1] = 0.0

@@ -251,9 +251,8 @@ def least_norm(w: StartWork, m: int, n: int, dependent: Real, lost: Real) -> boo
 
     Rank-revealing orthogonalisation by modified Gram-Schmidt with row pivoting, each row twice (A. Bjorck,
     *Numerical Methods for Least Squares Problems*, 1996, section 2.4): the row with the longest remainder
-    comes next; rows with a remainder below `dependent` of their length are dropped. With `lost`, entries that
-    are at most `lost` of their terms count as round-off.
-    """
+    comes next; rows with a remainder below `dependent` of their length are dropped. With `lost`, entries
+    that are at most `lost` of their terms count as round-off."""
     for j in range(n):
         w.step[j] = 0.0
     given = unit_rows(w, m, lost)

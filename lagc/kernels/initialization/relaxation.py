@@ -138,11 +138,9 @@ def is_determined(first: int, w: StartWork) -> bool:
 
 
 def mark_essential(p: Params, t: Real, n: int, w: StartWork) -> None:
-    """w.picked: 1 for each of the n values w.candidates that is held, or that has to move.
-
-    The initial equations, linearised at w.y, determine a value if its unit vector lies in their row space.
-    The projection of a generic vector onto the row space keeps just the entries of such values.
-    """
+    """w.picked: 1 for each of the n values w.candidates that is held, or that has to move. The initial
+    equations, linearised at w.y, determine a value if its unit vector lies in their row space. The
+    projection of a generic vector onto the row space keeps just the entries of such values."""
     for j in range(NU):
         w.step_scaling[j] = w.scaling[j]
     select_columns(0, NU, w)
