@@ -52,11 +52,15 @@ __all__ = [
     "Trajectory",
     "Vector",
     "arrived",
+    "contradicting",
+    "contradiction",
     "rates_at",
     "row_gradients",
 ]  # fmt: skip
 
 Vector = Sequence[float]
+MOST_NAMED = 6  # constraints in a message
+_PART = 1e-6  # of the size of a gradient, that of a combination which is no round-off
 
 # How firmly an initial value is stated: see `lagc.kernels.initialization.workspace`.
 UNSTATED, DECLARED, SCENE, RUN, FIXED = range(5)
@@ -238,6 +242,26 @@ def speed_name(system: System, k: int) -> str:
 def row_name(system: System, k: int) -> str:
     labels = system.interface.row_labels
     return f"constraint `{labels[k]}`" if 0 <= k < len(labels) else "a constraint"
+
+
+def contradicting(system: System, t: float, x: Sequence[float], k: int) -> list[int]:
+    """Constraint k, and those whose gradients combine to its own at (t, x)."""
+    from lagc.mechanics.numeric.dense_linear import least_norm  # where a run failed
+
+    if k < 0:
+        return []
+    gradients = row_gradients(system, t, x)
+    others = [i for i in range(system.nc) if i != k]
+    factors = least_norm([[gradients[i][j] for i in others] for j in range(system.nv)], gradients[k])
+    parts = [abs(factor) * max(map(abs, gradients[i]), default=0.0) for i, factor in zip(others, factors)]
+    least = _PART * max(map(abs, gradients[k]), default=0.0)
+    return sorted([k, *(i for i, part in zip(others, parts) if part > least)])
+
+
+def contradiction(system: System, rows: Sequence[int], where: str = "") -> str:
+    """The message for constraints that contradict each other; `where` follows."""
+    names = "".join([f" `{system.interface.row_labels[k]}`," for k in rows[:MOST_NAMED]]).rstrip(",")
+    return f"the constraints{names}{more(rows, MOST_NAMED)} contradict each other{where}"
 
 
 def more(parts: Sequence[object], most: int) -> str:

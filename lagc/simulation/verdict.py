@@ -25,6 +25,8 @@ from lagc.simulation.system import (
     TERMINATED,
     System,
     Trajectory,
+    contradicting,
+    contradiction,
     event_names,
     more,
     rates_at,
@@ -157,7 +159,7 @@ def _inconsistent(system: System, run: Trajectory) -> str:
     if share is not None:
         return _nearly_dependent(system, *share)
     reason = kink(system, run, run.t, run.x)
-    return reason or f"the constraints contradict each other: {row_name(system, run.culprit)}"
+    return reason or contradiction(system, contradicting(system, run.t, run.x, run.culprit))
 
 
 def _unfinished(system: System, run: Trajectory, stop: float) -> str:

@@ -16,7 +16,7 @@ from lagc.semantics.resolve import resolve
 from lagc.syntax.parse import parse
 from tests.invariants import verify
 
-CODES = [code for code in ENTRIES if code.startswith("LAG04")]
+CODES = [code for code in ENTRIES if code.startswith("LAG04") and code != "LAG0429"]  # which `check` gives
 
 
 def derived(text: str) -> EquationsOfMotion:

@@ -278,8 +278,7 @@ def test_a_link_that_is_exchanged_while_it_is_read_leads_nowhere_else(tmp_path: 
 def test_resolving_reads_each_file_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     reads: list[str] = []
     monkeypatch.setattr(
-        "lagc.semantics.names.namespace.content",
-        lambda path, roots: [reads.append(path), WHOLE.encode()][1],
+        "lagc.semantics.names.namespace.content", lambda path, roots: [reads.append(path), WHOLE.encode()][1]
     )
     (tmp_path / "main.lag").write_text(MAIN)
     resolve(parse(model_library.read(str(tmp_path / "main.lag"))), Choice())

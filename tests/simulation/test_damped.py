@@ -341,7 +341,7 @@ def test_a_contradiction_is_refused_and_named(monkeypatch: pytest.MonkeyPatch, r
     assert "system" not in compiled.program.functions
     with pytest.raises(lagc.Refused) as refused:
         compiled.simulate(1.0)
-    assert re.search(r"contradict each other .*`(off|hinge\[2\]\[\d\])`", refused.value.faults[0].message)
+    assert re.search(r"`off`.* contradict each other", refused.value.faults[0].message)
 
 
 @pytest.mark.sample(1)

@@ -100,13 +100,6 @@ ENTRIES: dict[str, Entry] = {
         _on_particle("  parameter Length a = 1 [m], b = 1 [m];\n  constraint c: a = b;\n"),
         _on_particle("  parameter Length a = 1 [m];\n  constraint c: x = a;\n"),
     ),
-    "LAG0410": Entry(
-        "constraints that contradict each other",
-        "The constraint depends on other constraints and contradicts them: it is violated at every state "
-        "tried that satisfies the others. Remove or change one of them.",
-        _on_particle("  constraint c: x = y;\n  constraint d: x = y + 1 [m];\n"),
-        _on_particle("  constraint c: x = y;\n  constraint d: x + y = 1 [m];\n"),
-    ),
     "LAG0411": Entry(
         "a force at a point that belongs to no body",
         "This is a warning. `force F at P` acts with the velocity of the geometric point P. The contact "

@@ -1,9 +1,9 @@
-"""Redundant and contradictory rows.
+"""Redundant rows.
 
 The Jacobian is reduced, row by row, on a few random states (`samples`). A velocity row that is proved to
 depend on earlier rows, by exact values in a finite field on the constraints, is left out, so that the
-multipliers stay unique. Other dependent rows stay, as do holonomic ones: the run shares their forces.
-Dependent rows that can never hold together are refused.
+multipliers stay unique. Other dependent rows stay, as do holonomic ones: the run shares their forces. The
+initialization refuses rows that contradict each other.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from lagc.mechanics.formulation.constraints import Classified
 from lagc.mechanics.formulation.equations import Row
 from lagc.mechanics.formulation.states import States
 from lagc.mechanics.identities.constraint_manifold import onto
-from lagc.mechanics.numeric.cancellation import VANISHES, magnitudes
+from lagc.mechanics.numeric.cancellation import VANISHES
 from lagc.mechanics.numeric.dense_linear import RIGHT, Echelon
 from lagc.mechanics.numeric.samples import samples
 from lagc.mechanics.redundancy.row_reduction import Reduced, tables
@@ -27,7 +27,6 @@ from lagc.symbolic.operators import CHOICE, CORNER, STEP, smooth_as
 from lagc.symbolic.walk import reachable, symbols
 
 _STATES = 3
-_KEPT = 1e-7  # of a residual on a state that meets the other rows to 1e-12
 _SIDED = smooth_as(CORNER, STEP, CHOICE) | {"sqrt"}
 
 
@@ -112,28 +111,19 @@ def _motionless(row: Row) -> Fault:
 def drop_redundant(
     states: States, classified: Sequence[Classified]
 ) -> tuple[list[Classified], list[Dropped]]:
-    """Return the rows that stay and those that do not. Raises Refused: LAG0410 rows that can never hold
-    together."""
+    """Return the rows that stay and those that do not."""
     found = dependent_rows(states, [x.row for x in classified])
     if not found:
         return list(classified), []
     spare = {r.row for r in found}
     independent = [x.row for k, x in enumerate(classified) if k not in spare]
-    faults: list[Fault] = []
     dropped: dict[int, Dropped] = {}
     for redundant in found:
-        x = classified[redundant.row]
-        others = [classified[k] for k in redundant.others]
-        if others and _contradict(states, x.row, [y.row for y in others]):
-            faults.append(_contradiction(x, others))
-        elif x.row.holonomic or (not others and _sided(x.row.jacobian.values())):
+        row, others = classified[redundant.row].row, [classified[k].row for k in redundant.others]
+        if row.holonomic or (not others and _sided(row.jacobian.values())):
             continue
-        else:
-            if not follows(states, x.row, independent):
-                continue
-            dropped[redundant.row] = _dropped(x.row, [y.row for y in others])
-    if faults:
-        raise Refused(faults)
+        if follows(states, row, independent):
+            dropped[redundant.row] = _dropped(row, others)
     kept = [x for k, x in enumerate(classified) if k not in dropped]
     return kept, list(dropped.values())
 
@@ -191,47 +181,9 @@ def entangled(rows: Sequence[Mapping[int, bool]]) -> list[int]:
     return sorted(left)
 
 
-def _contradict(states: States, row: Row, others: Sequence[Row]) -> bool:
-    """Return whether `row` is a combination of `others` with constant factors except for a nonzero number,
-    with the values of the parameters: it can never hold with them."""
-    rows = [*others, row]
-    alike = all(x.holonomic for x in rows)
-    residuals = [x.residual if alike else x.rate for x in rows]
-    found: list[tuple[float, ...]] = []
-    for sample, table in tables(states, rows, _STATES, vary=False):
-        lines = [k for k, own in enumerate(table.rows) if own is not None]
-        for line in range(lines[-1]):
-            table.add(line, *table.reduce(line))
-        left, factors = table.reduce(lines[-1])
-        weights = table.made_of(factors)
-        if not table.depends(lines[-1], left):
-            return False
-        values = magnitudes(residuals, sample)
-        terms = [values[k][0] * w for k, w in weights.items()]
-        size = max([values[-1][1], *(values[k][1] * abs(w) for k, w in weights.items())])
-        offset = values[-1][0] - sum(terms)
-        if abs(offset) <= _KEPT * size:
-            return False
-        found.append((offset, *(weights.get(k, 0.0) for k in range(len(others)))))
-    return bool(found) and all(
-        abs(x - y) <= _KEPT * max(abs(x), abs(y)) for each in found for x, y in zip(found[0], each) if x or y
-    )
-
-
 def _dropped(row: Row, others: Sequence[Row]) -> Dropped:
     why = f"it follows from {_labels(others)}" if others else "it holds whatever the motion"
     return Dropped(row.label, tuple([y.label for y in others]), f"row `{row.label}` is left out: {why}")
-
-
-def _contradiction(x: Classified, others: Sequence[Classified]) -> Fault:
-    names = _labels([y.row for y in others])
-    return Fault(
-        "LAG0410",
-        f"the constraint `{x.row.label}` contradicts {names}: they restrict the same motion differently",
-        x.constraint.span,
-        tuple((y.constraint.span, f"`{y.row.label}`") for y in others),
-        remedy="remove one of them or make them agree",
-    )
 
 
 def _labels(rows: Sequence[Row]) -> str:

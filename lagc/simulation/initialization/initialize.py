@@ -20,8 +20,9 @@ from lagc.simulation.system import (
     UNSTATED,
     System,
     Trajectory,
+    contradicting,
+    contradiction,
     more,
-    row_name,
     speed_name,
     state_name,
 )
@@ -135,9 +136,11 @@ def undetermined(system: System, status: int, k: int, x: Sequence[float]) -> NoS
         )
         fault, anchors = Fault("LAG0612", message), [("speed", name) for name in interface.v_names[k : k + 1]]
     elif status == INCONSISTENT:
-        message = f"the constraints contradict each other at the start: {row_name(system, k)}"
-        fault = Fault("LAG0614", message, remedy="let one of them go, or begin in another configuration")
-        anchors = [("row", interface.row_labels[k])] if k >= 0 else []
+        rows = contradicting(system, 0.0, x, k)
+        message = contradiction(system, rows, " at the start")
+        remedy = "remove or change one of them, or begin in another configuration"
+        fault = Fault("LAG0614", message, remedy=remedy)
+        anchors = [("row", interface.row_labels[i]) for i in rows]
     else:
         message = f"the rate of {state_name(system, k)} is not a finite number at the start"
         fault = Fault("LAG0613", message)
@@ -148,15 +151,17 @@ def undetermined(system: System, status: int, k: int, x: Sequence[float]) -> NoS
 def _conflict(start: Start) -> Fault:
     unmet, held = unmet_lines(start.unmet), list(start.held)
     named = f"{'; '.join(unmet[:MOST_NAMED])}{more(unmet, MOST_NAMED)}"
-    message = f"no start was found that meets all conditions: {named}"
+    alone = len(start.unmet) == 1
+    what = "this condition" if alone else "these conditions together"
+    message = f"no initial state was found that meets {what}: {named}"
     if held:
         verb = "is" if len(held) == 1 else "are"
         message += f", where {', '.join(held[:MOST_NAMED])}{more(held, MOST_NAMED)} {verb} held fixed"
     remedy = (
-        "state values nearer to a start, or let one of these conditions go" if len(start.unmet) > 1 else None
+        f"remove or change {'it' if alone else 'one of them'}, or state initial values closer to a solution"
     )
     if any(not abs(one.amount) < inf for one in start.unmet):
         remedy = "state other values: where they are zero `norm` and `sqrt` have no slope, `log` no value"
     if held:
-        remedy = f"let one of {', '.join(held[:MOST_NAMED])} go" if len(held) > 1 else f"let {held[0]} go"
+        remedy = f"do not fix {' or '.join(held[:MOST_NAMED])}"
     return Fault("LAG0610", message, remedy=remedy)
