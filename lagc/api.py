@@ -375,19 +375,24 @@ class CompiledModel(Differentiable, Measurable):
     def rhs(self, t: float, x: Sequence[float], parameters: Mapping[str, Value] | None = None) -> Array:
         """Return dx/dt at (t, x) as an array of the length of x, in SI units; for use with other integrators.
 
-        x = (q, v), without the integral z of the work.  Raises ValueError if x has another length,
+        x = (q, v), without the integral z of the work; discrete variables have their start values. Or x is
+        (q, v, d), with discrete variables d.  Raises ValueError if x has another length,
         ArithmeticError if the accelerations are not determined there.
         """
         import numpy
 
         interface, system = self.interface, self._with(parameters)
-        state = reals("x", x, interface.nq + interface.nv, self.state_names)
+        names, n, discretes = self.state_names, interface.nq + interface.nv, interface.discretes
+        held = system.start()[interface.nx - len(discretes) :] if discretes else []
+        if discretes and getattr(x, "__len__", int)() == n + len(discretes):
+            names = (*names, *(d.name for d in discretes))
+        state = reals("x", x, len(names), names)
         xdot, lam = [0.0] * interface.nx, [0.0] * interface.nc
-        full = state + [0.0] * (interface.nx - len(state))
+        full = [*state[:n], *[0.0] * interface.nz, *(state[n:] or held)]
         status = system.rhs(real("t", t), full, xdot, lam)
         if status not in (0, 2):
             raise ArithmeticError(f"the right-hand side has no value at t = {t:g} (status {status})")
-        return numpy.array(xdot[: len(state)])
+        return numpy.array([*xdot[:n], *[0.0] * len(state[n:])])
 
     def start(self, parameters: Mapping[str, Value] | None = None, **starts: Value) -> Array:
         """Return a consistent initial state x = (q, v) as an array, in SI units.

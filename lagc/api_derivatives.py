@@ -39,9 +39,19 @@ class Differentiable:
     def _bound(self, parameters: Mapping[str, Any] | None, demanding: bool = True) -> list[float]:
         raise NotImplementedError
 
-    def differentiated(self, parameters: Mapping[str, Any] | None = None) -> NumpySystem:
-        """The system with derivatives and the parameters of this model, replaced by those given."""
-        return self._loaded.differentiated.model.bind(self._bound(parameters))
+    def differentiated(
+        self, parameters: Mapping[str, Any] | None = None, x: Sequence[float] | None = None
+    ) -> NumpySystem:
+        """The system with derivatives and the parameters of this model, replaced by those given. Discrete
+        variables are inputs that are held at their values in the whole state `x` (None: at their starts)."""
+        values, own = self._bound(parameters), self.interface
+        model = self._loaded.differentiated.model
+        if own.discretes:
+            whole = self._loaded.system("numpy").bind(values).start() if x is None else x
+            fields, held = (*own.parameters, *own.inputs), whole[own.nx - len(own.discretes) :]
+            known = {f.name: value for f, value in zip((*fields, *own.discretes), (*values, *held))}
+            values = [known[f.name] for f in (*model.interface.parameters, *model.interface.inputs)]
+        return model.bind(values)
 
     def jacobian(
         self,
@@ -149,10 +159,11 @@ class Differentiable:
         if not 0.0 <= t < float("inf"):
             fault = f"the time of a linear model must be finite and not negative: {t:g} s"
             raise Refused([Fault("LAG0604", fault)])
-        notes = tuple[str, ...]()
+        notes, whole = tuple[str, ...](), None
         if x is None:
-            x, notes = self._at(t, parameters, starts, progress)
-        system = self.differentiated(parameters)
+            whole, notes = self._at(t, parameters, starts, progress)
+            x = whole[: self.interface.nq + self.interface.nv]
+        system = self.differentiated(parameters, whole)
         found = linearize(system, t, reals("x", x, system.nx, system.interface.state_names))
         return replace(found, notes=(*notes, *found.notes)) if notes else found
 
@@ -179,8 +190,9 @@ class Differentiable:
 
         if tries is not None and not 0 <= index(tries) <= MOST_TRIES:
             raise ValueError(f"`tries` must be from 0 to {MOST_TRIES:,}")
-        system = self.differentiated(parameters)
         guess, _ = self._at(0.0, parameters, starts)
+        system = self.differentiated(parameters, guess)
+        guess = guess[: system.nx]
         most = equilibria.tries_for(system) if tries is None else tries
         with stage("looking for equilibria", PER_OPERATION * self.interface.operations):
             found = equilibria.equilibria(system, guess, 0.0, most, seed)
@@ -207,7 +219,7 @@ class Differentiable:
         starts: Mapping[str, Any] | None,
         progress: Callable[[float], None] | None = None,
     ) -> tuple[list[float], tuple[str, ...]]:
-        """The state at a time, and notes on its accuracy."""
+        """The whole state at a time, and notes on its accuracy."""
         run = self.simulate(
             t, accuracy=ACCURACY, points=2, parameters=parameters, starts=starts, progress=progress
         )
@@ -222,7 +234,7 @@ class Differentiable:
             notes = (f"{error}: {run.message}",)
         if run.times[-1] < t:
             raise ArithmeticError(f"the motion does not reach t = {t:g} s: {run.message}")
-        return run.states[-1][: self.interface.nq + self.interface.nv], notes
+        return run.states[-1], notes
 
     def _columns(self, point: Point, of: str, word: str) -> Array:
         group, columns = self._places(word, fixed=of in FIXED)

@@ -22,7 +22,7 @@ def verify(stage: object) -> None:
 @verify.register
 def _(model: Model) -> None:
     for group in (model.parameters, model.inputs, model.coordinates, model.speeds, model.frames, model.points,
-                  model.bodies, model.actions, model.constraints, model.outputs):  # fmt: skip
+                  model.bodies, model.actions, model.constraints, model.outputs, model.discretes):  # fmt: skip
         names = [item.name for item in group]
         assert len(names) == len(set(names)), f"a name stands twice: {names}"
     labels = [label for c in model.constraints for label in c.labels]
@@ -32,7 +32,7 @@ def _(model: Model) -> None:
         assert not any(residual.is_zero for residual in constraint.residuals)
     nodes = expressions_of_motion(model)
     assert all(node.graph is model.graph for node in nodes)
-    known = {"time", "parameter", "input", "coordinate", "rate", "speed"}
+    known = {"time", "parameter", "input", "coordinate", "rate", "speed", "discrete"}
     for kind in {node.record.kind for node in reachable(nodes) if node.op == "symbol"}:
         assert kind in known, f"{kind} stands outside of the outputs"
 
@@ -60,6 +60,7 @@ def expressions_of_motion(model: Model) -> list[Node]:
         else:
             found += [*coordinate.start, *coordinate.rate]
     found += [speed.expression for speed in model.speeds]
+    found += [variable.start for variable in model.discretes]
     found += [residual for c in model.constraints for residual in c.residuals]
     found += [condition.residual for condition in model.initial_conditions]
     return found + [x for when in model.whens for x in (when.condition, *chain(*when.changes))]
@@ -85,7 +86,7 @@ def _(equations: EquationsOfMotion) -> None:
 def verify_leaves(equations: EquationsOfMotion) -> None:
     """Check on which symbols the expressions depend."""
     parameters = {p.symbol for p in equations.model.parameters}
-    given = parameters | {u.symbol for u in equations.model.inputs} | {equations.time}
+    given = parameters | {*equations.model.given} | {equations.time}
     position = given | set(equations.q)
     state = position | set(equations.v)
     late = state | set(equations.a) | set(equations.lam)

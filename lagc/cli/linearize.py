@@ -56,8 +56,9 @@ def run(options: argparse.Namespace) -> int:
     time = quantity(options.at, "s", "--at") or 0.0
     starts = quantities(options.starts, "--start")
     compilation = Compilation(model_library.read(options.file), choice_of(options))
-    one = compilation if time else compilation.differentiated  # a long motion runs in C, without derivatives
-    model = CompiledModel(one, "auto" if time else "numpy")
+    # A long motion runs in C, without derivatives; discrete variables are no states of the derivatives.
+    runs = time or "discrete" in compilation.source.text
+    model = CompiledModel(compilation if runs else compilation.differentiated, "auto" if time else "numpy")
     spare(compilation, options.output, _picture(model.interface, options.plot))
     try:
         found = (

@@ -134,6 +134,8 @@ def local_names(program: Program, taken: Iterable[str]) -> dict[tuple[str, int],
         found["x", index] = names.give(name)
     if interface.nz:
         found["x", interface.nq + interface.nv] = names.give("work")
+    for index, field in enumerate(interface.discretes, interface.nx - len(interface.discretes)):
+        found["x", index] = names.give(field.name)
     given = len(interface.parameters) + len(interface.inputs)
     for index, field in enumerate((*interface.parameters, *interface.inputs)):
         found["p", index] = names.give(field.name)

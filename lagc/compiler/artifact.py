@@ -21,6 +21,7 @@ from lagc.version import __version__
 # The fields of an interface that hold records, and their types.
 FIELDS: dict[str, type] = {
     "parameters": Field, "inputs": Field, "outputs": Field, "limits": Field, "whens": Clause,
+    "discretes": Field,
 }  # fmt: skip
 
 

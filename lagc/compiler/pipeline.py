@@ -295,15 +295,29 @@ class _Differentiated(Compilation):
 
     @once
     def model(self) -> Model:
-        return self.base.model
+        found = self.base.model
+        return with_held(found) if found.discretes else found
 
     @once
     def equations(self) -> EquationsOfMotion:
-        return self.base.equations
+        return derive(self.model) if self.base.model.discretes else self.base.equations
 
     @once
     def differentiated(self) -> Compilation:
         return self
+
+
+def with_held(model: Model) -> Model:
+    """Return a model whose discrete variables are inputs: linear models and derivatives hold them."""
+    from lagc.semantics.model import Input
+    from lagc.symbolic.evaluate import evaluate
+
+    values = {p.symbol: float("nan") if p.value is None else p.value for p in model.parameters}
+    held = [
+        Input(x.name, x.symbol, x.unit, evaluate([x.start], values)[0], -inf, inf, x.span, x.description)
+        for x in model.discretes
+    ]
+    return replace(model, inputs=(*model.inputs, *held), discretes=(), whens=())
 
 
 def _said(given: Source | Points) -> str:

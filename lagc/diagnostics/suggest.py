@@ -42,7 +42,8 @@ SYNONYMS = {  # types of other languages -> types
 
 _FOREIGN_TYPES = {
     **dict.fromkeys(("Boolean", "bool", "Bool", "boolean"),
-        "declare an `effect` for a choice, or write `if condition then 1 else 0` for a number"),
+        "declare an `effect` for a choice, `discrete Boolean on(start = true);` for a state that `when` "
+        "clauses change, or write `if condition then 1 else 0` for a number"),
     **dict.fromkeys(("String", "string", "str"),
         "there are no text variables; write a text as the description of a declaration"),
     **dict.fromkeys(("Vector", "vector", "Vector3"), "write a vector as an array: `parameter Length r[3];`"),
@@ -204,11 +205,6 @@ _EQUATION = Foreign(
     (),
 )
 _PREFIX = Foreign("leave it out", ())
-_DISCRETE = Foreign(
-    "for a value that changes at events write a coordinate that nothing moves: "
-    "`coordinate Real k; constraint hold: der(k) = 0;`",
-    ("coordinate",),
-)
 
 FOREIGN: dict[str, Foreign] = {
     "var": _COORDINATE, "let": _COORDINATE, "variable": _COORDINATE, "state": _COORDINATE, "dof": _COORDINATE,
@@ -219,7 +215,6 @@ FOREIGN: dict[str, Foreign] = {
     "equation": _EQUATION, "equations": _EQUATION, "algorithm": _EQUATION, "public": _PREFIX,
     "protected": _PREFIX, "private": _PREFIX, "static": _PREFIX, "inner": _PREFIX, "outer": _PREFIX,
     "replaceable": _PREFIX, "encapsulated": _PREFIX, "redeclare": _PREFIX, "flow": _PREFIX,
-    "discrete": _DISCRETE,
     "from": Foreign("write `import package.name;`"),
     "print": Foreign("for a computed quantity write `output Type name = value;`"),
     "return": Foreign("for a computed quantity write `output Type name = value;`"),

@@ -15,6 +15,7 @@ FILES = (
     "arithmetic/trigonometry",
     "language/records",
     "language/parameters",
+    "language/discrete",
     "language/scaling_groups",
     "linear_algebra/cholesky",
     "linear_algebra/rank_revealing",

@@ -129,6 +129,8 @@ def keep_parameters(p: Params, s: State) -> None:
 def evaluate_start(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Compute the rate at the beginning of a step, in its modes."""
     again = False
+    if NDISC > 0:
+        box_discrete(s, w)
     if NMODE > 0:
         elsewhere = False
     if s.is_new_call:

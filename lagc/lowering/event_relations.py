@@ -220,7 +220,8 @@ class _Freezing:
         if self._kind(side) != _TIME:
             return None
         (slope,) = tangent(self.graph, [side], {self._time: self.graph.one})
-        return None if self._kind(slope) & _TIME or slope.is_zero else slope
+        held = any(symbol.record.kind == "discrete" for symbol in symbols([slope]))
+        return None if self._kind(slope) & _TIME or slope.is_zero or held else slope
 
     def _words(self, node: Node) -> str:
         args = node.args

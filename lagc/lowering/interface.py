@@ -14,7 +14,7 @@ from lagc.host import cache
 from lagc.lowering.event_relations import EventRelation
 from lagc.lowering.program import Clause, Field, Function, Interface
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.semantics.model import Input, Lagrangian, Limit, Model, Parameter
+from lagc.semantics.model import Discrete, Input, Lagrangian, Limit, Model, Parameter
 from lagc.semantics.units import NONE, Dimension, S, over, unit
 from lagc.symbolic.derivative import Slopes
 from lagc.symbolic.enclosures import intervals
@@ -67,6 +67,9 @@ def interface(
         scene=model.scene,
         model_hash="",
         nz=1 if work else 0,
+        whens=_clauses(equations, int(work)),
+        discretes=tuple([discrete_field(variable) for variable in model.discretes]),
+        booleans=tuple([int(variable.boolean) for variable in model.discretes]),
         **_of_equations(equations),
         **_of_functions(functions, slopes),
         parameters=tuple([parameter_field(p) for p in parameters]),
@@ -120,7 +123,6 @@ def _of_equations(equations: EquationsOfMotion) -> dict[str, Any]:
         "row_places": tuple([place(row.span) for row in equations.rows]),
         "initial_places": tuple([place(span) for _, span in equations.initial_conditions]),
         "warnings": tuple([_warning(fault) for fault in equations.warnings]),
-        "whens": _clauses(equations),
         "conservative": equations.power.is_zero and all([row.holonomic for row in equations.rows]),
         "balance": equations.balance,
         "driven": bool(depends([row.rate for row in equations.rows], [equations.time])),
@@ -197,9 +199,11 @@ def _source_name(equations: EquationsOfMotion) -> str:
     return ""
 
 
-def _clauses(equations: EquationsOfMotion) -> tuple[Clause, ...]:
+def _clauses(equations: EquationsOfMotion, nz: int) -> tuple[Clause, ...]:
     """Return the clauses `when` as a run needs them."""
     place = {state: k for k, state in enumerate((*equations.q, *equations.v))}
+    first = len(place) + nz
+    place.update((variable.symbol, first + k) for k, variable in enumerate(equations.model.discretes))
     return tuple([
         Clause(when.clause.words, when.clause.marks, when.clause.reason,
                tuple([place[state] for state, _ in when.changes]), when.clause.fails)
@@ -209,6 +213,11 @@ def _clauses(equations: EquationsOfMotion) -> tuple[Clause, ...]:
 
 def parameter_field(p: Parameter) -> Field:
     return Field(p.name, p.value, p.minimum, p.maximum, p.unit, p.display_unit, place(p.span), p.description)
+
+
+def discrete_field(x: Discrete) -> Field:
+    value = x.start.value if x.start.is_const else None
+    return Field(x.name, value, -inf, inf, x.unit, x.display_unit, place(x.span), x.description)
 
 
 def _limit(x: Limit) -> Field:
@@ -235,9 +244,9 @@ def _digest(interface: Interface, functions: Mapping[str, Function]) -> str:
     """A hash of all that makes a result: no file names, no places."""
     texts = []
     for name in names(Interface):
-        if name not in _UNHASHED:
+        if name not in _UNHASHED and (interface.discretes or name not in ("discretes", "booleans")):
             value = getattr(interface, name)
-            if name in ("parameters", "inputs", "outputs", "limits"):
+            if name in ("parameters", "inputs", "outputs", "limits", "discretes"):
                 value = [(x.name, x.value, x.minimum, x.maximum, x.unit) for x in value]
             elif name == "simulate":
                 value = sorted(value.items())

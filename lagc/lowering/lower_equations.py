@@ -40,8 +40,8 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
     jumps = any(when.changes for when in equations.whens)
     work = work and (jumps or not equations.power.is_zero)
     parameters = used_parameters(equations, _roots(equations))
-    at = places(equations, parameters)
-    along = places(moving, parameters, [relation.mode for relation in relations])
+    at = places(equations, parameters, nz=int(work))
+    along = places(moving, parameters, [relation.mode for relation in relations], int(work))
     solver, solving = _solver(along, work)
     system = solver.system if solver else plain(equations)
     preparation = Preparation(len(parameters), len(parameters) + len(equations.model.inputs))
@@ -83,8 +83,8 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
 
 def _roots(equations: EquationsOfMotion) -> list[Node]:
     """Every node that any function stores."""
-    limits = [limit.value for limit in equations.model.limits]
-    return [*equations.qdot, *(s.value for s in equations.starts), *limits, *sources(equations)]
+    others = [x.value for x in equations.model.limits] + [x.start for x in equations.model.discretes]
+    return [*equations.qdot, *(s.value for s in equations.starts), *others, *sources(equations)]
 
 
 def _solver(at: Places, work: bool) -> tuple[Solver | None, list[Function]]:

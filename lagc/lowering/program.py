@@ -162,9 +162,9 @@ def _ranges(sizes: Mapping[str, int]) -> dict[str, range]:
 
 @dataclass(frozen=True)
 class Interface:
-    """Facts of a compiled model for a run, a file header and a cache; plain data. State x = (q, v, z): nq
-    coordinates, nv speeds, nz work integrals (0 or 1: z' = power). Multipliers: nc rows, the first nh
-    holonomic. Parameter array p: `parameters`, then `inputs`, then values that `bind` computes."""
+    """Facts of a compiled model for a run, a file header and a cache; plain data. State x = (q, v, z, d): nq
+    coordinates, nv speeds, nz work integrals (0 or 1: z' = power), discrete variables. Multipliers: nc rows,
+    the first nh holonomic. Parameter array p: `parameters`, then `inputs`, then values that `bind` computes."""
 
     model: str
     scene: str
@@ -210,6 +210,8 @@ class Interface:
     counted_relations: tuple[int, ...] = ()  # 1: at the edges of its mode, which counts, else at zero
     relations_aside: tuple[int, ...] = ()  # 1: clauses `when` alone ask for it
     whens: tuple[Clause, ...] = ()
+    discretes: tuple[Field, ...] = ()  # variables that clauses `when` alone change: the last of x
+    booleans: tuple[int, ...] = ()  # 1: a truth value, stored as 0 or 1
     features: int = 0  # terms that may be narrow
     poles: int = 0  # divisors that may come near zero
     timed_relations: int = 0  # the first ones, which time alone changes, when is known
@@ -245,7 +247,8 @@ class Interface:
 
     @property
     def nx(self) -> int:
-        return self.nq + self.nv + self.nz
+        """Return the size of x: the integrated states, then discrete variables."""
+        return self.nq + self.nv + self.nz + len(self.discretes)
 
     @property
     def needs_consistency(self) -> bool:

@@ -297,6 +297,7 @@ def start(places: Places, work: bool) -> Function:
     x = [s.value for s in (*equations.starts_q, *equations.starts_v)]
     if work:
         x.append(places.graph.zero)
+    x += [variable.start for variable in equations.model.discretes]
     names = equations.state_names
     return made(places, "start", ("p",), (("x", x),), "start values and guesses", names, rare=True)
 

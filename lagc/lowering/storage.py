@@ -43,9 +43,10 @@ class Places:
 
 
 def places(
-    equations: EquationsOfMotion, parameters: Sequence[Parameter], modes: Sequence[Node] = ()
+    equations: EquationsOfMotion, parameters: Sequence[Parameter], modes: Sequence[Node] = (), nz: int = 0
 ) -> Places:
-    """Parameters and inputs in p, time in t, q and v in x, modes of relations, and a, lam."""
+    """Parameters and inputs in p, time in t, q and v in x, discrete variables there behind `nz` work
+    integrals, modes of relations, and a, lam."""
     found: dict[Node, tuple[str, int]] = {equations.time: ("t", 0)}
     given = [*(p.symbol for p in parameters), *(u.symbol for u in equations.model.inputs)]
     for array, symbols in (
@@ -53,6 +54,9 @@ def places(
         ("lam", equations.lam),
     ):  # fmt: skip
         found.update((symbol, (array, k)) for k, symbol in enumerate(symbols))
+    first = len(equations.q) + len(equations.v) + nz
+    for k, variable in enumerate(equations.model.discretes):
+        found[variable.symbol] = ("x", first + k)
     state = (*STATE, "modes") if modes else STATE
     return Places(equations, found, tuple([p.symbol for p in parameters]), state)
 

@@ -147,7 +147,8 @@ def _loads(
 
 def when_equations(states: States) -> tuple[WhenEquations, ...]:
     """Raises Refused (LAG0427) where a new value is given to what is no state."""
-    known, faults, found = {*states.q, *states.v}, [], []
+    discretes = [variable.symbol for variable in states.model.discretes]
+    known, faults, found = {*states.q, *states.v, *discretes}, [], []
     for clause in states.model.whens:
         for symbol, _ in clause.changes:
             if symbol not in known:

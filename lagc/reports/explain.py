@@ -45,6 +45,7 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
         "speeds": [{"name": n, "unit": u} for n, u in zip(equations.v_names, equations.v_units)],
         "parameters": [_parameter(p) for p in interface.parameters],
         "inputs": [{"name": i.name, "unit": i.unit, "default": i.value} for i in interface.inputs],
+        **_discretes(equations, written),
         "constraints": [_constraint(equations, kind) for kind in analysis.constraints],
         "redundant": list(analysis.redundant),
         "open_reactions": list(analysis.open_reactions),
@@ -214,6 +215,7 @@ def text(facts: Facts, verbose: bool = False) -> str:
         _effects_text(facts),
         _section("coordinates", map(_coordinate_line, facts["coordinates"]), verbose),
         _section("speeds", _speed_lines(facts), verbose),
+        _section("discrete variables", map(_discrete_line, facts.get("discretes", ())), verbose),
         _section("constraints", map(_constraint_line, facts["constraints"]), verbose),
         _section("actions", map(_action_line, facts["actions"]), verbose),
         _count_text(facts),
@@ -258,6 +260,22 @@ def _coordinate_line(fact: Facts) -> str:
     if fact["kind"] != "scalar":
         line += f", {fact['kind']}"
     return line + (f": {fact['description']}" if fact["description"] else "")
+
+
+def _discretes(equations: EquationsOfMotion, written: Expressions) -> Facts:
+    """The discrete variables, in models that have some."""
+    found = [
+        {"name": x.name, "unit": x.unit, "type": "Boolean" if x.boolean else "Real",
+         "start": written.text(x.start), "description": x.description}
+        for x in equations.model.discretes
+    ]  # fmt: skip
+    return {"discretes": found} if found else {}
+
+
+def _discrete_line(fact: Facts) -> str:
+    about = f": {fact['description']}" if fact["description"] else ""
+    unit = " (true or false)" if fact["type"] == "Boolean" else f" [{fact['unit']}]" if fact["unit"] else ""
+    return f"{fact['name']}{unit} starts at {fact['start']}, changed by `when` alone{about}"
 
 
 def quantity(value: float, unit: str) -> str:

@@ -33,7 +33,9 @@ from lagc.semantics.values.members import MOST_NAMED
 from lagc.syntax import tree
 
 ELEMENTS = ("Gravity", "Particle", "Solid")  # declared like instances, but not models
-_CHANGEABLE = ("constant", "parameter", "structural", "input", "coordinate", "speed", "output", "instance")
+_CHANGEABLE = (
+    "constant", "parameter", "structural", "input", "coordinate", "speed", "discrete", "output", "instance",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

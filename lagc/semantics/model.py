@@ -76,6 +76,20 @@ class Input:
     description: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class Discrete:
+    """A variable that only `when` clauses change. A truth value is stored as 0 or 1."""
+
+    name: str
+    symbol: Node
+    unit: str
+    display_unit: str
+    start: Node  # in parameters
+    boolean: bool
+    span: Span
+    description: str = ""
+
+
 # Levels of a stated initial value: a more specific one is given up later, `FIXED` never.
 UNSTATED, DECLARED, SCENE, RUN, FIXED = range(5)
 
@@ -315,6 +329,7 @@ ModelObject: TypeAlias = (
     | Coordinate
     | Orientation
     | Speed
+    | Discrete
     | Frame
     | Point
     | Body
@@ -354,6 +369,7 @@ class Model:
     scenes: tuple[str, ...]
     simulate: dict[str, float] = field(default_factory=dict)  # stop, accuracy, ... of the scene
     whens: tuple[When, ...] = ()
+    discretes: tuple[Discrete, ...] = ()
     tables: tuple[Table, ...] = ()
     limits: tuple[Limit, ...] = ()  # of computed parameters
     built_in: tuple[str, ...] = ()  # parameters that a run cannot change: structural, or dependent on others
@@ -363,6 +379,11 @@ class Model:
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.name}, scene {self.scene}>"
+
+    @property
+    def given(self) -> list[Node]:
+        """Return the symbols of inputs and discrete variables: no equation of motion determines them."""
+        return [*(x.symbol for x in self.inputs), *(x.symbol for x in self.discretes)]
 
     @property
     def states(self) -> int:

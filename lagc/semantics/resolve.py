@@ -94,6 +94,10 @@ def resolve(
     found = _evaluate(context, instance)
     conditions = _conditions(context)
     whens = _whens(context)
+    if _of(found, objects.Discrete):
+        from lagc.semantics.declarations.discrete import refuse_in_constraints  # where there are some
+
+        refuse_in_constraints(context, _of(found, objects.Constraint), conditions, _of(found, objects.Speed))
     look_at_uncalled(context, instance.in_order())
     _check_given(context, instance)
     if not context.faults and not _of(found, objects.Coordinate) and not _of(found, objects.Orientation):
@@ -166,12 +170,16 @@ def _whens(context: Context) -> list[objects.When]:
 
 def _check_given(context: Context, instance: Instance) -> None:
     """Report values that are given to unknown or unsuitable names."""
+    discrete = any(entry.kind == "discrete" for entry in instance.in_order())
+    settable = "coordinate, rate, speed or discrete variable" if discrete else "coordinate, rate or speed"
     for table, what, code in (
         (context.parameters, "parameter or input", "LAG0215"),
-        (context.starts, "coordinate, rate or speed", "LAG0224"),
+        (context.starts, settable, "LAG0224"),
     ):
         kinds = (
-            ("parameter", "structural", "input") if table is context.parameters else ("coordinate", "speed")
+            ("parameter", "structural", "input")
+            if table is context.parameters
+            else ("coordinate", "speed", "discrete")
         )
         for name, given in table.items():
             if name in context.taken:
@@ -198,8 +206,8 @@ def _other_kind(instance: Instance, path: str) -> str | None:
     kind = next((e.kind for e in instance.in_order() if e.path == path), None)
     if kind == "parameter":
         return f"`{path}` is a parameter: write `parameter {path} = ...;`"
-    if kind == "coordinate":
-        return f"`{path}` is a coordinate: write `start {path} = ...;`"
+    if kind in ("coordinate", "discrete"):
+        return f"`{path}` is a {kind}{' variable' if kind == 'discrete' else ''}: write `start {path} = ...;`"
     return None if kind is None else f"`{path}` is a {kind}"
 
 
@@ -248,6 +256,7 @@ def _model(
         constraints=_of(found, objects.Constraint),
         initial_conditions=tuple(conditions),
         whens=tuple(whens),
+        discretes=_of(found, objects.Discrete),
         tables=tuple(context.curves.values()),
         outputs=_of(found, objects.Output),
         effects=effects,
@@ -279,7 +288,8 @@ def _without_kind(context: Context, entry: Entry) -> Value:
 DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
     "constant": declare_quantity, "parameter": declare_quantity, "structural": declare_quantity,
     "input": declare_quantity,
-    "coordinate": declare_quantity, "speed": declare_quantity, "output": declare_quantity,
+    "coordinate": declare_quantity, "speed": declare_quantity, "discrete": declare_quantity,
+    "output": declare_quantity,
     "function": _function, "instance": _instance, "quantity": _without_kind,
     "frame": declare_frame, "point": declare_point, "body": declare_body, "gravity": declare_gravity,
     "potential": declare_potential, "kinetic": declare_free_term, "lagrangian": declare_free_term,

@@ -23,12 +23,13 @@ KINDS = (
     "coordinate",
     "rate",
     "speed",
+    "discrete",
     "acceleration",
     "multiplier",
     *QUANTITIES,
 )
 BIT = {kind: 1 << k for k, kind in enumerate(KINDS)}
-MOVING = BIT["input"] | BIT["time"] | BIT["coordinate"] | BIT["rate"] | BIT["speed"]
+MOVING = BIT["input"] | BIT["time"] | BIT["coordinate"] | BIT["rate"] | BIT["speed"] | BIT["discrete"]
 # Known once the equations are solved.
 LATE = BIT["acceleration"] | BIT["multiplier"] | sum(BIT[kind] for kind in QUANTITIES)
 VELOCITY = BIT["rate"] | BIT["speed"]

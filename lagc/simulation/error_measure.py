@@ -42,6 +42,14 @@ def scaling_groups(interface: Interface) -> list[list[int]]:
     return list(groups.values())
 
 
+def discrete_sizes(trajectory: Trajectory, interface: Interface) -> list[tuple[Sequence[int], float]]:
+    """Return the state index of each discrete variable and its largest magnitude."""
+    first = interface.nx - len(interface.discretes)
+    return [
+        ([i], max([abs(x[i]) for x in trajectory.states], default=0.0)) for i in range(first, interface.nx)
+    ]
+
+
 def between(a: Trajectory, b: Trajectory) -> frozenset[int]:
     """The indices of recorded times at which one run has passed a jump that the other reaches a moment later.
     States are not compared there."""
@@ -77,7 +85,8 @@ def difference(
     not compared."""
     alike = [True] * min(len(a.states), len(b.states))
     largest, left_out = _apart_in_time(a, b), between(a, b)
-    for place, group in enumerate(scaling_groups(interface)):
+    discrete = [[i] for i in range(interface.nx - len(interface.discretes), interface.nx)]
+    for place, group in enumerate([*scaling_groups(interface), *discrete]):
         size = apart = 0.0
         limit = noise.get(place, 0.0) if noise else 0.0
         for k, (x, y) in enumerate(zip(a.states, b.states)):

@@ -220,14 +220,20 @@ def keep_limits(system: System) -> None:
 def bound_starts(interface: Interface, given: Given) -> dict[str, float]:
     """Return initial values by name in SI units.  Raises Refused: LAG0606 unknown name, LAG0602, LAG0605."""
     units = dict(zip(interface.state_names, interface.state_units))
+    units.update({x.name: x.unit for x in interface.discretes})
+    truths = {x.name for x, truth in zip(interface.discretes, interface.booleans) if truth}
     faults: list[Fault] = []
     found: dict[str, float] = {}
     for name, number in given.items():
         if name not in units:
-            faults.append(unknown(name, units, "coordinate or speed", "LAG0606"))
+            what = "coordinate, speed or discrete variable" if interface.discretes else "coordinate or speed"
+            faults.append(unknown(name, units, what, "LAG0606"))
             continue
         value = si(name, number, units[name], faults)
-        if value is not None:
+        if name in truths and value not in (0.0, 1.0, None):
+            message = f"`{name}` is true or false, not {value:g}"
+            faults.append(Fault("LAG0602", message, remedy="give 1 for true, 0 for false"))
+        elif value is not None:
             found[name] = value
     if faults:
         raise Refused(faults)
@@ -241,7 +247,8 @@ def bound_guesses(interface: Interface, given: Given, starts: Given) -> dict[str
     held = [name for name, level in zip(interface.state_names, interface.start_levels) if level == FIXED]
     faults = [
         Fault("LAG0608", f"a guess for `{name}` has no effect: its initial value is {why}")
-        for names, why in ((held, "fixed"), (starts, "stated for this run"))
+        for names, why in ((held, "fixed"), (starts, "stated for this run"),
+                           ([x.name for x in interface.discretes], "what the model or `--start` says"))
         for name in names if name in found
     ]  # fmt: skip
     if faults:

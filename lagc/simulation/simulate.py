@@ -24,6 +24,7 @@ from lagc.simulation.system import (
     Trajectory,
     event_names,
     rates_at,
+    work_of,
 )
 from lagc.simulation.verdict import Verdict, fixed_step_verdict, redundancy, verdict, verified_verdict
 
@@ -132,8 +133,9 @@ def _integrate(
 
 def _rest(system: System, x: list[float], times: Sequence[float]) -> tuple[list[float], str] | None:
     """Return the state in which the system stays and the reason, or None if it moves."""
+    discrete = len(system.interface.discretes)
     if locked(system, x, times[0]):
-        return [*x[: system.nq], *[0.0] * (system.nx - system.nq)], LOCKED
+        return [*x[: system.nq], *[0.0] * (system.nv + system.nz), *x[system.nx - discrete :]], LOCKED
     if len(times) > 1 and rests(system, x, times):
         return x, RESTS
     return None
@@ -157,4 +159,4 @@ def energy(system: System, trajectory: Trajectory) -> Energy:
     first, last = trajectory.states[0], trajectory.states[-1]
     start = system.energies(trajectory.times[0], first)[2]
     end = system.energies(trajectory.times[-1], last)[2]
-    return Energy(start, end, last[-1] - first[-1] if system.nz else 0.0)
+    return Energy(start, end, work_of(system, last) - work_of(system, first))

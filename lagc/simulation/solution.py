@@ -116,14 +116,14 @@ class Solution:
         found = dict(zip(self.state_names, interface.state_units))
         for name, unit in zip(interface.q_names, interface.q_units):
             found.setdefault(derived(name), f"{unit}/s" if unit else "1/s")
-        found.update({o.name: o.unit for o in interface.outputs})
+        found.update({x.name: x.unit for x in (*interface.discretes, *interface.outputs)})
         if self.sensitivities is not None:
             found.update(self.sensitivities.units(found))
         return found
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Every name that `run[...]` accepts: states, rates, outputs, sensitivities."""
+        """Every name that `run[...]` accepts: states, rates, discrete variables, outputs, sensitivities."""
         return tuple(self.units)
 
     @property
@@ -145,7 +145,7 @@ class Solution:
 
     @property
     def x(self) -> Array:
-        """The recorded states, (len(t), nx): coordinates, speeds, work."""
+        """The recorded states, (len(t), nx): coordinates, speeds, work, discrete variables."""
         import numpy
 
         return numpy.array(self.states).reshape(len(self.times), self.system.nx)
@@ -168,9 +168,14 @@ class Solution:
         found = self._columns.get(name)
         if found is not None:
             return found
-        states = self.state_names
-        if name in states:
-            i = states.index(name)
+        interface, states = self.system.interface, self.state_names
+        discretes = [x.name for x in interface.discretes]
+        if name in states or name in discretes:
+            i = (
+                states.index(name)
+                if name in states
+                else interface.nx - len(discretes) + discretes.index(name)
+            )
             return self._columns.setdefault(name, [x[i] for x in self.states])
         if self.sensitivities is not None and name in self.sensitivities:
             return self._columns.setdefault(name, self.sensitivities.column(name))

@@ -226,11 +226,19 @@ class Counted:
         return self.system.energies(t, x)
 
 
+def work_of(system: System, x: Sequence[float]) -> float:
+    """The work integral of a state; 0 if there is none."""
+    return x[system.nq + system.nv] if system.nz else 0.0
+
+
 def state_name(system: System, k: int) -> str:
     """The name of state k (an index of x) for a message."""
     names = system.interface.state_names
     if 0 <= k < len(names):
         return f"`{names[k]}`"
+    first = system.nq + system.nv + system.nz
+    if first <= k < system.nx:
+        return f"`{system.interface.discretes[k - first].name}`"
     return "the work of the given actions" if k == len(names) else "a state"
 
 

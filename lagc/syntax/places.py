@@ -27,6 +27,7 @@ _PLACES: dict[str, frozenset[str]] = {
     "input": _MECHANICS | {"scene"},
     "coordinate": _MECHANICS,
     "speed": _MECHANICS,
+    "discrete": _MECHANICS,
     "output": _MECHANICS,
     "effect": frozenset({"model"}),
     "scene": frozenset({"model"}),
@@ -45,6 +46,7 @@ _BY_INDEX = {  # how an array outside of a loop gets a value for each element
     "output": " = {... for i in 1:n}",
     "coordinate": "(start = {... for i in 1:n})",
     "speed": " = {... for i in 1:n}",
+    "discrete": "(start = {... for i in 1:n})",
     "input": "",
 }
 _SHOWN = {
@@ -182,7 +184,8 @@ def _dotted(declarator: tree.Declarator) -> Fault:
 
 def _no_type(item: tree.Quantities) -> Fault:
     name = item.declarators[0]
-    example = "Integer n" if item.kind == "structural" else "Length l"
+    examples = {"structural": "Integer n", "discrete": "Real mode(start = 0)"}
+    example = examples.get(item.kind, "Length l")
     return Fault(
         "LAG0133",
         f"`{item.kind}` needs a type and a name; there is only `{name.name}`",

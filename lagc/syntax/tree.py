@@ -210,7 +210,8 @@ class Declarator:
 
 @dataclass(frozen=True, slots=True)
 class Quantities:
-    """`parameter Mass m = 1 [kg], n;`.  kind: constant parameter structural input coordinate speed output."""
+    """`parameter Mass m = 1 [kg], n;`.  kind: constant parameter structural input coordinate speed
+    discrete output."""
 
     kind: str
     type: TypeName | None  # None in a scene: `parameter l = 0.7 [m];`

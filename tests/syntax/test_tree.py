@@ -116,7 +116,7 @@ def test_escapes_in_texts() -> None:
 
 
 @pytest.mark.parametrize(
-    "kind", ["constant", "parameter", "structural", "input", "coordinate", "speed", "output"]
+    "kind", ["constant", "parameter", "structural", "input", "coordinate", "speed", "discrete", "output"]
 )
 def test_quantities(kind: str) -> None:
     declaration = one(f'{kind} Real[kg/m] k[3](min = 0) = 1e-3 "first", lib = 2;')

@@ -117,6 +117,11 @@ _SIZES = {
     "NGROUP": "scaling groups: coordinates, or speeds, of one unit", "NWORK": "entries of the sparse factors",
     "NY": "outputs y", "NQUAT": "unit quaternions in q",
 }  # fmt: skip
+_DISCRETE = {
+    "NZ": "work integral, after q and v", "NX": "state x = (q, v, z, d)",
+    "NINT": "integrated states q, v, z, the first of x",
+    "NDISC": "discrete variables d, the last of x: only when clauses change them",
+}  # fmt: skip
 _PREPARED = {"NPREPARED": "numbers that lagc_bind computes from the parameters"}
 _LIMITED = {"NLIMITS": "bounded values computed from parameters"}
 _OF_START = {
@@ -130,7 +135,14 @@ def sizes(interface: Interface) -> list[tuple[str, int, str]]:
     values = {**sizes_of(interface), "NY": len(interface.outputs)}
     prepared = _PREPARED if interface.prepared else {}
     limited = _LIMITED if interface.limits else {}
-    notes = {**_SIZES, **prepared, **limited, **(_OF_START if interface.needs_consistency else {})}
+    discrete = _DISCRETE if interface.discretes else {}
+    notes = {
+        **_SIZES,
+        **discrete,
+        **prepared,
+        **limited,
+        **(_OF_START if interface.needs_consistency else {}),
+    }
     return [(name, values[name], note) for name, note in notes.items()]
 
 
@@ -138,6 +150,12 @@ def _indices(interface: Interface) -> Iterable[str]:
     groups = (
         ("Q", "indices into q, which begins at x[0]", interface.q_names, interface.q_units),
         ("V", "indices into a and into v, which begins at x[LAGC_NQ]", interface.v_names, interface.v_units),
+        (
+            "X",
+            "indices of discrete variables into x; lagc_start sets them, and you may change them in s.x",
+            tuple(f.name for f in interface.discretes),
+            tuple(_kind(f, truth) for f, truth in zip(interface.discretes, interface.booleans)),
+        ),
         ("C", "indices into lambda and rows of G", interface.row_labels, interface.row_units),
         (
             "Y",
@@ -146,17 +164,23 @@ def _indices(interface: Interface) -> Iterable[str]:
             tuple(f.unit for f in interface.outputs),
         ),
     )
+    first = interface.nx - len(interface.discretes)
     for letter, title, names, units in groups:
         if not names:
             continue
         given = Names()
         entries = [(given.give(name), name, unit) for name, unit in zip(names, units)]
+        begin = first if letter == "X" else 0
         ends = ["," if k < len(entries) - 1 else "" for k in range(len(entries))]
         yield f"enum {{ /* {title} */\n"
         for k, (spelled, name, unit) in enumerate(entries):
             note = comment(f"{name} [{unit}]" if unit else name)
-            yield f"    LAGC_{letter}_{spelled} = {k}{ends[k]} /* {note} */\n"
+            yield f"    LAGC_{letter}_{spelled} = {begin + k}{ends[k]} /* {note} */\n"
         yield "};\n\n"
+
+
+def _kind(variable: Field, truth: int) -> str:
+    return "0 or 1" if truth else variable.unit
 
 
 def members(interface: Interface) -> list[str]:

@@ -109,6 +109,7 @@ _DIRECT = {
     ),
 }
 
+_HOLD = "    int i;\n    for (i = LAGC_NINT; i < LAGC_NX; i++)\n        xdot[i] = 0;\n"
 _FORGET = "    w->rank_deficient = 0; /* forget earlier evaluations */\n"
 
 
@@ -154,9 +155,10 @@ def _default_params(interface: Interface, real: Arithmetic) -> PublicFunction:
 
 def _rhs(interface: Interface) -> PublicFunction:
     return PublicFunction(
-        "xdot[NX] and the multipliers lambda[NC] at (t, x).  lambda may be NULL.",
+        "xdot[NX] and the multipliers lambda[NC] at (t, x).  lambda may be NULL."
+        + ("  Rates of discrete variables\n * are 0." if interface.discretes else ""),
         f"lagc_status lagc_rhs({_POINT}, lagc_real *xdot, lagc_real *lambda, lagc_work *w)",
-        _forget(interface)
+        (_HOLD if interface.discretes else "") + _forget(interface)
         + "    return lagc_rhs_at(p, t, x, xdot, lambda ? lambda : w->lam, w);\n")  # fmt: skip
 
 

@@ -127,7 +127,8 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     sums = max(len(interface.part_ends) - len(interface.condition_ends), 0)
     relations, free = len(interface.relations), len(interface.relations) - interface.timed_relations
     own = {
-        "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NC": interface.nc, "NH": interface.nh,
+        "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NINT": nq + nv + interface.nz,
+        "NDISC": len(interface.discretes), "NC": interface.nc, "NH": interface.nh,
         "NP": len(fields), "NGROUP": max(interface.kinds, default=0) + 1, "NWORK": interface.work_size,
         "NHEALTH": max(interface.health, 2),
         "NBOUNDED": sum(isfinite(f.minimum) or isfinite(f.maximum) for f in fields),
@@ -139,7 +140,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NGUARD": interface.features + interface.poles,
         "NSEARCH": free + interface.features + interface.poles,
         "NEDGES": 2 * relations if "edges" in interface.functions else 0,
-        "NBOX": 2 * (1 + nq + nv),
+        "NBOX": 2 * (1 + nq + nv) + len(interface.discretes),
         "NLIMITS": len(interface.limits), "NPREPARED": interface.prepared, "NREAD": len(interface.read),
         "NSUM": sums, "NPARTS": len(interface.part_columns),
     }  # fmt: skip

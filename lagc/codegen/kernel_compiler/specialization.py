@@ -15,6 +15,8 @@ from typing import Any
 from lagc.codegen.kernel_compiler.kernel_syntax import Outside, clone, exact, identifier
 
 FLAGS = ("STRAIGHT", "HAS_DISPLACE", "COMPLETE")
+# Sizes that are another one in models without a size: name -> (that size, the other name).
+SAME_WITHOUT = {"NINT": ("NDISC", "NX")}
 Flags = Mapping[str, bool]
 
 
@@ -130,6 +132,12 @@ class Statics:
     # -- expressions --
 
     def expression(self, node: ast.expr) -> ast.expr:
+        if isinstance(node, ast.Name) and node.id in SAME_WITHOUT:
+            flag, other = SAME_WITHOUT[node.id]
+            if flag not in self.flags:
+                raise Undecided(flag)
+            if not self.flags[flag]:
+                return ast.copy_location(ast.Name(other, ast.Load()), node)
         if isinstance(node, ast.IfExp):
             test = self.test(node.test)
             if isinstance(test, bool):

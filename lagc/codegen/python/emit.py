@@ -53,7 +53,8 @@ def evaluation(program: Program) -> tuple[str, str]:
 
 def _banner(interface: Interface, file: str) -> str:
     about = [*LICENCE, "", *(f"    {line}" for line in equation(interface)), ""]
-    about.append("SI units throughout.  A state is a list x = (q, v, z).")
+    state = "x = (q, v, z, d), with discrete variables d" if interface.discretes else "x = (q, v, z)"
+    about.append(f"SI units throughout.  A state is a list {state}.")
     title = origin(interface, file).replace('"', "'")
     return "\n".join([f"# {SPDX}", f'"""{title}', "", *about, '"""']) + "\n"
 
@@ -67,6 +68,8 @@ def member_names(interface: Interface) -> list[str]:
 def _names(interface: Interface) -> str:
     text = [f"ABI_VERSION = {ABI_VERSION}", f"MODEL_HASH = {interface.model_hash!r}"]
     text += _table("Q_NAMES", interface.q_names) + _table("V_NAMES", interface.v_names)
+    if interface.discretes:
+        text += _table("D_NAMES", [f.name for f in interface.discretes])
     text += _table("ROWS", interface.row_labels) + _table("Y_NAMES", [f.name for f in interface.outputs])
     fields = [*interface.parameters, *interface.inputs]
     text.append("PARAMETERS = {  # keyword: (value, unit, name in the model, description)")

@@ -207,7 +207,8 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0228": Entry(
         "a new value for something that is not a state",
-        "`reinit` sets a coordinate, its rate or a declared speed. Each of them gets one new value.",
+        "`reinit` sets a coordinate, its rate, a declared speed or a discrete variable. Each of them gets "
+        "one new value.",
         _body("when x > 1 [m] then reinit(2*x, 0); end when;"),
         _body("when x > 1 [m] then reinit(der(x), -der(x)); end when;"),
     ),
@@ -231,6 +232,14 @@ ENTRIES: dict[str, Entry] = {
         "`experiment` stand in a scene: `simulate(stop = 10 [s]);`.",
         _body("annotation(experiment(StopTime = 10));"),
         _body("scene lab simulate(stop = 10 [s]); end lab;"),
+    ),
+    "LAG0232": Entry(
+        "a constraint with a discrete variable",
+        "A discrete variable jumps. A constraint, an initial equation or the definition of a speed that "
+        "depends on it would be violated at the jump. Use discrete variables in forces, laws, potentials and "
+        "conditions.",
+        _body("discrete Length far(start = 1 [m]);\n  constraint c: der(x) = far/(1 [s]);"),
+        _body("discrete Length far(start = 1 [m]);\n  potential spring = (1 [N/m])*(x - far)^2;"),
     ),
     "LAG0301": Entry(
         "different dimensions where one is needed",

@@ -187,4 +187,10 @@ end Pendulum;
         "No equilibrium was found, the motion does not reach the requested time, or the derivatives are "
         "not finite there; the exit code is 3.",
     ),
+    "LAG0622": Entry(
+        "sensitivities of a model with discrete variables",
+        "A `when` clause changes a discrete variable at once, and the derivatives of such jumps are not "
+        "computed. A motion without discrete variables has sensitivities, also across `when` clauses that "
+        "change coordinates and speeds.",
+    ),
 }

@@ -207,7 +207,7 @@ def rhs_any_rank(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w:
         w.a[:] = part(w.kkt_solution, 0, NV)
         lam[:] = part(w.kkt_solution, NV, NV + NC)
     store_rates(p, t, x, xdot, lam, w)
-    fault = not_finite(xdot, NX)
+    fault = not_finite(xdot, NINT)
     if fault >= 0:
         w.culprit = fault
         return NOT_FINITE
@@ -237,7 +237,7 @@ def check_rates(x: Vec[NX], xdot: Vec[NX], w: Work) -> Status:
         w.culprit = size(NV)
         return SINGULAR_MASS
     if w.culprit < 0:
-        w.culprit = not_finite(xdot, NX)
+        w.culprit = not_finite(xdot, NINT)
     return NOT_FINITE if w.culprit >= 0 else OK
 
 
@@ -263,7 +263,7 @@ def rhs_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work)
             if NC > 0:
                 if w.health[1] > REFINED_RESIDUAL * size(NMANY) * size(NMANY):
                     rhs_refined(p, t, x, xdot, lam, w)
-            if not_finite(xdot, NX) < 0:
+            if not_finite(xdot, NINT) < 0:
                 return OK
     if NM > 0 or NC > 0:
         return rhs_any_rank(p, t, x, xdot, lam, w)

@@ -25,11 +25,11 @@ from lagc.kernels.language.vocabulary import *
 
 MOST_CHANGES = 20  # at one time, plus two for each relation
 
-TOUCHING = 64.0  # units in the last place: a smaller motion over the longest step is round-off
+CONTACT_MOTION = 64.0  # units in the last place: a smaller motion over the longest step is round-off
 
 
-def find_touching(p: Params, s: State, w: Work) -> None:
-    """Mark indicators of clauses in w.touching that would move by no more than round-off of the states over
+def find_contacts(p: Params, s: State, w: Work) -> None:
+    """Mark indicators of clauses in w.in_contact that would move by no more than round-off of the states over
     the longest step: bodies touch that do not approach each other."""
     for i in range(NQ + NV):
         w.x_part_middle[i] = s.sizes[scaling_group[i]]
@@ -38,18 +38,18 @@ def find_touching(p: Params, s: State, w: Work) -> None:
         k = NTIMED + j
         w.size_roundoff[j] = w.indicator_roundoff[j]
         distance = fabs(w.indicator_rates[k]) * s.longest_step
-        near = distance <= TOUCHING * w.indicator_roundoff[j] and s.longest_step > 0.0
+        near = distance <= CONTACT_MOTION * w.indicator_roundoff[j] and s.longest_step > 0.0
         known = is_known(w.enclosures[2 * j], w.enclosures[2 * j + 1])
-        w.touching[j] = 1 if near and known and clauses_only[k] > 0 and has_edges[k] == 0 else 0
+        w.in_contact[j] = 1 if near and known and clauses_only[k] > 0 and has_edges[k] == 0 else 0
 
 
-def drop_touching(p: Params, s: State, w: Work) -> bool:
-    """Remove touching indicators from w.crossed, and return whether any crosses."""
-    find_touching(p, s, w)
+def drop_contacts(p: Params, s: State, w: Work) -> bool:
+    """Remove indicators in contact from w.crossed, and return whether any crosses."""
+    find_contacts(p, s, w)
     found = False
     for k in range(NMODE):
         if k >= NTIMED and w.crossed[k] > 0:
-            if w.touching[k - NTIMED] > 0:
+            if w.in_contact[k - NTIMED] > 0:
                 increase_slack(p, s, k, w)
                 w.crossed[k] = 0
         if w.crossed[k] > 0:
@@ -102,7 +102,7 @@ def correct_state(p: Params, s: State, direction: Real, w: Work) -> None:
         if w.crossed[k] > 0:
             since = time_since_crossing(k, direction, w)
             if is_first_order(since, s):
-                for i in range(NX):
+                for i in range(NINT):
                     apart = w.xdot[i] - w.old_rates[i]
                     s.x[i] += since * apart
                     if k < NTIMED:
@@ -246,7 +246,7 @@ def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
         if not confirm_crossings(p, s, direction, w):
             return OK
         if NWHEN > 0:
-            if not drop_touching(p, s, w):
+            if not drop_contacts(p, s, w):
                 return OK
     w.old_indicator_rates[:] = w.indicator_rates
     leave_modes(s, direction, w)

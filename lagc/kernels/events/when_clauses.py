@@ -9,7 +9,7 @@ from math import fabs, inf
 from lagc.kernels.constraints.projection import project
 from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
-from lagc.kernels.events.mode_change import change_modes, find_touching, is_first_order
+from lagc.kernels.events.mode_change import change_modes, find_contacts, is_first_order
 from lagc.kernels.events.modes import accept_modes, adopt_modes, advance_mode, choose_modes, update_edges
 from lagc.kernels.events.sliding import slides, time_since_crossing, turns_back
 from lagc.kernels.language.vocabulary import *
@@ -48,6 +48,8 @@ def apply_reinit(p: Params, s: State, k: int, w: Work) -> bool:
         if reinit_clause[j] == k:
             s.x[reinit_target[j]] = w.reinit_values[j]
             found = True
+    if NDISC > 0:
+        box_discrete(s, w)
     return found
 
 
@@ -96,14 +98,14 @@ def choose_modes_after_reinit(p: Params, s: State, direction: Real, w: Work) -> 
         if w.indicator_jumped[i] > 0:
             advance_mode(i, direction, 0.0, w, s.t)
     if NFREE > 0:
-        find_touching(p, s, w)
+        find_contacts(p, s, w)
         estimate_indicator_roundoff(p, s, s.x, w)
         for j in range(NFREE):
             k = NTIMED + j
             if w.indicator_jumped[k] > 0:
                 w.indicator_reset[j] = 1
             beyond = w.crossed[k] > 0 and w.indicator_reset[j] == 0 and has_edges[k] == 0
-            if w.touching[j] == 0:
+            if w.in_contact[j] == 0:
                 advance_mode(k, direction, inf if beyond else SLACK_GROWTH * w.indicator_roundoff[j], w, s.t)
             elif beyond:
                 w.modes[k] = 0.0
@@ -119,7 +121,7 @@ def choose_modes_after_reinit(p: Params, s: State, direction: Real, w: Work) -> 
 def extrapolate_state(s: State, time: Real, w: Work) -> None:
     """Move the state by `time` with the rates w.xdot."""
     if time != 0.0:
-        for i in range(NX):
+        for i in range(NINT):
             s.x[i] += time * w.xdot[i]
 
 
@@ -160,7 +162,7 @@ def reinitialize(p: Params, s: State, giver: int, direction: Real, w: Work) -> S
             return MISPLACED
     if NZ > 0:
         fn_energies(p, s.t, s.x, w.energies)
-        s.x[NX - 1] += w.energies[2] - before
+        s.x[NINT - 1] += w.energies[2] - before
     status = choose_modes_after_reinit(p, s, direction, w)
     if not failed(status):
         s.jumps += given

@@ -63,12 +63,14 @@ def shortest_time_scale(
     curvatures = vector(NGROUP)
     for k in range(NGROUP):
         curvatures[k] = 0.0
-    for k in range(NX):
+    if NDISC > 0:
+        keep_discrete(s.x, s.x_new)
+    for k in range(NINT):
         s.x_new[k] = s.x[k] + h * direction * s.k[0][k]
     s.rhs += 1
     if failed(rhs_at(p, s.t + h * direction, s.x_new, s.k[1], w.lam, w)):
         return 0.0
-    for k in range(NX):
+    for k in range(NINT):
         s.x_new[k] = (s.k[1][k] - s.k[0][k]) / h
     enlarge_sizes(s.x_new, curvatures)
     best = most

@@ -15,13 +15,15 @@ def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status
     s.x_new (HNW II.1.8)."""
     own = vector(NX)  # a copy of x that does not alias s, so that compilers vectorize the loops
     own[:] = x
+    if NDISC > 0:
+        keep_discrete(x, s.x_new)
     for j in static(range(1, len(C))):
-        for i in range(NX):
+        for i in range(NINT):
             s.x_new[i] = own[i] + h * combination(A[j], s.k, i)
         status = rhs_at(p, t + number(C[j]) * h, s.x_new, s.k[j], w.lam, w)
         if failed(status):
             return status
-    for i in range(NX):
+    for i in range(NINT):
         s.x_new[i] = own[i] + h * combination(B, s.k, i)
     return OK
 
@@ -54,7 +56,7 @@ def error_parts(s: State, w: Work) -> None:
     """Compute the error estimates as vectors in w.error_parts, without the factor h."""
     if NH > 0:
         for j in static(range(len(ERROR))):
-            for i in range(NX):
+            for i in range(NINT):
                 w.error_parts[j][i] = combination(ERROR[j], s.k, i)
 
 
@@ -74,13 +76,16 @@ def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
 
 def dense_output(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, w: Work) -> Status:
     """Compute the coefficients s.r of the dense output of the step from x to z (HNW II.6, II.10.4)."""
+    if NDISC > 0:
+        keep_discrete(x, s.x_new)
+        keep_discrete(x, s.r[0])
     for j in static(range(len(EXTRA_C))):
-        for i in range(NX):
+        for i in range(NINT):
             s.x_new[i] = x[i] + h * combination(EXTRA_A[j], s.k, i)
         status = rhs_at(p, t + number(EXTRA_C[j]) * h, s.x_new, s.k[len(C) + 1 + j], w.lam, w)
         if failed(status):
             return status
-    for i in range(NX):
+    for i in range(NINT):
         s.r[0][i] = x[i]
         s.r[1][i] = z[i] - x[i]
         s.r[2][i] = h * s.k[0][i] - s.r[1][i]
@@ -93,7 +98,9 @@ def dense_output(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, 
 def dense_at(part: Real, s: State, x: Vec[NX]) -> None:
     """Evaluate the dense output at a part of the last step."""
     rest = 1.0 - part
-    for i in range(NX):
+    if NDISC > 0:
+        keep_discrete(s.r[0], x)
+    for i in range(NINT):
         value = s.r[3 + len(DENSE)][i]
         for j in static(range(2 + len(DENSE), -1, -1)):
             value = s.r[j][i] + (part if j % 2 == 0 else rest) * value

@@ -56,11 +56,13 @@ def estimate_rate_roundoff(p: Params, s: State, h: Real, w: Work) -> None:
     if failed(rhs_at(other, t, x, w.xdot, w.lam, w)):
         return
     change = vector(NX)
-    for i in range(NX):
+    for i in range(NINT):
         change[i] = 0.0
     enlarge_differences(w.xdot, s.k[0], change)
     moved = vector(NX)
-    for i in range(NX):
+    if NDISC > 0:
+        keep_discrete(s.x, moved)
+    for i in range(NINT):
         moved[i] = s.x[i] + h * s.k[0][i]
         x[i] += h * (s.k[0][i] + change[i])
     rates = vector(NX)
@@ -68,7 +70,7 @@ def estimate_rate_roundoff(p: Params, s: State, h: Real, w: Work) -> None:
     if not failed(rhs_at(p, s.t + h, moved, rates, w.lam, w)):
         if not failed(rhs_at(other, t + h, x, w.xdot, w.lam, w)):
             enlarge_differences(w.xdot, rates, change)
-    for i in range(NX):
+    for i in range(NINT):
         if change[i] > w.rate_roundoff[i]:
             w.rate_roundoff[i] = change[i]
 
@@ -137,7 +139,7 @@ def error_along_constraints(p: Params, s: State, t: Real, h: Real, error: Real, 
         return error
     method_error_parts(method, s, w)
     for k in range(2):
-        for i in range(NX):
+        for i in range(NINT):
             w.error_parts_before[k][i] -= w.error_parts[k][i]
     change = norm_of_error(h, w.error_parts_before, w)
     if not change > 0.1 * norm_of_error(h, w.error_parts, w):
@@ -156,10 +158,10 @@ def fade_roundoff(s: State, w: Work) -> None:
     s.roundoff_memory *= left
     if s.roundoff_memory < ROUNDOFF_FORGOTTEN:
         s.roundoff_memory = 0.0
-    for i in range(NX):
+    for i in range(NINT):
         s.rate_roundoff[i] = left * s.rate_roundoff[i] if s.roundoff_memory > 0.0 else 0.0
         w.rate_roundoff[i] = s.rate_roundoff[i]
-    for i in range(NX):
+    for i in range(NINT):
         w.coordinate_roundoff[i] = 0.0
 
 

@@ -156,7 +156,7 @@ class Work:
         triggered: IVec[NWHEN]  # 1: it has become true
         indicator_reset: IVec[NFREE]  # 1: a clause changed this indicator at this event
         clauses_first: bool  # clauses act on a crossing that forces drive back
-        touching: IVec[NFREE]  # 1: this indicator of clauses moves by round-off alone
+        in_contact: IVec[NFREE]  # 1: this indicator of clauses moves by round-off alone
         size_roundoff: Vec[NFREE]  # change of each indicator by one unit in the last place of the sizes
         at_event_time: bool  # the state is that at the time of the crossing
         x_saved: Vec[NX]

@@ -11,7 +11,9 @@ COMPLETE: bool  # with bounds of parameters and initialization, which a run of l
 class NQ(metaclass=SizeType): ...  # coordinates
 class NV(metaclass=SizeType): ...  # speeds
 class NZ(metaclass=SizeType): ...  # work integrals
-class NX(metaclass=SizeType): ...  # of the state x: NQ + NV + NZ
+class NX(metaclass=SizeType): ...  # of the state x: NINT + NDISC
+class NINT(metaclass=SizeType): ...  # integrated states: NQ + NV + NZ; without NDISC it is NX
+class NDISC(metaclass=SizeType): ...  # discrete variables, the last of x: clauses `when` alone change them
 class NC(metaclass=SizeType): ...  # constraint equations
 class NH(metaclass=SizeType): ...  # of these the holonomic ones, which come first
 class NP(metaclass=SizeType): ...  # parameters and inputs

@@ -99,6 +99,8 @@ def boxed(along: Places) -> tuple[Places, dict[Node, Ends]]:
         low, high = graph.symbol("least", str(k)), graph.symbol("largest", str(k))
         boxes[leaf] = low, high
         arrays[low], arrays[high] = ("box", k), ("box", len(leaves) + k)
+    for k, variable in enumerate(equations.model.discretes):
+        arrays[variable.symbol] = ("box", 2 * len(leaves) + k)
     return replace(along, arrays=arrays), boxes
 
 
@@ -121,11 +123,13 @@ def changing(
 ) -> tuple[EquationsOfMotion, EquationsOfMotion]:
     """Return both without clauses that no motion reaches (inputs alone decide them) and without new values of
     states that were left out. `moving` are the frozen equations."""
-    modes, states = {relation.mode for relation in relations}, {*equations.q, *equations.v}
+    discretes = [variable.symbol for variable in equations.model.discretes]
+    deciding = {*(relation.mode for relation in relations), *(discretes if relations else ())}
+    states = {*equations.q, *equations.v, *discretes}
     pairs = [
         [replace(when, changes=tuple([pair for pair in when.changes if pair[0] in states])) for when in both]
         for both in zip(equations.whens, moving.whens)
-        if modes & symbols([both[1].condition])
+        if deciding & symbols([both[1].condition])
     ]
     return (
         replace(equations, whens=tuple([when for when, _ in pairs])),

@@ -123,12 +123,12 @@ def _displacement_slopes(graph: Graph, model: Model, total: Node) -> dict[Node, 
 
 
 def _check(model: Model, terms: Sequence[Lagrangian]) -> None:
-    inputs = [given.symbol for given in model.inputs]
-    driven = depends([term.function for term in terms], inputs)
+    driven = depends([term.function for term in terms], model.given)
     faults = [
         Fault(
             "LAG0406",
-            f"the Lagrangian's term `{term.name}` depends on an input, whose time derivative is not known",
+            f"the Lagrangian's term `{term.name}` depends on an input or a discrete variable, whose time "
+            "derivative is not known",
             term.span,
             remedy="write the input's share as a force, a torque or a function of `time`",
         )

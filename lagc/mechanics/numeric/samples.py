@@ -68,6 +68,9 @@ def _draw(
     }
     for given in model.inputs:
         state[given.symbol] = given.default + chance.draw()
+    for variable in model.discretes:
+        start = evaluate([variable.start], state)[0]
+        state[variable.symbol] = float(chance.draw() > 0.0) if variable.boolean else start + chance.draw()
     starts: dict[Node, float] = dict(state)
     state[model.time] = 0.5 + 0.4 * chance.draw()
     for c in model.coordinates:

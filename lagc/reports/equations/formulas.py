@@ -159,7 +159,7 @@ def collector_of(equations: EquationsOfMotion, algebra: Algebra) -> Collector:
     """Return a collector of terms in the order of the symbols of `equations`."""
     model = equations.model
     algebra.pi = pi_of(equations)
-    parameters = [p.symbol for p in model.parameters] + [i.symbol for i in model.inputs]
+    parameters = [*(p.symbol for p in model.parameters), *model.given]
     if algebra.pi is not None:
         parameters.insert(0, algebra.pi)
     for node in (*parameters, *equations.q, *equations.v, *equations.a, *equations.lam):

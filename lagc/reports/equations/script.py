@@ -154,6 +154,7 @@ def _declared(equations: EquationsOfMotion, names: Names) -> list[Declared]:
         (p.symbol, "nonnegative" if p.minimum >= 0 else "real", p.unit, p.description)
         for p in model.parameters
     ]
+    found += [(x.symbol, "real", x.unit, x.description) for x in model.discretes]
     moving = [(i.symbol, i.unit, i.description) for i in model.inputs]
     moving += [(q, unit, "") for q, unit in zip(equations.q, equations.q_units)]
     moving += [(v, unit, "") for v, unit in zip(equations.v, equations.v_units) if v.record.order == 0]

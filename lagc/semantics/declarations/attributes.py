@@ -86,12 +86,16 @@ def _foreign_attribute(entry: Entry, argument: tree.Argument) -> str | None:
     return None
 
 
+_SAID = {"discrete": "discrete variable"}
+
+
 def _a(kind_: str) -> str:
+    kind_ = _SAID.get(kind_, kind_)
     return f"an {kind_}" if kind_[0] in "aeio" else f"a {kind_}"
 
 
 def _has(kind_: str, known: Sequence[str]) -> str | None:
-    return f"a {kind_} has {', '.join(known)}" if known else None
+    return f"{_a(kind_)} has {', '.join(known)}" if known else None
 
 
 def written_value(entry: Entry) -> Modifier | None:
@@ -163,7 +167,7 @@ def _as_many(value: Value, sizes: list[int], span: Span, what: str) -> None:
         raise Wrong("LAG0306", f"{what} needs {shown} elements; this has {math.prod(shape(value))}", span)
 
 
-def shaped(scalars: list[Scalar], sizes: list[int]) -> Value:
+def shaped(scalars: Sequence[Value], sizes: list[int]) -> Value:
     """Return scalars (rows first) as a number or an array of shape `sizes`."""
     if not sizes:
         return scalars[0]

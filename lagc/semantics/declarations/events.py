@@ -10,9 +10,10 @@ from lagc.diagnostics.faults import Source
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as objects
 from lagc.semantics.context import Context
+from lagc.semantics.declarations.discrete import number_of, truth_symbol
 from lagc.semantics.names.scope import Environment, Scalar, Truth, flat, kind, shape
 from lagc.semantics.refusals import Wrong
-from lagc.semantics.time_derivatives import LATE, MOVING
+from lagc.semantics.time_derivatives import BIT, LATE, MOVING
 from lagc.semantics.units import NONE, describe
 from lagc.semantics.values.evaluate import each, evaluate, evaluate_as
 from lagc.semantics.values.unit_hints import expect_of
@@ -86,7 +87,8 @@ def _condition(context: Context, written: tree.Expression, environment: Environm
         raise Wrong("LAG0307", f"`when` needs a condition; this is {kind(value)}", written.span)
     mask = context.clock.mask
     _early(context, value.node, written, "a condition of `when`")
-    if any(node.op == "eq" and mask(node) & MOVING for node in reachable([value.node])):
+    moving = MOVING & ~BIT["discrete"]
+    if any(node.op == "eq" and mask(node) & moving for node in reachable([value.node])):
         raise Wrong(
             "LAG0227",
             "`==` holds only for an instant, which is never detected",
@@ -113,10 +115,10 @@ Action = Callable[[Context, tree.Statement, Environment, _Found], None]
 def _action(statement: tree.Statement) -> Action:
     action = statement.action
     if statement.value is not None or not isinstance(action, tree.Call):
-        raise Wrong(
-            "LAG0227", "a `when` clause contains actions, not equations", statement.span,
-            f"the actions are {_USES}",
-        )  # fmt: skip
+        remedy = f"the actions are {_USES}"
+        if statement.value is not None:
+            remedy = f"write `reinit({action.span.text}, {statement.value.span.text})`"
+        raise Wrong("LAG0227", "a `when` clause contains actions, not equations", statement.span, remedy)
     name = action.function.name if isinstance(action.function, tree.Name) else action.function.span.text
     if name not in _ACTIONS:
         remedy = did_you_mean(name, _ACTIONS) or f"the actions are {_USES}"
@@ -157,15 +159,24 @@ def _reinit(context: Context, statement: tree.Statement, environment: Environmen
     if isinstance(value, objects.Orientation):
         remedy = f"set its angular velocity: `reinit({target.span.text}.rate, {{0, 0, 0}})`"
         raise Wrong("LAG0228", "`reinit` cannot set a whole orientation", target.span, remedy)
-    states = flat(value, target.span, "the first argument of `reinit`")
-    for state in states:
-        if state.node.op != "symbol" or state.node.record.kind not in ("coordinate", "rate", "speed"):
-            raise Wrong(
-                "LAG0228",
-                "`reinit` sets a coordinate, its rate or a declared speed",
-                target.span,
-                "write `reinit(x, ...)` or `reinit(der(x), ...)`",
-            )
+    truth = truth_symbol(value)
+    if truth is not None:
+        new = evaluate(context, written, environment)
+        if not isinstance(new, Truth):
+            message = f"`{target.span.text}` is true or false; this is {kind(new)}"
+            raise Wrong("LAG0307", message, written.span, f"write `reinit({target.span.text}, true)`")
+        _early(context, new.node, written, "a new value")
+        _change(found, truth, number_of(context.graph, new), target)
+        return
+    states = [] if isinstance(value, Truth) else flat(value, target.span, "the first argument of `reinit`")
+    kinds = ("coordinate", "rate", "speed", "discrete")
+    if not states or any(s.node.op != "symbol" or s.node.record.kind not in kinds for s in states):
+        raise Wrong(
+            "LAG0228",
+            "`reinit` sets a coordinate, its rate, a declared speed or a discrete variable",
+            target.span,
+            _not_a_state(target, states),
+        )
     dimension = states[0].dimension or NONE
     new = evaluate_as(context, written, environment, dimension)
     values = flat(new, written.span, "a new value")
@@ -174,9 +185,22 @@ def _reinit(context: Context, statement: tree.Statement, environment: Environmen
     for state, one in zip(states, values):
         expect_of(written, one.dimension, state.dimension or NONE, "the new value", describe(dimension))
         _early(context, one.node, written, "a new value")
-        if state.node in found.changes:
-            raise Wrong("LAG0228", "this state is set twice in the same clause", target.span)
-        found.changes[state.node] = one.node
+        _change(found, state.node, one.node, target)
+
+
+def _change(found: _Found, state: Node, value: Node, target: tree.Expression) -> None:
+    if state in found.changes:
+        raise Wrong("LAG0228", "this state is set twice in the same clause", target.span)
+    found.changes[state] = value
+
+
+def _not_a_state(target: tree.Expression, states: list[Scalar]) -> str:
+    """Return a remedy for a first argument that `reinit` cannot set."""
+    kinds = {s.node.record.kind for s in states if s.node.op == "symbol"}
+    if kinds and kinds <= {"parameter", "input"}:
+        name = target.span.text
+        return f"declare it as `discrete Real {name}(start = ...);`, with its type"
+    return "write `reinit(x, ...)` or `reinit(der(x), ...)`"
 
 
 _ACTIONS: dict[str, Action] = {"reinit": _reinit, "terminate": _terminate, "mark": _mark}

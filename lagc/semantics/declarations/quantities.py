@@ -29,6 +29,7 @@ from lagc.semantics.declarations.attributes import (
     with_fixed,
     written_value,
 )
+from lagc.semantics.declarations.discrete import BOOLEAN, declare_discrete, is_boolean
 from lagc.semantics.names.scope import (
     Entry,
     Modifier,
@@ -56,6 +57,7 @@ _ATTRIBUTES = {
     "input": ("min", "max", "displayUnit"),
     "coordinate": ("start", "guess", "rate", "fixed", "startFixed", "rateFixed", "displayUnit"),
     "speed": ("start", "guess", "fixed", "displayUnit"),
+    "discrete": ("start", "displayUnit"),
     "output": ("displayUnit",),
 }  # fmt: skip
 
@@ -77,7 +79,8 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
 
         return declare_orientation(context, entry, source)
     try:
-        meant: QuantityType | None = type_of(declaration.type, entry.environment.space)
+        truth = is_boolean(declaration)
+        meant: QuantityType | None = BOOLEAN if truth else type_of(declaration.type, entry.environment.space)
     except Wrong as wrong:
         context.report(wrong)
         meant = None
@@ -380,5 +383,5 @@ def _output(context: Context, quantity: Quantity) -> Value:
 
 _DECLARE: dict[str, Callable[[Context, Quantity], Value]] = {
     "constant": _fixed, "structural": _fixed, "parameter": _parameter, "input": _input,
-    "coordinate": _coordinate, "speed": _speed, "output": _output,
+    "coordinate": _coordinate, "speed": _speed, "discrete": declare_discrete, "output": _output,
 }  # fmt: skip

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 from lagc.base.records import dataclass
 from lagc.simulation.error_measure import Sizes
-from lagc.simulation.system import System, Trajectory
+from lagc.simulation.system import System, Trajectory, work_of
 
 RECORDED = 48  # states at which the balance is evaluated
 FEW = 12  # states at first; more if a run had FEW times EVALUATIONS_PER_STATE evaluations
@@ -67,7 +67,7 @@ class _Drawn:
     ):
         self.times = [times[k] for k in picked]
         self.energies = [system.energies(times[k], states[k]) for k in picked]
-        self.works = [states[k][-1] if system.nz else 0.0 for k in picked]
+        self.works = [work_of(system, states[k]) for k in picked]
 
     def kinetic(self) -> float:
         """The largest kinetic energy; 0 if a part of the energy is neither potential nor quadratic in the

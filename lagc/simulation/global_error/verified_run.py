@@ -22,7 +22,7 @@ from lagc.base.text import FINEST
 from lagc.host import cache
 from lagc.host.cache import tool_fingerprint
 from lagc.kernels.integrators.tableaus import order
-from lagc.simulation.error_measure import Sizes, difference, moving, sizes
+from lagc.simulation.error_measure import Sizes, difference, discrete_sizes, moving, sizes
 from lagc.simulation.global_error.truncation import SAFETY, Truncation, is_tied, plain
 from lagc.simulation.system import INTERRUPTED, Options, System, Trajectory, arrived
 
@@ -161,7 +161,7 @@ class _Search:
         self.whole: set[float] = set()  # tolerances of runs whose steps before an event are not halved
         self.rounded: dict[float, float] = {}  # the effect of round-off by tolerance
         self.scales: dict[float, Sizes] = {}  # the sizes by tolerance
-        self.truncation = Truncation(self.runs, self._sizes, order(self.method))
+        self.truncation = Truncation(self.runs, self._compared, order(self.method))
         self.balance: Balance | None = None
         self.along: Rounding | None = None
         self.noise: dict[int, float] = {}  # bounds of the groups that only round-off moves
@@ -336,6 +336,10 @@ class _Search:
             run = self.runs[tol]
             self.scales[tol] = moving(sizes(run, self.system.interface), self._rounded_away(run))
         return self.scales[tol]
+
+    def _compared(self, tol: float) -> Sizes:
+        """The groups that are compared: the discrete variables too."""
+        return [*self._sizes(tol), *discrete_sizes(self.runs[tol], self.system.interface)]
 
     def _rounded_away(self, run: Trajectory) -> dict[int, float]:
         """The bounds of noise groups in a run; infinite if it started from a displaced state."""

@@ -114,6 +114,9 @@ def guess_and_levels(
             whole = next((k for k in system.quaternions if k <= i < k + 4), None)
             for k in (i,) if whole is None else range(whole, whole + 4):
                 levels[k] = UNSTATED
+    interface = system.interface
+    for i, variable in enumerate(interface.discretes, system.nx - len(interface.discretes)):
+        guess[i] = given.get(variable.name, guess[i])
     return guess, levels
 
 

@@ -39,6 +39,12 @@ def directions(
 ) -> tuple[Direction, ...]:
     """The directions named `l`, `start(theta)` or `start(der(theta))`, each once; all entries of an array.
     Raises Refused: LAG0601, LAG0606 for an unknown name, LAG0607 for a parameter that is part of the code."""
+    if interface.discretes:
+        message = (
+            f"`{interface.discretes[0].name}` is a discrete variable: its jumps are not differentiated, so "
+            "runs of this model have no sensitivities"
+        )
+        raise Refused([Fault("LAG0622", message, remedy="compare runs with values that differ a little")])
     fields = [*interface.parameters, *interface.inputs]
     given = {f.name: Direction(f.name, f.unit, parameter=k) for k, f in enumerate(fields)}
     given.update((f.name, Direction(f.name, f.unit)) for f in unused)
