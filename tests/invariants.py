@@ -22,7 +22,8 @@ def verify(stage: object) -> None:
 @verify.register
 def _(model: Model) -> None:
     for group in (model.parameters, model.inputs, model.coordinates, model.speeds, model.frames, model.points,
-                  model.bodies, model.actions, model.constraints, model.outputs, model.discretes):  # fmt: skip
+                  model.bodies, model.actions, model.constraints, model.outputs,
+                  model.discretes):  # fmt: skip
         names = [item.name for item in group]
         assert len(names) == len(set(names)), f"a name stands twice: {names}"
     labels = [label for c in model.constraints for label in c.labels]

@@ -164,7 +164,7 @@ def _ranges(sizes: Mapping[str, int]) -> dict[str, range]:
 class Interface:
     """Facts of a compiled model for a run, a file header and a cache; plain data. State x = (q, v, z, d): nq
     coordinates, nv speeds, nz work integrals (0 or 1: z' = power), discrete variables. Multipliers: nc rows,
-    the first nh holonomic. Parameter array p: `parameters`, then `inputs`, then values that `bind` computes."""
+    the first nh holonomic. Parameter array p: `parameters`, then `inputs`, then what `bind` computes."""
 
     model: str
     scene: str
