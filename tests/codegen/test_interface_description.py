@@ -22,8 +22,8 @@ from lagc.kernels import METHODS
 from lagc.kernels.language import statuses
 from lagc.lowering import jacobians
 from lagc.semantics import model
+from lagc.simulation import system
 from lagc.simulation.backends.c import _head_type, _Options, _state_type
-from lagc.simulation.initialization import solver
 from tests.codegen.tools import of_model
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -64,7 +64,7 @@ def test_options_are_those_of_the_kernels() -> None:
     assert [f"BAD_{name.upper()}" for name in slices.OPTIONS] == bad[: len(slices.OPTIONS)]
 
 
-@pytest.mark.parametrize("levels", [model, solver])
+@pytest.mark.parametrize("levels", [model, system])
 def test_levels_have_the_numbers_of_the_kernels(levels: Any) -> None:
     for part in codes(parts(), "initialization/workspace"):
         assert getattr(levels, part["name"]) == int(part["value"])
