@@ -91,7 +91,8 @@ def _accuracy(run: Solution) -> str:
 
 
 def _price(run: Solution) -> str:
-    """The price of the verification, and of a digit by the order p of the method: 10^(1/p) times the steps."""
+    """The price of the verification, and of a digit by the order p of the method: 10^(1/p) times the
+    steps."""
     from lagc.kernels.integrators.tableaus import order
 
     factor = 10.0 ** (1.0 / order(run.method))

@@ -1,4 +1,5 @@
-"""The price of accuracy: errors against closed forms, laws against made points, the report by all its ways."""
+"""The price of accuracy: errors against closed forms, laws against made points, the report by all its
+ways."""
 
 from __future__ import annotations
 
