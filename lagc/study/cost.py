@@ -23,7 +23,6 @@ ROUNDS = 9  # in which all settings are timed in turn
 LEAST_TIME = 2e-3  # s of one measurement: shorter runs are repeated
 REFERENCES = ((1e-22, 1e-20), (1e-20, 1e-18), (1e-18, 1e-16), (1e-16, 1e-15))
 SECOND = (1e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10)  # tolerances of the second method
-ORDERS = {"dop853": 8, "dopri5": 5, "rk4": 4, "bs32": 3}  # of the error in the step size
 FINEST = {"dop853": 3e-15, "dopri5": 1e-13, "bs32": 1e-10}
 SAFE = 0.9  # share of runs that meet the target with the setting for it
 FLOOR = 30.0  # times the uncertainty of the reference, or of double precision: errors above follow a law

@@ -34,7 +34,6 @@ model Spring
   end s;
 end Spring;
 """
-ORDERS = {"dop853": 8, "dopri5": 5, "bs32": 3}
 
 
 def point(method: str, size: float, error: float, seconds: float) -> Point:
