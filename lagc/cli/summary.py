@@ -52,7 +52,8 @@ def _final(run: Solution, verbose: bool) -> list[str]:
     units = run.units
     names = list(final) if verbose else _shown(run, list(final))
     width = max((len(n) for n in names), default=0)
-    lines = [f"{n:{width}} = {value_text(final[n], units[n])}" for n in names]
+    errors = run.errors
+    lines = [f"{n:{width}} = {value_text(final[n], units[n], errors.get(n))}" for n in names]
     if len(names) < len(final):
         lines.append(f"and {len(final) - len(names)} more: --json or -v shows them")
     return lines
@@ -73,10 +74,10 @@ def _events(run: Solution, verbose: bool) -> list[str]:
     return lines
 
 
-def value_text(value: float, unit: str) -> str:
-    """A value with its unit, also in degrees for an angle."""
+def value_text(value: float, unit: str, error: float | None = None) -> str:
+    """A value with its unit and error, also in degrees for an angle."""
     value += 0.0  # avoids negative zero
-    text = f"{value:.9g}" + (f" {unit}" if unit else "")
+    text = f"{value:.9g}" + ("" if error is None else f" +- {error:.0e}") + (f" {unit}" if unit else "")
     if unit in ("rad", "rad/s"):
         text += f"  ({value * 180.0 / pi:.6g} {unit.replace('rad', 'deg')})"
     return text
@@ -91,8 +92,7 @@ def _accuracy(run: Solution) -> str:
 
 
 def _price(run: Solution) -> str:
-    """The price of the verification, and of a digit by the order p of the method: 10^(1/p) times the
-    steps."""
+    """The price of the verification, and of a digit by the order p of the method: 10^(1/p) in steps."""
     from lagc.kernels.integrators.tableaus import order
 
     factor = 10.0 ** (1.0 / order(run.method))

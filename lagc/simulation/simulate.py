@@ -44,6 +44,7 @@ class _Done:
     options: Options
     runs: list[Trajectory]
     notes: list[str]
+    errors: tuple[float, ...] = ()
 
 
 def simulate(
@@ -79,7 +80,7 @@ def simulate(
         asked=request.accuracy, estimated=result.estimated,
         position_drift=trajectory.position_drift, velocity_drift=trajectory.velocity_drift,
         energy=energy(system, trajectory), notes=tuple(notes),
-        open_reactions=open_reactions,
+        open_reactions=open_reactions, error_bars=done.errors,
         events=tuple([Event(t, name) for t, k in trajectory.events for name in event_names(system, k)]),
         corners=tuple(trajectory.corners), interrupted=trajectory.status == INTERRUPTED, end=times[-1],
         cost=Cost(
@@ -126,9 +127,12 @@ def _integrate(
         from lagc.simulation.global_error.roundoff_estimate import noise_note
 
         notes = noise_note(system, run, found.noise)
-    return _Done(
-        Verdict(result.status, result.message, run, result.estimated), found.options, found.tried, notes
-    )
+    if result.status == "ok" and found.errors:
+        from lagc.simulation.global_error.quantity_errors import poorly_known
+
+        notes += poorly_known(system, run, found.errors, request.accuracy)
+    verdict_ = Verdict(result.status, result.message, run, result.estimated)
+    return _Done(verdict_, found.options, found.tried, notes, tuple(found.errors))
 
 
 def _rest(system: System, x: list[float], times: Sequence[float]) -> tuple[list[float], str] | None:

@@ -86,6 +86,7 @@ class Solution:
     end: float  # the end time asked for
     notes: tuple[str, ...] = ()
     open_reactions: tuple[str, ...] = ()
+    error_bars: tuple[float, ...] = ()  # of coordinates, speeds, outputs; none for a run that is not verified
     events: tuple[Event, ...] = ()
     corners: tuple[tuple[float, list[float], list[float]], ...] = ()
     interrupted: bool = False
@@ -207,6 +208,13 @@ class Solution:
         return {"asked": self.asked, "estimated": self.estimated}
 
     @property
+    def errors(self) -> dict[str, float]:
+        """The estimated largest absolute error of each coordinate, speed and output; empty for a run that is
+        not verified."""
+        names = (*self.state_names, *(o.name for o in self.system.interface.outputs))
+        return dict(zip(names, self.error_bars))
+
+    @property
     def drift(self) -> dict[str, float]:
         """The largest scaled residuals of the constraints over all steps: "position" and "velocity"."""
         return {"position": self.position_drift, "velocity": self.velocity_drift}
@@ -222,7 +230,7 @@ class Solution:
             "method": self.method, "rtol": self.rtol, "atol": self.atol, "step": self.step,
             "parameters": {f.name: v for f, v in zip(fields, self.parameters)},
             "units": {"time": "s", **self.units},
-            "accuracy": self.accuracy, "drift": self.drift,
+            "accuracy": self.accuracy, "errors": self.errors, "drift": self.drift,
             "status": self.status, "message": self.message,
             "events": [{"t": e.t, "name": e.name} for e in self.events],
             **self._varied(),
@@ -240,7 +248,7 @@ class Solution:
             "scene": interface.scene, "effects": list(interface.effects), "backend": self.system.backend,
             "method": self.method, "t": self.times[-1] if self.times else 0.0, "final": self.final,
             "events": [{"t": e.t, "name": e.name} for e in self.events],
-            "accuracy": self.accuracy, **self._varied(), "drift": self.drift,
+            "accuracy": self.accuracy, "errors": self.errors, **self._varied(), "drift": self.drift,
             "energy": {"of": interface.balance, "start": energy.start, "end": energy.end, "work": energy.work,
                        "imbalance": energy.imbalance},
             "cost": {"steps": cost.steps, "rejected": cost.rejected, "rhs": cost.rhs, "alone": cost.alone,

@@ -1,5 +1,4 @@
-"""The price of accuracy: errors against closed forms, laws against made points, the report by all its
-ways."""
+"""The price of accuracy: errors against closed forms, laws against made points, and the reports."""
 
 from __future__ import annotations
 

@@ -40,6 +40,11 @@ class Truncation:
             return inf
         return max(self._by_law(), SMALLEST)
 
+    def factor(self) -> float:
+        """The error of the finest run over its difference to the next coarser one."""
+        apart = self._difference(*sorted(self.runs)[:2])
+        return self.error() / apart if 0.0 < apart < inf else 1.0
+
     def _by_law(self) -> float:
         """The error of the next coarser run from their difference, extrapolated by the slope over three runs.
         Two runs may have equal errors by chance, so their difference counts for at least the value that the

@@ -42,18 +42,19 @@ def name_of(
     interface = system.interface
     values = [repr(v) for v in (accuracy, max_step, list(system.parameters), list(x0), list(times))]
     tool = tool_fingerprint()
-    return cache.key("accuracy 8", tool, interface.model_hash, method, system.backend, *values)
+    return cache.key("accuracy 9", tool, interface.model_hash, method, system.backend, *values)
 
 
 @dataclass
 class Remembered:
-    """A verified run in the cache: tolerance, estimated error, last state, and noise groups with their
-    bounds."""
+    """A verified run in the cache: tolerance, estimated error, last state, noise groups with their bounds,
+    and the errors of each coordinate, speed and output."""
 
     rtol: float
     estimated: float
     end: list[float]
     noise: list[tuple[int, float]]
+    errors: list[float]
 
 
 def recall(name: str) -> Remembered | None:
@@ -90,8 +91,8 @@ class Verified:
     `estimated` is infinite if no two runs could be compared.  `rounding` is the part of it that no tolerance
     reduces, `drift` the same without growth.  Until `horizon`, the two finest runs agree to the accuracy
     asked and round-off is below it; None if that is the end.  `balance` is None if the estimate missed the
-    accuracy.  `beside` is the coarser run for comparison, `failed` a run that failed at a finer tolerance,
-    `noise` the bounds of noise groups."""
+    accuracy.  `errors` are those of each coordinate, speed and output.  `beside` is the coarser run for
+    comparison, `failed` a run that failed at a finer tolerance, `noise` the bounds of noise groups."""
 
     trajectory: Trajectory
     options: Options
@@ -104,6 +105,7 @@ class Verified:
     balance: Balance | None = None
     beside: Trajectory | None = None
     noise: dict[int, float] = field(default_factory=dict)
+    errors: list[float] = field(default_factory=list)
 
 
 def method_for(accuracy: float) -> str:
@@ -131,15 +133,21 @@ def verified_run(
             noise = dict(remembered.noise)
             groups = moving(sizes(trajectory, system.interface), noise)
             if distance_from(trajectory, remembered.end, groups) <= remembered.estimated:
-                return Verified(trajectory, options, remembered.estimated, tried=search.tried, noise=noise)
+                return Verified(
+                    trajectory, options, remembered.estimated, tried=search.tried, noise=noise,
+                    errors=remembered.errors,
+                )  # fmt: skip
     before = search.tried
     search = _Search(system, x0, times, accuracy, progress, max_step)
     found = search.verify()
     found.tried = [*before, *found.tried]
+    found.errors = search.errors()
     trusted = found.balance is not None and found.balance.holds and found.estimated <= accuracy
     if arrived(found.trajectory) and trusted:
         last = found.trajectory.states[-1]
-        remember(name, Remembered(found.options.rtol, found.estimated, last, [*found.noise.items()]))
+        remember(
+            name, Remembered(found.options.rtol, found.estimated, last, [*found.noise.items()], found.errors)
+        )
     return found
 
 
@@ -352,6 +360,15 @@ class _Search:
         if not others or len(done.states) < 2:
             return inf, None
         return difference(done, others[-1], self.system.interface, self.accuracy, self.noise)
+
+    def errors(self) -> list[float]:
+        """The errors of each coordinate, speed and output of the finest run; empty if it is the only one."""
+        if len(self.runs) < 2:
+            return []
+        from lagc.simulation.global_error.quantity_errors import quantity_errors
+
+        fine, coarse = (self.runs[tol] for tol in sorted(self.runs)[:2])
+        return quantity_errors(self.system, fine, coarse, self.truncation.factor(), self.rounding())
 
     def _result(self) -> Verified:
         tols = sorted(self.runs)
