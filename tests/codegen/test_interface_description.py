@@ -95,8 +95,10 @@ def test_docs_name_what_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(jacobians, "MOST", 0)
     large = render(of_model.__wrapped__("course/string_pendulum", derivatives=True))
     assert any(f" {own}_along(" in text for name, text in large.items() if name.endswith(".h"))
+    owns = f"(?:{own.upper()}|STICK_SLIP_BELT)"  # without and with discrete variables
+    texts = [*written.values(), *render(of_model("classic/stick_slip_belt")).values()]
     for name in re.findall(r"`NAME_([A-Z]\w*)", generated):
-        assert any(re.search(rf"\b{own.upper()}_{name}\b", text) for text in written.values()), name
+        assert any(re.search(rf"\b{owns}_{name}\b", text) for text in texts), name
     words = set(re.findall(r"`(?!NAME_)([A-Z]{2}[A-Z_]*)`", generated)) - {
         "NULL",
         "BOUNDS",

@@ -56,6 +56,7 @@ def assert_same(equations: EquationsOfMotion, full: bool) -> None:
     for _ in range(8):
         state = {x: chance.uniform(-3, 3) for x in (equations.time, *equations.q, *equations.v, *equations.a)}
         state |= {p.symbol: abs(chance.uniform(0.1, 3)) for p in equations.model.parameters}
+        state |= {x.symbol: chance.choice([0.0, 1.0]) for x in equations.model.discretes}
         values = states_of(space, equations, state)
         for (condition, changes), when in zip(space["events"], clauses):
             (true,) = evaluate([when.condition], state)

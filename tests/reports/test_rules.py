@@ -59,6 +59,7 @@ def a_state(equations: EquationsOfMotion, seed: int) -> dict[Node, float]:
         size = sum(state[x] ** 2 for x in parts) ** 0.5
         state |= {x: state[x] / size for x in parts}
     given = [*equations.model.parameters, *equations.model.inputs]
+    state |= {x.symbol: 1.0 for x in equations.model.discretes}
     return state | {equations.time: 0.0} | {x.symbol: x.value for x in given if x.value is not None}
 
 
