@@ -93,7 +93,9 @@ class Oracle:
 
     def __init__(self, model: Model, state: Mapping[Node, float], speeds: Sequence[Node]):
         self.model = model
-        self.fixed = {p.symbol: mp.mpf(state[p.symbol]) for p in (*model.parameters, *model.inputs)}
+        self.fixed = {
+            p.symbol: mp.mpf(state[p.symbol]) for p in (*model.parameters, *model.inputs, *model.discretes)
+        }
         self.q_symbols = [s for c in model.coordinates for s in _places(c)]
         self.r_symbols = [s for c in model.coordinates for s in _rates(c)]
         self.speeds = list(speeds)

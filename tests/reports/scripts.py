@@ -46,7 +46,7 @@ def script_residuals(text: str, values: Mapping[str, float | Value], time: float
 
     stand_in = SimpleNamespace(
         Symbol=symbol, Function=function, Rational=lambda a, b: a / b, Float=float, pi=math.pi,
-        Eq=lambda a, b: a - b, Lt=lambda a, b: a < b, Le=lambda a, b: a <= b,
+        Eq=lambda a, b: Equal(a - b) if isinstance(a - b, float) else a - b, Lt=lambda a, b: a < b, Le=lambda a, b: a <= b,
         Abs=abs, Min=min, Max=max, sign=lambda x: (x > 0) - (x < 0),
         And=lambda a, b: a and b, Or=lambda a, b: a or b, Piecewise=lambda a, b: a[0] if a[1] else b[0],
         **{name: getattr(math, name) for name in FUNCTIONS},
@@ -55,6 +55,13 @@ def script_residuals(text: str, values: Mapping[str, float | Value], time: float
     exec(text.replace("import sympy\n", ""), space)
     residuals: list[float] = space["equations"]
     return residuals
+
+
+class Equal(float):
+    """left - right, which holds if it is 0."""
+
+    def __bool__(self) -> bool:
+        return float(self) == 0.0
 
 
 def values_at(equations: EquationsOfMotion, state: Mapping[Node, float]) -> dict[str, float | Value]:

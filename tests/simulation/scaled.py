@@ -71,5 +71,6 @@ def system(made: Program, backend: str) -> System:
 def state_factors(made: Program, factors: Factors) -> list[float]:
     """Of each entry of x."""
     interface = made.interface
-    texts = [*interface.q_units, *interface.v_units, *["J"] * interface.nz]
+    texts = [*interface.q_units, *interface.v_units, *["J"] * interface.nz,
+             *(variable.unit for variable in interface.discretes)]  # fmt: skip
     return [factor(unit(text or "1").dimension, factors) for text in texts]
