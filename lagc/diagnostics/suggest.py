@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from functools import lru_cache
 from operator import itemgetter
 from typing import NamedTuple
@@ -72,6 +72,18 @@ _COMPONENTS = {  # models of libraries of mechanics -> the declarations to write
     **dict.fromkeys(("SpringDamper", "SpringDamperParallel"), f"{_SPRING}; {_DAMPER}"),
     "WorldForce": "write `force f = {1 [N], 0, 0} at b;`",
     "WorldTorque": "write `torque M = {0, 0, 1 [N.m]} on b;`",
+}  # fmt: skip
+
+_ARGUMENTS = {  # names of arguments in other languages -> those that may be meant
+    **dict.fromkeys(("m",), ("mass",)),
+    **dict.fromkeys(("pos", "position", "r", "r_0", "r_CM", "center", "cm"), ("at", "com")),
+    **dict.fromkeys(("I", "J", "moments"), ("inertia",)),
+    **dict.fromkeys(("StopTime", "stopTime", "stop_time", "t_end", "tstop", "duration", "end"), ("stop",)),
+    **dict.fromkeys(("Tolerance", "tolerance", "tol"), ("accuracy",)),
+    **dict.fromkeys(("Interval", "dt"), ("every", "step")), "NumberOfIntervals": ("points",),
+    **dict.fromkeys(("initial", "init", "value", "ic"), ("start",)),
+    **dict.fromkeys(("v", "velocity", "speed", "der"), ("rate",)),
+    **dict.fromkeys(("n", "axis", "dir"), ("direction",)),
 }  # fmt: skip
 
 LIBRARIES = ("Modelica", "ModelicaServices", "math", "numpy", "scipy", "sympy", "matplotlib")
@@ -146,6 +158,12 @@ def did_you_mean(name: str, known: Iterable[str]) -> str | None:
     """Return a remedy with the closest name, or None."""
     found = closest(name, known)
     return None if found is None else f"did you mean `{found}`?"
+
+
+def meant_argument(name: str, known: Collection[str]) -> str | None:
+    """Return a remedy with the argument of `known` that is called `name` elsewhere, or that is most alike."""
+    meant = next((own for own in _ARGUMENTS.get(name, ()) if own in known), None)
+    return did_you_mean(name, known) if meant is None else f"write `{meant}`"
 
 
 def foreign(name: str) -> str | None:

@@ -321,6 +321,7 @@ class Builder:
             name = d.type.path[-1]
             remedy = foreign_model(name) or foreign_type(name) or wrong.fault.remedy
             remedy = remedy or did_you_mean(name, ELEMENTS)
+            remedy = remedy or f"declare it, `model {name} ... end {name};`, or import its file"
             raise Wrong(wrong.fault.code, wrong.fault.message, wrong.fault.span, remedy) from None
         if not isinstance(found, tree.ModelDeclaration):
             raise Wrong("LAG0204", f"`{'.'.join(d.type.path)}` is not a model", d.type.span)

@@ -251,6 +251,8 @@ _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     keywords.family,
     keywords.python_choice,
     punctuation.vector_in_brackets,
+    punctuation.vector_in_parentheses,
+    punctuation.colon_for_equal,
     punctuation.brackets,
     keywords.load_target,
     keywords.missing_word,

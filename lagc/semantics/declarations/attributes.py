@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Span
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.diagnostics.suggest import meant_argument
 from lagc.semantics.context import Context, Given
 from lagc.semantics.model import DECLARED, FIXED, RUN, SCENE, UNSTATED, Statement
 from lagc.semantics.names.scope import (
@@ -61,7 +61,7 @@ def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[
         elif argument.name not in known:
             span = argument.name_span or argument.span
             remedy = _foreign_attribute(entry, argument)
-            remedy = remedy or did_you_mean(argument.name, known) or _has(entry.kind, known)
+            remedy = remedy or meant_argument(argument.name, known) or _has(entry.kind, known)
             wrong = Wrong("LAG0209", f"{_a(entry.kind)} has no `{argument.name}`", span, remedy)
             if argument.name == "unit":
                 raise wrong  # the dimension is not known

@@ -17,6 +17,7 @@ _UNKNOWN = frozenset({"Real", "Length", "Angle", "Charge"})
 _RATES = frozenset({"Velocity", "AngularVelocity", "Current"})
 _COMPUTED = frozenset({"Force", "Torque", "Energy", "Power", "Acceleration", "AngularAcceleration"})
 _UNIT = re.compile(r'\bunit\s*=\s*"([^"]*)"\s*,?\s*')
+_ATTRIBUTES = ("start", "rate", "fixed", "min", "max", "displayUnit", "unit", "quantity", "nominal", "each")
 _LONGEST = 80
 
 
@@ -42,6 +43,10 @@ def refuse_without_kind(context: Context, entry: Entry) -> Value:
     elif name == "Real" and dimension is not None:
         name = name_of(dimension)
     kind = _kind(name, source, moves)
+    foreign = [a for a in source.arguments if a.name not in _ATTRIBUTES]
+    if foreign and given is None:  # of a model of a library: `Inertia J(J = 1)`
+        value = foreign[0].value
+        text = f"{source.name} = {value.span.text}" if value and len(foreign) == 1 else source.name
     if kind == "speed" and source.value is None:
         text = f"{source.name} = der(x)"
     elif kind == "output" and source.value is None:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from lagc.base.text import FINEST, MOST_POINTS
 from lagc.diagnostics.faults import Span
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.diagnostics.suggest import meant_argument
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Environment, Scalar, expect, kind
 from lagc.semantics.refusals import Wrong
@@ -57,7 +57,7 @@ class Settings:
                 "LAG0209",
                 f"`simulate` has no argument `{name}`",
                 argument.name_span or argument.span,
-                did_you_mean(name, _SETTINGS) or f"it has {', '.join(_SETTINGS)}",
+                meant_argument(name, _SETTINGS) or f"it has {', '.join(_SETTINGS)}",
             )
         if name in self._given:
             related = ((self._given[name].span, "first here"),)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import partial
 
-from lagc.diagnostics.suggest import did_you_mean, foreign
+from lagc.diagnostics.suggest import did_you_mean, foreign, meant_argument
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Entry, Environment, Scalar, Value, expect, flat
 from lagc.semantics.refusals import Poisoned, Wrong
@@ -18,6 +18,15 @@ from lagc.semantics.values.unit_hints import is_bare
 from lagc.syntax import tree
 
 BUILTINS: dict[str, Builtin] = {**builtin_functions.TABLE, **kinematics.TABLE, **interpolation_tables.TABLE}
+
+_BECOMES = "leave it out: a `when` clause acts at the moment when its condition becomes true"
+_WITHOUT = {  # what to write until there are these functions
+    "pre": "leave it out: the names in `reinit(x, value)` already mean the values before the event",
+    "edge": _BECOMES, "change": _BECOMES,
+    "initial": "write what holds at the initial time after `initial`, in the model",
+    "terminal": "write `terminate(...)` in a `when` clause, or `simulate(stop = ...)` in a scene",
+    "sample": "write values that change at given times as `table(time, ..., interpolation = \"held\")`",
+}  # fmt: skip
 
 DEEPEST = 64  # nesting of calls
 MOST_CALLS = 50_000  # calls of the user's functions in one model
@@ -130,7 +139,7 @@ def _parameter(argument: tree.Argument, position: int, parameters: tuple[str, ..
             "LAG0209",
             f"{who} has no argument `{argument.name}`",
             argument.name_span or argument.span,
-            did_you_mean(argument.name, known) or listed,
+            meant_argument(argument.name, known) or listed,
         )
     return argument.name
 
@@ -268,9 +277,7 @@ def _enter(context: Context, e: tree.Call, function: tree.FunctionDeclaration) -
 def _unknown(name: str, e: tree.Call, environment: Environment) -> Wrong:
     span = e.function.span
     if name in RESERVED:
-        message = f"`{name}` is not yet supported"
-        before = "leave it out: the names in `reinit(x, value)` already mean the values before the event"
-        return Wrong("LAG0220", message, span, before if name == "pre" else None)
+        return Wrong("LAG0220", f"`{name}` is not yet supported", span, _WITHOUT[name])
     if name in environment.instance.unused:
         return Wrong("LAG0214", f"`{name}` {environment.instance.unused[name]}", span)
     if name in ("Particle", "Solid", "Gravity"):

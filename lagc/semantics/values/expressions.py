@@ -125,7 +125,10 @@ def _strength(name: str, instance: Instance) -> str | None:
 
 
 def _rate(name: str, instance: Instance) -> str | None:
-    """Return a remedy for `xdot`, `x_dot` or `dx`, the rate of the coordinate `x`."""
+    """Return a remedy for `xdot`, `x_dot` or `dx`, the rate of the coordinate `x`, and for a velocity `v`."""
+    if name in ("v", "vel", "w", "omega"):
+        kind = "AngularVelocity" if name in ("w", "omega") else "Velocity"
+        return f"write the rate `der(x)` of a coordinate, or declare `speed {kind} {name} = der(x);`"
     for own in (name.removesuffix("dot").removesuffix("_"), name.removeprefix("d")):
         if own != name and own in instance.entries and instance.entries[own].kind == "coordinate":
             return f"write `der({own})`"

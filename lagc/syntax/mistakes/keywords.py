@@ -176,7 +176,8 @@ def missing_word(w: Where) -> Explained | None:
             whole = "`if condition then value else other`"
             if w.first.text == "when":
                 whole = "`when condition then ... end when;`"
-            fault = Fault("LAG0128", f"{message}: {whole}", w.span(w.token))
+            remedy = f"write `{word}`" + (" and the other value" if word == "else" else "")
+            fault = Fault("LAG0128", f"{message}: {whole}", w.span(w.token), remedy=remedy)
             return Explained(fault, w.insert(word) if word == "then" else None)
     return None
 
@@ -193,6 +194,8 @@ def load_target(w: Where) -> Explained | None:
     remedy = f"write `{needed}`" if other else None
     if kind == "force" and any(token.text == "on" for token in w.tokens[w.begin : w.position]):
         remedy = f"write `at {w.before.text}`, or `on {w.before.text} at P` for a point P of the body"
+    elif remedy is None:
+        remedy = f"add where it acts, `{needed} {'P' if kind == 'force' else 'b'}`, before this"
     fault = Fault("LAG0127", f"{shown}: `{example}`", w.span(w.token), remedy=remedy)
     return Explained(fault, w.replace(needed) if other else None)
 

@@ -182,6 +182,36 @@ def vector_in_brackets(w: Where) -> Explained | None:
     return Explained(fault, Repair(w.position, len(others), tuple(others)))
 
 
+def vector_in_parentheses(w: Where) -> Explained | None:
+    """Explain `(0, 0, 1)`."""
+    if w.token.text != "," or not w.brackets or w.brackets[-1].text != "(":
+        return None
+    opening = next((k for k in range(w.begin, w.position) if w.tokens[k] is w.brackets[-1]), None)
+    if opening is None:
+        return None
+    last, depth = opening, 0
+    while depth or last == opening:
+        token = w.tokens[last]
+        if token.kind == END or token.text in (";", "="):
+            return None
+        depth += (token.text in _OPENING.values()) - (token.text in _OPENING)
+        last += 1
+    tokens = w.tokens[opening:last]
+    inner = w.source.text[tokens[0].end : tokens[-1].start]
+    message = "a vector or an array is written in braces"
+    fault = Fault("LAG0114", message, w.span(tokens[0], tokens[-1]), remedy=f"write `{{{inner}}}`")
+    braces = [token_of("{", tokens[0].start), *tokens[1:-1], token_of("}", tokens[-1].start)]
+    return Explained(fault, Repair(opening, len(tokens), tuple(braces)))
+
+
+def colon_for_equal(w: Where) -> Explained | None:
+    """Explain `x(start: 1)`."""
+    if w.token.text != ":" or not w.brackets or w.brackets[-1].text != "(" or not w.accepts("EQUALS"):
+        return None
+    message = "an argument has the form `name = value`"
+    return Explained(Fault("LAG0123", message, w.span(w.token), remedy="write `=`"), w.replace("="))
+
+
 def brackets(w: Where) -> Explained | None:
     text = w.token.text if w.token.kind == SYMBOL else ""
     if text in _OPENING:
@@ -228,6 +258,9 @@ def semicolon_too_many(w: Where) -> Explained | None:
     if w.token.text not in (";", ":") or w.token.kind != SYMBOL:
         return None
     header = w.tokens[max(w.position - 2, 0)].text in HEADERS
+    if w.token.text == ":" and w.tokens[max(w.position - 2, 0)].text == "scene":
+        message = "a scene lists its effects after `uses`"
+        return Explained(Fault("LAG0124", message, w.span(w.token), remedy="write `uses`"), w.replace("uses"))
     if w.before.text in ("then", "loop", "else") or header:
         message = f"there must be no `{w.token.text}` after `{w.before.text}`"
     elif not w.inside and w.token.text == ";":
