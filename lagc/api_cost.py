@@ -105,19 +105,21 @@ def term_sizes(equations: EquationsOfMotion, system: System, times: Sequence[flo
     from lagc.mechanics.numeric.cancellation import magnitudes
 
     nx, model = system.nq + system.nv, equations.model
+    held = system.start()[nx + system.nz :]  # discrete variables
     units = [*equations.q_units, *equations.v_units]
     largest = np.abs(table[:, :nx]).max(axis=0)
     states = [max(x for x, other in zip(largest, units) if other == unit) for unit in units]
     symbols: list[Node] = [equations.time, *equations.q, *equations.v, *equations.a, *equations.lam]
+    symbols += [variable.symbol for variable in model.discretes]
     given: list[Node] = [*(p.symbol for p in model.parameters), *(u.symbol for u in model.inputs)]
     outputs = np.zeros(len(equations.outputs))
     known = dict(
         zip([f.name for f in (*system.interface.parameters, *system.interface.inputs)], system.parameters)
     )
     for k in range(0, len(table), max(len(table) // LOOKED, 1)):
-        x = [*table[k, :nx].tolist(), *[0.0] * system.nz]
-        a, lam = system.accelerations(times[k], x)
-        values = dict(zip(symbols, [times[k], *x[:nx], *a, *lam]))
+        x = table[k, :nx].tolist()
+        a, lam = system.accelerations(times[k], [*x, *[0.0] * system.nz, *held])
+        values = dict(zip(symbols, [times[k], *x, *a, *lam, *held]))
         values.update((s, known.get(s.record.name, 0.0)) for s in given)
         found = magnitudes([o.expression for o in equations.outputs], values)
         outputs = np.maximum(outputs, [size for _, size in found])

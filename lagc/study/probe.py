@@ -135,8 +135,10 @@ class Probe:
         compiled = library({**sources, "probe.c": text}, (*flags, *(QUAD_FLAGS if quad else ())))
         self._call: Any = compiled.lagc_probe
         self._real: Any = ctypes.c_longdouble if quad else c_double  # 16 bytes, aligned, as __float128
-        self.nx, self.ny = interface.nq + interface.nv, len(interface.outputs)
-        self.values, self.x0 = (c_double * len(values))(*values), (c_double * self.nx)(*x0[: self.nx])
+        self.nx, self.ny = interface.nx, len(interface.outputs)  # without a work integral
+        self.moving = interface.nq + interface.nv  # discrete variables jump between recorded times
+        first = [*x0[: self.moving], *x0[len(x0) - len(interface.discretes) :]]
+        self.values, self.x0 = (c_double * len(values))(*values), (c_double * self.nx)(*first)
 
     def run(self, setting: Setting, times: Sequence[float], repeats: int = 1) -> Shot:
         """Integrate and record.  Raises Failed."""
@@ -162,4 +164,4 @@ class Probe:
         values = np.frombuffer(flat, dtype=float)
         states = values[: n * self.nx].reshape(n, self.nx)[:done]
         outputs = values[n * self.nx :].reshape(n, self.ny)[:done]
-        return np.hstack([states, outputs])
+        return np.hstack([states[:, : self.moving], outputs])

@@ -46,7 +46,7 @@ def script_residuals(text: str, values: Mapping[str, float | Value], time: float
 
     stand_in = SimpleNamespace(
         Symbol=symbol, Function=function, Rational=lambda a, b: a / b, Float=float, pi=math.pi,
-        Eq=lambda a, b: Equal(a - b) if isinstance(a - b, float) else a - b, Lt=lambda a, b: a < b, Le=lambda a, b: a <= b,
+        Eq=equal, Lt=lambda a, b: a < b, Le=lambda a, b: a <= b,
         Abs=abs, Min=min, Max=max, sign=lambda x: (x > 0) - (x < 0),
         And=lambda a, b: a and b, Or=lambda a, b: a or b, Piecewise=lambda a, b: a[0] if a[1] else b[0],
         **{name: getattr(math, name) for name in FUNCTIONS},
@@ -55,6 +55,11 @@ def script_residuals(text: str, values: Mapping[str, float | Value], time: float
     exec(text.replace("import sympy\n", ""), space)
     residuals: list[float] = space["equations"]
     return residuals
+
+
+def equal(a: Any, b: Any) -> Any:
+    """Return left - right of an equation, which is a condition too."""
+    return Equal(a - b) if isinstance(a - b, float) else a - b
 
 
 class Equal(float):

@@ -253,3 +253,9 @@ def test_a_wrong_sequence_of_events_is_an_error(backend: str) -> None:
       when x > 0.05 [m] then reinit(n, n + 1); end when;"""
     run = lagc.loads(text(declared)).compile(backend=backend).simulate(10.0)
     assert run.status == "ok" and run["n"][-1] == 16.0
+
+
+@pytest.mark.full
+def test_the_cost_of_accuracy_is_measured(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["cost", str(MODELS / "sampled_pd.lag"), "--stop", "0.5"]) == 0
+    assert "all runs that verify" in capsys.readouterr().out
