@@ -369,7 +369,8 @@ class CompiledModel(Differentiable, Measurable):
         run = Run(**{name: getattr(found, name) for name in names(Solution)})
         if system is not None:
             complete = request.completed(self.interface.simulate)
-            sensitivities(system, run, complete, wanted, running(progress))
+            followed = self._loaded.sensitive(run.system.backend).bind(parameters)
+            sensitivities(system, followed, run, complete, wanted, running(progress))
         return run
 
     def rhs(self, t: float, x: Sequence[float], parameters: Mapping[str, Value] | None = None) -> Array:

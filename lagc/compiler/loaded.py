@@ -32,6 +32,7 @@ class Loaded:
         self.compilation, self.asked = compilation, backend
         self.lock = RLock()
         self.systems: dict[str, System] = {}
+        self.followers: dict[str, System] = {}  # with what sensitivities need
         self.numpy_s = 0.0  # the longest run of `auto` in NumPy so far
         began = perf_counter()
         self.preferred = self.first = self._preferred()
@@ -43,7 +44,7 @@ class Loaded:
         return {name: getattr(self, name) for name in kept}
 
     def __setstate__(self, state: dict[str, object]) -> None:
-        vars(self).update(state, lock=RLock(), systems={}, numpy_s=0.0)
+        vars(self).update(state, lock=RLock(), systems={}, numpy_s=0.0, followers={})
         self.preferred = self._preferred()
 
     @property
@@ -73,10 +74,25 @@ class Loaded:
         """The system with derivatives, in Python."""
         from lagc.simulation.backends.python import NumpySystem
 
-        has = self.compilation.differentiates
-        found = (self if has else Loaded(self.compilation.differentiated, "numpy")).system("numpy")
+        found = Loaded(self.compilation.differentiated, "numpy").system("numpy")
         assert isinstance(found, NumpySystem)
         return found
+
+    def sensitive(self, backend: str) -> System:
+        """The system that follows sensitivities: in C for a run in C, and for `auto` with a compiler."""
+        from lagc.simulation.backends.compile import CannotCompile
+        from lagc.simulation.supervision import has_compiler
+
+        wanted = "c" if backend == "c" or (self.asked == "auto" and has_compiler()) else "numpy"
+        with self.lock:
+            if wanted not in self.followers:
+                try:
+                    self.followers[wanted] = Loaded(self.compilation.sensitive, wanted).system(wanted)
+                except CannotCompile:
+                    if self.asked == "c":
+                        raise
+                    self.followers[wanted] = Loaded(self.compilation.sensitive, "numpy").system("numpy")
+            return self.followers[wanted]
 
     def simulate(
         self, request: Request, parameters: Sequence[float], progress: Progress | None = None

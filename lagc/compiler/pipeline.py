@@ -158,12 +158,14 @@ def derive(model: Model) -> EquationsOfMotion:
 
 
 @_uncollected
-def optimize(equations: EquationsOfMotion, work: bool, differentiate: bool = False) -> Program:
+def optimize(
+    equations: EquationsOfMotion, work: bool, differentiate: bool = False, sensitive: bool = False
+) -> Program:
     from lagc.lowering.lower_equations import optimize as run
 
     unknowns = len(equations.v) + len(equations.rows)
     with stage("simplifying the equations", PER_PAIR * unknowns**2):
-        return run(equations, work=work, differentiate=differentiate)
+        return run(equations, work=work, differentiate=differentiate, sensitive=sensitive)
 
 
 @_uncollected
@@ -185,7 +187,7 @@ class Compilation:
     threads.  Pickles as source and choice, with what was `read` of other files.  `look` is called with the
     resolved model and may refuse it."""
 
-    differentiates = False  # whether the program has derivatives
+    variant = ""  # of the program: with "derivatives", or with what "sensitivities" need
 
     def __init__(
         self, source: Source, choice: Choice, roots: tuple[str, ...] = (), read: Head | None = None,
@@ -225,12 +227,18 @@ class Compilation:
     @once
     def program(self) -> Program:
         """The program for a run, which also integrates the work of non-conservative forces."""
-        return optimize(self.equations, work=not self.differentiates, differentiate=self.differentiates)
+        differentiate, sensitive = (self.variant == name for name in ("derivatives", "sensitivities"))
+        return optimize(self.equations, not self.variant, differentiate, sensitive)
 
     @once
     def differentiated(self) -> Compilation:
         """The same choice with derivatives, for evaluations."""
-        return _Differentiated(self)
+        return _Variant(self, "derivatives")
+
+    @once
+    def sensitive(self) -> Compilation:
+        """The same choice with what sensitivities of a run need."""
+        return _Variant(self, "sensitivities")
 
     def artifact(self, target: str) -> Artifact:
         """The compiled model for `target`, from the cache, or compiled now and stored."""
@@ -259,7 +267,7 @@ class Compilation:
     def _artifact_name(self, target: str, head: Head) -> str:
         values = [f"{name}={value!r}" for name, value in sorted(self.choice.parameters.items())
                   if name in head.structural]  # fmt: skip
-        what = (target, "derivatives") if self.differentiates else (target,)
+        what = (target, self.variant) if self.variant else (target,)
         return cache.key(self._head_name, *what, *values, *(found or "" for _, found in head.imports))
 
     @_uncollected
@@ -278,17 +286,15 @@ class Compilation:
         return artifact
 
 
-class _Differentiated(Compilation):
-    """A compilation with derivatives that shares its equations with another one."""
+class _Variant(Compilation):
+    """A compilation with more functions that shares its equations with another one."""
 
-    differentiates = True
-
-    def __init__(self, base: Compilation):
+    def __init__(self, base: Compilation, variant: str):
         super().__init__(base.source, base.choice, base.roots)
-        self.base, self.lock = base, base.lock
+        self.base, self.lock, self.variant = base, base.lock, variant
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.base,)
+        return type(self), (self.base, self.variant)
 
     def agree(self, read: Head) -> None:
         self.base.agree(read)
@@ -304,7 +310,7 @@ class _Differentiated(Compilation):
 
     @once
     def differentiated(self) -> Compilation:
-        return self
+        return self.base.differentiated
 
 
 def with_held(model: Model) -> Model:

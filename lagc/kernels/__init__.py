@@ -39,6 +39,10 @@ FILES = (
     "integrators/step_grid",
     "driver",
     "trajectory",
+    "sensitivity/tangents",
+    "sensitivity/tangent_stages",
+    "sensitivity/tangent_dispatch",
+    "sensitivity/tangent_step",
     "initialization/workspace",
     "initialization/least_norm",
     "initialization/residuals",
@@ -48,6 +52,7 @@ FILES = (
     "initialization/relaxation",
     "initialization/consistent",
 )
+PER_METHOD = ("integrators/explicit_runge_kutta", "sensitivity/tangent_stages")  # printed for each tableau
 WORDS = (
     "language/words",
     "language/sizes",

@@ -21,6 +21,7 @@ from lagc.lowering.program import Function, Program
 from lagc.lowering.scalar.parameter_hoisting import Preparation
 from lagc.lowering.scalar.scheduling import balanced
 from lagc.lowering.storage import Places, places, weight
+from lagc.lowering.tangents import tangents
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.derivative import Slopes
 from lagc.symbolic.graph import Node
@@ -28,10 +29,13 @@ from lagc.symbolic.graph import Node
 OFTEN = ("rhs", "watch", "system")  # are called at every stage of a step
 
 
-def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bool = False) -> Program:
+def optimize(
+    equations: EquationsOfMotion, work: bool = False, differentiate: bool = False, sensitive: bool = False
+) -> Program:
     """The functions of `equations`, each as short as it gets. `work` adds the integral of the power to the
-    state where the power is not identically zero, `differentiate` the functions of `lagc.lowering.jacobians`.
-    Raises Refused with LAG0501 where a coordinate has no inertia of any kind."""
+    state where the power is not identically zero, `differentiate` the functions of `lagc.lowering.jacobians`,
+    `sensitive` those of `tangents`. Raises Refused with LAG0501 where a coordinate has no inertia of any
+    kind."""
     equations, left_out = prune(equations)
     equations = with_pivots(equations)
     equations = replace(equations, model=bounded(equations.model))
@@ -47,11 +51,12 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
     preparation = Preparation(len(parameters), len(parameters) + len(equations.model.inputs))
     dense = solver is None or forms_matrix(equations)
     made, slopes = _functions(at, along, relations, solver, solving, work, dense, preparation)
-    factored = solver if equations.rows or differentiate else None
+    factored = solver if equations.rows or differentiate or sensitive else None
     differentiated = derivatives(along, relations) if differentiate else None
-    if differentiated:
-        own = _factored(along, solver, False) if solver and not equations.rows else []
-        made.update((f.name, preparation.separated(f)) for f in (*own, *differentiated.functions))
+    more = [*(differentiated.functions if differentiated else ()), *(tangents(along) if sensitive else ())]
+    if more and solver and not equations.rows:
+        more = [*_factored(along, solver, False), *more]
+    made.update((f.name, preparation.separated(f)) for f in more)
     found, read = preparation.finished(made)
     found = {
         name: in_pieces(function)

@@ -264,6 +264,11 @@ class Interface:
         return "stack" in self.functions
 
     @property
+    def follows(self) -> bool:
+        """Whether the functions of sensitivities exist."""
+        return "tangent" in self.functions
+
+    @property
     def groups(self) -> dict[str, range]:
         """Where in a direction each group of what the stack is differentiated by is."""
         sizes = {"time": 1, "state": self.nq + self.nv, "acceleration": self.nv + self.nc,
@@ -375,7 +380,7 @@ class Program:
     @property
     def shipped(self) -> Program:
         """Without the factors that derivatives alone are made with, in runs of lagc."""
-        if self.interface.nc or not self.interface.work_size:
+        if self.interface.nc or not self.interface.work_size or self.interface.follows:
             return self
         kept = {name: f for name, f in self.functions.items() if name not in ("assemble", "factor", "solve")}
         return Program(replace(self.interface, work_size=0, functions=tuple(kept)), kept)

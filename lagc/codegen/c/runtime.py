@@ -30,7 +30,14 @@ from lagc.lowering.program import Program
 # Public kernels of every model; a run of lagc does the last ones itself.
 ROOTS = ("begin", "step", "dense", "advance", "record", "check")
 CALLED = ("rhs_at", "system_at", "assemble_at", "solve_at")  # called by `public_functions`
-PUBLIC_RECORDS = ("Work", "Options", "State", "StartWork")
+FOLLOWING = ("follow", "event_facts")  # with sensitivities
+_COPY_STATE = """\
+static void lagc_fn_copy_state(const lagc_state *s, lagc_state *kept)
+{
+    *kept = *s;
+}
+"""
+PUBLIC_RECORDS = ("TangentWork", "Work", "Options", "State", "StartWork")
 
 
 class Runtime:
@@ -45,6 +52,9 @@ class Runtime:
         roots += ["hold"] if interface.relations else []
         roots += ["consistent"] if self.searches else []
         roots += [name for name in CALLED[:2] if name != "system_at" or "system" in functions]
+        roots += [
+            name for name in FOLLOWING if interface.follows and (name != "event_facts" or interface.relations)
+        ]
         roots += CALLED[2:] if interface.nc and "scales" in functions else []
         roots += ["assemble_slopes"] if interface.part_ends else []
         self.parts = parts(real)
@@ -57,6 +67,7 @@ class Runtime:
         records = self._records()
         found = [self._enumeration("Status"), records["Work"], self._enumeration("Method")]
         found += [records["Options"], _codes(codes(self.parts, "language/records")), records["State"]]
+        found += [records["TangentWork"]] if self.program.interface.follows else []
         if self.searches:
             found += [_codes(codes(self.parts, "initialization/workspace")), records["StartWork"]]
         return "\n".join(found)
@@ -65,6 +76,8 @@ class Runtime:
         """Return the declarations of the functions that integrate, for the header."""
         found = ["lagc_options lagc_default_options(void);\n"
                  "size_t lagc_work_size(void);\nsize_t lagc_state_size(void);\n"]  # fmt: skip
+        if self.program.interface.follows:
+            found.append("size_t lagc_tangent_work_size(void);\n")
         if self.complete:
             found.append("/* Return the meaning of a status, for any number. */\n"
                          "const char *lagc_status_text(int status);\n")  # fmt: skip
@@ -85,11 +98,13 @@ class Runtime:
         found = ["".join(f"#define LAGC_{n} {self.sizes[n]}\n" for n in own), _work(self.program)]
         found += [_table(name, values[name], self.real) for name in values if name in names]
         found += [text for name, text in self._records().items() if name not in PUBLIC_RECORDS]
+        found += [_COPY_STATE] if "fn_copy_state" in names else []
         found += _printed(self.use, self.parts)
         # Not in the subset of kernels: structs by value, their sizes, texts.
         (options,) = [members for part, members in self.use.records if part["name"] == "Options"]
         found.append(_default_options(options, self.real))
-        found += [f"size_t lagc_{n}_size(void) {{ return sizeof(lagc_{n}); }}\n" for n in ("work", "state")]
+        sized = ("work", "state", *(("tangent_work",) if self.program.interface.follows else ()))
+        found += [f"size_t lagc_{n}_size(void) {{ return sizeof(lagc_{n}); }}\n" for n in sized]
         found += [_status_text()] if self.complete else []
         return [part for part in found if part]
 

@@ -30,7 +30,7 @@ from lagc.codegen.kernel_compiler.linker import SPELLED
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.kernel_compiler.specialization import Statics, Undecided
 from lagc.codegen.kernel_compiler.type_check import INT, REAL, STATUS, Known, Signature, Type, Types, parsed
-from lagc.kernels import FILES, METHODS
+from lagc.kernels import FILES, METHODS, PER_METHOD
 
 Tree = Any  # [flag, Tree, Tree] or what is printed, a dictionary
 
@@ -148,7 +148,7 @@ class Library:
             self.constant(Constant("", 0, method.NAME.upper(), "Method", method.number, (), method.title))
         for name in FILES:
             module = read(name)
-            if name == "integrators/explicit_runge_kutta":
+            if name in PER_METHOD:
                 for method in methods:
                     self.module(module, method.tableau, f"{method.NAME}_", method.title)
             else:
@@ -229,8 +229,10 @@ class Library:
     # -- functions --
 
     def _extern(self, function: Function) -> Signature:
-        kinds = tuple(parsed(a, lambda name: False) for _, a in function.parameters)
-        return Signature(kinds, ("None",), [a.startswith("Out") for _, a in function.parameters])
+        kinds = tuple(parsed(a, lambda name: name == "State") for _, a in function.parameters)
+        return Signature(
+            kinds, ("None",), [a.startswith("Out") or n == "kept" for n, a in function.parameters]
+        )
 
     def function(self, part: Function, known: Mapping[str, Any], prefix: str, own: frozenset[str]) -> None:
         name = prefix + part.name

@@ -16,7 +16,8 @@ CONSTANT_SIZES = {"TWO": 2, "THREE": 3, "FOUR": 4, "SEVEN": 7, "NK": 16, "ND": 8
 # Sizes without a name in generated C: expressions of other sizes, for numbers or for their text in C.
 DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NM": lambda n: n["NV"] * (n["NV"] + 1) // 2, "NG": lambda n: n["NC"] * n["NV"],
-    "NR": lambda n: n["NV"] + n["NC"], "NREACH": lambda n: n["NC"] + n["NH"] + n["NGROUP"],
+    "NR": lambda n: n["NV"] + n["NC"], "NTIED": lambda n: n["NH"] + n["NC"],
+    "NREACH": lambda n: n["NC"] + n["NH"] + n["NGROUP"],
     "NROW": lambda n: n["NU"] + 1,
     "NMANY": lambda n: (n["NV"] + n["NC"]) // 200 + 1,
     "NPARTED": lambda n: n["NCOND"] + n["NSUM"], "NWHOLE": lambda n: n["NU"] + n["NSUM"],

@@ -22,6 +22,14 @@ OF_ANY_RANK = ("factor_safely",)  # if it has the dense system or constraints
 OF_ROWS = ("assemble_at", "solve_at")
 SEARCH = ("prepare", "reach_start")  # initialization
 GIVEN = ("Options",)  # records that are not printed: `support` has them
+_COPY_STATE = """\
+def fn_copy_state(s, kept):
+    for name in State.__slots__:
+        value = getattr(s, name)
+        if isinstance(value, list):
+            value = [part[:] if isinstance(part, list) else part for part in value]
+        setattr(kept, name, value)
+"""
 NUMBERS = ("int", "Real", "Code", "Method")  # kinds of parts
 PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NALL", "NY", "NWORK", "NMODE", "NWHEN")
 
@@ -32,7 +40,7 @@ def definitions(program: Program, complete: bool, given: frozenset[str]) -> list
     checks = ("is_bound",) if complete and program.interface.prepared else ()
     use = _needed(program.interface, (*ROOTS, *search, *checks), complete)
     return [_constants(program.interface, use, given), *support(), _work(program), *kernels(use),
-            EQUATIONS, STATES]  # fmt: skip
+            *([_COPY_STATE] if "fn_copy_state" in use.names else ()), EQUATIONS, STATES]  # fmt: skip
 
 
 def evaluation(program: Program, given: frozenset[str]) -> list[str]:
@@ -44,6 +52,8 @@ def evaluation(program: Program, given: frozenset[str]) -> list[str]:
 
 def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chosen:
     more = (*(OF_ROWS if interface.nc else ()), *(("bind",) if interface.prepared else ()))
+    if interface.follows:
+        more += ("follow",)
     more += ("hold",) if interface.relations else ()
     more += ("assemble_slopes",) if interface.part_ends else ()
     dense = "system" in interface.functions

@@ -36,6 +36,7 @@ class NBOUNDED(metaclass=SizeType): ...  # parameters with bounds
 class NLIMITS(metaclass=SizeType): ...  # bounded values computed from parameters
 class NPIECE(metaclass=SizeType): ...  # groups of initial equations that can be evaluated alone
 class NU(metaclass=SizeType): ...  # unknowns of the initialization: NQ + NV + NRATE
+class NTIED(metaclass=SizeType): ...  # NH + NC
 class NE(metaclass=SizeType): ...  # its equations: NCOND + NQUAT
 class NJ(metaclass=SizeType): ...  # their derivatives
 class NSUM(metaclass=SizeType): ...  # sums that several derivatives of initial equations share

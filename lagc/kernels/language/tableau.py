@@ -1,10 +1,10 @@
 """The names of a tableau, as `explicit_runge_kutta` and `dispatch` use them: see `tableaus`."""
 
-from typing import Protocol
+from typing import Any, Protocol
 
-from lagc.kernels.language.records import State, Work
-from lagc.kernels.language.sizes import NX
-from lagc.kernels.language.words import Params, Real, Row, Status, Vec
+from lagc.kernels.language.records import State, TangentWork, Work
+from lagc.kernels.language.sizes import NGROUP, NX
+from lagc.kernels.language.words import IVec, Length, Params, Real, Row, Rows, Status, Vec
 
 C: tuple[str, ...]
 A: tuple[Row, ...]
@@ -35,6 +35,19 @@ class Method(Protocol):
         self, p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, w: Work
     ) -> Status: ...
     def dense_at(self, part: Real, s: State, x: Vec[NX]) -> None: ...
+    def tangent_stages(
+        self, p: Params, s: State, m: Length, columns: IVec[Any], now: Rows[NX], after: Rows[NX],
+        table: Rows[NX], noise: Rows[NGROUP], w: Work, v: TangentWork,
+    ) -> Status: ...  # fmt: skip
+    def tangent_extra(
+        self, p: Params, s: State, m: Length, columns: IVec[Any], now: Rows[NX], table: Rows[NX],
+        noise: Rows[NGROUP], w: Work, v: TangentWork,
+    ) -> Status: ...  # fmt: skip
+    def tangent_error(self, h: Real, v: TangentWork) -> Real: ...
+    def tangent_dense(
+        self, share: Real, h: Real, k: Length, now: Rows[NX], after: Rows[NX], table: Rows[NX],
+        found: Vec[NX], v: TangentWork,
+    ) -> None: ...  # fmt: skip
 
 
 METHODS: tuple[Method, ...]

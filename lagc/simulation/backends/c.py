@@ -31,10 +31,22 @@ class _Options(ctypes.Structure):
 # The functions of the header and their result types; a model may lack some.
 _RESULTS: dict[str, Any] = {
     **dict.fromkeys(("rhs", "outputs", "assemble", "record"), c_int),
-    **dict.fromkeys(("work_size", "state_size"), c_size_t),
+    **dict.fromkeys(("follow",), c_int),
+    **dict.fromkeys(("work_size", "state_size", "tangent_work_size"), c_size_t),
     **dict.fromkeys(("position", "velocity", "scales", "energies", "start", "displace"), None),
     **dict.fromkeys(
-        ("solve", "begin", "bind", "hold", "conditions", "some_conditions", "measures", "limits"), None
+        (
+            "solve",
+            "begin",
+            "bind",
+            "hold",
+            "conditions",
+            "some_conditions",
+            "measures",
+            "limits",
+            "event_facts",
+        ),
+        None,
     ),
 }
 
@@ -71,6 +83,11 @@ class CModel(Compiled):
 
     def bind(self, values: Sequence[float], branch: Branch | None = None) -> CSystem:
         return CSystem(self, values, branch)
+
+    def options(self, o: Options) -> Any:
+        """Return the struct lagc_options."""
+        return _Options(METHODS.index(o.method), o.project, o.max_steps, o.rtol, o.atol, o.step, o.first_step,
+                        o.max_step, o.report, o.halves)  # fmt: skip
 
     def work(self) -> Any:
         """Return a new workspace."""
@@ -110,6 +127,11 @@ class CSystem(CompiledSystem):
 
     def _set_branch(self, workspace: _Workspace, branch: Branch) -> None:
         workspace.work[:] = branch
+
+    @property
+    def parameter_struct(self) -> Any:
+        """The struct lagc_params."""
+        return self._p
 
     @once
     def _p(self) -> Any:
@@ -198,9 +220,7 @@ class CSystem(CompiledSystem):
         room = ctypes.create_string_buffer(call["state_size"]())
         state = self.model.state.from_buffer(room)
         call["begin"](ctypes.byref(state), c_double(t0), (c_double * nx)(*x0))
-        asked = _Options(METHODS.index(options.method), options.project, options.max_steps, options.rtol,
-                         options.atol, options.step, options.first_step, options.max_step,
-                         options.report, options.halves)  # fmt: skip
+        asked = self.model.options(options)
         events: list[tuple[float, int]] = []
         jumps: list[float] = []
         corners: list[tuple[float, list[float], list[float]]] = []

@@ -7,7 +7,7 @@ The state before the event changes by x + f- dt, that after it by x+ + f+ dt, wi
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -16,6 +16,11 @@ from lagc.simulation.system import FAILED
 
 if TYPE_CHECKING:
     from lagc.simulation.backends.python import NumpySystem
+    from lagc.simulation.sensitivity.followers import Follower
+
+Causes: TypeAlias = (
+    "tuple[list[int], list[int]]"  # relations that crossed; for each, whether it jumped with others
+)
 
 SLOWEST = 1e-7  # of its terms: the rate of an indicator that only touches zero
 ROUNDED = 1e-14  # of the terms of an indicator: smaller values are zero
@@ -37,22 +42,26 @@ class Changes:
     def __init__(self, system: NumpySystem, directions: Sequence[int], columns: Sequence[int]):
         self.system, self.by_p, self.columns = system, list(directions), list(columns)
 
-    def beyond(self, s: Any, now: Array, before: Sequence[float], jumped: bool) -> tuple[Array, Array]:
-        """Return S after an event and the sum of the magnitudes of its terms. `before` are the modes before
-        the event, `s` is the motion just after it, and `now` is S before it. Raises Stopped if there is no
+    def beyond(
+        self, s: Follower, now: Array, before: Sequence[float], after: Sequence[float], causes: Causes,
+        jumped: bool,
+    ) -> tuple[Array, Array]:  # fmt: skip
+        """Return S after an event and the sum of the magnitudes of its terms. `before` and `after` are the
+        modes, `s` is the motion just after it, and `now` is S before it. Raises Stopped if there is no
         derivative."""
         system, n = self.system, self.system.nq + self.system.nv
-        point = Point(system, s.t, end_of_step(s, system)[:n], modes=before)
+        end = s.s.x_before_event if system.interface.whens else s.s.x
+        point = Point(system, s.s.t, list(end[:n]), modes=before)
         first, second = np.array([*point.value("qdot"), *point.a]), [0.0] * system.nx
-        if system.rhs_on(list(s.modes), s.t, s.x, second, [0.0] * system.nc) in FAILED:
+        if system.rhs_on(after, s.s.t, list(s.s.x), second, [0.0] * system.nc) in FAILED:
             raise Stopped("the motion is not determined")
         rates = np.array(second[:n])
         if not (jumped or (first != rates).any()):
             return now, np.zeros_like(now)
-        shift = self._shift(point, now, first, s)
+        shift = self._shift(point, now, first, causes, s.s.t - s.s.t_old)
         moved, terms = now + np.outer(first, shift), np.abs(now) + np.abs(np.outer(first, shift))
         if jumped:
-            moved, terms = self._renewed(point, moved, terms, shift, s.acted[: s.acts])
+            moved, terms = self._renewed(point, moved, terms, shift, list(s.s.acted[: s.s.acts]))
         return moved - np.outer(rates, shift), terms + np.abs(np.outer(rates, shift))
 
     def refuse_at_start(self, point: Point, now: Array) -> None:
@@ -94,12 +103,12 @@ class Changes:
             sizes[:, self.by_p] += np.abs(by_p[:, self.columns])
         return moved, sizes
 
-    def _shift(self, point: Point, now: Array, rates: Array, s: Any) -> Array:
+    def _shift(self, point: Point, now: Array, rates: Array, causes: Causes, step: float) -> Array:
         """The change of the time of an event."""
         interface = self.system.interface
         by_x, by_t = point.partial("indicator", "state"), point.partial("indicator", "time")[:, 0]
         moved, sizes = self._moved(point, now)
-        own = self._causes(point, by_x @ rates + by_t, s)
+        own = self._causes(point, by_x @ rates + by_t, causes, step)
         names, shifts, spans = [interface.relations[k] for k in own], [], []
         for k in own:
             rate, terms = by_x[k] @ rates + by_t[k], np.abs(by_x[k]) @ np.abs(rates) + abs(by_t[k])
@@ -118,16 +127,12 @@ class Changes:
         found: Array = shifts[0]
         return found
 
-    def _causes(self, point: Point, rates: Array, s: Any) -> list[int]:
+    def _causes(self, point: Point, rates: Array, causes: Causes, step: float) -> list[int]:
         """The relations that changed by themselves; others jump with them, or with new values."""
-        work, indicators = s.problem.work, point.value("indicator")
-        late = LOCATED * abs(s.h_old) * np.abs(rates)
+        (crossed, jumped), indicators = causes, point.value("indicator")
+        late = LOCATED * abs(step) * np.abs(rates)
         counted = self.system.interface.counted_relations
-        return [
-            k
-            for k, crossed in enumerate(work.crossed)
-            if crossed and (not work.indicator_jumped[k] or counted[k] or abs(indicators[k]) <= late[k])
-        ]
+        return [k for k in crossed if not jumped[k] or counted[k] or abs(indicators[k]) <= late[k]]
 
     def _renewed(
         self, point: Point, moved: Array, terms: Array, shift: Array, acted: Sequence[int]
@@ -160,9 +165,3 @@ class Changes:
         found, terms = moved.copy(), terms.copy()
         found[places], terms[places] = own, sizes
         return found, terms
-
-
-def end_of_step(s: Any, system: NumpySystem) -> list[float]:
-    """The state at the end of the last step, before new values are set."""
-    found: list[float] = s.x_before_event if system.interface.whens else s.x
-    return found

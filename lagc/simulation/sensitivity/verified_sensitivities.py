@@ -17,7 +17,7 @@ from lagc.simulation.sensitivity.initial_sensitivity import start_slopes
 from lagc.simulation.sensitivity.sensitivities import CLEAR, Direction, Sensitivities
 from lagc.simulation.sensitivity.variational_equations import Followed, Variation
 from lagc.simulation.simulate import by_hand
-from lagc.simulation.system import Options
+from lagc.simulation.system import Options, System
 
 if TYPE_CHECKING:
     from lagc.simulation.backends.python import NumpySystem
@@ -32,13 +32,15 @@ Progress = Callable[[float], None]
 
 def sensitivities(
     system: NumpySystem,
+    followed: System,
     run: Solution,
     request: Request,
     directions: tuple[Direction, ...],
     progress: Progress | None = None,
 ) -> None:
     """Add sensitivities to `run`, the result of the complete `request`, computed by the system with
-    derivatives. If they fail or miss the accuracy, the run fails, and its message says why."""
+    derivatives and the one with the kernels, `followed`. If they fail or miss the accuracy, the run fails,
+    and its message says why."""
     began = perf_counter()
     shape = (len(run.times), system.nq + system.nv, len(directions))
     values, doubts = np.full(shape, np.nan), np.zeros(shape[1:])
@@ -54,7 +56,9 @@ def sensitivities(
             )
             kept = [k for k in range(len(directions)) if k not in reasons]
             while kept:
-                lost = _verified(found, run, request, kept, (start[:, kept], doubts[:, kept]), progress)
+                lost = _verified(
+                    found, followed, run, request, kept, (start[:, kept], doubts[:, kept]), progress
+                )
                 if not lost:
                     break
                 names = ", ".join([f"`{directions[k].name}`" for k in lost])
@@ -73,6 +77,7 @@ def sensitivities(
 
 def _verified(
     found: Sensitivities,
+    followed: System,
     run: Solution,
     request: Request,
     kept: list[int],
@@ -86,7 +91,8 @@ def _verified(
 
     def follow(options: Options) -> Followed:
         begun = start[0] + (found.integrations % 2) * start[1]
-        along = Variation(found.system, directions, begun, options, rests, MORE * run.cost.steps + MOST)
+        most = MORE * run.cost.steps + MOST
+        along = Variation(found.system, followed, directions, begun, options, rests, most)
         done = along.along(run.states[0][:n], run.times, progress)
         found.steps, found.rejected = found.steps + done.steps, found.rejected + done.rejected
         found.evaluations, found.integrations = found.evaluations + done.evaluations, found.integrations + 1

@@ -1,0 +1,1 @@
+"""Sensitivities: the variational equations along the steps of a motion."""
