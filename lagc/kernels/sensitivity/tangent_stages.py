@@ -123,9 +123,9 @@ def tangent_dense(
     rest = 1.0 - share
     for i in range(NX):
         change = after[k][i] - now[k][i]
-        bend = h * v.k[0][i] - change
+        curvature = h * v.k[0][i] - change
         value = 0.0
         for j in static(range(len(DENSE) - 1, -1, -1)):
             value = h * combination(DENSE[j], v.k, i) + (share if j % 2 == 0 else rest) * value
-        value = change - h * v.k[len(C)][i] - bend + rest * value
-        found[i] = now[k][i] + share * (change + rest * (bend + share * value))
+        value = change - h * v.k[len(C)][i] - curvature + rest * value
+        found[i] = now[k][i] + share * (change + rest * (curvature + share * value))

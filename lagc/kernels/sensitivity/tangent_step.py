@@ -31,7 +31,7 @@ from lagc.kernels.trajectory import interpolate_at, step
 NOISE_FADING = 0.9  # from step to step
 SHORTEST = 1e-12  # of the time of the run: a step that is repeated because of S
 LEAST_GROWTH = 0.2  # inverse of the largest growth of the longest step for S
-NOISY_STEPS = 10.0  # over which round-off counts in the weights of errors
+ROUNDOFF_STEPS = 10.0  # over which round-off counts in the weights of errors
 
 
 def load_row(table: Rows[NX], first: Length, count: int, v: TangentWork) -> None:
@@ -165,7 +165,7 @@ def add_blur(
     p: Params, s: State, k: Length, noise: Rows[NGROUP], blur: Rows[NGROUP], w: Work, v: TangentWork
 ) -> None:
     """Add the round-off of the rates over the step to blur[k], and set v.terms: the perturbation by four
-    units in the last place tells how large the terms are that cancel. Round-off of one group comes to others
+    units in the last place tells how large the terms are that cancel. Round-off of one group reaches others
     by the rates at the end of the step, where K is factored."""
     h = fabs(s.h_old)
     for i in range(NQ + NV):
@@ -195,14 +195,14 @@ def set_tangent_weights(
     for g in range(NGROUP):
         largest[g] = sizes[k][g] if sizes[k][g] > v.terms[g] else v.terms[g]
     for i in range(NQ + NV):
-        way = fabs(after[k][i])
+        reach = fabs(after[k][i])
         if sizes[k][scaling_group[i]] == 0.0 and h < v.longest:
-            way *= v.longest / h
-        if way > largest[scaling_group[i]]:
-            largest[scaling_group[i]] = way
+            reach *= v.longest / h
+        if reach > largest[scaling_group[i]]:
+            largest[scaling_group[i]] = reach
     for i in range(NQ + NV):
         own = scaling_group[i]
-        v.weights[i] = o.rtol * largest[own] + NOISY_STEPS * blur[k][own]
+        v.weights[i] = o.rtol * largest[own] + ROUNDOFF_STEPS * blur[k][own]
 
 
 def accept_tangents(

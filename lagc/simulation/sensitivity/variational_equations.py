@@ -104,8 +104,8 @@ class Variation:
         changes = Changes(self.system, self.by_p, [k for k in self.columns if k >= 0])
         modes = list(s.relations()[0]) if interface.relations else []
         if modes:
-            still = [0.0] * self.system.nv, [0.0] * self.system.nc
-            changes.refuse_at_start(Point(self.system, times[0], x0, *still), self.start)
+            zero = [0.0] * self.system.nv, [0.0] * self.system.nc
+            changes.refuse_at_start(Point(self.system, times[0], x0, *zero), self.start)
         budget, status = 1, int(INTERRUPTED)
         while status == INTERRUPTED:
             jumps = s.s.jumps if interface.whens else 0
