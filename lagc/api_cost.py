@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from random import Random
 from time import process_time
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 
 BUDGET = 30.0  # s
 POINTS = 301  # recorded times
+NEAR = 0.01  # part of a parameter by which nearby ones differ
 LOOKED = 8  # states of a motion at which the sizes of terms are taken
 
 
@@ -82,13 +85,24 @@ class Measurable:
             began = process_time()
             return _verified(self.run(asked, values), accuracy, process_time() - began, names)
 
+        double = pipeline.render(program, "c")
+
+        def nearby(k: int) -> Probe | None:
+            """The probe with parameters of up to 1 % more or less; None where that has no initial state."""
+            dice = Random(k)
+            moved = [value * (1.0 + dice.uniform(-NEAR, NEAR)) for value in values]
+            with suppress(Refused, ValueError, ArithmeticError):
+                beside = self._loaded.initialize(system.bind(moved), request).x
+                return Probe(double, interface, moved, beside)
+            return None
+
         def sizes(table: Array) -> Array:
             return term_sizes(self._loaded.compilation.equations, system, times, table)
 
         names = (*interface.q_names, *interface.v_names, *(o.name for o in interface.outputs))
         begun = Study(names, times[-1], len(times), interface.operations)
         try:
-            return study(make, verify, sizes, begun, times, budget, progress)
+            return study(make, verify, sizes, nearby, begun, times, budget, progress)
         except CannotCompile as error:
             raise Refused([Fault("LAG0701", f"the cost cannot be measured: {error}")]) from None
         except Failed as failed:

@@ -8,6 +8,7 @@ setting to take for a target.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from statistics import median, quantiles
 from time import perf_counter
@@ -24,6 +25,8 @@ LEAST_TIME = 2e-3  # s of one measurement: shorter runs are repeated
 REFERENCES = ((1e-22, 1e-20), (1e-20, 1e-18), (1e-18, 1e-16), (1e-16, 1e-15))
 SECOND = (1e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10)  # tolerances of the second method
 FINEST = {"dop853": 3e-15, "dopri5": 1e-13, "bs32": 1e-10}
+NEARBY = 10  # motions at nearby parameters, for the scatter of the laws
+TRIED = (1e-3, 1e-5, 1e-7, 1e-9)  # errors near which these are made
 SAFE = 0.9  # share of runs that meet the target with the setting for it
 FLOOR = 30.0  # times the uncertainty of the reference, or of double precision: errors above follow a law
 LEAST_POWER = 0.3  # of a tolerance or step in the law of the error
@@ -75,7 +78,8 @@ class Point:
 
 @dataclass(frozen=True)
 class Law:
-    """error = factor size^power, and the factor `scatter` within which nine of ten runs stay above it."""
+    """error = factor size^power; nine of ten runs, also at nearby parameters, err by less than `scatter`
+    times that."""
 
     factor: float
     power: float
@@ -119,6 +123,7 @@ class Study:
     reference: Reference | None = None
     points: list[Point] = field(default_factory=list)
     laws: dict[str, Law] = field(default_factory=dict)
+    nearby: dict[str, list[float]] = field(default_factory=dict)  # errors there over those of the law
     advice: list[Advice] = field(default_factory=list)
     verified: list[Verified] = field(default_factory=list)
     compilers: dict[str, float] = field(default_factory=dict)  # s by words
@@ -150,7 +155,9 @@ class Study:
         for method in METHODS:
             law = fitted([p for p in self.points if p.setting.method == method], self.floor)
             if law is not None:
-                self.laws[method] = law
+                beside = self.nearby.get(method, [])
+                there = float(np.quantile(beside, SAFE)) if beside else 1.0
+                self.laws[method] = replace(law, scatter=max(law.scatter, there))
         self.advice = [advise(self.points, self.laws, target) for target in TARGETS]
 
 
@@ -262,6 +269,7 @@ def study(
     make: Callable[[str, tuple[str, ...]], Probe],
     verify: Callable[[float], tuple[Verified, Array | None]],
     sizes: Callable[[Array], Array],
+    nearby: Callable[[int], Probe | None],
     found: Study,
     times: Sequence[float],
     budget: float,
@@ -271,7 +279,8 @@ def study(
 
     `make(real, flags)` gives the probe of a type of numbers, with more compiler flags.  `verify(accuracy)`
     makes a run of that accuracy, and returns the outcome and its values at the recorded times.
-    `sizes(values)` gives the size of the terms of each quantity over the motion.  Raises CannotCompile, and
+    `sizes(values)` gives the size of the terms of each quantity over the motion, `nearby(k)` the probe of the
+    k-th motion at nearby parameters, or None.  Raises CannotCompile, and
     Failed where not even the reference reaches its end.
     """
     began = perf_counter()
@@ -292,6 +301,8 @@ def study(
                 f"the model ends the motion after {len(found.reference.shot.hi)} recorded times"
             )
         measure(found, plain, times, perf_counter() + 0.5 * left, progress)
+        found.conclude()
+        look_nearby(found, nearby, times[: len(found.reference.shot.hi)], began + 0.95 * budget)
         found.conclude()
         for target in TARGETS:
             if perf_counter() - began > budget:
@@ -364,6 +375,32 @@ def measure(study: Study, plain: Probe, times: Sequence[float], deadline: float,
             repeats = max(1, int(LEAST_TIME / point.seconds))
             point.times.append(max(plain.run(point.setting, grid, repeats).seconds, 1e-9))
         progress(0.2 + 0.6 * (k + 1) / ROUNDS, f"round {k + 1} of {ROUNDS}")
+
+
+def look_nearby(
+    study: Study, probe: Callable[[int], Probe | None], times: Sequence[float], deadline: float
+) -> None:
+    """Compare errors at nearby parameters with the laws; `probe(k)` is the k-th of them.  The finest run in
+    double precision is the reference."""
+    reference = study.reference
+    settings: dict[str, list[Setting]] = {}
+    for method, law in study.laws.items():
+        sizes = [law.size_for(error) for error in TRIED]
+        fixed = method == "rk4"
+        settings[method] = [
+            Setting(method, step=size) if fixed else Setting(method, rtol=size)
+            for size in sizes if fixed or size >= FINEST[method]
+        ]  # fmt: skip
+    for k in range(NEARBY if settings and reference is not None else 0):
+        beside = probe(k) if perf_counter() < deadline else None
+        with suppress(Failed):
+            if beside is not None and reference is not None:
+                exact = replace(reference, shot=beside.run(Setting("dop853", rtol=1e-14), times))
+                for method, law in study.laws.items():
+                    for setting in settings[method]:
+                        made = float(errors_of(beside.run(setting, times), exact).max(initial=0.0))
+                        found = study.nearby.setdefault(method, [])
+                        found.append(made / (law.factor * setting.size**law.power))
 
 
 def compare_compilers(study: Study, make: Callable[[tuple[str, ...]], Probe], times: Sequence[float]) -> None:

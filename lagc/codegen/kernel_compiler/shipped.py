@@ -30,16 +30,17 @@ def packed() -> str:
 @cache
 def parts(real: Arithmetic = DOUBLE) -> Parts:
     """Return files, records, constants and functions in their order (`library`)."""
-    if real != DOUBLE:
-        return printed(real)
     name = _key()
-    try:
-        with open(shipped_path(), encoding="utf-8") as file:
-            key, *found = json.load(file)
-        if key == name:
-            return tuple(found)
-    except (OSError, ValueError):
-        pass
+    if real == DOUBLE:
+        try:
+            with open(shipped_path(), encoding="utf-8") as file:
+                key, *found = json.load(file)
+            if key == name:
+                return tuple(found)
+        except (OSError, ValueError):
+            pass
+    else:
+        name = store.key(name, real.name)
     kept = store.load("kernels", name, lambda body: tuple(json.loads(body)))
     if kept is not None:
         return kept
