@@ -234,7 +234,7 @@ class Machine:
             if any(outer.closing == name.text for outer in self.blocks[:-1]):
                 self.insert_end(block)
                 return False
-            if self.recoveries < MOST_FAULTS and self._ends_further_on(block):
+            if block.closing != "when" and self.recoveries < MOST_FAULTS and self._ends_further_on(block):
                 self._leave_end_out(block, name)
                 return False
             self.report(self._wrong_end(block, name), self.tokens[self.position])

@@ -211,6 +211,12 @@ def test_end_that_closes_nothing() -> None:
     assert isinstance(model, tree.ModelDeclaration) and len(model.body) == 2
 
 
+def test_an_end_with_a_wrong_name_in_a_clause() -> None:
+    text = 'model M\n  when x > 0 then\n    mark("s");\n  end whenx;\n  when x < 0 then end when;\nend M;\n'
+    _, faults = parse_recovering(Source("x", text))
+    assert [(f.code, f.remedy) for f in faults] == [("LAG0113", "write `end when;`")]
+
+
 def test_modelicas_equation_section() -> None:
     with pytest.raises(Refused) as refused:
         parse(Source("x", "model M\nequation\n  m*der(v) = F;\n  der(x) = v;\n  a = 1;\nend M;\n"))
