@@ -77,7 +77,7 @@ def _events(run: Solution, verbose: bool) -> list[str]:
 def value_text(value: float, unit: str, error: float | None = None) -> str:
     """A value with its unit and error, also in degrees for an angle."""
     value += 0.0  # avoids negative zero
-    text = f"{value:.9g}" + ("" if error is None else f" +- {error:.0e}") + (f" {unit}" if unit else "")
+    text = f"{value:.9g}" + (f" +- {error:.0e}" if error else "") + (f" {unit}" if unit else "")
     if unit in ("rad", "rad/s"):
         text += f"  ({value * 180.0 / pi:.6g} {unit.replace('rad', 'deg')})"
     return text
