@@ -15,7 +15,7 @@ from lagc.kernels.events.sliding import slides, time_since_crossing, turns_back
 from lagc.kernels.language.vocabulary import *
 
 MOST_GROWTH_AFTER_EVENT = 1e5  # longest next step, over the time between the last two crossings
-MOST_SHORT_BOUNCES = 1000  # in a row, lower than round-off of the sizes of states
+MOST_SHORT_BOUNCES = 200  # in a row, lower than round-off of the sizes of states
 MOST_PROJECTION = 1e-6  # of the sizes of states: a larger change of new values by projection is an error
 
 
