@@ -27,6 +27,7 @@ FILES = (
     "integrators/dispatch",
     "arguments",
     "integrators/step_size",
+    "integrators/stiffness",
     "integrators/error_weights",
     "integrators/roundoff",
     "events/modes",

@@ -33,6 +33,10 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
     s.steps = 0
     s.rejected = 0
     s.rhs = 0
+    s.stiff = 0
+    s.stability_due = 1000
+    s.rates_apart = 0.0
+    s.states_apart = 0.0
     s.steps_before_call = 0
     s.is_new_call = True
     s.parameters_known = False

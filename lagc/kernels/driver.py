@@ -33,6 +33,7 @@ from lagc.kernels.integrators.step_size import (
     shrink_step,
     step_underflows,
 )
+from lagc.kernels.integrators.stiffness import detect_stiffness
 from lagc.kernels.language.vocabulary import *
 
 LEAST_REDUCTION = 0.1  # least size, relative to that of a step that hides an event, of the next attempt
@@ -137,6 +138,8 @@ def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
     s.t = a.t_new
     s.x_old[:] = s.x
     s.x[:] = s.x_new
+    if o.step == 0.0:
+        detect_stiffness(s, w)
     if NWHEN > 0:
         s.x_before_event[:] = s.x_new
     enlarge_sizes(s.x_new, s.sizes)

@@ -29,6 +29,9 @@ from lagc.simulation.system import (
 from lagc.simulation.verdict import Verdict, fixed_step_verdict, redundancy, verdict, verified_verdict
 
 Progress = Callable[[float], None]
+LONG_RUN = 100_000  # steps
+TESTED = 1000  # steps for each test of stability, see `kernels/integrators/stiffness`
+LIMITED = 0.5  # share of the steps that stability limits
 RTOL = 1e-9  # relative tolerance of a manual run without one
 ROUNDING = 2.0**-49  # relative: round-off of a coordinate at rest, several rounding units
 RESTS = ("the initial state is an equilibrium, to round-off, and the system stays there; whether "
@@ -68,6 +71,7 @@ def simulate(
     notes = [*start.notes, *done.notes]
     for k in strange_outputs(system, start.x):
         notes.append(f"output `{system.interface.outputs[k].name}` has no finite initial value")
+    notes += stability_note(runs)
     open_reactions: tuple[str, ...] = ()
     if result.status == "ok" and (trajectory.redundant_rows or _depend(system, trajectory)):
         note, open_reactions = redundancy(system, trajectory)
@@ -90,6 +94,20 @@ def simulate(
             alone=trajectory.rhs,
         ),
     )  # fmt: skip
+
+
+def stability_note(runs: Sequence[Trajectory]) -> list[str]:
+    """A note if stability, and not accuracy, limited the steps of a long run."""
+    limited = [r for r in runs if r.steps >= LONG_RUN and r.stiff * TESTED >= LIMITED * r.steps]
+    if not limited:
+        return []
+    run = limited[-1]
+    return [
+        f"stability limited most of the {run.steps} steps, to about {abs(run.t) / run.steps:.1g} s: the "
+        "equations are stiff, something decays or rings far faster than the motion. An explicit method takes no "
+        "longer steps, also with a looser tolerance, and lagc has no stiff method. Take a softer spring or a "
+        "weaker damper there, a larger mass, or a constraint in place of a very stiff spring"
+    ]
 
 
 def _depend(system: System, run: Trajectory) -> bool:

@@ -188,7 +188,7 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
         return Trajectory(
             times=list(times[: done[0]]), states=states[: done[0]], t=run.t, x=run.x[:], status=status,
             culprit=-1 if status == OK else run.culprit, steps=run.steps, rejected=run.rejected, rhs=run.rhs,
-            step=run.t - run.t_old, fallbacks=work.fallbacks - fallbacks,
+            stiff=run.stiff, step=run.t - run.t_old, fallbacks=work.fallbacks - fallbacks,
             redundant_rows=problem.redundant_rows, position_drift=run.position_drift,
             velocity_drift=run.velocity_drift, sizes=run.sizes[:],
             event_roundoff=run.event_roundoff[:] if NMODE else (), events=events,

@@ -19,6 +19,14 @@ def method_error(method: int, h: Real, s: State, w: Work) -> Real:
     return 0.0
 
 
+def method_add_stability(method: int, s: State, w: Work) -> None:
+    """Add the differences that tell whether stability limits the step, if the method has them."""
+    for m in static(METHODS):
+        if len(m.STABILITY) > 0:
+            if method == m.NUMBER:
+                m.add_stability(s, w)
+
+
 def has_two_estimates(method: int) -> bool:
     """Return whether the error combines two estimates."""
     for m in static(METHODS):

@@ -52,6 +52,21 @@ def error(h: Real, s: State, w: Work) -> Real:
     return sqrt(first / n) if first < inf else inf
 
 
+def add_stability(s: State, w: Work) -> None:
+    """Add the scaled squares of two differences between the last stage and the end of the step, which have
+    the same time: h times that of the rates over h |lambda| at the border of stability, and that of the
+    states. Their quotient is (h |lambda|)^2 in these units (Hairer, Wanner, Solving Ordinary Differential
+    Equations II, 1996, IV.2.5)."""
+    if len(STABILITY) > 0:
+        h = s.h_old / number(STABILITY[0])
+        for i in range(NQ + NV):
+            apart = h * (s.k[len(C)][i] - s.k[len(C) - 1][i]) / w.error_weights[i]
+            s.rates_apart += apart * apart
+            stage = s.x_old[i] + s.h_old * combination(A[len(C) - 1], s.k, i)
+            apart = (s.x[i] - stage) / w.error_weights[i]
+            s.states_apart += apart * apart
+
+
 def error_parts(s: State, w: Work) -> None:
     """Compute the error estimates as vectors in w.error_parts, without the factor h."""
     if NH > 0:

@@ -203,6 +203,7 @@ class State:
     steps: Count  # accepted
     rejected: Count
     rhs: Count  # evaluations of the right-hand side
+    stiff: Count  # tests that found the steps at the border of stability, one in 1000 steps
     culprit: int  # what the status of the last call refers to
     sizes: Vec[NGROUP]  # largest magnitude so far in each scaling group
     if NMODE > 0:
@@ -234,6 +235,9 @@ class State:
     h: Real  # of the next attempt; 0: to be chosen
     error_old: Real  # scaled error of the last accepted step
     longest_step: Real  # longest first attempt so far
+    stability_due: Count  # steps to the end of the next test of stability
+    rates_apart: Real  # sums of this test
+    states_apart: Real
     grid_begin: Real  # grid of fixed steps
     grid_step: Real  # negative backwards; 0: there is no grid
     grid_index: Count  # points that were passed

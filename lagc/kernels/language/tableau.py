@@ -13,6 +13,7 @@ ERROR: tuple[Row, ...]
 EXTRA_C: tuple[str, ...]
 EXTRA_A: tuple[Row, ...]
 DENSE: tuple[Row, ...]
+STABILITY: tuple[str, ...]
 
 
 class Method(Protocol):
@@ -22,6 +23,7 @@ class Method(Protocol):
     C: tuple[str, ...]
     EXTRA_C: tuple[str, ...]
     ERROR: tuple[Row, ...]
+    STABILITY: tuple[str, ...]
     EXPONENT: str
     BETA: str
     SHRINK: str
@@ -29,6 +31,7 @@ class Method(Protocol):
 
     def stages(self, p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status: ...
     def error(self, h: Real, s: State, w: Work) -> Real: ...
+    def add_stability(self, s: State, w: Work) -> None: ...
     def error_parts(self, s: State, w: Work) -> None: ...
     def stage_deviations(self, h: Real, s: State, far: Vec[NX]) -> None: ...
     def dense_output(

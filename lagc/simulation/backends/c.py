@@ -276,7 +276,7 @@ class CSystem(CompiledSystem):
             times=list(times),
             states=[flat[k : k + nx] for k in range(0, len(flat), nx)],
             t=state.t, x=state.x[:], status=status, culprit=-1 if status == OK else state.culprit,
-            steps=state.steps, rejected=state.rejected, rhs=state.rhs,
+            steps=state.steps, rejected=state.rejected, rhs=state.rhs, stiff=state.stiff,
             step=state.t - state.t_old, fallbacks=head.fallbacks,
             redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
             position_drift=state.position_drift, velocity_drift=state.velocity_drift,
@@ -336,7 +336,7 @@ def _state_type(nx: int, kinds: int, relations: int, acts: int) -> type[Any]:
         _fields_ = (
             ("t", c_double), ("x", c_double * nx), ("t_old", c_double), ("position_drift", c_double),
             ("velocity_drift", c_double), ("steps", c_long), ("rejected", c_long), ("rhs", c_long),
-            ("culprit", c_int), ("sizes", c_double * kinds),
+            ("stiff", c_long), ("culprit", c_int), ("sizes", c_double * kinds),
             *(
                 (("changes", c_long), ("changed", c_int * relations), ("event_roundoff", c_double * nx))
                 if relations

@@ -70,6 +70,7 @@ class Trajectory:
 
     `status`: OK, or the reason of the end, at time `t` with state `x` and `culprit`.
     `step`: size of the last accepted step.
+    `stiff`: tests that found the steps at the border of stability, one in 1000 steps.
     `position_drift`, `velocity_drift`: largest scaled constraint residuals over all steps.
     `fallbacks`: linear solves that used the rank-revealing factorization.
     `sizes`: largest magnitude in each scaling group, over all steps.
@@ -93,6 +94,7 @@ class Trajectory:
         steps: int = 0,
         rejected: int = 0,
         rhs: int = 0,
+        stiff: int = 0,
         step: float = 0.0,
         fallbacks: int = 0,
         redundant_rows: tuple[int, ...] = (),
@@ -109,6 +111,7 @@ class Trajectory:
         self.t, self.x = t, x
         self.status, self.culprit = status, culprit
         self.steps, self.rejected, self.rhs, self.fallbacks = steps, rejected, rhs, fallbacks
+        self.stiff = stiff
         self.step = step
         self.redundant_rows = redundant_rows
         self.position_drift, self.velocity_drift = position_drift, velocity_drift

@@ -13,6 +13,8 @@ Dense output: EXTRA_C and EXTRA_A are stages after the rate at the new state; DE
 
 The size of the next step is h / clip(err^EXPONENT err_old^-BETA / 0.9, 1/GROW, 1/SHRINK).
 EXPONENT and BETA are sums of powers of 1/2: with an error of order q, EXPONENT + 3/4 BETA is about 1/(q + 1).
+STABILITY: the product of step size and largest eigenvalue at the border of stability, for methods whose last
+stage is at the end of the step; else nothing.
 USES_END_RATE: 1 if the error estimate contains the rate at the new state.
 """
 

@@ -9,6 +9,7 @@ ORDER = 3
 USES_END_RATE = 1
 EXPONENT, BETA = "21/64", "0"
 SHRINK, GROW = "1/5", "5"
+STABILITY = ()
 C = ("0", "1/2", "3/4")
 A: tuple[dict[int, str], ...] = ({}, {1: "1/2"}, {2: "3/4"})
 B = {1: "2/9", 2: "1/3", 3: "4/9"}

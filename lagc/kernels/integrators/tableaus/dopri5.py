@@ -9,6 +9,7 @@ ORDER = 5
 USES_END_RATE = 1
 EXPONENT, BETA = "11/64", "5/128"
 SHRINK, GROW = "1/5", "10"
+STABILITY = ("13/4",)  # h |lambda| at the border of stability (Hairer, Wanner 1996, IV.2)
 C = (
     "0.0", "1/5", "3/10", "4/5", "8/9", "1.0",
 )

@@ -8,6 +8,7 @@ ORDER = 4
 USES_END_RATE = 0
 EXPONENT, BETA = "1/4", "0"
 SHRINK, GROW = "1/5", "5"
+STABILITY = ()
 C = ("0", "1/2", "1/2", "1")
 A: tuple[dict[int, str], ...] = ({}, {1: "1/2"}, {2: "1/2"}, {3: "1"})
 B = {1: "1/6", 2: "1/3", 3: "1/3", 4: "1/6"}

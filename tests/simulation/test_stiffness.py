@@ -1,0 +1,79 @@
+"""A run whose steps stability limits is told so, and no other one is."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import lagc
+from lagc.simulation.simulate import stability_note
+from lagc.simulation.system import Options
+
+pytestmark = pytest.mark.usefixtures("own_cache")
+DAMPED = """model Damped "x'' + c x' + k x = 0, with decays of 1e6/s and 1e-2/s"
+  parameter Mass m = 1e-3 [kg];
+  parameter Stiffness k = 10 [N/m];
+  parameter Damping c = 1e3 [N.s/m];
+  coordinate Length x(start = 1 [m]);
+  body b = Particle(mass = m, at = {x, 0, 0});
+  potential V = 1/2*k*x^2;
+  dissipation D = 1/2*c*der(x)^2;
+end Damped;"""
+PAIR = """model Pair "a slow pendulum on a spring that rings at 1e4 rad/s and decays"
+  parameter Stiffness k = 1e8 [N/m];
+  parameter Damping c = 2e3 [N.s/m];
+  coordinate Length r(start = 1 [m]);
+  coordinate Angle theta(start = 60 [deg]);
+  body bob = Particle(mass = 1 [kg], at = {r*sin(theta), 0, -r*cos(theta)});
+  potential spring = 1/2*k*(r - 1 [m])^2;
+  dissipation damper = 1/2*c*der(r)^2;
+  Gravity field(g = 9.81 [m/s2], direction = {0, 0, -1});
+end Pair;"""
+
+
+def integrated(text: str, stop: float, backend: str = "c", **given: Any) -> Any:
+    system = lagc.loads(text).compile(backend=backend).load(backend)
+    return system.integrate(Options(**given), 0.0, system.start(), [stop])
+
+
+@pytest.mark.parametrize("text, rate", [(DAMPED, 1e6), (PAIR, 1e4)], ids=["decay", "ringing"])
+@pytest.mark.parametrize("method, bound", [("dop853", 6.1), ("dopri5", 3.25)])
+def test_steps_at_the_border_of_stability(text: str, rate: float, method: str, bound: float) -> None:
+    """The steps are as long as the largest eigenvalue of the equations allows, whatever the tolerance."""
+    stop = 4e4 / rate
+    for rtol in (1e-4, 1e-7):
+        run = integrated(text, stop, method=method, rtol=rtol)
+        assert run.steps == pytest.approx(stop * rate / bound, rel=0.4)
+        assert run.stiff >= 0.6 * (run.steps // 1000) > 1
+
+
+@pytest.mark.parametrize("method", ["dop853", "dopri5"])
+@pytest.mark.parametrize("name", ["simple_pendulum", "double_pendulum", "four_bar"])
+def test_steps_that_accuracy_limits(name: str, method: str) -> None:
+    system = lagc.load(name).compile(backend="c").load("c")
+    start = lagc.load(name).compile(backend="numpy").start()
+    x = [*map(float, start), *[0.0] * (system.nx - len(start))]
+    for rtol in (1e-3, 1e-6, 1e-10):
+        run: Any = system.integrate(Options(method=method, rtol=rtol), 0.0, x, [200.0])
+        assert run.stiff == 0
+
+
+def test_c_and_python_count_the_same() -> None:
+    one, two = (integrated(DAMPED, 1e-2, backend, rtol=1e-6) for backend in ("c", "numpy"))
+    assert (one.steps, one.stiff) == (two.steps, two.stiff) and one.stiff > 0
+
+
+def test_the_note_names_the_steps() -> None:
+    run = integrated(DAMPED, 0.7, rtol=1e-6)
+    assert run.steps > 100_000
+    (note,) = stability_note([run])
+    assert str(run.steps) in note and "no stiff method" in note
+    assert not stability_note([run.changed(steps=99_999)]) and not stability_note([run.changed(stiff=1)])
+
+
+@pytest.mark.full
+def test_a_run_has_the_note() -> None:
+    model = lagc.loads(DAMPED).compile(backend="c")
+    assert any("stability limited" in note for note in model.simulate(0.7, rtol=1e-6).notes)
+    assert not any("stability limited" in note for note in model.simulate(0.1, rtol=1e-6).notes)
