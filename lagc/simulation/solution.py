@@ -209,9 +209,10 @@ class Solution:
 
     @property
     def errors(self) -> dict[str, float]:
-        """The estimated largest absolute error of each coordinate, speed and output; empty for a run that is
-        not verified."""
-        names = (*self.state_names, *(o.name for o in self.system.interface.outputs))
+        """The estimated largest absolute error of each coordinate, speed, output and discrete variable; empty
+        for a run that is not verified."""
+        interface = self.system.interface
+        names = (*self.state_names, *(x.name for x in (*interface.outputs, *interface.discretes)))
         return dict(zip(names, self.error_bars))
 
     @property

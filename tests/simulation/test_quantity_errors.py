@@ -70,3 +70,35 @@ def test_runs_that_are_not_verified_have_no_errors() -> None:
 def test_a_pendulum_at_rest_names_nothing(start: float) -> None:
     run = lagc.load("simple_pendulum").compile(backend="numpy").simulate(1, starts={"theta": start})
     assert not [note for note in run.notes if "own ranges" in note]
+
+
+STEEP = """\
+model Steep "outputs that peak between two looks or at the end, and a value that a clause keeps"
+  coordinate Length x(start = 1 [m], rate = 0);
+  discrete Length kept(start = 0);
+  discrete Boolean late(start = false);
+  body b = Particle(mass = 1 [kg], at = {x, 0, 0});
+  potential V = 2 [N/m]*x^2;
+  output Real peak = 1/((time/(1 [s]) - 3.16)^2 + 1e-4)*x/(1 [m]);
+  output Real last = 1/(10.001 - time/(1 [s]))*x/(1 [m]);
+  when time > 3.15 [s] then
+    reinit(kept, x);
+    reinit(late, true);
+  end when;
+end Steep;
+"""
+
+
+@BACKENDS
+def test_outputs_that_peak_once_and_kept_values(backend: str) -> None:
+    """The error bars hold for every recorded time, also for the last one; closed form."""
+    run = lagc.loads(STEEP).compile(backend=backend).simulate(10, accuracy=1e-5)
+    assert run.status == "ok"
+    for name, factor in (
+        ("peak", lambda t: 1 / ((t - 3.16) ** 2 + 1e-4)),
+        ("last", lambda t: 1 / (10.001 - t)),
+    ):
+        true = max(abs(value - factor(t) * cos(2 * t)) for t, value in zip(run.t, run[name]))
+        assert 0.0 < true <= run.errors[name] < 1.0
+    assert 0.0 < abs(run["kept"][-1] - cos(2 * 3.15)) <= run.errors["kept"] < 1e-4
+    assert run.errors["late"] == 0.0

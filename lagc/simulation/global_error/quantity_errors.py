@@ -1,4 +1,4 @@
-"""The error of each coordinate, speed and output alone, from the difference of two runs.
+"""The error of each coordinate, speed, output and discrete variable alone, from the difference of two runs.
 
 The accuracy of a run is relative to the largest state of a scaling group.  A quantity that is small beside
 others of its group can be less accurate: it is named.
@@ -15,7 +15,7 @@ from lagc.simulation.error_measure import between, scaling_groups
 from lagc.simulation.global_error.truncation import SAFETY
 from lagc.simulation.system import System, Trajectory
 
-COMPARED = 32  # recorded times at which outputs are compared
+COMPARED = 1000  # recorded times, at least, at which outputs are compared if there are so many
 ROUNDING = 2.0**-42  # of the largest state of its group: an error of round-off
 MOST_NAMED = 6
 CONSTANT = 3.0  # errors: a quantity that moves by less is constant, as far as is known
@@ -24,24 +24,33 @@ CONSTANT = 3.0  # errors: a quantity that moves by less is constant, as far as i
 def quantity_errors(
     system: System, run: Trajectory, other: Trajectory, factor: float, rounding: float
 ) -> list[float]:
-    """The estimated largest absolute error of each coordinate, speed and output of `run` over the recorded
-    times: its difference to `other`, times `factor`, and for a state `rounding` of its largest value."""
+    """The estimated largest absolute error of each coordinate, speed, output and discrete variable of `run`
+    over the recorded times: its difference to `other`, times `factor`, and for a coordinate or speed
+    `rounding` of its largest value."""
     n = min(len(run.states), len(other.states))
     left_out = between(run, other)
     kept = [k for k in range(n) if k not in left_out]
     columns = (
         zip(*([states[k] for k in kept] if left_out else states[:n])) for states in (run.states, other.states)
     )
+    integrated = system.nq + system.nv
     found = [
-        factor * max(map(abs, map(sub, a, b))) + rounding * max(max(a), -min(a))
-        for a, b in islice(zip(*columns), system.nq + system.nv)
+        factor * max(map(abs, map(sub, a, b))) + (rounding * max(max(a), -min(a)) if i < integrated else 0.0)
+        for i, (a, b) in enumerate(zip(*columns))
     ]
     outputs = [0.0] * len(system.interface.outputs)
-    for k in kept[:: max(len(kept) // COMPARED, 1)] if outputs else ():
+    for k in compared(kept) if outputs else ():
         t = run.times[k]
         for i, (a, b) in enumerate(zip(system.outputs(t, run.states[k]), system.outputs(t, other.states[k]))):
             outputs[i] = max(outputs[i], abs(a - b)) if isfinite(a - b) else outputs[i]
-    return [error if error < inf else inf for error in (*found, *(factor * apart for apart in outputs))]
+    discrete = found[system.interface.nx - len(system.interface.discretes) :]
+    every = (*found[:integrated], *(factor * apart for apart in outputs), *discrete)
+    return [error if error < inf else inf for error in every]
+
+
+def compared(kept: Sequence[int]) -> list[int]:
+    """The times of `kept` at which outputs are compared; the last one is among them."""
+    return sorted(kept[:: -max(len(kept) // COMPARED, 1)])
 
 
 def poorly_known(system: System, run: Trajectory, errors: Sequence[float], asked: float) -> list[str]:
@@ -68,8 +77,8 @@ def poorly_known(system: System, run: Trajectory, errors: Sequence[float], asked
     for i, name in enumerate(interface.state_names):
         if errors[i] > ROUNDING * group_sizes[i]:
             compare(name, columns[i], errors[i], sizes[i] if columns[i][0] else group_sizes[i])
-    every = max(len(run.states) // COMPARED, 1)
-    looked = [*zip(run.times[::every], run.states[::every])] if interface.outputs else []
+    times = compared(range(len(run.states))) if interface.outputs else []
+    looked = [(run.times[k], run.states[k]) for k in times]
     rows = [system.outputs(t, x) for t, x in looked]
     largest: dict[str, float] = {}  # by unit
     for units, table in ((interface.state_units, [x for _, x in looked]),

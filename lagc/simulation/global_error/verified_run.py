@@ -362,7 +362,7 @@ class _Search:
         return difference(done, others[-1], self.system.interface, self.accuracy, self.noise)
 
     def errors(self) -> list[float]:
-        """The errors of each coordinate, speed and output of the finest run; empty if it is the only one."""
+        """The errors of each quantity of the finest run (`quantity_errors`); empty if it is the only one."""
         if len(self.runs) < 2:
             return []
         from lagc.simulation.global_error.quantity_errors import quantity_errors
