@@ -117,7 +117,8 @@ def _action(statement: tree.Statement) -> Action:
     if statement.value is not None or not isinstance(action, tree.Call):
         remedy = f"the actions are {_USES}"
         if statement.value is not None:
-            remedy = f"write `reinit({action.span.text}, {statement.value.span.text})`"
+            value = re.sub(r"\bpre\((\w+)\)", r"\1", statement.value.span.text)
+            remedy = f"write `reinit({action.span.text}, {value})`"
         raise Wrong("LAG0227", "a `when` clause contains actions, not equations", statement.span, remedy)
     name = action.function.name if isinstance(action.function, tree.Name) else action.function.span.text
     if name not in _ACTIONS:

@@ -25,7 +25,9 @@ _WITHOUT = {  # what to write until there are these functions
     "edge": _BECOMES, "change": _BECOMES,
     "initial": "write what holds at the initial time after `initial`, in the model",
     "terminal": "write `terminate(...)` in a `when` clause, or `simulate(stop = ...)` in a scene",
-    "sample": "write values that change at given times as `table(time, ..., interpolation = \"held\")`",
+    "sample": "for what happens each period T, declare `discrete Time next(start = T);` and write "
+              "`when time >= next then ... reinit(next, next + T); end when;`; for values at given times "
+              "write `table(time, ..., interpolation = \"held\")`",
 }  # fmt: skip
 
 DEEPEST = 64  # nesting of calls
