@@ -105,8 +105,8 @@ def stability_note(runs: Sequence[Trajectory]) -> list[str]:
     return [
         f"stability limited most of the {run.steps} steps, to about {abs(run.t) / run.steps:.1g} s: the "
         "equations are stiff, something decays or rings far faster than the motion. An explicit method takes "
-        "no longer steps, also with a looser tolerance, and lagc has no stiff method. Take a softer spring or "
-        "a weaker damper there, a larger mass, or a constraint in place of a very stiff spring"
+        "no longer steps, also with a looser tolerance, and lagc has no stiff method. Take a softer spring "
+        "or a weaker damper there, a larger mass, or a constraint in place of a very stiff spring"
     ]
 
 
