@@ -281,4 +281,4 @@ def redundancy(system: System, trajectory: Trajectory) -> tuple[str, tuple[str, 
     rows = tuple([system.interface.row_labels[k] for k in open_reactions(system, trajectory)])
     named = ", ".join([f"`{label}`" for label in rows])
     return (f"constraints depend on each other: the motion is determined, but the equations leave these "
-            f"reactions open, and the run shows the smallest multipliers: {named}"), rows  # fmt: skip
+            f"reactions open, and the run shows one choice of many: {named}"), rows  # fmt: skip

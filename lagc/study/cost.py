@@ -179,7 +179,7 @@ def advise(points: Sequence[Point], laws: Mapping[str, Law], target: float) -> A
     found: list[tuple[float, Setting, float | None]] = []
     for method, law in laws.items():
         own = sorted((p for p in points if p.setting.method == method), key=lambda p: p.setting.size)
-        size = law.size_for(target)
+        size = min(law.size_for(target), own[-1].setting.size)
         cost = predicted(own, size)
         if cost is None:
             continue
