@@ -168,8 +168,8 @@ def test_a_start_is_the_same_without_them(text: str, monkeypatch: pytest.MonkeyP
     before = Conditions.__init__
 
     def without(self: Conditions, *given: object, **named: object) -> None:
-        assert named.keys() == {"pieces", "some", "massless"} and not named["massless"]
-        before(self, *given)  # type: ignore[arg-type]
+        assert named.keys() == {"pieces", "some", "massless"}
+        before(self, *given, massless=named["massless"])  # type: ignore[arg-type]
 
     monkeypatch.setattr(Conditions, "__init__", without)
     assert with_them.interface.pieces
