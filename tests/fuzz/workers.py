@@ -14,6 +14,7 @@ from multiprocessing.connection import Connection, wait
 from typing import Any, TypeAlias
 
 from lagc.cli.program import ALONE
+from lagc.host.budgets import reserved
 
 for each in ALONE:  # before NumPy is loaded
     os.environ.setdefault(each, "1")
@@ -96,7 +97,8 @@ def _start(do: Do, batch: list[Any], memory: int | None) -> _Child:
 def _serve(do: Do, batch: list[Any], memory: int | None, pipe: Connection, theirs: Connection) -> None:
     theirs.close()
     if memory is not None:
-        resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+        most = memory + int(reserved())  # the parent has loaded what the tests before needed
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     signal.signal(signal.SIGXCPU, signal.SIG_DFL)
 
