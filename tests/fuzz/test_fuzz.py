@@ -137,7 +137,7 @@ def _spin() -> None:
 
 
 def _fill() -> None:
-    hoard = [bytearray(workers.MEMORY)]
+    hoard = [bytearray(workers.MEMORY + (1 << 28))]
     del hoard
 
 
