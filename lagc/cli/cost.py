@@ -61,12 +61,12 @@ def run(options: argparse.Namespace) -> int:
         )  # fmt: skip
     interface = model.interface
     heading = f"{interface.model}, scene {interface.scene}" if interface.scene else interface.model
+    written = [_write(path, found, heading, options) for path in options.output if found.points]
     if options.json:
         print_json({"status": "ok" if found.complete else "interrupted", "model": interface.model,
                     "scene": interface.scene, **to_dict(found)})  # fmt: skip
     else:
         show(text(found, heading, options.all))
-    written = [_write(path, found, heading, options) for path in options.output if found.points]
     if not found.complete:
         return INTERRUPTED
     return DONE if all(written) else UNWRITTEN

@@ -220,7 +220,7 @@ def errors_of(shot: Shot, reference: Reference) -> Array:
 
 def scaled(apart: Array, reference: Reference) -> Array:
     """Differences over the scales of the quantities; 0 for a quantity without a scale."""
-    apart = np.where(np.isfinite(apart), apart, 0.0)
+    apart = np.where(np.isfinite(apart), apart, np.inf)  # no value where the reference has one
     return np.divide(apart, reference.scales, out=np.zeros_like(apart), where=reference.scales > 0.0)
 
 
@@ -361,6 +361,8 @@ def measure(study: Study, plain: Probe, times: Sequence[float], deadline: float,
             shot = plain.run(setting, grid)
             errors = errors_of(shot, reference)
         except Failed:
+            continue
+        if not np.isfinite(errors).all():
             continue
         dearest[setting.method] = max(dearest.get(setting.method, 0.0), shot.seconds)
         study.points.append(

@@ -81,9 +81,12 @@ def poorly_known(system: System, run: Trajectory, errors: Sequence[float], asked
     looked = [(run.times[k], run.states[k]) for k in times]
     rows = [system.outputs(t, x) for t, x in looked]
     largest: dict[str, float] = {}  # by unit
+    energies = (
+        [system.energies(t, x)[:2] for t, x in looked] if "J" in [o.unit for o in interface.outputs] else []
+    )
     for units, table in ((interface.state_units, [x for _, x in looked]),
                          ([o.unit for o in interface.outputs], rows),
-                         (["J", "J"], [system.energies(t, x)[:2] for t, x in looked])):  # fmt: skip
+                         (["J", "J"], energies)):  # fmt: skip
         for k, unit in enumerate(units):
             values = [abs(row[k]) for row in table if isfinite(row[k])]
             largest[unit] = max([largest.get(unit, 0.0), *values])
