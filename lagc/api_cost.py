@@ -76,16 +76,17 @@ class Measurable:
         program = pipeline.delivered(self._loaded.compilation, False)
         interface = program.interface
 
+        double = pipeline.render(program, "c")
+
         def make(real: str, flags: tuple[str, ...]) -> Probe:
-            return Probe(pipeline.render(program, "c", real=real), interface, values, x0, real, flags)
+            sources = double if real == "double" else pipeline.render(program, "c", real=real)
+            return Probe(sources, interface, values, x0, real, flags)
 
         def verify(accuracy: float) -> tuple[Verified, Array | None]:
             asked = Request(stop=times[-1], accuracy=accuracy, points=points, starts=request.starts)
             self._loaded.system("c")
             began = process_time()
             return _verified(self.run(asked, values), accuracy, process_time() - began, names)
-
-        double = pipeline.render(program, "c")
 
         def nearby(k: int) -> Probe | None:
             """The probe with parameters of up to 1 % more or less; None where that has no initial state."""

@@ -10,7 +10,14 @@ import argparse
 import os
 
 from lagc.cli.deliver import kept, spare
-from lagc.cli.options import add_general_options, add_model_options, choice_of, quantities, quantity
+from lagc.cli.options import (
+    add_general_options,
+    add_model_options,
+    add_start_option,
+    choice_of,
+    quantities,
+    quantity,
+)
 from lagc.cli.output import DONE, INTERRUPTED, UNWRITTEN, Usage, print_json, say, show
 
 FORMATS = (".html", ".json", ".png", ".svg", ".pdf")
@@ -18,10 +25,7 @@ FORMATS = (".html", ".json", ".png", ".svg", ".pdf")
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
-    parser.add_argument(
-        "--start", metavar="NAME=VALUE[UNIT]", dest="starts", action="append", default=[],
-        help="the initial value of a coordinate or speed, e.g. --start 'theta=30[deg]'",
-    )  # fmt: skip
+    add_start_option(parser)
     parser.add_argument("--stop", metavar="T", help="the end time; default: that of the scene, or 10 s")
     parser.add_argument("--points", metavar="N", type=int, default=301, help="recorded times; default: 301")
     parser.add_argument(

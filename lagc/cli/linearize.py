@@ -11,7 +11,14 @@ import os
 from typing import TYPE_CHECKING, Any
 
 from lagc.cli.deliver import spare
-from lagc.cli.options import add_general_options, add_model_options, choice_of, quantities, quantity
+from lagc.cli.options import (
+    add_general_options,
+    add_model_options,
+    add_start_option,
+    choice_of,
+    quantities,
+    quantity,
+)
 from lagc.cli.output import DONE, FAILED, UNWRITTEN, Usage, print_json, say, show
 
 if TYPE_CHECKING:
@@ -26,10 +33,7 @@ MOST, LARGE = 8, 3  # equilibria that are shown without --verbose, in general an
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
-    parser.add_argument(
-        "--start", metavar="NAME=VALUE[UNIT]", dest="starts", action="append", default=[],
-        help="the initial value of a coordinate or speed, e.g. --start 'theta=30[deg]'",
-    )  # fmt: skip
+    add_start_option(parser)
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--at", metavar="T", help="linearize about the motion at this time: 2, '100[ms]'")
     where.add_argument(

@@ -96,6 +96,17 @@ def add_parameter_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_start_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--start",
+        metavar="NAME=VALUE[UNIT]",
+        dest="starts",
+        action="append",
+        default=[],
+        help="the initial value of a coordinate or speed, e.g. --start 'theta=30[deg]'",
+    )
+
+
 def choice_of(options: argparse.Namespace) -> Choice:
     """The choice that the options of `add_model_options` make."""
     from lagc.compiler.pipeline import Choice

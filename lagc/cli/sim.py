@@ -17,6 +17,7 @@ from lagc.cli.options import (
     add_backend_option,
     add_general_options,
     add_model_options,
+    add_start_option,
     choice_of,
     limits_of,
     quantities,
@@ -32,14 +33,7 @@ if TYPE_CHECKING:
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
-    parser.add_argument(
-        "--start",
-        metavar="NAME=VALUE[UNIT]",
-        dest="starts",
-        action="append",
-        default=[],
-        help="the initial value of a coordinate or speed, e.g. --start 'theta=30[deg]'",
-    )
+    add_start_option(parser)
     parser.add_argument(
         "--guess",
         metavar="NAME=VALUE[UNIT]",
