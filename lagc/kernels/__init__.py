@@ -6,7 +6,7 @@ file and line, what is outside of the subset.  A kernel calls only kernels that 
 order of FILES, functions in the order of their file.
 """
 
-from typing import NewType
+from typing import NamedTuple, NewType
 
 Status = NewType("Status", int)  # the result of a call, see `statuses`
 FILES = (
@@ -53,7 +53,20 @@ FILES = (
     "initialization/relaxation",
     "initialization/consistent",
 )
-PER_METHOD = ("integrators/explicit_runge_kutta", "sensitivity/tangent_stages")  # printed for each tableau
+
+
+class Family(NamedTuple):
+    """The common part of the methods of a family, as kernels read it."""
+
+    files: tuple[str, ...]  # kernels that are printed for each of its methods
+    PROJECTS: int = 1  # 1: the end of a step is projected onto the constraints
+    CONTROLS: int = 0  # 1: it has `set_next_step` and `shrink_step` of its own
+    SENSITIVE: int = 1  # 1: sensitivities follow its steps
+
+
+FAMILIES = {
+    "explicit_runge_kutta": Family(("integrators/explicit_runge_kutta", "sensitivity/tangent_stages"))
+}
 WORDS = (
     "language/words",
     "language/sizes",

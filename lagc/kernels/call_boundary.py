@@ -3,7 +3,7 @@
 from lagc.kernels.dynamics.rhs import factor_safely, rhs_at
 from lagc.kernels.events.modes import update_edges
 from lagc.kernels.events.when_clauses import start_modes
-from lagc.kernels.integrators.dispatch import last_stage
+from lagc.kernels.integrators.dispatch import end_rate_row
 from lagc.kernels.language.vocabulary import *
 
 
@@ -164,6 +164,6 @@ def evaluate_start(p: Params, s: State, direction: Real, w: Work) -> Status:
         if failed(status):
             return status
     elif s.rate_place == READY:
-        s.k[0][:] = s.k[last_stage(s.method)]
+        s.k[0][:] = s.k[end_rate_row(s.method)]
     s.rate_place = STAGES
     return OK

@@ -22,7 +22,13 @@ from lagc.kernels.events.location import (
 )
 from lagc.kernels.events.step_guards import find_hidden_event
 from lagc.kernels.events.when_clauses import handle_event
-from lagc.kernels.integrators.dispatch import last_stage, method_error, method_stages, needs_end_rate
+from lagc.kernels.integrators.dispatch import (
+    end_rate_row,
+    keeps_constraints,
+    method_error,
+    method_stages,
+    needs_end_rate,
+)
 from lagc.kernels.integrators.error_weights import first_step_size, set_error_weights
 from lagc.kernels.integrators.roundoff import error_without_roundoff, fade_roundoff
 from lagc.kernels.integrators.step_grid import fixed_step_underflows, pass_grid, plan_fixed_step
@@ -47,7 +53,7 @@ LARGE_ERROR = 100.0  # error of a step that says little about the right step siz
 def finish_step(p: Params, s: State, t: Real, o: Options, leaves_end_rate: bool, w: Work) -> Status:
     """Project the new state onto the constraints and evaluate its rate, unless it is left open."""
     if NC > 0 or NQUAT > 0:
-        if o.project:
+        if o.project and not keeps_constraints(o.method):
             status = project(p, t, s.x_new, w.trial_sizes, w)
             if failed(status):
                 return status
@@ -61,14 +67,13 @@ def finish_step(p: Params, s: State, t: Real, o: Options, leaves_end_rate: bool,
     if leaves_end_rate:
         return OK
     s.rhs += 1
-    return rhs_at(p, t, s.x_new, s.k[last_stage(o.method)], w.lam, w)
+    return rhs_at(p, t, s.x_new, s.k[end_rate_row(o.method)], w.lam, w)
 
 
 def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     """Compute stages, error and end of an attempt.  It is acceptable if a.error <= 1."""
     a.error = 0.0
     status = method_stages(o.method, p, s.t, s.x, a.h, s, w)
-    s.rhs += last_stage(o.method) - 1
     if failed(status):
         return status
     set_error_weights(s, o, a.h, w)

@@ -7,7 +7,12 @@ from lagc.kernels.call_boundary import enter_call, leave_call, report_culprit
 from lagc.kernels.constraints.projection import project
 from lagc.kernels.driver import step_once
 from lagc.kernels.dynamics.rhs import rhs_at
-from lagc.kernels.integrators.dispatch import last_stage, method_dense_at, method_dense_output, method_stages
+from lagc.kernels.integrators.dispatch import (
+    end_rate_row,
+    method_dense_at,
+    method_dense_output,
+    method_stages,
+)
 from lagc.kernels.integrators.step_grid import begin_grid, is_reached
 from lagc.kernels.language.vocabulary import *
 
@@ -20,11 +25,11 @@ def recompute_stages(s: State, t: Real, x: Vec[NX], w: Work) -> Status:
         w.modes[:] = s.modes_old
     status = rhs_at(s.p, s.t_old, s.x_old, s.k[0], w.lam, w)
     s.rate_place = ABSENT
-    s.rhs += last_stage(s.method) + 1
+    s.rhs += 2
     if not failed(status):
         status = method_stages(s.method, s.p, s.t_old, s.x_old, s.h_old, s, w)
     if not failed(status):
-        status = rhs_at(s.p, t, x, s.k[last_stage(s.method)], w.lam, w)
+        status = rhs_at(s.p, t, x, s.k[end_rate_row(s.method)], w.lam, w)
     return status
 
 
@@ -43,7 +48,7 @@ def compute_dense_output(s: State, w: Work) -> Status:
         if failed(status):
             return status
     elif s.dense_place == OPEN:
-        status = rhs_at(s.p, t, x, s.k[last_stage(s.method)], w.lam, w)
+        status = rhs_at(s.p, t, x, s.k[end_rate_row(s.method)], w.lam, w)
         s.rhs += 1
         if failed(status):
             return status

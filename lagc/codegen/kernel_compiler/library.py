@@ -30,7 +30,7 @@ from lagc.codegen.kernel_compiler.linker import SPELLED
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.kernel_compiler.specialization import Statics, Undecided
 from lagc.codegen.kernel_compiler.type_check import INT, REAL, STATUS, Known, Signature, Type, Types, parsed
-from lagc.kernels import FILES, METHODS, PER_METHOD
+from lagc.kernels import FAMILIES, FILES, METHODS
 
 Tree = Any  # [flag, Tree, Tree] or what is printed, a dictionary
 
@@ -67,11 +67,13 @@ def model_functions() -> dict[str, Function]:
 
 
 class Method:
-    """A method, as kernels use it. `tableau`: the names of its file; NAME; NUMBER, the constant of its
-    position."""
+    """A method, as kernels use it. `tableau`: the names of its file and of its family; NAME; NUMBER, the
+    constant of its position."""
 
-    def __init__(self, name: str, number: int, tableau: dict[str, Any], title: str):
-        self.NAME, self.number, self.tableau, self.title = name, number, tableau, title
+    def __init__(self, name: str, number: int, tableau: dict[str, Any]):
+        self.NAME, self.number, self.title = name, number, tableau["TITLE"]
+        self.family = FAMILIES[tableau["FAMILY"]]
+        self.tableau = {**self.family._asdict(), **tableau}
         self.NUMBER = ast.Name(name.upper(), ast.Load())
 
     def __getattr__(self, name: str) -> Any:
@@ -85,7 +87,7 @@ def read_method(name: str, number: int) -> Method:
     """Return the method of `kernels/integrators/tableaus/<name>.py`."""
     module = importlib.import_module(f"lagc.kernels.integrators.tableaus.{name}")
     tableau = {k: v for k, v in vars(module).items() if k.isupper()}
-    return Method(name, number, tableau, module.TITLE)
+    return Method(name, number, tableau)
 
 
 @dataclass
@@ -148,10 +150,10 @@ class Library:
             self.constant(Constant("", 0, method.NAME.upper(), "Method", method.number, (), method.title))
         for name in FILES:
             module = read(name)
-            if name in PER_METHOD:
-                for method in methods:
-                    self.module(module, method.tableau, f"{method.NAME}_", method.title)
-            else:
+            own = [method for method in methods if name in method.family.files]
+            for method in own:
+                self.module(module, method.tableau, f"{method.NAME}_", method.title)
+            if not own:
                 self.module(module, {"METHODS": methods})
         return self
 

@@ -12,7 +12,7 @@ from math import fabs, inf, sqrt
 from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.events.modes import margin
 from lagc.kernels.integrators.dispatch import (
-    last_stage,
+    end_rate_row,
     method_dense_at,
     method_dense_output,
     method_stage_deviations,
@@ -62,7 +62,7 @@ def enclose_step(s: State, method: int, a: Trial, w: Work) -> None:
             elif j == 1:
                 value = s.x[i] + a.h * s.k[0][i] / 3.0
             else:
-                value = s.x_new[i] - a.h * s.k[last_stage(method)][i] / 3.0
+                value = s.x_new[i] - a.h * s.k[end_rate_row(method)][i] / 3.0
             if value < low:
                 low = value
             if value > high:

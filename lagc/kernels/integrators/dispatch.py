@@ -4,7 +4,8 @@ from lagc.kernels.language.vocabulary import *
 
 
 def method_stages(method: int, p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
-    """Compute the stages of a step from (t, x), and its end in s.x_new."""
+    """Compute the stages of a step from (t, x), and its end in s.x_new; count the evaluations. A failure
+    leads to a shorter step."""
     for m in static(METHODS):
         if method == m.NUMBER:
             return m.stages(p, t, x, h, s, w)
@@ -69,12 +70,21 @@ def method_dense_at(method: int, part: Real, s: State, x: Vec[NX]) -> None:
             m.dense_at(part, s, x)
 
 
-def last_stage(method: int) -> int:
-    """Return the index of the rate at the end of a step: the number of stages."""
+def end_rate_row(method: int) -> int:
+    """Return the row of s.k with the rate at the end of a step, behind those of the stages."""
     for m in static(METHODS):
         if method == m.NUMBER:
-            return len(m.C)
+            return m.END_RATE
     return 0
+
+
+def keeps_constraints(method: int) -> bool:
+    """Return whether the steps of a method stay on the constraints without a projection."""
+    for m in static(METHODS):
+        if m.PROJECTS == 0:
+            if method == m.NUMBER:
+                return True
+    return False
 
 
 def needs_end_rate(method: int) -> bool:

@@ -13,6 +13,7 @@ from lagc.kernels.language.vocabulary import *
 def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
     """Compute k_2 ... k_s from k_1, k_i = f(t + c_i h, x + h sum a_ij k_j), and the end of the step in
     s.x_new (HNW II.1.8)."""
+    s.rhs += len(C) - 1
     own = vector(NX)  # a copy of x that does not alias s, so that compilers vectorize the loops
     own[:] = x
     if NDISC > 0:

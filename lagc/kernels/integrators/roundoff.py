@@ -11,7 +11,6 @@ from lagc.kernels.constraints.projection import perturb_off_constraints, project
 from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.integrators.dispatch import (
     has_two_estimates,
-    last_stage,
     method_error,
     method_error_parts,
     method_stages,
@@ -134,7 +133,6 @@ def error_along_constraints(p: Params, s: State, t: Real, h: Real, error: Real, 
     method_error_parts(method, s, w)
     for k in range(2):
         w.error_parts_before[k][:] = w.error_parts[k]
-    s.rhs += last_stage(method) - 1
     if failed(method_stages(method, p, s.t, w.x_perturbed, h, s, w)):
         return error
     method_error_parts(method, s, w)
@@ -144,7 +142,6 @@ def error_along_constraints(p: Params, s: State, t: Real, h: Real, error: Real, 
     change = norm_of_error(h, w.error_parts_before, w)
     if not change > 0.1 * norm_of_error(h, w.error_parts, w):
         return error
-    s.rhs += last_stage(method) - 1
     method_stages(method, p, s.t, s.x, h, s, w)  # restore the step
     method_error_parts(method, s, w)
     if not project_error(p, t, s.x_new, w):

@@ -45,15 +45,25 @@ def step_underflows(s: State, t1: Real, a: Trial) -> bool:
 
 
 def shrink_step(a: Trial, o: Options) -> None:
-    """Reduce the size of the attempt after an error above 1 (HNW II.4.13)."""
+    """Reduce the size of the attempt after an error above 1, as the method does or by (HNW II.4.13)."""
+    for m in static(METHODS):
+        if m.CONTROLS > 0:
+            if o.method == m.NUMBER:
+                m.shrink_step(a, o)
+                return
     most = largest_reduction(o.method)
     factor = rational_power(a.error, error_exponent(o.method)) / 0.9
     a.size /= factor if factor < most else most
 
 
 def set_next_step(s: State, a: Trial, o: Options) -> None:
-    """Set the size of the next step, by the errors of this and the last step. A step that was shortened to
-    end at a time or an event does not shorten the next one."""
+    """Set the size of the next step, as the method does or by the errors of this and the last step. A step
+    that was shortened to end at a time or an event does not shorten the next one."""
+    for m in static(METHODS):
+        if m.CONTROLS > 0:
+            if o.method == m.NUMBER:
+                m.set_next_step(s, a, o)
+                return
     most = largest_reduction(o.method)
     least = largest_growth(o.method)
     factor = rational_power(a.error, error_exponent(o.method))

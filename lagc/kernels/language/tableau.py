@@ -2,7 +2,7 @@
 
 from typing import Any, Protocol
 
-from lagc.kernels.language.records import State, TangentWork, Work
+from lagc.kernels.language.records import Options, State, TangentWork, Trial, Work
 from lagc.kernels.language.sizes import NGROUP, NX
 from lagc.kernels.language.words import IVec, Length, Params, Real, Row, Rows, Status, Vec
 
@@ -18,6 +18,10 @@ STABILITY: tuple[str, ...]
 
 class Method(Protocol):
     NUMBER: int
+    PROJECTS: int
+    CONTROLS: int
+    SENSITIVE: int
+    END_RATE: int
     ORDER: int
     USES_END_RATE: int
     C: tuple[str, ...]
@@ -33,6 +37,8 @@ class Method(Protocol):
     def error(self, h: Real, s: State, w: Work) -> Real: ...
     def add_stability(self, s: State, w: Work) -> None: ...
     def error_parts(self, s: State, w: Work) -> None: ...
+    def set_next_step(self, s: State, a: Trial, o: Options) -> None: ...
+    def shrink_step(self, a: Trial, o: Options) -> None: ...
     def stage_deviations(self, h: Real, s: State, far: Vec[NX]) -> None: ...
     def dense_output(
         self, p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, w: Work

@@ -11,8 +11,9 @@ def method_tangent_stages(
 ) -> Status:  # fmt: skip
     """Compute the rates of S at the stages of the last step."""
     for own in static(METHODS):
-        if method == own.NUMBER:
-            return own.tangent_stages(p, s, m, columns, now, after, table, noise, w, v)
+        if own.SENSITIVE > 0:
+            if method == own.NUMBER:
+                return own.tangent_stages(p, s, m, columns, now, after, table, noise, w, v)
     return OK
 
 
@@ -22,16 +23,18 @@ def method_tangent_extra(
 ) -> Status:  # fmt: skip
     """Compute those of its dense output."""
     for own in static(METHODS):
-        if method == own.NUMBER:
-            return own.tangent_extra(p, s, m, columns, now, table, noise, w, v)
+        if own.SENSITIVE > 0:
+            if method == own.NUMBER:
+                return own.tangent_extra(p, s, m, columns, now, table, noise, w, v)
     return OK
 
 
 def method_tangent_error(method: int, h: Real, v: TangentWork) -> Real:
     """Return the scaled error of S in one direction."""
     for own in static(METHODS):
-        if method == own.NUMBER:
-            return own.tangent_error(h, v)
+        if own.SENSITIVE > 0:
+            if method == own.NUMBER:
+                return own.tangent_error(h, v)
     return 0.0
 
 
@@ -41,5 +44,6 @@ def method_tangent_dense(
 ) -> None:  # fmt: skip
     """Evaluate the dense output of S in direction k."""
     for own in static(METHODS):
-        if method == own.NUMBER:
-            own.tangent_dense(share, h, k, now, after, table, found, v)
+        if own.SENSITIVE > 0:
+            if method == own.NUMBER:
+                own.tangent_dense(share, h, k, now, after, table, found, v)

@@ -9,7 +9,7 @@ constraints.
 from math import fabs, inf
 from typing import Any
 
-from lagc.kernels.integrators.dispatch import error_exponent, last_stage
+from lagc.kernels.integrators.dispatch import end_rate_row, error_exponent
 from lagc.kernels.integrators.roundoff import perturbation_factor
 from lagc.kernels.integrators.step_size import rational_power
 from lagc.kernels.language.vocabulary import *
@@ -134,7 +134,7 @@ def finish_tangents(
     noise: Rows[NGROUP], blur: Rows[NGROUP], w: Work, v: TangentWork,
 ) -> Status:  # fmt: skip
     """Project S at the end of the last step, and compute its rates there."""
-    last = last_stage(s.method)
+    last = end_rate_row(s.method)
     if NWHEN > 0:
         v.x[:] = s.x_before_event
     else:
@@ -258,7 +258,7 @@ def follow_step(
         add_blur(p, s, k, noise, blur, w, v)
         if o.step == 0.0:
             set_tangent_weights(s, o, k, after, sizes, blur, v)
-            load_row(table, k * NK, last_stage(s.method) + 1, v)
+            load_row(table, k * NK, end_rate_row(s.method) + 1, v)
             error = method_tangent_error(s.method, s.h_old, v)
             if not error <= v.error:
                 v.error = error

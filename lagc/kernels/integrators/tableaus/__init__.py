@@ -1,6 +1,9 @@
-"""The tableaus of the integration methods, one file each.
+"""The integration methods, one file each.
 
-TITLE and ORDER of a method; its tableau C, A, B: k_i = f(t + c_i h, x + h sum a_ij k_j),
+TITLE, FAMILY (of `lagc.kernels.FAMILIES`) and ORDER of a method. END_RATE is the row of the stored rates with
+the rate at the new state.
+
+The tableau C, A, B of an explicit Runge-Kutta method: k_i = f(t + c_i h, x + h sum a_ij k_j),
 x1 = x + h sum b_i k_i.  Rows map stages, counted from 1, to coefficients that are not zero, as decimal text
 or quotients exactly as published.
 

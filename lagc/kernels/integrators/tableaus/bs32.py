@@ -5,7 +5,9 @@ output is the cubic Hermite interpolant.
 """
 
 TITLE = "Bogacki and Shampine 3(2)"
+FAMILY = "explicit_runge_kutta"
 ORDER = 3
+END_RATE = 3
 USES_END_RATE = 1
 EXPONENT, BETA = "21/64", "0"
 SHRINK, GROW = "1/5", "5"

@@ -5,7 +5,9 @@ Hairer, Norsett, Wanner 1993, section II.10 and the code DOP853 there.
 
 # fmt: off
 TITLE = "Dormand and Prince 8(5,3)"
+FAMILY = "explicit_runge_kutta"
 ORDER = 8
+END_RATE = 12
 USES_END_RATE = 0
 EXPONENT, BETA = "1/8", "0"
 SHRINK, GROW = "333/1000", "6"

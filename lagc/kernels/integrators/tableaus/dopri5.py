@@ -5,7 +5,9 @@ Hairer, Norsett, Wanner 1993, table II.5.2; dense output section II.6, pp. 191-1
 
 # fmt: off
 TITLE = "Dormand and Prince 5(4)"
+FAMILY = "explicit_runge_kutta"
 ORDER = 5
+END_RATE = 6
 USES_END_RATE = 1
 EXPONENT, BETA = "11/64", "5/128"
 SHRINK, GROW = "1/5", "10"

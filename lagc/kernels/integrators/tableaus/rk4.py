@@ -4,7 +4,9 @@ W. Kutta 1901; Hairer, Norsett, Wanner 1993, table II.1.2.  Dense output is the 
 """
 
 TITLE = "Classical Runge-Kutta 4, fixed steps"
+FAMILY = "explicit_runge_kutta"
 ORDER = 4
+END_RATE = 4
 USES_END_RATE = 0
 EXPONENT, BETA = "1/4", "0"
 SHRINK, GROW = "1/5", "5"
