@@ -18,7 +18,8 @@ from lagc.cli.options import (
     quantities,
     quantity,
 )
-from lagc.cli.output import DONE, INTERRUPTED, UNWRITTEN, Usage, print_json, say, show
+from lagc.cli.output import DONE, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show
+from lagc.host.budgets import reached, rest
 
 FORMATS = (".html", ".json", ".png", ".svg", ".pdf")
 
@@ -63,6 +64,7 @@ def run(options: argparse.Namespace) -> int:
             quantity(options.stop, "s", "--stop"), points=options.points, budget=budget, starts=starts,
             progress=lambda part, doing: bar.part(part, doing),
         )  # fmt: skip
+    rest()
     interface = model.interface
     heading = f"{interface.model}, scene {interface.scene}" if interface.scene else interface.model
     written = [_write(path, found, heading, options) for path in options.output if found.points]
@@ -72,7 +74,7 @@ def run(options: argparse.Namespace) -> int:
     else:
         show(text(found, heading, options.all))
     if not found.complete:
-        return INTERRUPTED
+        return LIMITED if reached() else INTERRUPTED
     return DONE if all(written) else UNWRITTEN
 
 

@@ -8,6 +8,7 @@ from math import isfinite
 from typing import Any
 
 from lagc.base.text import printable
+from lagc.kernels.integrators.tableaus import adapts
 from lagc.study.cost import Point, Study
 
 QUANTITIES = 6  # columns of errors by quantity
@@ -36,12 +37,12 @@ def text(study: Study, heading: str, everything: bool = False) -> str:
         spreads = sorted(100.0 * p.spread for p in study.points)
         rounds = min(len(p.times) for p in study.points)
         lines.append(
-            f"  clock      CPU time of the C code alone, median of {rounds} rounds in turn; +-% is half the "
-            f"distance of the quartiles, {spreads[len(spreads) // 2]:.1f} % (worst {spreads[-1]:.1f} %)"
+            f"  clock      CPU time of the C code alone, the least of {rounds} rounds in turn; +% is the "
+            f"median above it, {spreads[len(spreads) // 2]:.1f} % (worst {spreads[-1]:.1f} %)"
         )
         lines.append(f"  spent      {study.spent:.0f} s of {study.budget:.0f} s (--budget)")
         lines += ["", *_table(study, everything)]
-    if study.advice:
+    if study.points and study.advice:
         lines += ["", *_advice(study)]
     if study.verified:
         lines += ["", *_verified(study)]
@@ -59,7 +60,7 @@ def _table(study: Study, everything: bool) -> list[str]:
     worst = sorted(range(len(study.names)), key=lambda k: -max(p.errors[k] for p in study.points))
     columns = sorted(worst[:QUANTITIES])
     names = [study.names[k] for k in columns]
-    head = f"  {'error':>7}  {'method':7} {'setting':16} {'ms':>8} {'+-%':>5} {'rhs':>9} {'steps':>8}"
+    head = f"  {'error':>7}  {'method':7} {'setting':16} {'ms':>8} {'+%':>5} {'rhs':>9} {'steps':>8}"
     head += f" {'rejected':>8}"
     lines = [head + "".join(f"  {name:>8}" for name in names)]
     for p in shown:
@@ -93,7 +94,7 @@ def _advice(study: Study) -> list[str]:
             lines.append(f"  ({method}: all settings meet it; the errors are those of round-off)")
             continue
         law = study.laws[method]
-        size = "step" if method == "rk4" else "rtol"
+        size = "rtol" if adapts(method) else "step"
         lines.append(
             f"  ({method}: error = {law.factor:.2g} {size}^{law.power:.2f}, nine of ten runs, also with "
             f"parameters up to 1 % off, below {law.scatter:.1f} times that)"

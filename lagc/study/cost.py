@@ -10,23 +10,27 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from statistics import median, quantiles
+from statistics import median
 from time import perf_counter
 
 import numpy as np
 
 from lagc.kernels import METHODS
+from lagc.kernels.integrators.tableaus import adapts
 from lagc.simulation.backends.compile import CannotCompile
 from lagc.study.probe import Array, Failed, Probe, Setting, Shot
 
 TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
-ROUNDS = 9  # in which all settings are timed in turn
+ROUNDS = 9  # at least, in which all settings are timed in turn
+CLOCK = 0.2  # of the budget, for which rounds go on
 LEAST_TIME = 2e-3  # s of one measurement: shorter runs are repeated
 REFERENCES = ((1e-22, 1e-20), (1e-20, 1e-18), (1e-18, 1e-16), (1e-16, 1e-15))
 SECOND = (1e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10)  # tolerances of the second method
-FINEST = {"dop853": 3e-15, "dopri5": 1e-13, "bs32": 1e-10}
+FINEST = {"dop853": 3e-15, "bs32": 1e-10}  # tolerances
+USUAL = 1e-13  # the finest tolerance of the other methods
 NEARBY = 10  # motions at nearby parameters, for the scatter of the laws
 TRIED = (1e-3, 1e-5, 1e-7, 1e-9)  # errors near which these are made
+TIMES = 4  # verified runs of a target, the fastest of which counts
 SAFE = 0.9  # share of runs that meet the target with the setting for it
 FLOOR = 30.0  # times the uncertainty of the reference, or of double precision: errors above follow a law
 LEAST_POWER = 0.3  # of a tolerance or step in the law of the error
@@ -65,15 +69,13 @@ class Point:
 
     @property
     def seconds(self) -> float:
-        return median(self.times) if self.times else self.estimate
+        """The least of all times: other work on the machine makes a run slower, never faster."""
+        return min(self.times, default=self.estimate)
 
     @property
     def spread(self) -> float:
-        """Half the distance of the quartiles, of the median."""
-        if len(self.times) < 4:
-            return 0.0
-        low, middle, high = quantiles(self.times, n=4)
-        return 0.5 * (high - low) / middle if middle else 0.0
+        """The median over the least time, less 1."""
+        return median(self.times) / self.seconds - 1.0 if self.times else 0.0
 
 
 @dataclass(frozen=True)
@@ -128,8 +130,9 @@ class Study:
     verified: list[Verified] = field(default_factory=list)
     compilers: dict[str, float] = field(default_factory=dict)  # s by words
     notes: list[str] = field(default_factory=list)
+    budget: float = 0.0  # s of wall time from `began`, of `perf_counter`
+    began: float = 0.0
     spent: float = 0.0
-    budget: float = 0.0
     complete: bool = False
 
     @property
@@ -184,8 +187,8 @@ def advise(points: Sequence[Point], laws: Mapping[str, Law], target: float) -> A
         if cost is None:
             continue
         more = predicted(own, law.size_for(0.1 * target))
-        setting = Setting(method, step=size) if own[0].setting.step else Setting(method, rtol=size)
-        found.append((cost, setting, None if more is None else max(more / cost - 1.0, 0.0)))
+        digit = None if more is None else max(more / cost - 1.0, 0.0)
+        found.append((cost, setting_of(method, size), digit))
     for method in dict.fromkeys(p.setting.method for p in points if p.setting.method not in laws):
         own = [p for p in points if p.setting.method == method]
         if len(own) > 3 and max(p.error for p in own) <= target:  # as where only events limit the steps
@@ -240,7 +243,7 @@ def refer(
     a second method; without quadruple precision, two methods in double at their finest.  `sizes` as in
     `study`.  Raises Failed."""
     if exact is None:
-        first, other = (plain.run(Setting(m, rtol=FINEST[m]), times) for m in ("dop853", "dopri5"))
+        first, other = (plain.run(Setting(m, rtol=finest(m)), times) for m in ("dop853", "dopri5"))
         scales = scales_of(first.hi, sizes(first.hi))
         gap = _gap(first, other, scales)
         words = "double precision, dop853 at its finest tolerance (no quadruple precision)"
@@ -272,10 +275,9 @@ def study(
     nearby: Callable[[int], Probe | None],
     found: Study,
     times: Sequence[float],
-    budget: float,
     progress: Progress,
 ) -> Study:
-    """Fill in the study `found` within about `budget` s of wall time; an interruption ends it early.
+    """Fill in the study `found` within about its budget; an interruption ends it early.
 
     `make(real, flags)` gives the probe of a type of numbers, with more compiler flags.  `verify(accuracy)`
     makes a run of that accuracy, and returns the outcome and its values at the recorded times.
@@ -283,8 +285,7 @@ def study(
     k-th motion at nearby parameters, or None.  Raises CannotCompile, and
     Failed where not even the reference reaches its end.
     """
-    began = perf_counter()
-    found.budget = budget
+    began, budget = found.began, found.budget
     try:
         progress(0.0, "compiling")
         plain = make("double", ())
@@ -308,9 +309,9 @@ def study(
             if perf_counter() - began > budget:
                 break
             progress(0.85, f"lagc sim --accuracy {target:.0e}")
-            if not found.verified:
-                verify(target)  # loads all modules
             outcome, values = verify(target)
+            for _ in range(TIMES if outcome.seconds < 0.01 * budget else 0):  # the first run loads modules
+                outcome = min(outcome, verify(target)[0], key=lambda each: each.seconds)
             made = float("nan") if values is None else _error_of(values, found.reference)
             found.verified.append(replace(outcome, error=made))
         if perf_counter() - began < budget:
@@ -332,15 +333,27 @@ def _error_of(values: Array, reference: Reference) -> float:
     return float(scaled(apart, reference).max(initial=0.0))
 
 
+def setting_of(method: str, size: float) -> Setting:
+    """The setting with a tolerance, or with a step in s where the method takes fixed steps."""
+    return Setting(method, rtol=size) if adapts(method) else Setting(method, step=size)
+
+
+def finest(method: str) -> float:
+    """The finest tolerance, or step, that is tried."""
+    return FINEST.get(method, USUAL) if adapts(method) else 0.0
+
+
 def settings(pilot: Shot, stop: float) -> Iterator[Setting]:
     """All settings to try, in an order that covers the range early."""
     decades = [10.0**-k for k in range(2, 15)]
     halves = [3.1622776601683795 * d for d in decades]
     step = stop / max(pilot.steps, 1)
     for part, sizes in enumerate((decades, halves)):
-        for method in ("dop853", "dopri5", "bs32"):
-            yield from (Setting(method, rtol=r) for r in sizes if r >= FINEST[method])
-        yield from (Setting("rk4", step=step * 2.0 ** -(2 * k + part)) for k in range(-1, 5))
+        for method in METHODS:
+            if adapts(method):
+                yield from (setting_of(method, r) for r in sizes if r >= finest(method))
+            else:
+                yield from (setting_of(method, step * 2.0 ** -(2 * k + part)) for k in range(-1, 5))
 
 
 def measure(study: Study, plain: Probe, times: Sequence[float], deadline: float, progress: Progress) -> None:
@@ -370,13 +383,16 @@ def measure(study: Study, plain: Probe, times: Sequence[float], deadline: float,
         )
         progress(0.2, f"{setting.method} {setting}")
     study.points.sort(key=lambda p: (METHODS.index(p.setting.method), -p.setting.size))
-    for k in range(ROUNDS):
+    enough = perf_counter() + CLOCK * study.budget
+    rounds = 0
+    while rounds < ROUNDS or perf_counter() < enough:
         for point in study.points:
-            if perf_counter() > deadline and k > 0:
+            if perf_counter() > deadline and rounds > 0:
                 return
             repeats = max(1, int(LEAST_TIME / point.seconds))
             point.times.append(max(plain.run(point.setting, grid, repeats).seconds, 1e-9))
-        progress(0.2 + 0.6 * (k + 1) / ROUNDS, f"round {k + 1} of {ROUNDS}")
+        rounds += 1
+        progress(0.2 + 0.6 * min(rounds / ROUNDS, 1.0), f"round {rounds}")
 
 
 def look_nearby(
@@ -388,11 +404,7 @@ def look_nearby(
     settings: dict[str, list[Setting]] = {}
     for method, law in study.laws.items():
         sizes = [law.size_for(error) for error in TRIED]
-        fixed = method == "rk4"
-        settings[method] = [
-            Setting(method, step=size) if fixed else Setting(method, rtol=size)
-            for size in sizes if fixed or size >= FINEST[method]
-        ]  # fmt: skip
+        settings[method] = [setting_of(method, size) for size in sizes if size >= finest(method)]
     for k in range(NEARBY if settings and reference is not None else 0):
         beside = probe(k) if perf_counter() < deadline else None
         with suppress(Failed):

@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 from math import cos, sqrt
 from pathlib import Path
+from time import sleep
 
 import pytest
 
 import lagc
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
+from lagc.kernels import METHODS
+from lagc.kernels.integrators.tableaus import adapts
 from lagc.simulation.backends.compile import CannotCompile
 from tests.simulation.test_generated import needs_compiler
 
@@ -18,7 +21,7 @@ np = pytest.importorskip("numpy")
 
 from lagc.study import cost  # noqa: E402
 from lagc.study.cost import Point, Study, advise, errors_of, fitted, scales_of  # noqa: E402
-from lagc.study.probe import Probe, Setting  # noqa: E402
+from lagc.study.probe import Probe, Setting, Shot  # noqa: E402
 
 SPRING = """\
 model Spring
@@ -87,6 +90,44 @@ def test_the_front_is_what_nothing_beats() -> None:
         point("dop853", 1.0, e, s) for e, s in ((1e-2, 1.0), (1e-3, 2.0), (1e-1, 1.5), (1e-3, 3.0))
     ]
     assert [(p.error, p.seconds) for p in study.front] == [(1e-2, 1.0), (1e-3, 2.0)]
+
+
+def test_the_time_of_a_point_is_the_least_and_its_scatter_the_median_above_it() -> None:
+    measured = point("dop853", 1e-6, 1e-6, 9.0)
+    assert (measured.seconds, measured.spread) == (9.0, 0.0)
+    measured.times = [1.2, 1.0, 1.1, 5.0, 1.1]
+    assert measured.seconds == 1.0 and measured.spread == pytest.approx(0.1)
+
+
+def test_every_method_is_tried_with_tolerances_or_steps() -> None:
+    pilot = Shot(np.zeros((1, 1)), np.zeros((1, 1)), 0, 100, 0, 0.0, False)
+    tried = list(cost.settings(pilot, 10.0))
+    assert {s.method for s in tried} == set(METHODS)
+    assert all((s.rtol > 0.0) == adapts(s.method) != (s.step > 0.0) for s in tried)
+
+
+@needs_compiler
+@pytest.mark.full
+def test_a_limit_of_time_ends_a_study_with_the_code_of_limits(tmp_path: Path) -> None:
+    (tmp_path / "spring.lag").write_text(SPRING)
+    assert main(["cost", str(tmp_path / "spring.lag"), "--max-time", "1.5 s", "-q"]) == 4
+
+
+@needs_compiler
+@pytest.mark.full
+def test_the_budget_contains_the_time_of_compiling(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A model that takes longer to compile than its budget gets the least study: no verified runs."""
+    from lagc.compiler import pipeline
+
+    own = pipeline.render
+
+    def slow(*given: object, **named: object) -> object:
+        sleep(0.6)
+        return own(*given, **named)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(pipeline, "render", slow)
+    study = lagc.loads(SPRING).compile(backend="c").cost(points=21, budget=0.5)
+    assert study.points and not study.verified and study.spent > 0.6
 
 
 def test_scales_are_ranges_or_sizes_of_terms() -> None:
@@ -198,8 +239,6 @@ def test_wrong_words_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[s
 
 
 def test_errors_are_over_the_scale_of_each_quantity() -> None:
-    from lagc.study.probe import Shot
-
     zero = np.zeros((2, 2))
     exact = Shot(np.array([[0.0, 1.0], [2.0, 1.0]]), zero, 0, 0, 0, 0.0, False)
     other = Shot(np.array([[0.0, 1.0], [2.2, 1.5]]), zero, 0, 0, 0, 0.0, False)

@@ -11,7 +11,9 @@ from __future__ import annotations
 import marshal
 import os
 import sys
+from _thread import _local as Local
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import lru_cache
 from stat import S_ISREG
 from time import time
@@ -33,15 +35,37 @@ __all__ = [
     "opened",
     "reason",
     "store",
+    "unused",
 ]
 
 T = TypeVar("T")
 PYTHON = f"{sys.implementation.cache_tag} {sys.hexversion:x}"  # the interpreter that code belongs to
 
 
+class _Off(Local):
+    """Blocks of this thread that turn the cache off."""
+
+    depth = 0
+
+
+_off = _Off()
+
+
+@contextmanager
+def unused() -> Iterator[None]:
+    """Turn the cache off inside the block."""
+    _off.depth += 1
+    try:
+        yield
+    finally:
+        _off.depth -= 1
+
+
 def folder() -> str | None:
     """Return `LAGC_CACHE`, or else `lagc` in the platform's cache folder, or None. An empty `LAGC_CACHE`
     turns the cache off."""
+    if _off.depth:
+        return None
     own = os.environ.get("LAGC_CACHE")
     if own is not None:
         return os.path.expanduser(own) or None

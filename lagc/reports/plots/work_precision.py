@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MARKS = "osD^"
+MARKS = "osD^vPX"
 
 
 def draw(study: Study, heading: str) -> Figure:
@@ -31,7 +31,7 @@ def draw(study: Study, heading: str) -> Figure:
         axes.set_xlabel(
             "error made (the largest of all quantities, relative to their ranges)    more exact \u2192"
         )
-        axes.set_ylabel("CPU time, ms (median and quartiles)")
+        axes.set_ylabel("CPU time, ms (least; bars to the median)")
         _front(axes, study)
         for method, color, mark in zip(METHODS, COLORS, MARKS):
             _method(axes, study, method, color, mark)
@@ -55,8 +55,8 @@ def _method(axes: Axes, study: Study, method: str, color: str, mark: str) -> Non
     if not own:
         return
     x, y = [p.error for p in own], [1e3 * p.seconds for p in own]
-    axes.errorbar(x, y, yerr=[p.spread * t for p, t in zip(own, y)], color=color, marker=mark, markersize=4.5,
-                  linewidth=1.2)  # fmt: skip
+    above = [[0.0] * len(own), [p.spread * t for p, t in zip(own, y)]]
+    axes.errorbar(x, y, yerr=above, color=color, marker=mark, markersize=4.5, linewidth=1.2)
     name = f"{method} (fixed steps)" if own[0].setting.step else method
     axes.annotate(name, (x[-1], y[-1]), xytext=(7, 3), textcoords="offset points", color=color)
 
