@@ -52,8 +52,12 @@ class Context:
         uses: Uses,
         declare: Callable[[Context, Entry], Value],
         evaluators: Mapping[type, Callable[..., Value]],
+        before: Context | None = None,
     ):
-        self.graph = Graph()
+        """`before` is the resolution of the same scene without the releases that its reactions need."""
+        self.graph: Graph = Graph() if before is None else before.graph
+        self.held: set[str] = set()  # parameters and bodies whose reactions outputs ask for
+        self.released: set[str] = set() if before is None else before.held
         self.clock = Clock(self.graph)
         self.time: Node = self.graph.symbol("time", "time")
         self.clock.set_rate(self.time, self.graph.one)

@@ -323,6 +323,19 @@ class Output:
     description: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class Release:
+    """A virtual release: coordinates of the released model that do not move.  The force that holds them is
+    the reaction: `forces` are its symbols in outputs, one for each of the `rates`, in the axes of `axes`
+    (None: as they are).  `all_constraints`: explicit constraints count as part of what holds them."""
+
+    forces: tuple[Node, ...]
+    rates: tuple[Node, ...]
+    values: tuple[tuple[Node, float], ...]  # of the added coordinates; a parameter has its own
+    axes: Matrix | None
+    all_constraints: bool
+
+
 ModelObject: TypeAlias = (
     Parameter
     | Input
@@ -337,6 +350,7 @@ ModelObject: TypeAlias = (
     | Constraint
     | Output
     | Limit
+    | Release
 )
 
 
@@ -376,6 +390,8 @@ class Model:
     imports: tuple[tuple[str, str | None], ...] = ()  # path and fingerprint of every file asked for
     notes: tuple[str, ...] = ()  # assumptions, such as the choice of a scene
     warnings: tuple[Fault, ...] = ()
+    released: Model | None = None  # the same scene with the releases that reactions in outputs need
+    releases: tuple[Release, ...] = ()
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.name}, scene {self.scene}>"

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
+from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as objects
@@ -67,10 +68,33 @@ def resolve(
     by full name, in SI or with a unit; `inputs` are texts of expressions or points over time; `until` is the
     condition that ends a run; `roots` are further folders for imports. Raises Refused with all faults."""
     sys.setrecursionlimit(max(sys.getrecursionlimit(), RECURSION))
-    importer = Importer(file.source, tuple(roots or ()))
+
+    def once(before: Context | None) -> tuple[Context, objects.Model]:
+        importer = Importer(file.source, tuple(roots or ()))
+        context = Context(importer, Uses(), declare, EVALUATORS, before)
+        found = _resolve(context, file, scene, with_effects, without_effects, model, parameters, starts,
+                         inputs, until)  # fmt: skip
+        return context, found
+
+    context, found = once(None)
+    return replace(found, released=once(context)[1]) if context.held else found
+
+
+def _resolve(
+    context: Context,
+    file: tree.Tree,
+    scene: str | None,
+    with_effects: Sequence[str],
+    without_effects: Sequence[str],
+    model: str | None,
+    parameters: Numbers | None,
+    starts: Numbers | None,
+    inputs: Inputs | None,
+    until: str | None,
+) -> objects.Model:
+    importer = context.importer
     space = Namespace(file.declarations, None, importer)
     importer.look_at(file.declarations, space)
-    context = Context(importer, Uses(), declare, EVALUATORS)
     try:
         declaration, where = choose_model(file, space, model)
         scenes = scenes_of(context, declaration, where)
@@ -212,7 +236,7 @@ def _other_kind(instance: Instance, path: str) -> str | None:
 
 
 def _names(found: Sequence[objects.ModelObject]) -> list[str]:
-    names = [item.name for item in found]
+    names = [item.name for item in found if not isinstance(item, objects.Release)]
     return [*names, *(n.rate_symbol.record.name for n in found if isinstance(n, objects.Coordinate))]
 
 
@@ -263,6 +287,7 @@ def _model(
         scenes=setting.names,
         simulate=simulate,
         limits=_of(found, objects.Limit),
+        releases=_of(found, objects.Release),
         built_in=tuple(context.built_in),
         imports=tuple(context.importer.asked.items()),
         notes=setting.notes,

@@ -82,6 +82,17 @@ class Clock:
         return _found(node, self._mask, kinds)
 
 
+def set_quaternion_rate(clock: Clock, q: tuple[Node, Node, Node, Node], w: tuple[Node, Node, Node]) -> None:
+    """Set q' = 1/2 q (0, w) for a unit quaternion with the body rates w, and the derivatives of w."""
+    a, b, c = w
+    e, x, y, z = q
+    runs = (-x * a - y * b - z * c, e * a + y * c - z * b, e * b + z * a - x * c, e * c + x * b - y * a)
+    for symbol, rate in zip(q, runs):
+        clock.set_rate(symbol, 0.5 * rate)
+    for rate in w:
+        clock.set_rate(rate, clock.graph.leaf(rate.record.derivative))
+
+
 def _found(node: Node, known: dict[Node, T], find: Callable[[Node, dict[Node, T]], T]) -> T:
     """Return `known[node]`, computed from its arguments in a loop, because graphs are deep."""
     stack = [node]

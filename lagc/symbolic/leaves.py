@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from lagc.base.records import dataclass, replace
 from lagc.host import cache
 
-QUANTITIES = ("energy", "kinetic", "potential", "power", "momentum", "angular_momentum")
+QUANTITIES = ("energy", "kinetic", "potential", "power", "momentum", "angular_momentum", "reaction")
 _RATES = {"coordinate": "rate", "rate": "acceleration", "speed": "acceleration"}
 
 

@@ -47,6 +47,7 @@ _WHEEL = _same("x", "theta")
 
 PAIRS: list[tuple[str, str, float, Map, Map]] = [
     ("course/string_pendulum", "course/simple_pendulum", 10.0, _string, _same("theta", "E")),
+    ("course/string_pendulum", "course/pendulum_tension", 3.0, _same("tension"), _same("tension")),
     ("course/disc_on_a_line_explicit", "course/disc_on_a_line_implicit", 5.0, _disc, _disc),
     ("course/wheel_explicit", "course/wheel_implicit", 5.0, _WHEEL, _WHEEL),
     ("course/wheel_rolling_explicit", "course/wheel_rolling_implicit", 5.0, _WHEEL, _WHEEL),
@@ -61,7 +62,7 @@ PAIRS: list[tuple[str, str, float, Map, Map]] = [
 
 
 @pytest.mark.sample(2)
-@pytest.mark.parametrize(("first", "second", "stop", "seen1", "seen2"), PAIRS, ids=[p[0] for p in PAIRS])
+@pytest.mark.parametrize(("first", "second", "stop", "seen1", "seen2"), PAIRS, ids=[p[1] for p in PAIRS])
 def test_pair_moves_alike(first: str, second: str, stop: float, seen1: Map, seen2: Map) -> None:
     found = []
     for name, seen in ((first, seen1), (second, seen2)):

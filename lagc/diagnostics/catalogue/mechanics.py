@@ -188,6 +188,19 @@ ENTRIES: dict[str, Entry] = {
         "model M\n  coordinate Length x(rate = 1 [m/s]);\n"
         "  body p = Particle(mass = 1 [kg], at = {x, 0, 0});\nend M;\n",
     ),
+    "LAG0430": Entry(
+        "a reaction of a parameter that changes an inertia",
+        "`reaction(l)` is the force that holds the parameter `l`. If a mass or an inertia depends on `l`, "
+        "this force depends on how its matter would move. Give the inertia a parameter of its own.",
+        "model M\n  parameter Mass m = 1 [kg];\n  parameter Length l = 1 [m];\n  coordinate Angle a;\n"
+        "  frame B = rotate_y(world, a);\n"
+        "  body rod = Solid(mass = m, inertia = m*l^2/12*{1, 1, 0}, frame = B, com = -l/2*B.z);\n"
+        "  output Force T = -reaction(l);\nend M;\n",
+        "model M\n  parameter Mass m = 1 [kg];\n  parameter Length l = 1 [m];\n"
+        "  parameter Inertia J = 0.083 [kg.m2];\n  coordinate Angle a;\n  frame B = rotate_y(world, a);\n"
+        "  body rod = Solid(mass = m, inertia = J*{1, 1, 0}, frame = B, com = -l/2*B.z);\n"
+        "  output Force T = -reaction(l);\nend M;\n",
+    ),
     "LAG0501": Entry(
         "a coordinate without inertia",
         "Forces or outputs depend on this coordinate, but no body moves with it, and no constraint ties "

@@ -167,7 +167,7 @@ ENTRIES: dict[str, Entry] = {
         "the wrong kind of object",
         "For example, a body stands where a number is needed, or a declaration stands in a block where it "
         "does not belong.",
-        _body("output Force N = reaction(b);"),
+        _body("output Force N = reaction(x);"),
         _body("constraint c: x = 0;\n  output Force N = reaction(c);"),
     ),
     "LAG0222": Entry(

@@ -31,7 +31,12 @@ def output_equations(
     """Return the outputs in t, q, v, a, lam and parameters. `dropped` are the labels of redundant rows, whose
     multipliers are zero."""
     graph, outputs = states.graph, states.model.outputs
-    asked = sorted(symbols([o.expression for o in outputs]), key=lambda s: s.index)
+    expressions = [o.expression for o in outputs]
+    if states.model.released is not None:
+        from lagc.mechanics.balance.reactions import reactions  # where outputs ask for them
+
+        expressions = substitute(graph, expressions, reactions(states.model.released))
+    asked = sorted(symbols(expressions), key=lambda s: s.index)
     filled: dict[Node, Node] = {}
     quantities = Quantities(states, parts, acting, free, totals.kinetic, totals.potential)
     for symbol in asked:
@@ -42,7 +47,7 @@ def output_equations(
             filled[symbol] = graph.zero
     filled.update(_accelerations(states, asked))
     filled.update(() if states.plain else states.rates.items())
-    nodes = substitute(graph, [o.expression for o in outputs], filled)
+    nodes = substitute(graph, expressions, filled)
     return tuple([_equation(o, node) for o, node in zip(outputs, nodes)])
 
 

@@ -21,6 +21,7 @@ from lagc.semantics.names.scope import (
     kind,
     scalar_of,
     vector_of,
+    vector_value,
 )
 from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import LATE, VELOCITY
@@ -70,6 +71,12 @@ def declare_body(context: Context, entry: Entry) -> Value:
     found: dict[str, Any] = dict(each(context, lambda part: (part, _READ[part](context, given[part])), given))
     mass, position = found["mass"], found.get("com") or found["at"]
     frame, inertia = found.get("frame"), found.get("inertia")
+    if entry.path in context.released:
+        from lagc.semantics.declarations.releases import release_frame, release_place
+
+        position = release_place(context, entry, position)
+        frame = frame and release_frame(context, entry, frame)
+        place = Argument(vector_value(position, M), place.span)
     velocity = velocity_of(context, place, None)
     body = objects.Body(entry.path, mass, position, velocity, frame, inertia, entry.span, entry.effect)
     entry.objects.append(body)
@@ -219,6 +226,15 @@ def _twice(first: Entry, entry: Entry, body: Entry) -> Fault:
     )
 
 
+def released(context: Context, entry: Entry, symbol: Node, unit: str) -> list[objects.ModelObject]:
+    """Return the release of a parameter, if an output asks for its reaction."""
+    if symbol.record.owner not in context.released:
+        return []
+    from lagc.semantics.declarations.releases import release_parameter
+
+    return release_parameter(context, entry, symbol, unit)
+
+
 def _strength(context: Context, entry: Entry, written: tree.Expression | None) -> Node:
     name = f"{entry.path}.g"
     given = context.give(context.parameters, name)
@@ -233,6 +249,7 @@ def _strength(context: Context, entry: Entry, written: tree.Expression | None) -
     if not value.node.is_const:
         return value.node
     symbol = context.graph.symbol("parameter", name)
+    entry.objects += released(context, entry, symbol, "m/s2")
     number = value.node.value
     assert isinstance(number, float)
     entry.objects.append(

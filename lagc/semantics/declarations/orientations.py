@@ -19,6 +19,7 @@ from lagc.semantics.declarations.attributes import (
 from lagc.semantics.model import Orientation, Statement
 from lagc.semantics.names.scope import Entry, Modifier, Value, expect, flat
 from lagc.semantics.refusals import Wrong
+from lagc.semantics.time_derivatives import set_quaternion_rate
 from lagc.semantics.units import NONE, Dimension, S, over
 from lagc.semantics.values.evaluate import evaluate_as
 from lagc.symbolic.graph import Node
@@ -38,13 +39,8 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
     attributes = attributes_of(context, entry, ("start", "guess", "rate", "fixed", "startFixed", "rateFixed"))
     graph, name = context.graph, entry.path
     w, x, y, z = (graph.symbol("coordinate", name, part) for part in PARTS)
-    rates = [graph.symbol("rate", name, axis) for axis in "xyz"]
-    a, b, c = rates
-    runs = (-x * a - y * b - z * c, w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a)
-    for symbol, rate in zip((w, x, y, z), runs):
-        context.clock.set_rate(symbol, 0.5 * rate)
-    for rate in rates:
-        context.clock.set_rate(rate, graph.leaf(rate.record.derivative))
+    a, b, c = (graph.symbol("rate", name, axis) for axis in "xyz")
+    set_quaternion_rate(context.clock, (w, x, y, z), (a, b, c))
     one, zero = graph.one, graph.zero
     start, start_stated = _numbers(
         context,
@@ -62,7 +58,7 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
         (zero, zero, zero),
         over(NONE, S),
         "rate",
-        [rate.record.name for rate in rates],
+        [rate.record.name for rate in (a, b, c)],
     )
     whole = [max(start_stated, key=lambda s: s.level)]  # one statement for all four components
     whole, rate_stated = with_fixed(context, attributes, [], whole, rate_stated)

@@ -29,6 +29,7 @@ from lagc.semantics.declarations.attributes import (
     with_fixed,
     written_value,
 )
+from lagc.semantics.declarations.bodies import released
 from lagc.semantics.declarations.discrete import BOOLEAN, declare_discrete, is_boolean
 from lagc.semantics.names.scope import (
     Entry,
@@ -191,6 +192,7 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
             assert value is not None
             check_bounds(quantity, name, value, bounds, span, quantity.type.unit)
         symbol = context.graph.symbol("parameter", name)
+        entry.objects += released(context, entry, symbol, quantity.type.unit)
         entry.objects.append(
             objects.Parameter(
                 name,

@@ -209,6 +209,14 @@ class Array:
 
 
 @dataclass(frozen=True, slots=True)
+class Wrench:
+    """A force and its moment, vectors in world axes."""
+
+    force: Array
+    moment: Array
+
+
+@dataclass(frozen=True, slots=True)
 class Truth:
     node: Node
 
@@ -239,11 +247,13 @@ class Part:
     instance: Instance
 
 
-Value: TypeAlias = Scalar | Array | Truth | Text | Indexed | Reference | Part | Body | Frame | Orientation
+Value: TypeAlias = (
+    Scalar | Array | Wrench | Truth | Text | Indexed | Reference | Part | Body | Frame | Orientation
+)
 
 _KINDS: dict[type, str] = {
-    Scalar: "a number", Array: "an array", Truth: "a condition", Text: "a text",
-    Indexed: "an array of things",
+    Scalar: "a number", Array: "an array", Wrench: "a force with its moment",
+    Truth: "a condition", Text: "a text", Indexed: "an array of things",
     Part: "an instance of a model", Body: "a body", Frame: "a frame", Orientation: "an orientation",
 }  # fmt: skip
 
@@ -277,6 +287,8 @@ def vector_of(value: Value, span: Span, what: str) -> tuple[Vector, Dimension | 
     elif isinstance(value, Array) and len(value.elements) == 2 and len(span.text) <= LONGEST_SHOWN:
         whole = span.text.startswith("{") and span.text.endswith("}")
         remedy = f"a vector has three components: write `{span.text[:-1]}, 0}}`" if whole else None
+    elif isinstance(value, Wrench) and len(span.text) <= LONGEST_SHOWN:
+        remedy = f"write `{span.text}.force` or `{span.text}.moment`"
     raise Wrong("LAG0306", f"{what} must be a vector {{x, y, z}}; this is {kind(value)}{size}", span, remedy)
 
 
@@ -346,6 +358,8 @@ def flat(value: Value, span: Span, what: str) -> list[Scalar]:
     if isinstance(value, Array):
         return [s for element in value.elements for s in flat(element, span, what)]
     remedy = _AS_NUMBER if isinstance(value, Truth) else None
+    if isinstance(value, Wrench):
+        remedy = f"write `{span.text}.force` or `{span.text}.moment`"
     raise Wrong(
         "LAG0307", f"{what} must be a number or an array of numbers; this is {kind(value)}", span, remedy
     )

@@ -10,6 +10,7 @@ from lagc.semantics.names.scope import (
     Reference,
     Scalar,
     Value,
+    Wrench,
     expect,
     kind,
     scalar_of,
@@ -207,10 +208,18 @@ _ACTIONS = ("force", "torque", "dissipation", "potential", "gravity", "lagrangia
 
 @TABLE.enter("reaction", "of")
 def _reaction(context: Context, span: Span, of: Argument) -> Value:
-    """Return the multipliers of a constraint; 0 for components that are identically zero."""
+    """Return the multipliers of a constraint, 0 for components that are identically zero; the force that
+    holds a parameter; or the force of all constraints on a body, for a solid with its moment."""
+    if isinstance(of.value, Body):
+        return _reaction_on(context, of.value)
+    if isinstance(of.value, Scalar) and of.value.node.op == "symbol":
+        symbol = of.value.node.record
+        if symbol.kind == "parameter":
+            context.held.add(symbol.owner)
+            return _quantity(context, "reaction", over(ENERGY, of.value.dimension or NONE), symbol.owner)
     entry = of.value.entry if isinstance(of.value, Reference) else None
     if entry is None or entry.kind != "constraint" or not entry.objects:
-        message = f"`reaction` takes a constraint; this is {kind(of.value)}"
+        message = f"`reaction` takes a constraint, a body or a parameter; this is {kind(of.value)}"
         remedy = "write what holds it as `constraint c: left = right;`, then `reaction(c)`"
         raise Wrong("LAG0221", message, of.span, remedy)
     row = entry.objects[0]
@@ -225,6 +234,19 @@ def _reaction(context: Context, span: Span, of: Argument) -> Value:
         return found.get(row.name, Scalar(context.graph.zero, None))
     none = Scalar(context.graph.zero, None)
     return Array(tuple([found.get(f"{row.name}[{k + 1}]", none) for k in range(size)]))
+
+
+def _reaction_on(context: Context, body: Body) -> Value:
+    """Return the force of all constraints on a body; for a solid with the moment about its centre of
+    mass."""
+    context.held.add(body.name)
+
+    def vector(part: str, meant: Dimension) -> Array:
+        parts = [_quantity(context, "reaction", meant, body.name, f"{part}.{axis}") for axis in "xyz"]
+        return Array(tuple(parts))
+
+    force = vector("force", over(ENERGY, M))
+    return force if body.frame is None else Wrench(force, vector("moment", ENERGY))
 
 
 # -- rotations of frames ------------------------------------------------------------
@@ -252,7 +274,7 @@ def _rotate(context: Context, span: Span, frame: Argument, axis: Argument, angle
     if isinstance(axis.value, Orientation):
         if angle is not None:
             raise Wrong("LAG0209", "a rotation by an orientation takes no angle", angle.span)
-        return _oriented(context, parent, axis.value)
+        return oriented(context, parent, axis.value)
     if angle is None:
         raise Wrong(
             "LAG0210",
@@ -358,7 +380,8 @@ def _spin(
     return add(scale(rate, own), second_order)
 
 
-def _oriented(context: Context, parent: Frame, o: Orientation) -> Frame:
+def oriented(context: Context, parent: Frame, o: Orientation) -> Frame:
+    """Return a frame that is rotated by an orientation."""
     return _turned(context, parent, quaternion_turn(context, o.symbols), o.rate_symbols)
 
 

@@ -7,7 +7,17 @@ from collections.abc import Iterable, Sequence
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context
 from lagc.semantics.model import Body, Frame, Orientation
-from lagc.semantics.names.scope import Array, Indexed, Part, Reference, Scalar, Value, kind, vector_value
+from lagc.semantics.names.scope import (
+    Array,
+    Indexed,
+    Part,
+    Reference,
+    Scalar,
+    Value,
+    Wrench,
+    kind,
+    vector_value,
+)
 from lagc.semantics.refusals import Wrong
 from lagc.semantics.units import KG, NONE, M, S, over
 from lagc.syntax import tree
@@ -51,6 +61,8 @@ def member(context: Context, value: Value, e: tree.Member) -> Value:
         return Scalar(value.symbols["wxyz".index(e.name)], NONE)
     if isinstance(value, Body):
         return _of_body(value, e.name)
+    if isinstance(value, Wrench):
+        return value.force if e.name == "force" else value.moment
     assert isinstance(value, Array)
     return value.elements[_AXES.index(e.name)]
 
@@ -75,6 +87,8 @@ def _members(value: Value) -> tuple[str, ...]:
         return ("mass", "position") if value.frame is None else ("mass", "position", "frame")
     if isinstance(value, Array) and len(value.elements) == 3:
         return _AXES
+    if isinstance(value, Wrench):
+        return ("force", "moment")
     return tuple(value.entry.parts) if isinstance(value, Reference) else ()
 
 
