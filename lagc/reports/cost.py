@@ -9,7 +9,8 @@ from typing import Any
 
 from lagc.base.text import printable
 from lagc.kernels.integrators.tableaus import adapts
-from lagc.study.cost import Point, Study
+from lagc.study.advice import Point
+from lagc.study.cost import Study
 
 QUANTITIES = 6  # columns of errors by quantity
 _PAGE = """<!DOCTYPE html>
@@ -81,14 +82,15 @@ def _table(study: Study, everything: bool) -> list[str]:
 
 
 def _advice(study: Study) -> list[str]:
-    lines = [f"  {'for':6} {'take':26} {'costs':>10}   one digit more"]
+    lines = [f"  {'for':6} {'take':26} {'costs':>10}   {'one digit more':24}  nearby"]
     for a in study.advice:
         if a.setting is None:
             lines.append(f"  {a.target:<6.0e} no setting in double precision is sure to meet it")
             continue
         digit = "not in double precision" if a.digit is None else f"{100 * a.digit:+.0f} %"
         take = f"{a.setting.method} {a.setting}"
-        lines.append(f"  {a.target:<6.0e} {take:26} {1e3 * a.seconds:7.3g} ms   {digit}")
+        met = f"{a.met} of {a.tried}" if a.tried else "not tried"
+        lines.append(f"  {a.target:<6.0e} {take:26} {1e3 * a.seconds:7.3g} ms   {digit:24}  {met}")
     for method in dict.fromkeys(a.setting.method for a in study.advice if a.setting is not None):
         if method not in study.laws:
             lines.append(f"  ({method}: all settings meet it; the errors are those of round-off)")
@@ -96,9 +98,10 @@ def _advice(study: Study) -> list[str]:
         law = study.laws[method]
         size = "rtol" if adapts(method) else "step"
         lines.append(
-            f"  ({method}: error = {law.factor:.2g} {size}^{law.power:.2f}, nine of ten runs, also with "
-            f"parameters up to 1 % off, below {law.scatter:.1f} times that)"
+            f"  ({method}: error = {law.factor:.2g} {size}^{law.power:.2f}, nine of ten runs below "
+            f"{law.scatter:.1f} times that)"
         )
+    lines.append("  (nearby: motions with parameters up to 1 % off that meet the target)")
     return lines
 
 
@@ -146,7 +149,7 @@ def to_dict(study: Study) -> dict[str, Any]:
             for method, law in study.laws.items()
         },
         "advice": [
-            {"target": a.target, "method": a.setting and a.setting.method,
+            {"target": a.target, "method": a.setting and a.setting.method, "met": a.met, "tried": a.tried,
              "rtol": (a.setting and a.setting.rtol) or None, "step": (a.setting and a.setting.step) or None,
              "seconds": a.seconds, "one_digit_more": a.digit}
             for a in study.advice

@@ -7,10 +7,9 @@ setting to take for a target.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from statistics import median
 from time import perf_counter
 
 import numpy as np
@@ -18,6 +17,7 @@ import numpy as np
 from lagc.kernels import METHODS
 from lagc.kernels.integrators.tableaus import adapts
 from lagc.simulation.backends.compile import CannotCompile
+from lagc.study.advice import Advice, Law, Point, advise, finest, fitted, setting_of
 from lagc.study.probe import Array, Failed, Probe, Setting, Shot
 
 TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
@@ -26,15 +26,10 @@ CLOCK = 0.2  # of the budget, for which rounds go on
 LEAST_TIME = 2e-3  # s of one measurement: shorter runs are repeated
 REFERENCES = ((1e-22, 1e-20), (1e-20, 1e-18), (1e-18, 1e-16), (1e-16, 1e-15))
 SECOND = (1e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10)  # tolerances of the second method
-FINEST = {"dop853": 3e-15, "bs32": 1e-10}  # tolerances
-USUAL = 1e-13  # the finest tolerance of the other methods
-NEARBY = 10  # motions at nearby parameters, for the scatter of the laws
-TRIED = (1e-3, 1e-5, 1e-7, 1e-9)  # errors near which these are made
+NEARBY = 20  # motions at nearby parameters, at which a setting has to meet its target
+TRIES = 6  # corrections of a setting
+CLEAR = 0.8  # of the target, at which a correction aims
 TIMES = 4  # verified runs of a target; the fastest counts
-SAFE = 0.9  # share of runs that meet the target with the setting for it
-FLOOR = 30.0  # times the uncertainty of the reference, or of double precision: errors above follow a law
-LEAST_POWER = 0.3  # of a tolerance or step in the law of the error
-COARSE = 0.03  # errors above follow no law yet
 CONSTANT = 1e-9  # of its largest value: a quantity with less range does not move
 
 Progress = Callable[[float, str], None]
@@ -49,57 +44,6 @@ class Reference:
     agreement: float  # of runs at two tolerances
     second: float  # of runs by two methods
     words: str
-
-
-@dataclass
-class Point:
-    """A setting with its errors, by quantity, and its CPU times in s."""
-
-    setting: Setting
-    errors: Array
-    rhs: int
-    steps: int
-    rejected: int
-    estimate: float  # s, from the run that gave the errors
-    times: list[float] = field(default_factory=list)
-
-    @property
-    def error(self) -> float:
-        return float(self.errors.max(initial=0.0))
-
-    @property
-    def seconds(self) -> float:
-        """The least of all times: other work on the machine makes a run slower, never faster."""
-        return min(self.times, default=self.estimate)
-
-    @property
-    def spread(self) -> float:
-        """The median over the least time, less 1."""
-        return median(self.times) / self.seconds - 1.0 if self.times else 0.0
-
-
-@dataclass(frozen=True)
-class Law:
-    """error = factor size^power; nine of ten runs, also at nearby parameters, err by less than `scatter`
-    times that."""
-
-    factor: float
-    power: float
-    scatter: float
-
-    def size_for(self, target: float) -> float:
-        """The tolerance or step with which an error above `target` is unlikely."""
-        return float((target / (self.factor * self.scatter)) ** (1.0 / self.power))
-
-
-@dataclass(frozen=True)
-class Advice:
-    """The setting for a target, its predicted time, and the price of one digit more (None: not reached)."""
-
-    target: float
-    setting: Setting | None
-    seconds: float
-    digit: float | None
 
 
 @dataclass(frozen=True)
@@ -125,7 +69,9 @@ class Study:
     reference: Reference | None = None
     points: list[Point] = field(default_factory=list)
     laws: dict[str, Law] = field(default_factory=dict)
-    nearby: dict[str, list[float]] = field(default_factory=dict)  # errors there over those of the law
+    sizes: dict[tuple[str, float], float] = field(default_factory=dict)  # by method and target, as corrected
+    met: dict[tuple[str, float], int] = field(default_factory=dict)  # of the motions at nearby parameters
+    tried: int = 0  # of these
     advice: list[Advice] = field(default_factory=list)
     verified: list[Verified] = field(default_factory=list)
     compilers: dict[str, float] = field(default_factory=dict)  # s by words
@@ -158,57 +104,13 @@ class Study:
         for method in METHODS:
             law = fitted([p for p in self.points if p.setting.method == method], self.floor)
             if law is not None:
-                beside = self.nearby.get(method, [])
-                there = float(np.quantile(beside, SAFE)) if beside else 1.0
-                self.laws[method] = replace(law, scatter=max(law.scatter, there))
-        self.advice = [advise(self.points, self.laws, target) for target in TARGETS]
+                self.laws[method] = law
+        self.advice = [self._advice(target) for target in TARGETS]
 
-
-def fitted(points: Sequence[Point], floor: float) -> Law | None:
-    """The law of the points of one method by least squares in logarithms; None for fewer than four."""
-    used = [p for p in points if FLOOR * floor < p.error < COARSE]
-    if len(used) < 4:
-        return None
-    x, y = np.log([p.setting.size for p in used]), np.log([p.error for p in used])
-    power, offset = np.polyfit(x, y, 1)
-    if not power > LEAST_POWER:
-        return None  # the error does not follow the setting
-    above = float(np.quantile(y - offset - power * x, SAFE))
-    return Law(float(np.exp(offset)), float(power), float(np.exp(max(above, 0.0))))
-
-
-def advise(points: Sequence[Point], laws: Mapping[str, Law], target: float) -> Advice:
-    """The cheapest setting that meets `target` by the laws."""
-    found: list[tuple[float, Setting, float | None]] = []
-    for method, law in laws.items():
-        own = sorted((p for p in points if p.setting.method == method), key=lambda p: p.setting.size)
-        size = min(law.size_for(target), own[-1].setting.size)
-        cost = predicted(own, size)
-        if cost is None:
-            continue
-        more = predicted(own, law.size_for(0.1 * target))
-        digit = None if more is None else max(more / cost - 1.0, 0.0)
-        found.append((cost, setting_of(method, size), digit))
-    for method in dict.fromkeys(p.setting.method for p in points if p.setting.method not in laws):
-        own = [p for p in points if p.setting.method == method]
-        if len(own) > 3 and max(p.error for p in own) <= target:  # as where only events limit the steps
-            best = min(own, key=lambda p: p.seconds)
-            found.append((best.seconds, best.setting, 0.0))
-    if not found:
-        return Advice(target, None, 0.0, None)
-    cost, setting, digit = min(found, key=lambda each: each[0])
-    return Advice(target, setting, cost, digit)
-
-
-def predicted(points: Sequence[Point], size: float) -> float | None:
-    """The time at a tolerance or step, from the line through the logarithms of the points nearest to it; None
-    below the finest point."""
-    if len(points) < 2 or size < 0.99 * points[0].setting.size:
-        return None
-    near = sorted(points, key=lambda p: abs(np.log(p.setting.size / size)))[:4]
-    x, y = np.log([p.setting.size for p in near]), np.log([p.seconds for p in near])
-    slope, offset = np.polyfit(x, y, 1)
-    return float(np.exp(offset + slope * np.log(size)))
+    def _advice(self, target: float) -> Advice:
+        found = advise(self.points, self.laws, target, self.sizes)
+        met = self.met.get((found.setting.method, target)) if found.setting else None
+        return found if met is None else replace(found, met=met, tried=self.tried)
 
 
 def errors_of(shot: Shot, reference: Reference) -> Array:
@@ -303,7 +205,7 @@ def study(
             )
         measure(found, plain, times, perf_counter() + 0.5 * left, progress)
         found.conclude()
-        look_nearby(found, nearby, times[: len(found.reference.shot.hi)], began + 0.95 * budget)
+        look_nearby(found, plain, nearby, times[: len(found.reference.shot.hi)], began + 0.95 * budget)
         found.conclude()
         for target in TARGETS:
             if perf_counter() - began > budget:
@@ -331,16 +233,6 @@ def _error_of(values: Array, reference: Reference) -> float:
     n = min(len(values), len(reference.shot.hi))
     apart: Array = np.abs(values[:n] - reference.shot.hi[:n]).max(axis=0)
     return float(scaled(apart, reference).max(initial=0.0))
-
-
-def setting_of(method: str, size: float) -> Setting:
-    """The setting with a tolerance, or with a step in s where the method takes fixed steps."""
-    return Setting(method, rtol=size) if adapts(method) else Setting(method, step=size)
-
-
-def finest(method: str) -> float:
-    """The finest tolerance, or step, that is tried."""
-    return FINEST.get(method, USUAL) if adapts(method) else 0.0
 
 
 def settings(pilot: Shot, stop: float) -> Iterator[Setting]:
@@ -396,25 +288,46 @@ def measure(study: Study, plain: Probe, times: Sequence[float], deadline: float,
 
 
 def look_nearby(
-    study: Study, probe: Callable[[int], Probe | None], times: Sequence[float], deadline: float
+    study: Study, plain: Probe, probe: Callable[[int], Probe | None], times: Sequence[float], deadline: float
 ) -> None:
-    """Compare errors at nearby parameters with the laws; `probe(k)` is the k-th of them.  The finest run in
-    double precision is the reference."""
-    reference = study.reference
-    settings: dict[str, list[Setting]] = {}
-    for method, law in study.laws.items():
-        sizes = [law.size_for(error) for error in TRIED]
-        settings[method] = [setting_of(method, size) for size in sizes if size >= finest(method)]
-    for k in range(NEARBY if settings and reference is not None else 0):
-        beside = probe(k) if perf_counter() < deadline else None
+    """Correct the settings for the targets until they meet them, on this motion and on those at nearby
+    parameters; `probe(k)` is the k-th of them.  The finest run in double precision is the reference there."""
+    assert study.reference is not None
+    beside = [(plain, study.reference)]
+    for k in range(NEARBY if study.laws else 0):
         with suppress(Failed):
-            if beside is not None and reference is not None:
-                exact = replace(reference, shot=beside.run(Setting("dop853", rtol=1e-14), times))
-                for method, law in study.laws.items():
-                    for setting in settings[method]:
-                        made = float(errors_of(beside.run(setting, times), exact).max(initial=0.0))
-                        found = study.nearby.setdefault(method, [])
-                        found.append(made / (law.factor * setting.size**law.power))
+            found = probe(k) if perf_counter() < deadline else None
+            if found is not None:
+                exact = found.run(Setting("dop853", rtol=1e-14), times)
+                beside.append((found, replace(study.reference, shot=exact)))
+    for target in TARGETS:
+        _settle(study, target, beside, times, deadline)
+
+
+def _settle(
+    study: Study, target: float, beside: Sequence[tuple[Probe, Reference]], times: Sequence[float],
+    deadline: float,
+) -> None:  # fmt: skip
+    sizes = {(m, target): replace(law, scatter=1.0).size_for(target) for m, law in study.laws.items()}
+    for _ in range(TRIES):
+        setting = advise(study.points, study.laws, target, sizes).setting
+        if setting is None or setting.method not in study.laws or perf_counter() > deadline:
+            return
+        made = [_error_with(setting, probe, times, reference) / target for probe, reference in beside]
+        key = setting.method, target
+        study.sizes[key], study.met[key] = setting.size, sum(error <= 1.0 for error in made[1:])
+        study.tried = len(beside) - 1
+        if max(made) <= 1.0:
+            return
+        part = max(CLEAR / max(made), 0.1) ** (1.0 / study.laws[setting.method].power)
+        sizes[key] = study.sizes[key] = setting.size * part
+
+
+def _error_with(setting: Setting, probe: Probe, times: Sequence[float], reference: Reference) -> float:
+    try:
+        return float(errors_of(probe.run(setting, times), reference).max(initial=0.0))
+    except Failed:
+        return float("inf")
 
 
 def compare_compilers(study: Study, make: Callable[[tuple[str, ...]], Probe], times: Sequence[float]) -> None:

@@ -20,7 +20,8 @@ from tests.simulation.test_generated import needs_compiler
 np = pytest.importorskip("numpy")
 
 from lagc.study import cost  # noqa: E402
-from lagc.study.cost import Point, Study, advise, errors_of, fitted, scales_of  # noqa: E402
+from lagc.study.advice import Point, advise, fitted  # noqa: E402
+from lagc.study.cost import Study, errors_of, scales_of  # noqa: E402
 from lagc.study.probe import Probe, Setting, Shot  # noqa: E402
 
 SPRING = """\
