@@ -51,18 +51,19 @@ _FOREIGN_TYPES = {
     "Quaternion": "write `Orientation`",
 }  # fmt: skip
 
-_REVOLUTE = (
-    "declare its angle and turn a frame by it: `coordinate Angle phi; frame F = rotate_z(world, phi);`"
-)
+_JOINTS = {
+    **dict.fromkeys(("Revolute", "Hinge", "Joint"), "Revolute(a, b, axis = world.y, at = P)"),
+    **dict.fromkeys(("Prismatic", "Slider"), "Prismatic(a, b, axis = world.x)"),
+    "Cylindrical": "Cylindrical(a, b, axis = world.x, at = P)",
+    "Universal": "Universal(a, b, axis = world.x, at = P, along = world.y)",
+    "Spherical": "Spherical(a, b, at = P)",
+    "FreeMotion": "Free(world, b)",
+}
 _PARTICLE = "write `body b = Particle(mass = m, at = {x, y, z});`, or `Solid(...)` for a body that turns"
 _SPRING = "write a spring as a potential: `potential V = 1/2*k*(norm(position(b)) - l)^2;`"
 _DAMPER = "write a damper as a dissipation: `dissipation D = 1/2*c*der(x)^2;`"
 _COMPONENTS = {  # models of libraries of mechanics -> the declarations to write
-    **dict.fromkeys(("Revolute", "Universal", "Hinge", "Joint"), _REVOLUTE),
-    **dict.fromkeys(("Prismatic", "Cylindrical", "Slider"),
-        "declare its displacement and a point: `coordinate Length s; point P = s*world.x;`"),
-    **dict.fromkeys(("Spherical", "FreeMotion"),
-        "declare an orientation and a frame: `coordinate Orientation o; frame F = rotate(world, o);`"),
+    **{name: f"write `joint j = {call};` with two bodies" for name, call in _JOINTS.items()},
     **dict.fromkeys(("Body", "BodyShape", "BodyBox", "BodyCylinder", "PointMass", "RigidBody", "SlidingMass"),
         _PARTICLE),
     **dict.fromkeys(("Fixed", "FixedTranslation"), "write `point P = {0, 0, 1} [m];`"),
@@ -91,13 +92,16 @@ NO_LIBRARY = (
     "delete it, since types, functions and `pi` are built in: write `Mass` for `SI.Mass`, `sin` for `np.sin`"
 )
 
+AS_JOINT = (
+    "write `joint name = Kind(a, b, ...);`, for example `joint j = Revolute(a, b, axis = world.y, at = P);`"
+)
+
 LATER = {  # declarations that are not yet supported -> the message, and what to write until then
-    "joint": ("joints are not yet supported", _REVOLUTE),
     "friction": (
         "friction is not yet supported",
         "write it as a force with a known normal force, smooth at rest: "
         "`force rub = -mu*m*g*tanh(der(x)/(1e-3 [m/s]))*world.x at b;`",
-    ),
+    )
 }
 
 LONGEST = 64  # characters of a name that is compared

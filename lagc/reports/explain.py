@@ -12,7 +12,7 @@ from lagc.mechanics.analysis.analysis import RowKind, Seems, analyse
 from lagc.mechanics.formulation.equations import Contribution, EquationsOfMotion, StartValue, WhenEquations
 from lagc.reports.equations.write import Expressions
 from lagc.reports.names import ranged, where
-from lagc.semantics.model import UNSTATED, Lagrangian
+from lagc.semantics.model import UNSTATED, Joint, Lagrangian
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import derived
@@ -46,6 +46,7 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
         "parameters": [_parameter(p) for p in interface.parameters],
         "inputs": [{"name": i.name, "unit": i.unit, "default": i.value} for i in interface.inputs],
         **_discretes(equations, written),
+        **({"joints": [_joint(joint) for joint in model.joints]} if model.joints else {}),
         "constraints": [_constraint(equations, kind) for kind in analysis.constraints],
         "redundant": list(analysis.redundant),
         "open_reactions": list(analysis.open_reactions),
@@ -96,6 +97,16 @@ def _energy(equations: EquationsOfMotion, node: Node, kinetic: Facts | None, pot
 
 def _parameter(p: Field) -> Facts:
     return {"name": p.name, "unit": p.unit, "value": p.value, "description": p.description}
+
+
+def _joint(joint: Joint) -> Facts:
+    return {
+        "name": joint.name,
+        "kind": joint.kind,
+        "between": list(joint.between),
+        "coordinates": list(joint.coordinates),
+        "equations": joint.equations,
+    }
 
 
 def _action(c: Contribution) -> Facts:
@@ -216,6 +227,7 @@ def text(facts: Facts, verbose: bool = False) -> str:
         _section("coordinates", map(_coordinate_line, facts["coordinates"]), verbose),
         _section("speeds", _speed_lines(facts), verbose),
         _section("discrete variables", map(_discrete_line, facts.get("discretes", ())), verbose),
+        _section("joints", map(_joint_line, facts.get("joints", ())), verbose),
         _section("constraints", map(_constraint_line, facts["constraints"]), verbose),
         _section("actions", map(_action_line, facts["actions"]), verbose),
         _count_text(facts),
@@ -292,6 +304,13 @@ def _speed_lines(facts: Facts) -> list[str]:
     if all(s["name"] in rates for s in speeds):
         return []
     return [s["name"] + (f" [{s['unit']}]" if s["unit"] else "") for s in speeds]
+
+
+def _joint_line(fact: Facts) -> str:
+    brings = f"brings {', '.join(fact['coordinates'])}" if fact["coordinates"] else "no coordinates"
+    count = fact["equations"]
+    what = f"{count} {'equation' if count == 1 else 'equations'}" if count else brings
+    return f"{fact['name']}: {fact['kind']} of {' and '.join(fact['between'])}, {what}"
 
 
 def _constraint_line(fact: Facts) -> str:

@@ -74,6 +74,11 @@ class Context:
             tuple[tree.Name, str]
         ] = []  # effects named by `unless`, with the instance's path
         self.mentioned_velocities: list[tuple[Vector, Span]] = []  # since the last reset
+        self.has_joints = False
+        self.linkage: Any = None  # the `Linkage` of the joints, once it is asked for
+        self.poses: dict[
+            str, Callable[[Vector], Vector]
+        ] = {}  # bodies that joints place: drawn point -> place
         self.conditions: list[tuple[tree.Condition, Environment]] = []
         self.whens: list[tuple[tree.When, Environment, str | None]] = []
         self.curves: dict[str, Table] = {}  # by name

@@ -155,7 +155,9 @@ class Builder:
             message, remedy = LATER[kind]
             raise Wrong("LAG0220", message, d.span, remedy)
         if not d.index:
-            self._enter(kind, d.name, d, d, destination)
+            entry = self._enter(kind, d.name, d, d, destination)
+            if kind == "joint":
+                self._coordinates(entry, destination)
             return
         container = self.instance.entries.get(d.name)
         if container is None:
@@ -259,6 +261,16 @@ class Builder:
             raise self._twice(entry.path, d.name_span, first.span)
         container.elements[numbers] = entry
         destination.items.append(entry)
+        if entry.kind == "joint":
+            self._coordinates(entry, destination)
+
+    def _coordinates(self, joint: Entry, destination: Destination) -> None:
+        """Enter the coordinates of a joint as members: `knee.angle`."""
+        from lagc.semantics.joints.coordinates import coordinates_of
+
+        self.context.has_joints = True
+        joint.inner = coordinates_of(joint, self.instance)
+        destination.items.append([*joint.inner])
 
     def _instance(self, d: tree.Instance, entry: Entry, destination: Destination) -> None:
         source = entry.source

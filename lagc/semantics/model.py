@@ -324,16 +324,31 @@ class Output:
 
 
 @dataclass(frozen=True, slots=True)
+class Joint:
+    """A joint between two bodies ("world") or two joints. An open one brings `coordinates`, a closing one
+    `equations`."""
+
+    name: str
+    kind: str
+    between: tuple[str, str]
+    coordinates: tuple[str, ...]
+    equations: int
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class Release:
-    """A virtual release: coordinates of the released model that do not move.  The force that holds them is
-    the reaction: `forces` are its symbols in outputs, one for each of the `rates`, in the axes of `axes`
-    (None: as they are).  `all_constraints`: explicit constraints count as part of what holds them."""
+    """A virtual release: coordinates of the released model that do not move. `forces` are the symbols of the
+    reaction in outputs, one for each of the `rates`, in the axes of `axes` (None: as they are). The reaction
+    is `held` times the force that holds them, all constraints released, plus `pushed` times the force on them
+    of the explicit constraints."""
 
     forces: tuple[Node, ...]
     rates: tuple[Node, ...]
     values: tuple[tuple[Node, float], ...]  # of the added coordinates; a parameter has its own
     axes: Matrix | None
-    all_constraints: bool
+    held: float
+    pushed: float
 
 
 ModelObject: TypeAlias = (
@@ -350,6 +365,7 @@ ModelObject: TypeAlias = (
     | Constraint
     | Output
     | Limit
+    | Joint
     | Release
 )
 
@@ -383,6 +399,7 @@ class Model:
     scenes: tuple[str, ...]
     simulate: dict[str, float] = field(default_factory=dict)  # stop, accuracy, ... of the scene
     whens: tuple[When, ...] = ()
+    joints: tuple[Joint, ...] = ()
     discretes: tuple[Discrete, ...] = ()
     tables: tuple[Table, ...] = ()
     limits: tuple[Limit, ...] = ()  # of computed parameters

@@ -287,6 +287,7 @@ def _model(
         scenes=setting.names,
         simulate=simulate,
         limits=_of(found, objects.Limit),
+        joints=_of(found, objects.Joint),
         releases=_of(found, objects.Release),
         built_in=tuple(context.built_in),
         imports=tuple(context.importer.asked.items()),
@@ -310,6 +311,12 @@ def _without_kind(context: Context, entry: Entry) -> Value:
     return refuse_without_kind(context, entry)
 
 
+def _joint(context: Context, entry: Entry) -> Value:
+    from lagc.semantics.declarations.joints import declare_joint  # where there are some
+
+    return declare_joint(context, entry)
+
+
 DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
     "constant": declare_quantity, "parameter": declare_quantity, "structural": declare_quantity,
     "input": declare_quantity,
@@ -319,7 +326,7 @@ DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
     "frame": declare_frame, "point": declare_point, "body": declare_body, "gravity": declare_gravity,
     "potential": declare_potential, "kinetic": declare_free_term, "lagrangian": declare_free_term,
     "dissipation": declare_dissipation, "force": declare_load, "torque": declare_load,
-    "constraint": declare_constraint,
+    "constraint": declare_constraint, "joint": _joint,
 }  # fmt: skip
 
 

@@ -188,7 +188,7 @@ CASES = [
     ("a range that is too long", "LAG0218", "for i in «1:1000000000» loop point P[i] = {x, 0, 0}; end for;"),
     ("an array that is too large", "LAG0218", "coordinate Length «z[1000, 1000]»;"),
     ("a function that calls itself", "LAG0225", "function f(Real u) = «f(u)»; potential V = 1 [J]*f(1);"),
-    ("a joint", "LAG0220", "«joint j = Revolute(world, b);»"),
+    ("a joint of a body with coordinates", "LAG0234", "joint j = Prismatic(world, «b», axis = world.x);"),
     ("a friction", "LAG0220", "constraint c: x = 1 [m]; «friction f = Coulomb(on = c, mu = 0.3);»"),
     ("an inequality", "LAG0220", "constraint c: x «>=» 0;"),
     ("an equality in a `when`", "LAG0227", 'when «x == 1 [m]» then terminate("far"); end when;'),

@@ -12,6 +12,11 @@ def _body(lines: str) -> str:
     return f"{_HEAD}  {lines}\nend M;\n"
 
 
+def _drawn(lines: str) -> str:
+    body = "body b = Solid(mass = 1 [kg], inertia = {1, 1, 1} [kg.m2], com = {0, 0, 1} [m]);"
+    return f"model M\n  {body}\n  {lines}\nend M;\n"
+
+
 ENTRIES: dict[str, Entry] = {
     "LAG0201": Entry(
         "an unknown name",
@@ -159,7 +164,7 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0220": Entry(
         "a language feature that is not yet supported",
-        "This version reads joints, inequality constraints and friction, but cannot compile them yet.",
+        "This version reads inequality constraints and friction, but cannot compile them yet.",
         _body("constraint c: x >= 0;"),
         _body("constraint c: x = 0;"),
     ),
@@ -240,6 +245,22 @@ ENTRIES: dict[str, Entry] = {
         "conditions.",
         _body("discrete Length far(start = 1 [m]);\n  constraint c: der(x) = far/(1 [s]);"),
         _body("discrete Length far(start = 1 [m]);\n  potential spring = (1 [N/m])*(x - far)^2;"),
+    ),
+    "LAG0233": Entry(
+        "a joint that cannot be used this way",
+        "A joint ties two bodies, or a body to `world`. Joints that lead to `world` place all of them. A "
+        "joint between bodies that others place closes a loop: it has equations instead of coordinates.",
+        _drawn("joint j = Revolute(b, b, axis = world.y, at = {0, 0, 0});"),
+        _drawn("joint j = Revolute(world, b, axis = world.y, at = {0, 0, 0});"),
+    ),
+    "LAG0234": Entry(
+        "a joint of something that moves by itself",
+        "Joints place bodies that are drawn in one configuration, with numbers and parameters. The "
+        "coordinates of the joints move the bodies. Do not give a body of a joint coordinates of its own.",
+        _drawn(
+            "coordinate Angle a;\n  joint j = Revolute(world, b, axis = world.y, at = {a*(1 [m]), 0, 0});"
+        ),
+        _drawn("joint j = Revolute(world, b, axis = world.y, at = {0, 0, 0});"),
     ),
     "LAG0301": Entry(
         "different dimensions where one is needed",

@@ -29,7 +29,7 @@ def output_equations(
     dropped: Sequence[str],
 ) -> tuple[OutputEquation, ...]:
     """Return the outputs in t, q, v, a, lam and parameters. `dropped` are the labels of redundant rows, whose
-    multipliers are zero."""
+    multipliers are zero; so are those of rows that only a released model has."""
     graph, outputs = states.graph, states.model.outputs
     expressions = [o.expression for o in outputs]
     if states.model.released is not None:
@@ -38,12 +38,13 @@ def output_equations(
         expressions = substitute(graph, expressions, reactions(states.model.released))
     asked = sorted(symbols(expressions), key=lambda s: s.index)
     filled: dict[Node, Node] = {}
+    labels = {label for c in states.model.constraints for label in c.labels}
     quantities = Quantities(states, parts, acting, free, totals.kinetic, totals.potential)
     for symbol in asked:
         record = symbol.record
         if record.kind in QUANTITIES:
             filled[symbol] = quantities.value(record)
-        elif record.kind == "multiplier" and record.owner in dropped:
+        elif record.kind == "multiplier" and (record.owner in dropped or record.owner not in labels):
             filled[symbol] = graph.zero
     filled.update(_accelerations(states, asked))
     filled.update(() if states.plain else states.rates.items())

@@ -40,7 +40,7 @@ def reactions(model: Model) -> dict[Node, Node]:
         filled.update((symbol, states.graph.const(value)) for symbol, value in release.values)
     found: dict[Node, Node] = {}
     for release in model.releases:
-        raw = [held[r] if release.all_constraints else held[r] - pushed[r] for r in release.rates]
+        raw = [release.held * held[r] + release.pushed * pushed[r] for r in release.rates]
         nodes = substitute(states.graph, [*raw, *_flat(release)], filled)
         values, axes = nodes[: len(raw)], triples(nodes[len(raw) :])
         if axes:

@@ -130,10 +130,27 @@ class Formulas:
 
     @cached_property
     def definitions(self) -> list[Formula]:
+        """A formula for each part.  To collect one may name further parts, which are put before it."""
         collect, symbol = self.collector.collect, self.collector.algebra.symbol_only
-        return [
-            Formula("shared", node.record.name, collect(symbol(node)), collect(p)) for node, p in self.parts
-        ]
+        pending, ordered, found = list(reversed(self.parts)), [], []
+        collected: dict[Node, Formula] = {}
+        while pending:
+            node, p = pending[-1]
+            if node not in collected:
+                known = len(self.parts)
+                collected[node] = Formula("shared", node.record.name, collect(symbol(node)), collect(p))
+                pending += reversed(self.parts[known:])
+            else:
+                ordered.append(pending.pop())
+                found.append(collected[node])
+        self.parts[:] = ordered
+        return found
+
+    @property
+    def named(self) -> list[Node]:
+        """The symbols of all parts, in the order of their definitions."""
+        count = len(self.definitions)  # orders the parts
+        return [node for node, _ in self.parts[:count]]
 
 
 def everything(

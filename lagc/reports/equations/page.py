@@ -73,7 +73,7 @@ def page(equations: EquationsOfMotion, full: bool = True) -> Page:
 def _plain(equations: EquationsOfMotion) -> Page:
     found, shown = formulas(equations), _shown(equations)
     letter = _letter(equations)
-    for number, (node, _) in enumerate(found.parts, 1):
+    for number, node in enumerate(found.named, 1):
         shown[node] = Name(f"{letter}{number}", f"{letter}{number}")
     return Page(tuple(_lines(found, shown)), shown, False, set())
 
@@ -102,7 +102,7 @@ def in_parts(equations: EquationsOfMotion, nodes: Sequence[Node]) -> Page:
 
 def _ruled(equations: EquationsOfMotion, found: Formulas) -> Page:
     """With what follows a rule written once."""
-    shown, parts = _shown(equations), [node for node, _ in found.parts]
+    shown, parts = _shown(equations), found.named
     if parts:
         shown |= {node: Name(f"part[{k}]", f"part[{k}]") for k, node in enumerate(parts)}
         lines = _lines(found, shown)
@@ -169,6 +169,6 @@ def _lines(found: Formulas, shown: Names) -> list[Line]:
     parts = [former.line(x.kind, x.label, x.left, x.right) for x in found.definitions]
     named = [
         replace(x, label=shown[node].base, indices=indices(shown[node].base))
-        for x, (node, _) in zip(parts, found.parts)
+        for x, node in zip(parts, found.named)
     ]
     return [*named, *lines]

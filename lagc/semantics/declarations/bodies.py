@@ -30,7 +30,7 @@ from lagc.semantics.values.builtin_functions import Argument
 from lagc.semantics.values.calls import look_at_arguments, match
 from lagc.semantics.values.evaluate import each, evaluate, evaluate_as
 from lagc.semantics.values.frame_vectors import unit_vector
-from lagc.semantics.values.kinematics import velocity_of
+from lagc.semantics.values.kinematics import turned_with, velocity_of
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix, Vector, dot
 from lagc.syntax import tree
@@ -42,7 +42,7 @@ STANDARD = 9.81  # m/s2, the default
 
 _SAME = 12  # decimal digits that equal directions share
 _DIMENSIONS = {"mass": KG, "at": M, "com": M, "inertia": INERTIA, "frame": NONE}
-_PARAMETERS = {"Particle": (("mass", "at"), 2), "Solid": (("mass", "inertia", "frame", "com", "at"), 3)}
+_PARAMETERS = {"Particle": (("mass", "at"), 2), "Solid": (("mass", "inertia", "frame", "com", "at"), 2)}
 
 
 def declare_body(context: Context, entry: Entry) -> Value:
@@ -62,6 +62,8 @@ def declare_body(context: Context, entry: Entry) -> Value:
             "LAG0221", NO_BODY, call.function.span, did_you_mean(name, _PARAMETERS) or foreign_model(name)
         )
     given = _arguments(context, entry, call, name)
+    if name == "Solid" and "frame" not in given:
+        given["frame"] = _drawn_frame(context, entry, call)
     place = given.get("com") or given.get("at")
     if place is None:
         remedy = "for example, write `com = {0, 0, 0}`"
@@ -71,6 +73,9 @@ def declare_body(context: Context, entry: Entry) -> Value:
     found: dict[str, Any] = dict(each(context, lambda part: (part, _READ[part](context, given[part])), given))
     mass, position = found["mass"], found.get("com") or found["at"]
     frame, inertia = found.get("frame"), found.get("inertia")
+    if context.has_joints:
+        position, frame = _placed(context, entry, position, frame)
+        place = Argument(vector_value(position, M), place.span)
     if entry.path in context.released:
         from lagc.semantics.declarations.releases import release_frame, release_place
 
@@ -81,6 +86,41 @@ def declare_body(context: Context, entry: Entry) -> Value:
     body = objects.Body(entry.path, mass, position, velocity, frame, inertia, entry.span, entry.effect)
     entry.objects.append(body)
     return body
+
+
+def _drawn_frame(context: Context, entry: Entry, call: tree.Call) -> Argument:
+    """Return the frame of a solid without one: the axes of the drawing, if a joint places it."""
+    if context.has_joints:
+        from lagc.semantics.joints.linkage import linkage_of
+
+        if entry in linkage_of(context, entry).placing:
+            return Argument(context.world, call.span)
+    remedy = "write `frame = F`, or tie the solid to `world` or to another body by a joint"
+    raise Wrong("LAG0210", "`Solid` needs the argument `frame`, or a joint that places it", call.span, remedy)
+
+
+def _placed(
+    context: Context, entry: Entry, position: Vector, frame: objects.Frame | None
+) -> tuple[Vector, objects.Frame | None]:
+    """Return the position and the frame of a body that joints may place.  Raises Wrong."""
+    from lagc.semantics.joints.linkage import linkage_of
+    from lagc.semantics.values.frame_vectors import is_constant
+
+    linkage = linkage_of(context, entry)
+    if entry not in linkage.placing:
+        return position, frame
+    if not is_constant(context, [*position, *(x for row in frame.axes for x in row)] if frame else position):
+        joint = linkage.placing[entry].entry
+        raise Wrong(
+            "LAG0234",
+            f"`{entry.path}` moves by coordinates of its own, and the joint `{joint.path}` places it too",
+            entry.span,
+            "draw the body in one configuration; its joints bring the coordinates",
+            ((joint.span, "the joint"),),
+        )
+    pose = linkage.pose(entry)
+    context.poses[entry.path] = pose.attached
+    return pose.attached(position), frame and turned_with(context, pose.frame, frame)
 
 
 def _call_of(entry: Entry) -> tree.Call:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from lagc.diagnostics.faults import Span
 from lagc.semantics.context import Context
+from lagc.semantics.joints.poses import Pose
 from lagc.semantics.model import UNSTATED, Coordinate, Frame, ModelObject, Orientation, Release, Statement
 from lagc.semantics.names.scope import Entry
 from lagc.semantics.time_derivatives import set_quaternion_rate
@@ -16,15 +17,21 @@ from lagc.semantics.values.kinematics import oriented
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector, add
 
+ON_BODY = (1.0, 0.0)  # the factors `held`, `pushed`: the force of all constraints
+BY_GEOMETRY = (1.0, -1.0)  # the force of what was released, the explicit constraints act as loads
+BY_EQUATIONS = (0.0, 1.0)  # the force of the explicit constraints
+
 
 def release_parameter(context: Context, entry: Entry, symbol: Node, unit: str) -> list[ModelObject]:
     """Return the parameter as a coordinate that does not move."""
     added = _moving(context, entry, symbol, unit)
     force = context.graph.symbol("reaction", symbol.record.owner)
-    return [added, Release((force,), (added.rate_symbol,), (), None, False)]
+    return [added, Release((force,), (added.rate_symbol,), (), None, *BY_GEOMETRY)]
 
 
-def release_place(context: Context, entry: Entry, place: Vector) -> Vector:
+def release_place(
+    context: Context, entry: Entry, place: Vector, factors: tuple[float, float] = ON_BODY
+) -> Vector:
     """Return `place` displaced by three coordinates, along the axes of the world."""
     graph = context.graph
     moved = [graph.symbol("coordinate", f"reaction({entry.path}).{axis}") for axis in "xyz"]
@@ -32,11 +39,13 @@ def release_place(context: Context, entry: Entry, place: Vector) -> Vector:
     forces = [graph.symbol("reaction", entry.path, f"force.{axis}") for axis in "xyz"]
     values = [(symbol, 0.0) for symbol in moved]
     rates = tuple([coordinate.rate_symbol for coordinate in added])
-    entry.objects += [*added, Release(tuple(forces), rates, tuple(values), None, True)]
+    entry.objects += [*added, Release(tuple(forces), rates, tuple(values), None, *factors)]
     return add(place, (moved[0], moved[1], moved[2]))
 
 
-def release_frame(context: Context, entry: Entry, frame: Frame) -> Frame:
+def release_frame(
+    context: Context, entry: Entry, frame: Frame, factors: tuple[float, float] = ON_BODY
+) -> Frame:
     """Return `frame` rotated by an orientation."""
     graph, owner = context.graph, f"reaction({entry.path})"
     w, x, y, z = (graph.symbol("coordinate", owner, part) for part in "wxyz")
@@ -48,8 +57,22 @@ def release_frame(context: Context, entry: Entry, frame: Frame) -> Frame:
                         entry.span)  # fmt: skip
     moments = [graph.symbol("reaction", entry.path, f"moment.{axis}") for axis in "xyz"]
     values = tuple(zip((w, x, y, z), (1.0, 0.0, 0.0, 0.0)))
-    entry.objects += [added, Release(tuple(moments), (a, b, c), values, frame.axes, True)]
+    entry.objects += [added, Release(tuple(moments), (a, b, c), values, frame.axes, *factors)]
     return oriented(context, frame, added)
+
+
+def release_pose(context: Context, joint: Entry, pose: Pose, sense: float) -> Pose:
+    """Return a pose beyond an open joint with all six freedoms; `sense` is -1 if it is that of the first
+    body."""
+    factors = (sense * BY_GEOMETRY[0], sense * BY_GEOMETRY[1])
+    now = release_place(context, joint, pose.now, factors)
+    return Pose(release_frame(context, joint, pose.frame, factors), pose.drawn, now)
+
+
+def release_far_side(context: Context, joint: Entry, pose: Pose, at: Vector) -> Pose:
+    """Return the pose of the second body of a joint that closes a loop, free against the body itself."""
+    now = release_place(context, joint, pose.attached(at), BY_EQUATIONS)
+    return Pose(release_frame(context, joint, pose.frame, BY_EQUATIONS), at, now)
 
 
 def _moving(context: Context, entry: Entry, symbol: Node, unit: str) -> Coordinate:

@@ -69,8 +69,8 @@ class Entry:
     """One declared name of an instance."""
 
     __slots__ = (
-        "declaration", "effect", "elements", "environment", "kind", "modifiers", "name", "objects", "parts",
-        "path", "size", "source", "state", "subscript", "value",
+        "declaration", "effect", "elements", "environment", "inner", "kind", "modifiers", "name", "objects",
+        "parts", "path", "size", "source", "state", "subscript", "value",
     )  # fmt: skip
 
     def __init__(
@@ -87,6 +87,7 @@ class Entry:
         self.modifiers: list[Modifier] = []
         self.elements: dict[tuple[int, ...], Entry] | None = None
         self.subscript: tuple[int, ...] = ()
+        self.inner: list[Entry] = []  # coordinates of a joint
         self.size: int | None = None  # number of components of a vector constraint
         self.state = "new"  # running, done, poisoned
         self.value: Value | None = None

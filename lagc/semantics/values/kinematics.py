@@ -64,6 +64,18 @@ def _der(context: Context, span: Span, x: Argument) -> Value:
     return one(x.value)
 
 
+@TABLE.enter("attached", "body", "drawn")
+def _attached(context: Context, span: Span, body: Argument, drawn: Argument) -> Value:
+    """Return the place of the point of a body that is drawn at `drawn`; joints place the body."""
+    pose = context.poses.get(body.value.name) if isinstance(body.value, Body) else None
+    if pose is None:
+        remedy = "of a body with a frame F write the point itself: `position(b) + s*F.x`"
+        raise Wrong("LAG0221", "`attached` takes a body that a joint places", body.span, remedy)
+    place, found = vector_of(drawn.value, drawn.span, "a point")
+    expect(found, M, drawn.span, "a point")
+    return vector_value(pose(place), M)
+
+
 @TABLE.enter("position", "of")
 def _position(context: Context, span: Span, of: Argument) -> Value:
     vector, found = vector_of(of.value, of.span, "the argument of `position`")
@@ -208,8 +220,9 @@ _ACTIONS = ("force", "torque", "dissipation", "potential", "gravity", "lagrangia
 
 @TABLE.enter("reaction", "of")
 def _reaction(context: Context, span: Span, of: Argument) -> Value:
-    """Return the multipliers of a constraint, 0 for components that are identically zero; the force that
-    holds a parameter; or the force of all constraints on a body, for a solid with its moment."""
+    """Return the multipliers of a constraint, 0 for components that are identically zero; the force of a
+    joint on its second body with its moment; the force that holds a parameter; or the force of all
+    constraints on a body, for a solid with its moment."""
     if isinstance(of.value, Body):
         return _reaction_on(context, of.value)
     if isinstance(of.value, Scalar) and of.value.node.op == "symbol":
@@ -218,8 +231,12 @@ def _reaction(context: Context, span: Span, of: Argument) -> Value:
             context.held.add(symbol.owner)
             return _quantity(context, "reaction", over(ENERGY, of.value.dimension or NONE), symbol.owner)
     entry = of.value.entry if isinstance(of.value, Reference) else None
-    if entry is None or entry.kind != "constraint" or not entry.objects:
-        message = f"`reaction` takes a constraint, a body or a parameter; this is {kind(of.value)}"
+    if entry is not None and entry.kind == "joint":
+        single = entry.size is None and entry.objects and isinstance(entry.objects[0], Constraint)
+        if not single:
+            return _wrench(context, entry.path)
+    if entry is None or entry.kind not in ("constraint", "joint") or not entry.objects:
+        message = f"`reaction` takes a constraint, a joint, a body or a parameter; this is {kind(of.value)}"
         remedy = "write what holds it as `constraint c: left = right;`, then `reaction(c)`"
         raise Wrong("LAG0221", message, of.span, remedy)
     row = entry.objects[0]
@@ -239,14 +256,18 @@ def _reaction(context: Context, span: Span, of: Argument) -> Value:
 def _reaction_on(context: Context, body: Body) -> Value:
     """Return the force of all constraints on a body; for a solid with the moment about its centre of
     mass."""
-    context.held.add(body.name)
+    found = _wrench(context, body.name)
+    return found.force if body.frame is None else found
+
+
+def _wrench(context: Context, owner: str) -> Wrench:
+    context.held.add(owner)
 
     def vector(part: str, meant: Dimension) -> Array:
-        parts = [_quantity(context, "reaction", meant, body.name, f"{part}.{axis}") for axis in "xyz"]
+        parts = [_quantity(context, "reaction", meant, owner, f"{part}.{axis}") for axis in "xyz"]
         return Array(tuple(parts))
 
-    force = vector("force", over(ENERGY, M))
-    return force if body.frame is None else Wrench(force, vector("moment", ENERGY))
+    return Wrench(vector("force", over(ENERGY, M)), vector("moment", ENERGY))
 
 
 # -- rotations of frames ------------------------------------------------------------
@@ -348,6 +369,18 @@ def _about(context: Context, parent: Frame, axis: Vector, own: Vector, angle: Ar
         )
     context.components[found.axes, axis] = own  # the rotation does not change the axis
     return found
+
+
+def turned_with(context: Context, frame: Frame, drawn: Frame) -> Frame:
+    """Return the frame that has the constant axes of `drawn` in `frame`."""
+    zero = context.graph.zero
+    return frame if drawn is context.world else _turned(context, frame, drawn.axes, (zero, zero, zero))
+
+
+def turned_about(context: Context, parent: Frame, own: Vector, angle: Node, span: Span) -> Frame:
+    """Return a frame rotated about the unit vector `own` in the axes of its parent."""
+    axis = matvec(parent.axes, own)
+    return _about(context, parent, axis, own, Argument(Scalar(angle, NONE), span), span)
 
 
 def _turn(axis: Vector, angle: Node) -> Matrix:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from lagc.diagnostics.faults import Fault
-from lagc.diagnostics.suggest import FOREIGN, LATER, LIBRARIES, NO_LIBRARY, closest, foreign_model
+from lagc.diagnostics.suggest import AS_JOINT, FOREIGN, LATER, LIBRARIES, NO_LIBRARY, closest, foreign_model
 from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD
 from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
 
@@ -56,6 +56,9 @@ def _until(w: Where, word: str) -> str:
 
 def not_yet(w: Where) -> Explained | None:
     """Explain `joint Revolute j(...)`, which has another form than the language reads."""
+    if w.first.text == "joint" and w.inside:
+        kind = foreign_model(w.tokens[w.begin + 1].text) or AS_JOINT
+        return Explained(Fault("LAG0221", "a joint has another form", w.span(w.first), remedy=kind))
     if w.first.text not in LATER or not w.inside:
         return None
     message, remedy = LATER[w.first.text]

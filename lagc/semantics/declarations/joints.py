@@ -1,0 +1,171 @@
+"""Declarations of joints: the members of an open one, the equations of one that closes a loop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from lagc.semantics import model as objects
+from lagc.semantics.context import Context
+from lagc.semantics.joints.kinds import ABOUT_Z, ABOUT_Z_AND_X, NO_TURN, Pair
+from lagc.semantics.joints.linkage import TWO_PI, Joint, linkage_of
+from lagc.semantics.joints.poses import Pose
+from lagc.semantics.model import Constraint
+from lagc.semantics.names.scope import Entry, Reference, Scalar, Value
+from lagc.semantics.refusals import Poisoned, Wrong
+from lagc.semantics.units import NONE, M
+from lagc.semantics.values.kinematics import derivative
+from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import Vector, add, cross, dot, norm, scale, sub
+
+Row = tuple[Node, str]  # residual and its unit
+
+
+def declare_joint(context: Context, entry: Entry) -> Value:
+    """Declare the coordinates of an open joint, or the equations of one that closes a loop.  Raises Wrong."""
+    linkage = linkage_of(context, entry)
+    joint = linkage.joints.get(entry)
+    if joint is None:
+        raise Poisoned
+    if isinstance(joint.kind, Pair) and not linkage.closes(joint):
+        for body in joint.ends:
+            if linkage.placing.get(body) is joint:  # type: ignore[arg-type]
+                linkage.pose(body)
+        for inner in entry.inner:
+            joint.coordinate(inner.name)
+        entry.objects.append(_said(joint, tuple([inner.path for inner in entry.inner]), 0))
+        return Reference(entry)
+    for inner in entry.inner:
+        _refuse_coordinate(context, entry, inner)
+    if joint.name in _OF_JOINTS:
+        rows = _OF_JOINTS[joint.name](context, joint)
+    else:
+        a, b = (linkage.pose(end) for end in joint.ends)
+        if entry.path in context.released:
+            from lagc.semantics.declarations.releases import release_far_side
+
+            b = release_far_side(context, entry, b, joint.point("at"))
+        rows = _ROWS.get(joint.name, _pair)(context, joint, a, b)
+    entry.size = None if joint.name in _SINGLE else len(rows)
+    labels = [entry.path if entry.size is None else f"{entry.path}[{k + 1}]" for k in range(len(rows))]
+    kept = [(label, *row) for label, row in zip(labels, rows) if not row[0].is_zero]
+    names, residuals, units = zip(*kept) if kept else ((), (), ())
+    call = joint.call
+    own = Constraint(entry.path, names, residuals, units, entry.span, call, call, entry.effect)
+    entry.objects[:0] = [own, _said(joint, (), len(kept))]
+    return Reference(entry)
+
+
+def _said(joint: Joint, coordinates: tuple[str, ...], equations: int) -> objects.Joint:
+    ends = ["world" if end is None else end.path for end in joint.ends]
+    return objects.Joint(
+        joint.entry.path, joint.name, (ends[0], ends[1]), coordinates, equations, joint.entry.span
+    )
+
+
+def _refuse_coordinate(context: Context, entry: Entry, inner: Entry) -> None:
+    """A joint that closes a loop has no coordinates: mark them, and refuse what is given to them."""
+    inner.state = "poisoned"
+    for modifier in inner.modifiers:
+        for argument in modifier.argument.arguments:
+            context.report(_no_coordinates(entry, argument.span))
+    for name in (inner.path, f"der({inner.path})"):
+        given = context.give(context.starts, name)
+        if given is not None:
+            context.report(_no_coordinates(entry, given.span or entry.span))
+
+
+def _no_coordinates(entry: Entry, span: object) -> Wrong:
+    remedy = "give the initial value to a joint before it, or declare this joint before the others"
+    return Wrong("LAG0233", f"`{entry.path}` closes a loop, so it has no coordinates", span, remedy)  # type: ignore[arg-type]
+
+
+# Directions of a and b that stay perpendicular.
+_SQUARE = {NO_TURN: ("yz", "zx", "xy"), ABOUT_Z: ("xz", "yz"), ABOUT_Z_AND_X: ("zx",)}
+
+
+def _pair(context: Context, joint: Joint, a: Pose, b: Pose) -> list[Row]:
+    """The slides and turns of b against a that a pair does not allow."""
+    kind, at = joint.kind, joint.point("at")
+    assert isinstance(kind, Pair)
+    drawn = joint.axes()
+    one, other = ({axis: pose.along(e) for axis, e in drawn.items()} for pose in (a, b))
+    apart = sub(b.attached(at), a.attached(at))
+    held = [axis for axis in "xyz" if axis not in kind.slides and (axis != "z" or joint.name != "Screw")]
+    rows = [(dot(one[axis], apart), "m") for axis in held]
+    rows += [(dot(one[pair[0]], other[pair[1]]), "") for pair in _SQUARE.get(kind.turns, ())]
+    if joint.name == "Screw":  # the sine of the turn that the advance means, less the turn
+        turn = TWO_PI * dot(one["z"], apart) / joint.number("pitch", M)
+        sine, cosine = context.graph.sin(turn), context.graph.cos(turn)
+        rows.append((sine * dot(one["x"], other["x"]) - cosine * dot(one["y"], other["x"]), ""))
+    return rows
+
+
+def _distance(context: Context, joint: Joint, a: Pose, b: Pose) -> list[Row]:
+    """A massless rod between a point of each body, as long as it is drawn."""
+    at, to = joint.point("at"), joint.point("to")
+    length = norm(sub(to, at))
+    if length.is_zero:
+        raise Wrong(
+            "LAG0233", "the two points are drawn at one place", joint.span("to"), "write `Spherical(...)`"
+        )
+    return [(norm(sub(b.attached(to), a.attached(at))) - length, "m")]
+
+
+def _rolling(context: Context, joint: Joint, a: Pose, b: Pose) -> list[Row]:
+    """A ball, or a disc with an axis, that rolls without slipping on a plane of a."""
+    graph, at = context.graph, joint.point("at")
+    normal, radius = a.along(joint.direction("normal")), joint.number("radius", M)
+    centre, foot = b.attached(at), a.attached(at)
+    down, drawn = normal, graph.one
+    if "axis" in joint.written:
+        axis, flat = joint.direction("axis"), joint.direction("normal")
+        moved = b.along(axis)
+        across = sub(normal, scale(dot(normal, moved), moved))
+        drawn = norm(sub(flat, scale(dot(flat, axis), axis)))
+        down = scale(graph.one / norm(across), across)
+    rise = dot(normal, down) - drawn
+    contact = sub(centre, scale(radius, down))
+
+    def velocity(pose: Pose, point: Vector) -> Vector:
+        x, y, z = (derivative(context, node, joint.call.span) for node in point)
+        return add((x, y, z), cross(pose.frame.spin, sub(contact, point)))
+
+    slip = sub(velocity(b, centre), velocity(a, foot))
+    first = joint.across(joint.direction("normal"))
+    one = a.along(first)
+    return [
+        (dot(normal, sub(centre, foot)) - radius * rise, "m"),
+        (dot(one, slip), "m/s"),
+        (dot(cross(normal, one), slip), "m/s"),
+    ]
+
+
+def _members(context: Context, joint: Joint, names: tuple[str, str]) -> list[Node]:
+    found: list[Node] = []
+    for end, name, argument in zip(joint.ends, names, ("a", "b")):
+        assert end is not None
+        context.value(end, joint.span(argument))
+        value = end.parts.get(name)
+        if not isinstance(value, Scalar):
+            message = f"`{end.path}` has no coordinate `{name}`"
+            raise Wrong("LAG0233", message, joint.span(argument), "name an open joint that has it")
+        found.append(value.node)
+    return found
+
+
+def _gear(context: Context, joint: Joint) -> list[Row]:
+    a, b = _members(context, joint, ("angle", "angle"))
+    return [(a - joint.number("ratio", NONE) * b, "")]
+
+
+def _rack(context: Context, joint: Joint) -> list[Row]:
+    turn, slide = _members(context, joint, ("angle", "slide"))
+    return [(slide - joint.number("radius", M) * turn, "m")]
+
+
+_OF_JOINTS: dict[str, Callable[[Context, Joint], list[Row]]] = {"Gear": _gear, "RackAndPinion": _rack}
+_ROWS: dict[str, Callable[[Context, Joint, Pose, Pose], list[Row]]] = {
+    "Distance": _distance,
+    "Rolling": _rolling,
+}
+_SINGLE = ("Distance", *_OF_JOINTS)

@@ -1,0 +1,1 @@
+"""Joints: the table of kinds, the places of the bodies that they tie, and their equations."""

@@ -1,0 +1,66 @@
+"""The kinds of joints (ISO 3952-1), one row each.
+
+A joint has an axis z, a direction x across it and y = z x x, drawn with its first body. The second body
+moves against the first by slides along these axes, then by turns. The equations of a joint that closes a loop
+are the slides and turns that it does not allow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from lagc.base.records import dataclass, field
+
+ENDS = ("a", "b")
+NO_TURN, ABOUT_Z, ABOUT_Z_AND_X, ANY_TURN = range(4)
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """A pair of bodies: `slides` are coordinates by axis, `turns` those of the rotation."""
+
+    parameters: tuple[str, ...]
+    required: int
+    slides: Mapping[str, str] = field(default_factory=dict)
+    turns: int = NO_TURN
+    angles: tuple[str, ...] = ()
+
+    @property
+    def coordinates(self) -> dict[str, str]:
+        """Return the type of each coordinate of an open joint."""
+        turned = (
+            {"orientation": "Orientation"} if self.turns == ANY_TURN else dict.fromkeys(self.angles, "Angle")
+        )
+        return {**dict.fromkeys(self.slides.values(), "Length"), **turned}
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """A joint without coordinates of its own, which ties bodies or joints that have a place."""
+
+    parameters: tuple[str, ...]
+    required: int
+    coordinates: Mapping[str, str] = field(default_factory=dict)
+
+
+_AXIS, _PLANE, _POINT = (*ENDS, "axis", "at"), (*ENDS, "axis", "at", "along"), (*ENDS, "at")
+_SLIDE, _XY = {"z": "slide"}, {"x": "x", "y": "y"}
+
+KINDS: dict[str, Pair | Condition] = {
+    "Weld": Pair(_POINT, 2),
+    "Revolute": Pair(_AXIS, 4, turns=ABOUT_Z, angles=("angle",)),
+    "Prismatic": Pair(_AXIS, 3, _SLIDE),
+    "Cylindrical": Pair(_AXIS, 4, _SLIDE, ABOUT_Z, ("angle",)),
+    "Screw": Pair((*_AXIS, "pitch"), 5, turns=ABOUT_Z, angles=("angle",)),
+    "Spherical": Pair(_POINT, 3, turns=ANY_TURN),
+    "Universal": Pair(_PLANE, 5, turns=ABOUT_Z_AND_X, angles=("angle1", "angle2")),
+    "Planar": Pair(_PLANE, 4, _XY, ABOUT_Z, ("angle",)),
+    "PointOnPlane": Pair(_PLANE, 4, _XY, ANY_TURN),
+    "LineOnPlane": Pair(_PLANE, 5, _XY, ABOUT_Z_AND_X, ("angle", "tilt")),
+    "PointOnLine": Pair(_AXIS, 4, _SLIDE, ANY_TURN),
+    "Free": Pair(_POINT, 2, {"x": "x", "y": "y", "z": "z"}, ANY_TURN),
+    "Distance": Condition((*ENDS, "at", "to"), 4),
+    "Rolling": Condition((*ENDS, "normal", "at", "radius", "axis"), 5),
+    "Gear": Condition((*ENDS, "ratio"), 3),
+    "RackAndPinion": Condition((*ENDS, "radius"), 3),
+}

@@ -1,0 +1,288 @@
+"""The linkage of a model: which joint places each body, and where the bodies are.
+
+A mechanism is drawn in one configuration.  In it, all coordinates of the joints are zero.  A body is placed by
+the first joint, in the order of the text, that ties it to a placed body or to the world; the joints that are left
+close loops (the spanning tree of J. Wittenburg, *Dynamics of Multibody Systems*, 2008, section 5.3).  The
+place of a drawn point is a product of the motions of the joints on the way (R. W. Brockett, *Robotic
+Manipulators and the Product of Exponentials Formula*, 1984).
+"""
+
+from __future__ import annotations
+
+import math
+from heapq import heappop, heappush
+
+from lagc.diagnostics.faults import Span
+from lagc.diagnostics.suggest import AS_JOINT, did_you_mean
+from lagc.semantics.context import Context
+from lagc.semantics.joints.kinds import ABOUT_Z, ABOUT_Z_AND_X, ANY_TURN, ENDS, KINDS, Condition, Pair
+from lagc.semantics.joints.poses import Pose
+from lagc.semantics.model import Orientation
+from lagc.semantics.names.scope import Entry, Environment, Part, Scalar, Value, expect, scalar_of, vector_of
+from lagc.semantics.refusals import Poisoned, Wrong
+from lagc.semantics.time_derivatives import LATE, MOVING
+from lagc.semantics.units import NONE, Dimension, M
+from lagc.semantics.values.calls import match
+from lagc.semantics.values.evaluate import evaluate, evaluate_as, integer
+from lagc.semantics.values.frame_vectors import unit_vector
+from lagc.semantics.values.kinematics import oriented, turned_about
+from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import Vector, add, cross, dot, scale, sub
+from lagc.syntax import tree
+
+TWO_PI = 2.0 * math.pi
+
+
+class Joint:
+    """A joint with its arguments. `ends` are the entries of two bodies (None: the world) or of two joints."""
+
+    def __init__(self, context: Context, entry: Entry):
+        source = entry.source
+        assert isinstance(source, tree.Construct) and isinstance(source.value, tree.Call)
+        self.context, self.entry, self.call = context, entry, source.value
+        self.name, self.kind = kind_of(source)
+        own = tree.Call(self.call.function, plain_arguments(source, self.kind), self.call.span)
+        found = match(context, own, self.kind.parameters, self.kind.required, f"`{self.name}`")
+        self.written = {p: e for p, e in zip(self.kind.parameters, found) if e is not None}
+        self.ends = [self._end(end) for end in ENDS]
+        if self.ends[0] is self.ends[1]:
+            raise Wrong("LAG0233", f"`{entry.path}` ties a body to itself", self.written["b"].span)
+
+    def _end(self, end: str) -> Entry | None:
+        expression = self.written[end]
+        wanted = "joint" if self.name in ("Gear", "RackAndPinion") else "body"
+        if wanted == "body" and isinstance(expression, tree.Name) and expression.name == "world":
+            return None
+        found = _entry(self.context, expression, self.entry.environment)
+        if found is None or found.kind != wanted:
+            what = "two joints" if wanted == "joint" else "two bodies, or a body to `world`"
+            raise Wrong("LAG0233", f"`{self.name}` ties {what}; this is neither", expression.span)
+        return found
+
+    def span(self, name: str) -> Span:
+        return self.written[name].span
+
+    def _value(self, name: str, meant: Dimension) -> Value:
+        return evaluate_as(self.context, self.written[name], self.entry.environment, meant)
+
+    def _drawn(self, name: str, nodes: tuple[Node, ...]) -> None:
+        if any(self.context.clock.mask(node) & (MOVING | LATE) for node in nodes):
+            message = f"`{name}` of `{self.entry.path}` moves; it is a place in the drawing of the mechanism"
+            raise Wrong("LAG0234", message, self.span(name), "write it with numbers and parameters")
+
+    def point(self, name: str) -> Vector:
+        """Return a drawn point; the origin if it is left out."""
+        if name not in self.written:
+            zero = self.context.graph.zero
+            return (zero, zero, zero)
+        vector, found = vector_of(self._value(name, M), self.span(name), f"`{name}`")
+        expect(found, M, self.span(name), f"`{name}`")
+        self._drawn(name, vector)
+        return vector
+
+    def direction(self, name: str) -> Vector:
+        """Return a drawn unit vector."""
+        vector, found = vector_of(self._value(name, NONE), self.span(name), f"`{name}`")
+        expect(found, NONE, self.span(name), f"`{name}`")
+        self._drawn(name, vector)
+        return unit_vector(self.context, vector, self.span(name))
+
+    def number(self, name: str, meant: Dimension) -> Node:
+        scalar = scalar_of(self._value(name, meant), self.span(name), f"`{name}`")
+        expect(scalar.dimension, meant, self.span(name), f"`{name}`")
+        self._drawn(name, (scalar.node,))
+        return scalar.node
+
+    def axes(self) -> dict[str, Vector]:
+        """Return the directions x, y, z of the joint; those of the world if it has no axis."""
+        if "axis" not in self.written:
+            return dict(zip("xyz", self.context.world.axes))
+        z = self.direction("axis")
+        if "along" in self.written:
+            x = self.direction("along")
+            across = sub(x, scale(dot(x, z), z))
+            if all(node.is_zero for node in across):
+                raise Wrong("LAG0233", "`along` has the direction of `axis`", self.span("along"))
+            x = unit_vector(self.context, across, self.span("along"))
+        else:
+            x = self.across(z)
+        return {"x": x, "y": cross(z, x), "z": z}
+
+    def across(self, z: Vector) -> Vector:
+        """Return a direction across z: the world axis with the least share in z, made perpendicular."""
+        shares = [abs(node.value) if node.is_const else math.inf for node in z]
+        k = min(range(3), key=shares.__getitem__)
+        if shares[k] > 0.0 and math.inf in shares:
+            remedy = "give one direction across the axis, `along = ...`"
+            raise Wrong("LAG0210", f"`{self.name}` needs the argument `along` here", self.call.span, remedy)
+        own = self.context.world.axes[k]
+        return unit_vector(self.context, sub(own, scale(dot(own, z), z)), self.call.span)
+
+    def coordinate(self, name: str) -> Value:
+        """Return the value of a coordinate, and make it a member of the joint."""
+        entry = next(e for e in self.entry.inner if e.name == name)
+        value = self.context.value(entry, self.entry.span)
+        self.entry.parts[name] = value
+        return value
+
+    def scalar(self, name: str) -> Node:
+        """Return the symbol of a coordinate."""
+        value = self.coordinate(name)
+        assert isinstance(value, Scalar)
+        return value.node
+
+
+class Linkage:
+    """The joints of a model. `placing` is the joint that places a body; the others close loops."""
+
+    def __init__(self, context: Context, entries: list[Entry]):
+        self.context = context
+        self.joints: dict[Entry, Joint] = {}
+        for entry in entries:
+            if entry.kind == "joint" and entry.elements is None:
+                try:
+                    self.joints[entry] = Joint(context, entry)
+                except (Wrong, Poisoned) as fault:
+                    entry.state = "poisoned"
+                    if isinstance(fault, Wrong):
+                        context.report(fault)
+        self.placing: dict[Entry, Joint] = {}
+        self.poses: dict[Entry, Pose] = {}
+
+    def place(self) -> None:
+        """Find the joint that places each body.  Raises Wrong."""
+        pairs = [joint for joint in self.joints.values() if isinstance(joint.kind, Pair)]
+        around: dict[Entry | None, list[int]] = {}
+        for k, joint in enumerate(pairs):
+            for end in joint.ends:
+                around.setdefault(end, []).append(k)
+        reached: set[Entry | None] = {None}
+        queue: list[int] = []
+        for k in around.get(None, ()):
+            heappush(queue, k)
+        while queue:
+            joint = pairs[heappop(queue)]
+            for end in joint.ends:
+                if end is not None and end not in reached:
+                    reached.add(end)
+                    self.placing[end] = joint
+                    for k in around[end]:
+                        heappush(queue, k)
+        for end in around:
+            if end is not None and end not in reached and not self.context.faults:
+                raise Wrong(
+                    "LAG0233",
+                    f"no joint ties `{end.path}` to the world, not even through other bodies",
+                    end.span,
+                    f"for a body that moves freely, write `joint free = Free(world, {end.path});`",
+                )
+
+    def closes(self, joint: Joint) -> bool:
+        return all(self.placing.get(end) is not joint for end in joint.ends if end is not None)
+
+    def pose(self, body: Entry | None) -> Pose:
+        """Return the place of a body; of the world, and of one that no joint places, as drawn."""
+        chain: list[Entry] = []
+        while body is not None and body not in self.poses and body in self.placing:
+            chain.append(body)
+            a, b = self.placing[body].ends
+            body = a if body is b else b
+        if body in self.poses:
+            pose = self.poses[body]
+        else:
+            zero = self.context.graph.zero
+            pose = Pose(self.context.world, (zero, zero, zero), (zero, zero, zero))
+        for own in reversed(chain):
+            joint = self.placing[own]
+            pose = self.poses[own] = self._moved(joint, pose, reverse=own is joint.ends[0])
+        return pose
+
+    def _moved(self, joint: Joint, pose: Pose, reverse: bool) -> Pose:
+        """Return the pose beyond an open joint.  In `reverse`, from b to a, the coordinates of a joint with
+        one axis keep their sense: that of b against a."""
+        released = joint.entry.path in self.context.released
+        at = joint.point("at") if "at" in joint.written or released else pose.drawn
+        now, frame, kind = pose.attached(at), pose.frame, joint.kind
+        assert isinstance(kind, Pair)
+        axes = joint.axes() if kind.slides or kind.turns in (ABOUT_Z, ABOUT_Z_AND_X) else {}
+        sense = -1.0 if reverse and kind.turns <= ABOUT_Z and set(kind.slides) <= {"z"} else 1.0
+        for axis, name in kind.slides.items():
+            now = add(now, scale(sense * joint.scalar(name), pose.along(axes[axis])))
+        for axis, name in zip("zx", kind.angles):
+            turn = sense * joint.scalar(name)
+            frame = turned_about(self.context, frame, axes[axis], turn, joint.call.span)
+        if kind.turns == ANY_TURN:
+            orientation = joint.coordinate("orientation")
+            assert isinstance(orientation, Orientation)
+            frame = oriented(self.context, frame, orientation)
+        if joint.name == "Screw":
+            advance = joint.number("pitch", M) / TWO_PI * (sense * joint.scalar("angle"))
+            now = add(now, scale(advance, pose.along(axes["z"])))
+        moved = Pose(frame, at, now)
+        if released:
+            from lagc.semantics.declarations.releases import release_pose
+
+            return release_pose(self.context, joint.entry, moved, -1.0 if reverse else 1.0)
+        return moved
+
+
+def linkage_of(context: Context, entry: Entry) -> Linkage:
+    """Return the linkage of the model that an entry belongs to."""
+    found: Linkage | None = context.linkage
+    if found is None:
+        instance = entry.environment.instance
+        while instance.parent is not None:
+            instance = instance.parent
+        found = context.linkage = Linkage(context, instance.in_order())
+        found.place()
+    return found
+
+
+def kind_of(source: tree.Construct) -> tuple[str, Pair | Condition]:
+    """Return the name and the kind of a joint.  Raises Wrong."""
+    name = ""
+    if isinstance(source.value, tree.Call) and isinstance(source.value.function, tree.Name):
+        name = source.value.function.name
+    if name not in KINDS:
+        listed = ", ".join(f"`{known}`" for known in KINDS)
+        remedy = did_you_mean(name, KINDS) or AS_JOINT
+        raise Wrong("LAG0233", f"a joint is one of these kinds: {listed}", source.value.span, remedy)
+    return name, KINDS[name]
+
+
+def plain_arguments(source: tree.Construct, kind: Pair | Condition) -> tuple[tree.Argument, ...]:
+    """Return the arguments without the attributes of coordinates, `angle(start = 1)`."""
+    assert isinstance(source.value, tree.Call)
+    return tuple([a for a in source.value.arguments if attributes_in(a, kind) is None])
+
+
+def attributes_in(
+    argument: tree.Argument, kind: Pair | Condition
+) -> tuple[str, tuple[tree.Argument, ...]] | None:
+    """Return the coordinate and its attributes, of `angle(start = 1)`; None of a plain argument."""
+    call = argument.value
+    if argument.name is not None or not isinstance(call, tree.Call):
+        return None
+    name = call.function.name if isinstance(call.function, tree.Name) else ""
+    return (name, call.arguments) if name in kind.coordinates else None
+
+
+def _entry(context: Context, e: tree.Expression, environment: Environment) -> Entry | None:
+    """Return the declaration that a name means, without its value; None if there is none."""
+    if isinstance(e, tree.Name):
+        if e.name not in environment.instance.entries:
+            evaluate(context, e, environment)  # raises Wrong
+            return None
+        return environment.instance.entries[e.name]
+    if isinstance(e, tree.Member):
+        base = evaluate(context, e.base, environment)
+        found = base.instance.entries.get(e.name) if isinstance(base, Part) else None
+    elif isinstance(e, tree.Index):
+        base_entry = _entry(context, e.base, environment)
+        elements = {} if base_entry is None else base_entry.elements or {}
+        found = elements.get(tuple([integer(context, i, environment, "a subscript") for i in e.indices]))
+    else:
+        return None
+    if found is None:
+        evaluate(context, e, environment)  # raises Wrong
+    return found
