@@ -1,10 +1,10 @@
 """The linkage of a model: which joint places each body, and where the bodies are.
 
-A mechanism is drawn in one configuration.  In it, all coordinates of the joints are zero.  A body is placed by
-the first joint, in the order of the text, that ties it to a placed body or to the world; the joints that are left
-close loops (the spanning tree of J. Wittenburg, *Dynamics of Multibody Systems*, 2008, section 5.3).  The
-place of a drawn point is a product of the motions of the joints on the way (R. W. Brockett, *Robotic
-Manipulators and the Product of Exponentials Formula*, 1984).
+A mechanism is drawn in one configuration.  In it, all coordinates of the joints are zero.  A body is placed
+by the first joint, in the order of the text, that ties it to a placed body or to the world; the joints that
+are left close loops (the spanning tree of J. Wittenburg, *Dynamics of Multibody Systems*, 2008, section
+5.3).  The place of a drawn point is a product of the motions of the joints on the way (R. W. Brockett,
+*Robotic Manipulators and the Product of Exponentials Formula*, 1984).
 """
 
 from __future__ import annotations
