@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from lagc.api_cost import Measurable
 from lagc.api_derivatives import Differentiable
+from lagc.api_effects import Comparable
 from lagc.api_values import Input, Value, condition, parted, quantities, real, reals, seconds, word, words
 from lagc.base.records import dataclass, names, replace
 from lagc.compiler.loaded import Loaded
@@ -144,7 +145,7 @@ class Run(Solution):
         return solution_html(self)
 
 
-class CompiledModel(Differentiable, Measurable):
+class CompiledModel(Differentiable, Measurable, Comparable):
     """A compiled scene of a model: its equations, its code, and the methods that simulate and linearize it.
 
     Compiled code comes from the cache if it is there; other stages run only if they are needed.  An

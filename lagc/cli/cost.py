@@ -7,9 +7,8 @@ setting to take for 1e-3, 1e-6, 1e-9 and 1e-12, and the price of one digit more.
 from __future__ import annotations
 
 import argparse
-import os
 
-from lagc.cli.deliver import kept, spare
+from lagc.cli.deliver import spare
 from lagc.cli.options import (
     add_general_options,
     add_model_options,
@@ -18,10 +17,9 @@ from lagc.cli.options import (
     quantities,
     quantity,
 )
-from lagc.cli.output import DONE, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show
+from lagc.cli.output import DONE, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, show
+from lagc.cli.study_report import Report, check_endings
 from lagc.host.budgets import reached, rest
-
-FORMATS = (".html", ".json", ".png", ".svg", ".pdf")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -45,13 +43,9 @@ def run(options: argparse.Namespace) -> int:
     from lagc.cli.output import Bar
     from lagc.compiler.pipeline import Compilation
     from lagc.host import model_library
-    from lagc.reports.cost import text, to_dict
+    from lagc.reports.cost import page, text, to_dict
 
-    for path in options.output:
-        if os.path.splitext(path)[1].lower() not in FORMATS:
-            raise Usage(
-                f"`{path}` cannot be written: the ending gives the format, one of {' '.join(FORMATS)}"
-            )
+    check_endings(options.output)
     budget = quantity(options.budget, "s", "--budget") or 0.0
     if not budget > 0.0:
         raise Usage("`--budget` needs a positive time")
@@ -67,7 +61,9 @@ def run(options: argparse.Namespace) -> int:
     rest()
     interface = model.interface
     heading = f"{interface.model}, scene {interface.scene}" if interface.scene else interface.model
-    written = [_write(path, found, heading, options) for path in options.output if found.points]
+    quiet = options.quiet or options.json
+    report = Report(lambda: to_dict(found), lambda svg: page(found, heading, svg), "work_precision")
+    written = [report.write(path, found, heading, quiet) for path in options.output if found.points]
     if options.json:
         print_json({"status": "ok" if found.complete else "interrupted", "model": interface.model,
                     "scene": interface.scene, **to_dict(found)})  # fmt: skip
@@ -76,28 +72,3 @@ def run(options: argparse.Namespace) -> int:
     if not found.complete:
         return LIMITED if reached() else INTERRUPTED
     return DONE if all(written) else UNWRITTEN
-
-
-def _write(path: str, found: object, heading: str, options: argparse.Namespace) -> bool:
-    """Write one file; return whether it has the name that was given."""
-    from lagc.base.text import json_text
-    from lagc.host.atomic_write import write
-    from lagc.reports.cost import page, to_dict
-    from lagc.study.cost import Study
-
-    assert isinstance(found, Study)
-    ending = os.path.splitext(path)[1].lower()
-    if ending == ".json":
-        data = (json_text(to_dict(found), indent=2) + "\n").encode()
-        named = kept(path, lambda name: write(name, data), (OSError,), ".json")
-    else:
-        from lagc.reports.plots import work_precision
-
-        if ending == ".html":
-            data = page(found, heading, work_precision.svg(found, heading)).encode()
-            named = kept(path, lambda name: write(name, data), (OSError,), ".html")
-        else:
-            named = kept(path, lambda name: work_precision.write(found, heading, name), (OSError, ValueError))
-    if named is not None:
-        say(f"written to {named}", options.quiet or options.json)
-    return named == path

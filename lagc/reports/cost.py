@@ -13,7 +13,7 @@ from lagc.study.advice import Point
 from lagc.study.cost import Study
 
 QUANTITIES = 6  # columns of errors by quantity
-_PAGE = """<!DOCTYPE html>
+PAGE = """<!DOCTYPE html>
 <html lang="en">
 <head><meta charset="utf-8"><title>{title}</title>
 <style>
@@ -167,4 +167,4 @@ def page(study: Study, heading: str, picture: str) -> str:
     """Return one stand-alone HTML page; `picture` is the text of the SVG."""
     title = f"{heading}: {headline(study)}"
     drawing = picture[picture.index("<svg") :]
-    return _PAGE.format(title=escape(title), picture=drawing, table=escape(text(study, heading, True)))
+    return PAGE.format(title=escape(title), picture=drawing, table=escape(text(study, heading, True)))

@@ -375,6 +375,7 @@ class Effect:
     name: str
     description: str
     used: bool
+    span: Span
 
 
 @dataclass(frozen=True)

@@ -259,7 +259,7 @@ def _model(
     actions = [n for n in found if isinstance(n, kinds)]
     effects = tuple(
         [
-            objects.Effect(path, e.description or "", setting.uses.has(path))
+            objects.Effect(path, e.description or "", setting.uses.has(path), e.span)
             for path, e in context.effects.items()
         ]
     )

@@ -1,0 +1,197 @@
+"""What the effects of a scene change and cost, for a compiled model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from random import Random
+from time import process_time
+from typing import TYPE_CHECKING, Any
+
+from lagc.api_values import quantities, seconds
+from lagc.base.records import replace
+from lagc.compiler.loaded import Loaded
+from lagc.compiler.pipeline import Compilation
+from lagc.diagnostics.faults import Fault, Refused
+from lagc.simulation.request import Request, bound_parameters, bound_starts
+from lagc.simulation.system import Options, rates_at
+
+if TYPE_CHECKING:
+    from lagc.study.effects import Effects, Motion, Names, Variant
+
+POINTS = 501  # recorded times
+ACCURACIES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
+LOOKED = 12  # states at which two systems are compared
+SAME = 1e-13  # relative difference of their rates that is round-off
+
+
+class Comparable:
+    """A compiled model whose scene can be compared with scenes of fewer effects."""
+
+    _loaded: Loaded
+    _given: Mapping[str, Any]
+
+    def effects(
+        self,
+        stop: float | None = None,
+        *,
+        accuracies: Sequence[float] = ACCURACIES,
+        points: int = POINTS,
+        of: Sequence[str] = (),
+        parameters: Mapping[str, Any] | None = None,
+        starts: Mapping[str, Any] | None = None,
+        progress: Callable[[float, str], None] = lambda part, doing: None,
+    ) -> Effects:
+        """Measure what each effect of the scene changes and costs, and find the cheapest scene for each
+        accuracy.
+
+        accuracies: the largest changes to find a scene for, relative to the range of each quantity.
+        of: the coordinates and outputs to compare (default: all that every scene has).
+
+        `lagc.reports.effects` prints the result.  Raises Refused if an argument is invalid, if the scene has
+        no effects, if there is no C compiler, or if the full scene does not run to `stop`.
+        """
+        from lagc.simulation.backends.compile import CannotCompile
+        from lagc.study.effects import Comparison, Effects, Refusal, study
+
+        compilation = self._loaded.compilation
+        model = compilation.model
+        names = tuple([e.name for e in model.effects if e.used])
+        if not names:
+            remedy = f"the effects that it leaves out: {', '.join(e.name for e in model.effects)}"
+            raise Refused([Fault("LAG0214", f"the scene `{model.scene}` uses no effect",
+                                 remedy=remedy if model.effects else "the model declares none")])  # fmt: skip
+        interface = self._loaded.artifact.interface
+        given = {**self._given, **quantities("parameters", parameters)}
+        asked = quantities("starts", starts)
+        bound_parameters(interface, given, self._loaded.artifact.unused)
+        unknown = [name for name in of if name not in (*interface.q_names, *_outputs(interface))]
+        if unknown:
+            raise Refused([Fault("LAG0606", f"there is no coordinate or output `{unknown[0]}`")])
+        request = Request(stop=seconds("stop", stop), points=points, starts=bound_starts(interface, asked))
+        times = request.completed({**interface.simulate, "accuracy": 1e-6}).grid()
+        spans = {e.name: e.span for e in model.effects}
+
+        def make(without: Names, more: Names) -> Variant | None:
+            found = _compiled(compilation, without, more)
+            if isinstance(found, Refused):
+                return None
+            return _Variant(found, given, asked, times)
+
+        def closure(effects: Names) -> Names | None:
+            """The effects with all that need them: those that are refused without them."""
+            while True:
+                found = _compiled(compilation, effects, frozenset())
+                if not isinstance(found, Refused):
+                    return effects
+                more = {
+                    name for fault in found.faults for name, span in spans.items()
+                    if name in names and fault.span is not None and fault.span.source is span.source
+                    and span.start <= fault.span.start <= span.end
+                }  # fmt: skip
+                if more <= effects:
+                    return None
+                effects |= more
+
+        begun = Effects(model.scene, times[-1], names)
+        try:
+            comparison = Comparison(make, begun, min(accuracies, default=1e-6), of)
+            offered = [e.name for e in model.effects if not e.used]
+            return study(comparison, closure, offered, sorted(accuracies, reverse=True), progress)
+        except CannotCompile as error:
+            raise Refused([Fault("LAG0701", f"effects cannot be measured: {error}")]) from None
+        except Refusal as error:
+            message = f"effects cannot be measured: the full scene does not run to {times[-1]:g} s: {error}"
+            raise Refused([Fault("LAG0620", message, remedy="see `lagc sim` for the reason")]) from None
+
+
+def _compiled(compilation: Compilation, without: Names, more: Names) -> Loaded | Refused:
+    """The scene with other effects; a fault of the text, if it has one then."""
+    choice = compilation.choice
+    kept = tuple([name for name in choice.with_effects if name not in without])
+    added = tuple(sorted(more))
+    chosen = replace(choice, with_effects=(*kept, *added), parameters=dict(choice.parameters),
+                     without_effects=(*choice.without_effects, *sorted(without)))  # fmt: skip
+    try:
+        return Loaded(Compilation(compilation.source, chosen, compilation.roots), "c")
+    except Refused as refused:
+        return refused
+
+
+def _outputs(interface: Any) -> list[str]:
+    return [x.name for x in interface.outputs]
+
+
+class _Variant:
+    """See `lagc.study.effects.Variant`."""
+
+    def __init__(self, loaded: Loaded, given: Mapping[str, Any], starts: Mapping[str, Any],
+                 times: Sequence[float]):  # fmt: skip
+        interface = loaded.artifact.interface
+        known = {f.name for f in (*interface.parameters, *interface.inputs, *loaded.artifact.unused)}
+        own = {name: value for name, value in given.items() if name in known}
+        self.loaded, self.times = loaded, times
+        self.values = bound_parameters(interface, own, loaded.artifact.unused)
+        states = set(interface.state_names)
+        self.starts = bound_starts(interface, {n: v for n, v in starts.items() if n in states})
+        self.names = (*interface.q_names, *_outputs(interface))
+        self.units = dict(zip(interface.state_names, interface.state_units))
+        self.units.update({x.name: x.unit for x in interface.outputs})
+        self.parameters = tuple([f.name for f in interface.parameters])
+        self.operations, self.states = interface.operations, interface.nq + interface.nv
+        self.state_names = interface.state_names
+        self.motions: dict[tuple[float, tuple[str, float] | None], Motion] = {}
+
+    def motion(self, accuracy: float, scaled: tuple[str, float] | None = None) -> Motion:
+        if (accuracy, scaled) not in self.motions:
+            self.motions[accuracy, scaled] = self._motion(accuracy, scaled)
+        return self.motions[accuracy, scaled]
+
+    def _motion(self, accuracy: float, scaled: tuple[str, float] | None) -> Motion:
+        import numpy as np
+
+        from lagc.study.effects import Motion
+
+        values = list(self.values)
+        if scaled is not None:
+            values[self.parameters.index(scaled[0])] *= scaled[1]
+        request = Request(stop=self.times[-1], accuracy=accuracy, points=len(self.times), starts=self.starts)
+        try:
+            run = self.loaded.simulate(request, values)
+        except Refused as refused:
+            return Motion(np.array([]), {}, {}, (), 0, "", 0.0, refused.faults[0].message)
+        if run.interrupted:
+            raise KeyboardInterrupt
+        found = {name: np.array(run.column(name)) for name in self.names}
+        ends = run.message if run.status == "failed" else ""
+        events = tuple([(event.t, event.name) for event in run.events])
+        return Motion(
+            np.array(run.times), found, run.errors, events, run.cost.rhs, run.method, run.rtol, ends
+        )
+
+    def seconds(self, motion: Motion, repeats: int) -> float:
+        """The CPU time of the plain run, with its initial state and settings."""
+        system = self.loaded.system("c").bind(self.values)
+        if not hasattr(self, "x0"):
+            self.x0 = self.loaded.initialize(system, Request(stop=self.times[-1], starts=self.starts)).x
+        options = Options(method=motion.method, rtol=motion.rtol, max_steps=0)
+        began = process_time()
+        for _ in range(repeats):
+            system.integrate(options, self.times[0], self.x0, self.times)
+        return (process_time() - began) / repeats
+
+    def same_without(self, parameter: str, other: Variant) -> bool:
+        assert isinstance(other, _Variant)
+        if self.state_names != other.state_names:
+            return False
+        values = list(self.values)
+        values[self.parameters.index(parameter)] = 0.0
+        mine, own = self.loaded.system("c").bind(values), other.loaded.system("c").bind(other.values)
+        dice, base = Random(0), own.start()
+        for _ in range(LOOKED):
+            x = [value + dice.gauss(0.0, 1.0) for value in base]
+            first, second = rates_at(mine, 0.3, x), rates_at(own, 0.3, x)
+            if first is None or second is None:
+                continue
+            if any(abs(a - b) > SAME * (1.0 + abs(b)) for a, b in zip(first, second)):
+                return False
+        return True

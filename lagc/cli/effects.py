@@ -1,0 +1,95 @@
+"""Measure what each effect of a scene changes and costs, and find the cheapest scene for an accuracy.
+
+Each effect is left out alone.  For each accuracy, the cheapest set of effects whose absence changes no
+compared quantity by more is run and compared with the full scene.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+from math import log10
+
+from lagc.cli.deliver import spare
+from lagc.cli.options import (
+    add_general_options,
+    add_model_options,
+    add_start_option,
+    choice_of,
+    quantities,
+    quantity,
+)
+from lagc.cli.output import DONE, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, show
+from lagc.cli.study_report import Report, check_endings
+from lagc.host.budgets import reached, rest
+
+RANGE = "1e-2..1e-8"
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    add_model_options(parser)
+    add_start_option(parser)
+    parser.add_argument("--stop", metavar="T", help="the end time; default: that of the scene, or 10 s")
+    parser.add_argument(
+        "--accuracy", metavar="A", default=RANGE,
+        help=f"largest changes, of the range of each quantity: one, a list, or a range; default: {RANGE}",
+    )  # fmt: skip
+    parser.add_argument(
+        "--of", metavar="NAMES", help="coordinates and outputs to compare; default: all that every scene has"
+    )
+    parser.add_argument("--points", metavar="N", type=int, default=501, help="recorded times; default: 501")
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", action="append", default=[],
+        help="write the report: .html (one stand-alone page), .json, or the picture: .png .svg .pdf",
+    )  # fmt: skip
+    add_general_options(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    from lagc.api import CompiledModel
+    from lagc.cli.output import Bar
+    from lagc.compiler.pipeline import Compilation
+    from lagc.host import model_library
+    from lagc.reports.effects import page, text, to_dict
+
+    check_endings(options.output)
+    accuracies = accuracies_of(options.accuracy)
+    compilation = Compilation(model_library.read(options.file), choice_of(options))
+    model = CompiledModel(compilation, "c")
+    spare(compilation, *options.output)
+    starts = quantities(options.starts, "--start")
+    of = [name.strip() for name in (options.of or "").split(",") if name.strip()]
+    with Bar(1.0, quiet=options.quiet or options.json) as bar:
+        found = model.effects(
+            quantity(options.stop, "s", "--stop"), accuracies=accuracies, points=options.points, of=of,
+            starts=starts, progress=lambda part, doing: bar.part(part, doing),
+        )  # fmt: skip
+    rest()
+    interface = model.interface
+    heading = f"{interface.model}, scene {interface.scene}"
+    quiet = options.quiet or options.json
+    report = Report(lambda: to_dict(found), lambda svg: page(found, heading, svg), "effects")
+    written = [report.write(path, found, heading, quiet) for path in options.output if found.left_out]
+    if options.json:
+        print_json({"status": "ok" if found.complete else "interrupted", "model": interface.model,
+                    **to_dict(found)})  # fmt: skip
+    else:
+        show(text(found, heading))
+    if not found.complete:
+        return LIMITED if reached() else INTERRUPTED
+    return DONE if all(written) else UNWRITTEN
+
+
+def accuracies_of(written: str) -> list[float]:
+    """Return the accuracies of `1e-3`, of `1e-2,1e-4` or, in powers of ten, of `1e-2..1e-8`.  Raises Usage."""
+    try:
+        parts = [float(part) for part in re.split(r",|\.\.", written)]
+    except ValueError:
+        parts = []
+    if not parts or not all(0.0 < part < 1.0 for part in parts):
+        raise Usage(f"`--accuracy {written}`: write numbers between 0 and 1, as 1e-3, 1e-2,1e-4 or {RANGE}")
+    if ".." not in written:
+        return parts
+    first, last = (round(log10(part)) for part in (parts[0], parts[-1]))
+    step = -1 if last < first else 1
+    return [10.0**k for k in range(first, last + step, step)]

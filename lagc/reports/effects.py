@@ -1,0 +1,159 @@
+"""What the effects of a scene change and cost, as a table, as plain data and as one page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from typing import Any
+
+from lagc.base.text import printable
+from lagc.reports.cost import PAGE
+from lagc.study.effects import AS_LONG, Change, Choice, Effects, joined
+
+
+def text(found: Effects, heading: str) -> str:
+    """Return the report for a terminal."""
+    count = len(found.effects)
+    compared = ", ".join(f"{name} ({_scale(found, name)})" for name in found.scales)
+    lines = [f"{heading}, 0 to {found.stop:g} s: {count} {'effect' if count == 1 else 'effects'}"]
+    lines.append(f"  compared      {compared}")
+    if found.not_compared:
+        lines.append(f"  not compared  {', '.join(found.not_compared)}: not every scene has it")
+    if found.left_out:
+        lines += ["", "Each effect left out alone", *_singles(found.left_out, found, "without")]
+    if found.added:
+        lines += ["", "Effects that the scene leaves out, added alone", *_singles(found.added, found, "with")]
+    if found.sets:
+        lines += ["", "The cheapest scene for an accuracy; each was run and compared with the full scene"]
+        lines += _sets(found)
+        lines += [f"  (for this initial state and {found.stop:g} s only)"]
+        paste = next((one for one in found.sets if one.left_out), None)
+        if paste is not None:
+            lines += ["", f"In the file: {scene_of(found, paste)}"]
+    lines += [f"  note  {note}" for note in found.notes]
+    if found.not_tried:
+        lines.append(f"  note  sets with {', '.join(found.not_tried)} were not tried")
+    return "\n".join(map(printable, lines)) + "\n"
+
+
+def scene_of(found: Effects, one: Choice) -> str:
+    """Return the scene to paste."""
+    kept = [name for name in found.effects if name not in one.left_out]
+    name = f"for_{one.accuracy:.0e}".replace("-", "m").replace("+", "")
+    uses = f" uses {', '.join(kept)};" if kept else ";"
+    return f"scene {name}{uses}"
+
+
+def _scale(found: Effects, name: str) -> str:
+    size, of = found.scales[name]
+    unit = found.units.get(name, "")
+    words = {"range": "range", "size": "constant, size", "unit": "constant, size of its unit"}[of]
+    return f"{words} {size:.3g}{' ' + unit if unit else ''}"
+
+
+def _time(ratio: float) -> str:
+    return "as long" if abs(ratio - 1.0) <= AS_LONG else f"{ratio:.2f} times"
+
+
+def _name(one: Change) -> str:
+    return one.effect + (f" (and {', '.join(one.along)})" if one.along else "")
+
+
+def _change(one: Change) -> tuple[str, str]:
+    """The size of the change, and what changes most."""
+    if one.change is None:
+        return "ends", one.ends
+    if not one.acted:
+        return "0", "it did not act"
+    worst = max(one.per, key=one.per.__getitem__, default="")
+    mark = "*" if " times " in one.how else ""
+    size = f"< {one.bar:.0e}" if one.how.startswith("below") else f"{one.change:.1e}{mark}"
+    return size, f"of {worst}" if worst else ""
+
+
+def _singles(changes: Sequence[Change], found: Effects, word: str) -> list[str]:
+    rows = []
+    for one in sorted(changes, key=lambda one: -(one.change if one.change is not None else 1e300)):
+        size, of = _change(one)
+        time = "" if one.time == float("inf") else _time(one.time)
+        note = "dearer without it" if word == "without" and 1.0 + AS_LONG < one.time < float("inf") else ""
+        rows.append([_name(one), size, of, time, f"{found.operations} -> {one.operations}", note])
+    lines = _table([word, "changes", "", "a run takes", "operations", ""], rows)
+    stronger = [f"{one.effect} with {one.how}" for one in changes if " times " in one.how]
+    if stronger:
+        lines.append(f"  * below the error bar of two runs; measured stronger: {', '.join(stronger)}")
+    return lines
+
+
+def _sets(found: Effects) -> list[str]:
+    rows = []
+    for group in joined(found.sets):
+        one, last = group[0], group[-1]
+        accuracy = f"{one.accuracy:.0e}" if one is last else f"{one.accuracy:.0e} to {last.accuracy:.0e}"
+        if not one.left_out:
+            rows.append([accuracy, "nothing" if one.found else "none found", "", "", ""])
+            continue
+        size = f"{last.change:.1e}" + (f" +- {last.bar:.0e}" if last.bar > 0.1 * last.change else "")
+        out = ", ".join(one.left_out)
+        rows.append([accuracy, out, size, _time(last.time), f"{found.operations} -> {last.operations}"])
+    lines = _table(["accuracy", "leave out", "changes", "a run takes", "operations"], rows)
+    lucky = next((one for one in found.sets if one.cancelling), None)
+    if lucky is not None:
+        lines.append(f"  (at {lucky.accuracy:.0e}, without {', '.join(lucky.cancelling)} would do too, as changes "
+                     "cancel: not used)")  # fmt: skip
+    return lines
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
+    return ["  " + "  ".join(cell.ljust(w) for cell, w in zip(row, widths)).rstrip() for row in (head, *rows)]
+
+
+def to_dict(found: Effects) -> dict[str, Any]:
+    """Return the study as the object that `lagc effects --json` prints."""
+
+    def change(one: Change) -> dict[str, Any]:
+        return {
+            "effect": one.effect, "with": list(one.along), "change": one.change, "bar": one.bar,
+            "how": one.how, "per": dict(one.per), "ends": one.ends, "acted": one.acted,
+            "operations": one.operations, "states": one.states, "rhs": one.rhs,
+            "time": None if one.time == float("inf") else one.time,
+        }  # fmt: skip
+
+    return {
+        "scene": found.scene, "stop": found.stop,
+        "compared": {
+            name: {"scale": size, "of": of, "unit": found.units.get(name, "")}
+            for name, (size, of) in found.scales.items()
+        },
+        "not_compared": list(found.not_compared),
+        "full": {"operations": found.operations, "states": found.states, "rhs": found.rhs,
+                 "time_s": found.seconds, "bar": found.bar},
+        "effects": [change(one) for one in found.left_out],
+        "offered": [change(one) for one in found.added],
+        "sets": [
+            {"accuracy": s.accuracy, "left_out": list(s.left_out), "scene": scene_of(found, s),
+             "predicted": s.predicted, "change": s.change, "bar": s.bar, "time": s.time,
+             "predicted_time": s.predicted_time, "operations": s.operations, "states": s.states,
+             "tries": s.tries, "found": s.found, "cancelling": list(s.cancelling)}
+            for s in found.sets
+        ],
+        "not_tried": list(found.not_tried), "notes": list(found.notes), "spent_s": found.spent,
+        "complete": found.complete,
+    }  # fmt: skip
+
+
+def headline(found: Effects) -> str:
+    """Return the largest saving in one sentence."""
+    best = min((one for one in found.sets if one.left_out), key=lambda one: one.time, default=None)
+    if best is None:
+        return "every effect counts"
+    size = f"{1.0 / best.time:.2g} times shorter a run" if best.time < 1.0 - AS_LONG else "as long a run"
+    return f"to {best.accuracy:.0e} without {', '.join(best.left_out)}: {size}"
+
+
+def page(found: Effects, heading: str, picture: str) -> str:
+    """Return one stand-alone HTML page; `picture` is the text of the SVG."""
+    title = f"{heading}: {headline(found)}"
+    drawing = picture[picture.index("<svg") :]
+    return PAGE.format(title=escape(title), picture=drawing, table=escape(text(found, heading)))
