@@ -1,4 +1,4 @@
-"""What the effects of a scene change and cost, for a compiled model."""
+"""The changes and costs of the effects of a scene, for a compiled model."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 POINTS = 501  # recorded times
 ACCURACIES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 LOOKED = 12  # states at which two systems are compared
-SAME = 1e-13  # relative difference of their rates that is round-off
+SAME = 1e-13  # relative difference of their rates that is round-off, at any states
+ALIKE = 4e-15  # the same on a motion: some roundings of rates
 
 
 class Comparable:
@@ -158,26 +159,26 @@ class _Variant:
         try:
             run = self.loaded.simulate(request, values)
         except Refused as refused:
-            return Motion(np.array([]), {}, {}, (), 0, "", 0.0, refused.faults[0].message)
+            return Motion(np.array([]), {}, [], {}, (), 0, "", 0.0, refused.faults[0].message)
         if run.interrupted:
             raise KeyboardInterrupt
         found = {name: np.array(run.column(name)) for name in self.names}
         ends = run.message if run.status == "failed" else ""
         events = tuple([(event.t, event.name) for event in run.events])
-        return Motion(
-            np.array(run.times), found, run.errors, events, run.cost.rhs, run.method, run.rtol, ends
-        )
+        return Motion(np.array(run.times), found, run.states, run.errors, events, run.cost.rhs, run.method,
+                      run.rtol, ends)  # fmt: skip
 
-    def seconds(self, motion: Motion, repeats: int) -> float:
-        """The CPU time of the plain run, with its initial state and settings."""
+    def plain(self, setting: Motion, repeats: int) -> tuple[float, int]:
+        """The CPU time and the evaluations of a run without verification, recorded at its end alone."""
         system = self.loaded.system("c").bind(self.values)
         if not hasattr(self, "x0"):
             self.x0 = self.loaded.initialize(system, Request(stop=self.times[-1], starts=self.starts)).x
-        options = Options(method=motion.method, rtol=motion.rtol, max_steps=0)
+        options = Options(method=setting.method, rtol=setting.rtol, max_steps=0)
+        ends = [self.times[0], self.times[-1]]
         began = process_time()
         for _ in range(repeats):
-            system.integrate(options, self.times[0], self.x0, self.times)
-        return (process_time() - began) / repeats
+            done = system.integrate(options, ends[0], self.x0, ends)
+        return (process_time() - began) / repeats, done.rhs
 
     def same_without(self, parameter: str, other: Variant) -> bool:
         assert isinstance(other, _Variant)
@@ -185,13 +186,27 @@ class _Variant:
             return False
         values = list(self.values)
         values[self.parameters.index(parameter)] = 0.0
+        dice, base = Random(0), self.loaded.system("c").start()
+        points = [(0.3, [value + dice.gauss(0.0, 1.0) for value in base]) for _ in range(LOOKED)]
+        return self._same_at(points, values, other, SAME)
+
+    def same_along(self, motion: Motion, other: Variant) -> bool:
+        assert isinstance(other, _Variant)
+        if self.state_names != other.state_names:
+            return False
+        return self._same_at(list(zip(motion.times.tolist(), motion.states)), self.values, other, ALIKE)
+
+    def _same_at(
+        self, points: Sequence[tuple[float, Sequence[float]]], values: Sequence[float], other: _Variant,
+        most: float,
+    ) -> bool:  # fmt: skip
+        """Whether the rates of both are the same at these times and states, up to `most`, relative."""
         mine, own = self.loaded.system("c").bind(values), other.loaded.system("c").bind(other.values)
-        dice, base = Random(0), own.start()
-        for _ in range(LOOKED):
-            x = [value + dice.gauss(0.0, 1.0) for value in base]
-            first, second = rates_at(mine, 0.3, x), rates_at(own, 0.3, x)
+        n, rest = len(self.state_names), own.start()[len(self.state_names) :]
+        for t, x in points:
+            first, second = rates_at(mine, t, x), rates_at(own, t, [*x[:n], *rest])
             if first is None or second is None:
                 continue
-            if any(abs(a - b) > SAME * (1.0 + abs(b)) for a, b in zip(first, second)):
+            if any(abs(a - b) > most * (1.0 + abs(b)) for a, b in zip(first[:n], second[:n])):
                 return False
         return True

@@ -81,7 +81,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def accuracies_of(written: str) -> list[float]:
-    """Return the accuracies of `1e-3`, of `1e-2,1e-4` or, in powers of ten, of `1e-2..1e-8`.  Raises Usage."""
+    """Return the accuracies of `1e-3`, of `1e-2,1e-4` or, by powers of ten, of `1e-2..1e-8`.  Raises
+    Usage."""
     try:
         parts = [float(part) for part in re.split(r",|\.\.", written)]
     except ValueError:

@@ -1,4 +1,4 @@
-"""What the effects of a scene change and cost, as a table, as plain data and as one page."""
+"""The changes and costs of the effects of a scene, as a table, as plain data and as one page."""
 
 from __future__ import annotations
 
@@ -99,8 +99,10 @@ def _sets(found: Effects) -> list[str]:
     lines = _table(["accuracy", "leave out", "changes", "a run takes", "operations"], rows)
     lucky = next((one for one in found.sets if one.cancelling), None)
     if lucky is not None:
-        lines.append(f"  (at {lucky.accuracy:.0e}, without {', '.join(lucky.cancelling)} would do too, as changes "
-                     "cancel: not used)")  # fmt: skip
+        names = ", ".join(lucky.cancelling)
+        lines.append(
+            f"  (at {lucky.accuracy:.0e}, without {names} would do too, as changes cancel: not used)"
+        )
     return lines
 
 

@@ -1,4 +1,4 @@
-"""The effects of a scene: what leaving each out changes, what it costs, and the cheapest scene for an accuracy.
+"""The effects of a scene: what each changes and costs, and the cheapest scene for an accuracy.
 
 The changes of a set are predicted by the sum of the absolute difference curves of its members, which needs no
 luck with signs.  A set that is recommended was run and compared with the full scene.
@@ -41,6 +41,7 @@ class Motion:
 
     times: Array
     values: Mapping[str, Array]
+    states: Sequence[Sequence[float]]
     errors: Mapping[str, float]
     events: tuple[tuple[float, str], ...]
     rhs: int
@@ -53,7 +54,7 @@ class Variant(Protocol):
     """The scene without some effects, compiled."""
 
     names: tuple[str, ...]  # of coordinates and outputs
-    units: Mapping[str, str]
+    units: dict[str, str]
     parameters: tuple[str, ...]
     operations: int
     states: int
@@ -61,11 +62,14 @@ class Variant(Protocol):
     def motion(self, accuracy: float, scaled: tuple[str, float] | None = None) -> Motion:
         """Return a run; `scaled`: with one parameter multiplied."""
 
-    def seconds(self, motion: Motion, repeats: int) -> float:
-        """Return the CPU time of the plain run with the method and tolerance of `motion`."""
+    def plain(self, setting: Motion, repeats: int) -> tuple[float, int]:
+        """Return CPU time and evaluations of the plain run with the method and tolerance of `setting`."""
 
     def same_without(self, parameter: str, other: Variant) -> bool:
         """Return whether the rates with `parameter` = 0 are those of `other`."""
+
+    def same_along(self, motion: Motion, other: Variant) -> bool:
+        """Return whether the rates at the recorded states of a motion are those of `other`."""
 
 
 @dataclass
@@ -290,9 +294,12 @@ def _compare(comparison: Comparison, one: Change, variant: Variant | None, motio
         one.ends = curves
         return
     one.curve, one.change, one.bar = curves, largest(curves), comparison.bar(motion)
-    one.acted = bool(curves.any())
     one.per = {name: largest(row) for name, row in zip(comparison.names, curves)}
-    if variant is not None and one.acted and not one.along and one.change < CLEAR * one.bar:
+    if variant is None or one.along or one.change >= CLEAR * one.bar:
+        return
+    if comparison.full.same_along(comparison.base, variant):
+        one.acted, one.change, one.bar, one.curve = False, 0.0, 0.0, np.zeros_like(curves)
+    else:
         _amplify(comparison, one, variant)
 
 
@@ -321,28 +328,29 @@ def _amplify(comparison: Comparison, one: Change, variant: Variant) -> None:
 
 
 def _time(comparison: Comparison, changes: Sequence[Change], variants: Mapping[str, Variant]) -> None:
-    """Measure the times of runs in turn, at the accuracy 1e-6."""
-    found = comparison.found
-    full = comparison.full.motion(1e-6)
-    plain = {one.effect: variants[one.effect].motion(1e-6) for one in changes}
-    runs = {"": (comparison.full, full)}
-    runs.update((one.effect, (variants[one.effect], plain[one.effect])) for one in changes)
-    times = in_turn(runs)
-    found.rhs, found.seconds = full.rhs, times[""]
+    """Measure the times of runs in turn, with the settings of the full scene for the accuracy 1e-6."""
+    found, setting = comparison.found, comparison.full.motion(1e-6)
+    times = in_turn({"": comparison.full, **variants}, setting)
+    (found.seconds, found.rhs) = times[""]
     for one in changes:
-        one.rhs, one.time = plain[one.effect].rhs, times[one.effect] / times[""]
+        seconds, one.rhs = times[one.effect]
+        one.time = seconds / found.seconds
 
 
-def in_turn(runs: Mapping[str, tuple[Variant, Motion]]) -> dict[str, float]:
-    """Return the median CPU time in s of each run, in rounds, so that all see the same machine."""
+def in_turn(variants: Mapping[str, Variant], setting: Motion) -> dict[str, tuple[float, int]]:
+    """Return the CPU time in s of each run, the least of rounds in which all see the same machine, and its
+    evaluations of the right-hand side.  All have the method and tolerance of `setting`: the verified ones
+    differ by chance."""
     repeats: dict[str, int] = {}
-    for name, (variant, motion) in runs.items():
-        repeats[name] = max(1, round(LEAST_TIME / max(variant.seconds(motion, 1), 1e-6)))
-    found: dict[str, list[float]] = {name: [] for name in runs}
+    rhs: dict[str, int] = {}
+    for name, variant in variants.items():
+        seconds, rhs[name] = variant.plain(setting, 1)
+        repeats[name] = max(1, round(LEAST_TIME / max(seconds, 1e-6)))
+    found: dict[str, list[float]] = {name: [] for name in variants}
     for _ in range(ROUNDS):
-        for name, (variant, motion) in runs.items():
-            found[name].append(variant.seconds(motion, repeats[name]))
-    return {name: sorted(times)[len(times) // 2] for name, times in found.items()}
+        for name, variant in variants.items():
+            found[name].append(variant.plain(setting, repeats[name])[0])
+    return {name: (min(times), rhs[name]) for name, times in found.items()}
 
 
 # -- sets -----------------------------------------------------------------------------------------
@@ -428,8 +436,8 @@ def _cheapest(comparison: Comparison, known: Sequence[_Set], accuracy: float) ->
         )
         if largest(curves) + bar > accuracy:
             continue
-        times = in_turn({"full": (full, full.motion(half)), "set": (variant, run)})
-        ratio = times["set"] / times["full"]
+        times = in_turn({"full": full, "set": variant}, full.motion(half))
+        ratio = times["set"][0] / times["full"][0]
         if ratio > 1.0 + AS_LONG:
             continue
         left_out = tuple([e for e in found.effects if e in one.members])

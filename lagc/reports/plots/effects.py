@@ -36,13 +36,14 @@ def _singles(axes: Axes, found: Effects) -> None:
     axes.set_title("Each effect left out alone", loc="left", fontsize=10)
     axes.set_xscale("log")
     axes.set_yscale("log")
+    axes.set_ylim(*_limits([one.change or 1.0 for one in shown] + [choice.accuracy for choice in found.sets]))
     axes.set_ylabel("change, relative to the range (largest over time)")
     axes.set_xlabel(
         "time of a run without the effect (full scene: 1)\n\u2190 saves time        costs time \u2192"
     )
     axes.axvline(1.0, color="#999999", linewidth=0.8, linestyle=":")
-    for one in found.sets:
-        axes.axhline(one.accuracy, color="#cccccc", linewidth=0.8, zorder=0)
+    for choice in found.sets:
+        axes.axhline(choice.accuracy, color="#cccccc", linewidth=0.8, zorder=0)
     taken: list[float] = []
     for one in sorted(shown, key=lambda one: -(one.change or 0.0)):
         assert one.change is not None
@@ -51,9 +52,13 @@ def _singles(axes: Axes, found: Effects) -> None:
         taken.append(one.change)
         axes.annotate(one.effect, (one.time, one.change), xytext=(8, -4 - 10 * near),
                       textcoords="offset points", fontsize=8.5, color=_color(one))  # fmt: skip
-    axes.margins(x=0.25, y=0.1)
+    axes.margins(x=0.25)
     low, high = axes.get_xlim()
     axes.set_xlim(min(low, 0.5), max(high, 2.0))
+
+
+def _limits(values: list[float]) -> tuple[float, float]:
+    return (min(values, default=1e-6) / 4.0, max(values, default=1.0) * 4.0)
 
 
 def _color(one: Change) -> str:
@@ -65,6 +70,7 @@ def _color(one: Change) -> str:
 def _sets(axes: Axes, found: Effects) -> None:
     axes.set_title("The cheapest scene that keeps an accuracy (each was run)", loc="left", fontsize=10)
     axes.set_xlabel("part of the full scene")
+    axes.grid(visible=False)
     axes.set_ylabel("accuracy asked")
     ticks = range(len(found.sets))
     for k, one in enumerate(found.sets):

@@ -1,0 +1,185 @@
+"""Effects of a scene against closed forms: an oscillator with constant forces, and sets that were run."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import lagc
+from lagc.cli.main import main
+from lagc.diagnostics.faults import Refused
+from tests.simulation.test_generated import needs_compiler
+
+np = pytest.importorskip("numpy")
+
+from lagc.reports.effects import text, to_dict  # noqa: E402
+from lagc.study.effects import Effects  # noqa: E402
+
+pytestmark = needs_compiler
+
+# x'' + x = sum of forces: each force f alone moves x by f (1 - cos t)
+SPRING = """model Spring
+  coordinate Length x(start = 1 [m]);
+  body b = Particle(mass = 1 [kg], at = {x, 0, 0});
+  potential V = 1/2*1 [N/m]*x^2;
+  effect big
+    parameter Force f1 = 1e-2;
+    force one = {f1, 0, 0} at b;
+  end big;
+  effect small
+    parameter Force f2 = 1e-5;
+    force two = {f2, 0, 0} at b;
+  end small;
+  effect tiny
+    parameter Force f3 = 1e-13;
+    force three = {f3, 0, 0} at b;
+  end tiny;
+  effect against
+    parameter Force f4 = -9e-3;
+    force four = {f4, 0, 0} at b;
+  end against;
+  effect never
+    force five = {if x < -5 [m] then 1 [N] else 0, 0, 0} at b;
+  end never;
+  effect more
+    parameter Force f6 = 1e-4;
+    force six = {f6, 0, 0} at b;
+  end more;
+  scene all uses big, small, tiny, against, never
+    simulate(stop = 3.5 [s]);
+  end all;
+end Spring;
+"""
+STOP = 3.5
+
+
+def _of(text: str, **options: object) -> Effects:
+    return lagc.loads(text).compile().effects(**options)  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module")
+def spring() -> Effects:
+    return _of(SPRING, accuracies=(1e-1, 1e-2, 1e-3, 1e-7))
+
+
+def _span() -> float:
+    """The range of x: from 1 to the minimum near t = pi."""
+    force = 1e-2 + 1e-5 - 9e-3
+    return 2.0 * (1.0 - force)
+
+
+def test_each_change_is_that_of_the_closed_form(spring: Effects) -> None:
+    size, of = spring.scales["x"]
+    assert of == "range" and size == pytest.approx(_span(), rel=1e-4)
+    changes = {one.effect: one for one in spring.left_out}
+    for effect, force in (("big", 1e-2), ("small", 1e-5), ("against", 9e-3)):
+        one = changes[effect]
+        assert one.change == pytest.approx(2.0 * force / size, rel=1e-4)  # 1 - cos(pi) = 2
+        assert one.curve is not None
+        assert one.curve[0] == pytest.approx(
+            -np.sign(changes[effect].curve[0][-1]) * -abs(force) / size
+            * (1.0 - np.cos(np.linspace(0.0, STOP, 501))), abs=1e-8,
+        )  # fmt: skip
+
+
+def test_a_change_below_the_error_bar_is_measured_stronger(spring: Effects) -> None:
+    (tiny,) = [one for one in spring.left_out if one.effect == "tiny"]
+    assert tiny.how.startswith("f3 times")
+    assert tiny.change == pytest.approx(2e-13 / spring.scales["x"][0], rel=0.01)
+
+
+def test_an_effect_that_never_acts_changes_nothing(spring: Effects) -> None:
+    (never,) = [one for one in spring.left_out if one.effect == "never"]
+    assert never.change == 0.0 and not never.acted
+
+
+def test_offered_effects_are_added(spring: Effects) -> None:
+    (more,) = spring.added
+    assert more.effect == "more"
+    assert more.change == pytest.approx(2e-4 / spring.scales["x"][0], rel=1e-3)
+
+
+def test_sets_stay_below_the_accuracy_by_the_sum_of_absolute_changes(spring: Effects) -> None:
+    found = {one.accuracy: set(one.left_out) for one in spring.sets}
+    size = spring.scales["x"][0]
+    assert found[1e-1] == {"big", "small", "tiny", "against", "never"}
+    assert "big" in found[1e-2] or "against" in found[1e-2]
+    assert not {"big", "against"} <= found[1e-2]  # 1.9e-2 by the sum, though they cancel to 1e-3
+    assert found[1e-3] == {"small", "tiny", "never"}
+    assert found[1e-7] == {"tiny", "never"}
+    for one in spring.sets:
+        assert one.change <= one.accuracy
+        known = {"big": 1e-2, "small": 1e-5, "tiny": 1e-13, "against": -9e-3, "never": 0.0}
+        exact = abs(sum(known[name] for name in one.left_out)) * 2.0 / size
+        assert one.change == pytest.approx(exact, rel=1e-3, abs=1e-9)
+
+
+def test_effects_that_are_harmless_alone_may_not_be_together() -> None:
+    """Two stiff springs hold y: each is enough, none is not."""
+    text = """model Held
+  coordinate Length x(start = 1 [m]), y;
+  body b = Particle(mass = 1 [kg], at = {x, y, 0});
+  potential V = 1/2*1 [N/m]*(x^2 + 0.01*y^2) - 1 [N]*y;
+  effect first potential V1 = 1/2*1e5 [N/m]*y^2; end first;
+  effect second potential V2 = 1/2*1e5 [N/m]*y^2; end second;
+  output Length z = x + y;
+  scene all uses first, second
+    simulate(stop = 3 [s]);
+  end all;
+end Held;
+"""
+    found = _of(text, accuracies=(1e-3,), of=["z"])
+    assert max(one.change or 0.0 for one in found.left_out) < 1e-4
+    assert len(found.sets[0].left_out) < 2
+
+
+def test_an_effect_goes_with_those_that_need_it() -> None:
+    found = lagc.load("stiff_rod").compile().effects(3.0, accuracies=(1e-2,))
+    changes = {one.effect: one for one in found.left_out}
+    assert changes["elastic"].along == ("inner",)
+    assert found.not_compared == ("s",)
+    assert {"elastic", "inner"} <= set(found.sets[0].left_out)
+    assert found.sets[0].operations < 20 < found.operations
+    assert found.sets[0].time < 0.5 and changes["inner"].time > 1.2
+
+
+def test_an_effect_that_ends_the_run_stays() -> None:
+    stop = '  effect stop when x < 0 then terminate("there"); end when; end stop;'
+    text = SPRING.replace("  effect more", f"{stop}\n  effect more")
+    text = text.replace("never\n    simulate", "never, stop\n    simulate")
+    found = _of(text, accuracies=(1e-2,))
+    (one,) = [one for one in found.left_out if one.effect == "stop"]
+    assert one.change is None and "ends" in one.ends
+    assert "stop" not in found.sets[0].left_out
+
+
+def test_reports(spring: Effects, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    shown = text(spring, "Spring, scene all")
+    assert "Each effect left out alone" in shown and "scene for_1em01" in shown
+    assert "it did not act" in shown
+    data = json.loads(json.dumps(to_dict(spring)))
+    assert data["compared"]["x"]["of"] == "range" and len(data["effects"]) == 5
+    model = tmp_path / "spring.lag"
+    model.write_text(SPRING)
+    svg = tmp_path / "a.svg"
+    assert main(["effects", str(model), "--accuracy", "1e-2", "-o", str(svg), "--quiet"]) == 0
+    assert svg.read_text().startswith("<?xml") and "leave out" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "arguments", [["--accuracy", "2"], ["--accuracy", "a..b"], ["-o", "x.txt"], ["--scene", "default"]]
+)
+def test_wrong_arguments(arguments: list[str], tmp_path: Path) -> None:
+    model = tmp_path / "spring.lag"
+    model.write_text(SPRING)
+    assert main(["effects", str(model), *arguments, "--quiet"]) != 0
+
+
+def test_a_scene_without_effects_is_refused() -> None:
+    plain = SPRING.replace(" uses big, small, tiny, against, never", "")
+    with pytest.raises(Refused, match="uses no effect"):
+        _of(plain)
+    with pytest.raises(Refused, match="no coordinate or output"):
+        _of(SPRING, of=["y"])
