@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from lagc.api_cost import Measurable
 from lagc.api_derivatives import Differentiable
-from lagc.api_effects import Comparable
+from lagc.api_effects import Comparable, without
 from lagc.api_values import Input, Value, condition, parted, quantities, real, reals, seconds, word, words
 from lagc.base.records import dataclass, names, replace
 from lagc.compiler.loaded import Loaded
@@ -172,6 +172,15 @@ class CompiledModel(Differentiable, Measurable, Comparable):
         if self.interface.limits:
             keep_limits(bound.system)
         return bound
+
+    def without(self, effects: Sequence[str]) -> CompiledModel:
+        """Return the scene without these effects; parameters that it does not have are dropped.
+
+        Raises Refused if there is no such effect, or if the scene needs one of them."""
+        made = CompiledModel.__new__(CompiledModel)
+        made._loaded, made._given = without(self._loaded, self._given, effects)
+        made._own, made._recent, made._driven = {}, None, None
+        return made
 
     def __getstate__(self) -> dict[str, object]:
         return {

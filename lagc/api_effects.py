@@ -105,7 +105,20 @@ class Comparable:
             raise Refused([Fault("LAG0620", message, remedy="see `lagc sim` for the reason")]) from None
 
 
-def _compiled(compilation: Compilation, without: Names, more: Names) -> Loaded | Refused:
+def without(
+    loaded: Loaded, given: Mapping[str, Any], effects: Sequence[str]
+) -> tuple[Loaded, dict[str, Any]]:
+    """The scene without these effects, and the given values of parameters that it has.  Raises Refused."""
+    found = _compiled(loaded.compilation, frozenset(effects), frozenset(), loaded.asked)
+    if isinstance(found, Refused):
+        raise found
+    artifact = found.artifact
+    fields = (*artifact.interface.parameters, *artifact.interface.inputs, *artifact.unused)
+    known = {f.name for f in fields}
+    return found, {name: value for name, value in given.items() if name in known}
+
+
+def _compiled(compilation: Compilation, without: Names, more: Names, backend: str = "c") -> Loaded | Refused:
     """The scene with other effects; a fault of the text, if it has one then."""
     choice = compilation.choice
     kept = tuple([name for name in choice.with_effects if name not in without])
@@ -113,7 +126,7 @@ def _compiled(compilation: Compilation, without: Names, more: Names) -> Loaded |
     chosen = replace(choice, with_effects=(*kept, *added), parameters=dict(choice.parameters),
                      without_effects=(*choice.without_effects, *sorted(without)))  # fmt: skip
     try:
-        return Loaded(Compilation(compilation.source, chosen, compilation.roots), "c")
+        return Loaded(Compilation(compilation.source, chosen, compilation.roots), backend)
     except Refused as refused:
         return refused
 

@@ -84,6 +84,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         const="",
         help="draw the motion into FILE (.png, .svg, .pdf), or on the screen",
     )
+    parser.add_argument(
+        "--prune",
+        action="store_true",
+        help="leave out effects that the accuracy lets go (see `lagc effects`)",
+    )
     add_backend_option(parser)
     add_general_options(parser)
 
@@ -119,6 +124,15 @@ def run(options: argparse.Namespace) -> int:
     check_memory(complete, model.interface.nx, most)
     written = targets(options.output) if options.output else ()
     spare(compilation, *written, picture_of(model.interface, options.plot))
+    note = ""
+    if options.prune:
+        from lagc.cli.prune import pruned
+
+        bound_starts(model.interface, given)
+        model, request, note = pruned(model, request, given, options.quiet or options.json)
+        given = {name: value for name, value in given.items() if name in model.state_names}
+        own = {f.name for f in (*model.interface.parameters, *model.interface.inputs, *model.artifact.unused)}
+        choice = replace(choice, parameters={n: v for n, v in choice.parameters.items() if n in own})
     starts = bound_starts(model.interface, given)
     parameters = bound_parameters(model.interface, choice.parameters, model.artifact.unused)
     request = replace(request, starts=starts, guesses=bound_guesses(model.interface, guesses, given))
@@ -132,6 +146,8 @@ def run(options: argparse.Namespace) -> int:
                 raise MemoryError from None
             wrong = Unwritten if error.full else Usage
             raise wrong(f"{error}; --backend numpy needs no compiler") from None
+    if note:
+        found.notes = (note, *found.notes)
     return deliver(found, options)
 
 

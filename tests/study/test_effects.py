@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from math import cos
 from pathlib import Path
 
 import pytest
@@ -116,6 +117,7 @@ def test_sets_stay_below_the_accuracy_by_the_sum_of_absolute_changes(spring: Eff
         assert one.change == pytest.approx(exact, rel=1e-3, abs=1e-9)
 
 
+@pytest.mark.full
 def test_effects_that_are_harmless_alone_may_not_be_together() -> None:
     """Two stiff springs hold y: each is enough, none is not."""
     text = """model Held
@@ -135,6 +137,7 @@ end Held;
     assert len(found.sets[0].left_out) < 2
 
 
+@pytest.mark.full
 def test_an_effect_goes_with_those_that_need_it() -> None:
     found = lagc.load("stiff_rod").compile().effects(3.0, accuracies=(1e-2,))
     changes = {one.effect: one for one in found.left_out}
@@ -145,6 +148,7 @@ def test_an_effect_goes_with_those_that_need_it() -> None:
     assert found.sets[0].time < 0.5 and changes["inner"].time > 1.2
 
 
+@pytest.mark.full
 def test_an_effect_that_ends_the_run_stays() -> None:
     stop = '  effect stop when x < 0 then terminate("there"); end when; end stop;'
     text = SPRING.replace("  effect more", f"{stop}\n  effect more")
@@ -183,3 +187,31 @@ def test_a_scene_without_effects_is_refused() -> None:
         _of(plain)
     with pytest.raises(Refused, match="no coordinate or output"):
         _of(SPRING, of=["y"])
+
+
+@pytest.mark.full
+def test_prune_runs_the_cheapest_scene_and_remembers_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model = tmp_path / "spring.lag"
+    model.write_text(SPRING)
+    shown = []
+    for _ in range(2):
+        assert main(["sim", str(model), "--accuracy", "1e-3", "--prune", "--json", "-p", "f2=2e-5"]) == 0
+        shown.append(json.loads(capsys.readouterr().out))
+    assert shown[0]["effects"] == shown[1]["effects"] == ["big", "against"]
+    first, second = (found["notes"][0] for found in shown)
+    assert "left out small, tiny, never" in first and "found in" in first and "found in" not in second
+    exact = 1e-3 + (1.0 - 1e-3) * cos(STOP) + 2e-5 * (1.0 - cos(STOP))  # of the full scene
+    assert shown[0]["final"]["x"] == pytest.approx(exact, abs=1e-3 * _span())
+    assert main(["sim", str(model), "--rtol", "1e-3", "--prune", "--quiet"]) == 2
+    assert main(["sim", "bouncing_ball", "--prune", "--quiet"]) == 0
+
+
+def test_the_scene_without_effects_that_others_need_is_refused() -> None:
+    model = lagc.load("stiff_rod").compile()
+    assert "s" not in model.without(["elastic", "inner"]).state_names
+    with pytest.raises(Refused, match="requires"):
+        model.without(["elastic"])
+    with pytest.raises(Refused, match="no effect"):
+        model.without(["nothing"])
