@@ -8,6 +8,10 @@ from __future__ import annotations
 
 import re
 import sys
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 FINEST = 1e-15  # least relative tolerance, set by round-off
 MOST_POINTS = sys.maxsize // 2  # limit on the length of a list
@@ -52,6 +56,12 @@ def printable(text: str) -> str:
 def one_line(text: str) -> str:
     """Return `printable` text with escaped line ends."""
     return printable(text).replace("\n", "\\n")
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return the lines of a table with columns as wide as they need, indented by two."""
+    widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
+    return ["  " + "  ".join(cell.ljust(w) for cell, w in zip(row, widths)).rstrip() for row in (head, *rows)]
 
 
 def json_text(value: object, indent: int | None = None, encoding: str = "utf-8") -> str:

@@ -36,6 +36,7 @@ COMMANDS = {
     "equations": "print the equations of motion",
     "sim": "compile and simulate a model",
     "cost": "measure what accuracy costs in time",
+    "compare": "run scenes side by side",
     "effects": "measure what each effect changes and costs",
     "linearize": "find equilibria and linear models",
     "build": "write generated code for other projects",

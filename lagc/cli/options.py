@@ -53,14 +53,19 @@ def _limit(word: str | None, option: str, read: Callable[[str], float | None], l
     return found
 
 
-def add_model_options(parser: argparse.ArgumentParser) -> None:
+def add_model_options(parser: argparse.ArgumentParser, many_scenes: bool = False) -> None:
     """FILE and the options that choose a scene and values: `--scene --with --without --model -p --input`;
     limits."""
     add_limit_options(parser)
     parser.add_argument(
         "file", metavar="FILE", help="a model file, the name of a library model, or - for standard input"
     )
-    parser.add_argument("--scene", metavar="S", help="the scene; default: the first of the file")
+    if many_scenes:
+        parser.add_argument(
+            "--scene", metavar="S", action="append", help="a scene, once for each; default: all of the file"
+        )
+    else:
+        parser.add_argument("--scene", metavar="S", help="the scene; default: the first of the file")
     parser.add_argument(
         "--with", metavar="E", dest="with_effects", action="append", default=[], help="add the effect E"
     )

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from html import escape
 from typing import Any
 
-from lagc.base.text import printable
+from lagc.base.text import printable, table
 from lagc.reports.cost import PAGE
 from lagc.study.effects import AS_LONG, Change, Choice, Effects, joined
 
@@ -78,7 +78,7 @@ def _singles(changes: Sequence[Change], found: Effects, word: str) -> list[str]:
         time = "" if one.time == float("inf") else _time(one.time)
         note = "dearer without it" if word == "without" and 1.0 + AS_LONG < one.time < float("inf") else ""
         rows.append([_name(one), size, of, time, f"{found.operations} -> {one.operations}", note])
-    lines = _table([word, "changes", "", "a run takes", "operations", ""], rows)
+    lines = table([word, "changes", "", "a run takes", "operations", ""], rows)
     stronger = [f"{one.effect} with {one.how}" for one in changes if " times " in one.how]
     if stronger:
         lines.append(f"  * below the error bar of two runs; measured stronger: {', '.join(stronger)}")
@@ -96,7 +96,7 @@ def _sets(found: Effects) -> list[str]:
         size = f"{last.change:.1e}" + (f" +- {last.bar:.0e}" if last.bar > 0.1 * last.change else "")
         out = ", ".join(one.left_out)
         rows.append([accuracy, out, size, _time(last.time), f"{found.operations} -> {last.operations}"])
-    lines = _table(["accuracy", "leave out", "changes", "a run takes", "operations"], rows)
+    lines = table(["accuracy", "leave out", "changes", "a run takes", "operations"], rows)
     lucky = next((one for one in found.sets if one.cancelling), None)
     if lucky is not None:
         names = ", ".join(lucky.cancelling)
@@ -104,11 +104,6 @@ def _sets(found: Effects) -> list[str]:
             f"  (at {lucky.accuracy:.0e}, without {names} would do too, as changes cancel: not used)"
         )
     return lines
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
-    return ["  " + "  ".join(cell.ljust(w) for cell, w in zip(row, widths)).rstrip() for row in (head, *rows)]
 
 
 def to_dict(found: Effects) -> dict[str, Any]:

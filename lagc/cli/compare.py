@@ -1,0 +1,105 @@
+"""Run scenes of a model side by side, and show how they differ from the first."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping, Sequence
+from copy import copy
+from typing import TYPE_CHECKING, TypeVar
+
+from lagc.cli.deliver import kept, spare
+from lagc.cli.options import (
+    add_backend_option,
+    add_general_options,
+    add_model_options,
+    add_start_option,
+    choice_of,
+    quantities,
+    quantity,
+)
+from lagc.cli.output import DONE, FAILED, UNWRITTEN, Usage, print_json, say, show
+from lagc.cli.sim import check_picture
+from lagc.host.budgets import rest
+
+if TYPE_CHECKING:
+    from lagc.api import CompiledModel
+
+T = TypeVar("T")
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    add_model_options(parser, many_scenes=True)
+    add_start_option(parser)
+    parser.add_argument("--stop", metavar="T", help="the end time; default: that of the first scene, or 10 s")
+    parser.add_argument("--accuracy", metavar="A", help="the global relative error; default: 1e-6")
+    parser.add_argument("--points", metavar="N", type=int, default=501, help="recorded times; default: 501")
+    parser.add_argument("--plot", metavar="FILE", help="draw the scenes into FILE (.png, .svg, .pdf)")
+    add_backend_option(parser)
+    add_general_options(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    from lagc.api import CompiledModel
+    from lagc.compiler.pipeline import Compilation
+    from lagc.host import model_library
+    from lagc.reports.compare import compare, text, to_dict
+
+    if options.plot == "":
+        raise Usage("`--plot` needs a file")
+    check_picture(options)
+    source = model_library.read(options.file)
+    accuracy, stop = quantity(options.accuracy, "", "--accuracy"), quantity(options.stop, "s", "--stop")
+    starts = quantities(options.starts, "--start")
+    first = Compilation(source, choice_of(_with(options, None)))
+    choices = [choice_of(_with(options, scene)) for scene in options.scene or first.model.scenes or [None]]
+    models = [CompiledModel(Compilation(source, choice), options.backend) for choice in choices]
+    scenes = [model.interface.scene for model in models]
+    spare(first, *([options.plot] if options.plot else []))
+    stop = models[0].interface.simulate.get("stop", 10.0) if stop is None else stop
+    parameters = [_parameters(model) for model in models]
+    own = [model.bind(_own(choices[0].parameters, parameters, k)) for k, model in enumerate(_plain(models))]
+    states = [model.state_names for model in models]
+    runs = [
+        model.simulate(stop, accuracy=accuracy, points=options.points, starts=_own(starts, states, k))
+        for k, model in enumerate(own)
+    ]
+    rest()
+    found = compare(scenes, runs)
+    written = True
+    if options.plot:
+        from lagc.reports.plots import compare as picture
+
+        path = kept(options.plot, lambda name: picture.write(found, name), (OSError, ValueError))
+        written = path == options.plot
+        if path is not None:
+            say(f"written to {path}", options.quiet or options.json)
+    if options.json:
+        print_json(to_dict(found))
+    else:
+        show(text(found, options.verbose))
+    if not written:
+        return UNWRITTEN
+    return FAILED if any(run.status == "failed" for run in runs) else DONE
+
+
+def _with(options: argparse.Namespace, scene: str | None) -> argparse.Namespace:
+    own = copy(options)
+    own.scene = scene
+    return own
+
+
+def _plain(models: Sequence[CompiledModel]) -> list[CompiledModel]:
+    """The models without given values of parameters, but for those that are part of the code."""
+    return [model.without(()) for model in models]
+
+
+def _parameters(model: CompiledModel) -> list[str]:
+    interface, artifact = model.interface, model.artifact
+    fields = (*interface.parameters, *interface.inputs, *artifact.unused)
+    return [*(f.name for f in fields), *artifact.built_in]
+
+
+def _own(given: Mapping[str, T], known: Sequence[Sequence[str]], k: int) -> dict[str, T]:
+    """The given values that model k has; also those that none has, so that it refuses them."""
+    others = {name for names in known for name in names}
+    return {name: value for name, value in given.items() if name in known[k] or name not in others}
