@@ -10,6 +10,7 @@ from lagc.base.records import RLock, once
 from lagc.compiler.pipeline import Compilation
 from lagc.diagnostics.faults import Refused
 from lagc.host.budgets import running
+from lagc.kernels import IMPLICIT
 from lagc.simulation.system import System
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ class Loaded:
         self.compilation, self.asked = compilation, backend
         self.lock = RLock()
         self.systems: dict[str, System] = {}
+        self.implicit: Loaded | None = None  # with the implicit methods
         self.followers: dict[str, System] = {}  # with what sensitivities need
         self.numpy_s = 0.0  # the longest run of `auto` in NumPy so far
         began = perf_counter()
@@ -44,7 +46,7 @@ class Loaded:
         return {name: getattr(self, name) for name in kept}
 
     def __setstate__(self, state: dict[str, object]) -> None:
-        vars(self).update(state, lock=RLock(), systems={}, numpy_s=0.0, followers={})
+        vars(self).update(state, lock=RLock(), systems={}, numpy_s=0.0, followers={}, implicit=None)
         self.preferred = self._preferred()
 
     @property
@@ -94,6 +96,13 @@ class Loaded:
                     self.followers[wanted] = Loaded(self.compilation.sensitive, "numpy").system("numpy")
             return self.followers[wanted]
 
+    def with_implicit(self) -> Loaded:
+        """The same model with the implicit methods."""
+        with self.lock:
+            if self.implicit is None:
+                self.implicit = Loaded(self.compilation.implicit, self.asked)
+            return self.implicit
+
     def simulate(
         self, request: Request, parameters: Sequence[float], progress: Progress | None = None
     ) -> Solution:
@@ -101,6 +110,8 @@ class Loaded:
         before in this process and compiling takes less time than fifty such runs.  Otherwise the run starts
         in NumPy, and changes to C when it has taken as long as compiling would."""
         request.completed(self.artifact.interface.simulate)  # refuses before anything is compiled
+        if request.method in IMPLICIT and not self.artifact.interface.stiff:
+            return self.with_implicit().simulate(request, parameters, progress)
         if self.asked != "auto":
             return self._run(self.asked, request, parameters, progress)
         from lagc.simulation.backends.compile import CannotCompile

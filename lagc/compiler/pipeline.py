@@ -159,13 +159,14 @@ def derive(model: Model) -> EquationsOfMotion:
 
 @_uncollected
 def optimize(
-    equations: EquationsOfMotion, work: bool, differentiate: bool = False, sensitive: bool = False
-) -> Program:
+    equations: EquationsOfMotion, work: bool, differentiate: bool = False, sensitive: bool = False,
+    stiff: bool = False,
+) -> Program:  # fmt: skip
     from lagc.lowering.lower_equations import optimize as run
 
     unknowns = len(equations.v) + len(equations.rows)
     with stage("simplifying the equations", PER_PAIR * unknowns**2):
-        return run(equations, work=work, differentiate=differentiate, sensitive=sensitive)
+        return run(equations, work=work, differentiate=differentiate, sensitive=sensitive, stiff=stiff)
 
 
 @_uncollected
@@ -187,7 +188,7 @@ class Compilation:
     threads.  Pickles as source and choice, with what was `read` of other files.  `look` is called with the
     resolved model and may refuse it."""
 
-    variant = ""  # of the program: with "derivatives", or with what "sensitivities" need
+    variant = ""  # of the program: with "derivatives", or what "sensitivities" or "implicit" methods need
 
     def __init__(
         self, source: Source, choice: Choice, roots: tuple[str, ...] = (), read: Head | None = None,
@@ -227,8 +228,8 @@ class Compilation:
     @once
     def program(self) -> Program:
         """The program for a run, which also integrates the work of non-conservative forces."""
-        differentiate, sensitive = (self.variant == name for name in ("derivatives", "sensitivities"))
-        return optimize(self.equations, not self.variant, differentiate, sensitive)
+        differentiate, sensitive, stiff = (self.variant == name for name in VARIANTS)
+        return optimize(self.equations, stiff or not self.variant, differentiate, sensitive, stiff)
 
     @once
     def differentiated(self) -> Compilation:
@@ -239,6 +240,11 @@ class Compilation:
     def sensitive(self) -> Compilation:
         """The same choice with what sensitivities of a run need."""
         return _Variant(self, "sensitivities")
+
+    @once
+    def implicit(self) -> Compilation:
+        """The same choice with what implicit methods need."""
+        return _Variant(self, "implicit")
 
     def artifact(self, target: str) -> Artifact:
         """The compiled model for `target`, from the cache, or compiled now and stored."""
@@ -286,6 +292,9 @@ class Compilation:
         return artifact
 
 
+VARIANTS = ("derivatives", "sensitivities", "implicit")
+
+
 class _Variant(Compilation):
     """A compilation with more functions that shares its equations with another one."""
 
@@ -302,11 +311,16 @@ class _Variant(Compilation):
     @once
     def model(self) -> Model:
         found = self.base.model
-        return with_held(found) if found.discretes else found
+        return with_held(found) if self._holds else found
 
     @once
     def equations(self) -> EquationsOfMotion:
-        return derive(self.model) if self.base.model.discretes else self.base.equations
+        return derive(self.model) if self._holds else self.base.equations
+
+    @property
+    def _holds(self) -> bool:
+        """Whether discrete variables are inputs: a run by an implicit method changes them."""
+        return bool(self.base.model.discretes) and self.variant != "implicit"
 
     @once
     def differentiated(self) -> Compilation:
@@ -360,11 +374,12 @@ def program(
     return delivered(Compilation(source, choice, roots), differentiate)
 
 
-def delivered(compilation: Compilation, differentiate: bool) -> Program:
-    """The program of a compilation for generated code; the given values are its defaults."""
+def delivered(compilation: Compilation, differentiate: bool, stiff: bool = False) -> Program:
+    """The program of a compilation for generated code; the given values are its defaults.  `stiff`: it
+    carries the implicit methods."""
     from lagc.simulation.request import bound_parameters
 
-    found = optimize(compilation.equations, work=False, differentiate=differentiate)
+    found = optimize(compilation.equations, work=False, differentiate=differentiate, stiff=stiff)
     interface = found.interface
     values = bound_parameters(
         interface, compilation.choice.parameters, unused(compilation.model, interface), demanding=False

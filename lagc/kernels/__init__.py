@@ -20,10 +20,12 @@ FILES = (
     "linear_algebra/cholesky",
     "linear_algebra/rank_revealing",
     "linear_algebra/sparse_rank_revealing",
+    "linear_algebra/dense_lu",
     "dynamics/rhs",
     "arithmetic/quaternions",
     "constraints/projection",
     "integrators/explicit_runge_kutta",
+    "integrators/radau",
     "integrators/dispatch",
     "arguments",
     "integrators/step_size",
@@ -65,7 +67,8 @@ class Family(NamedTuple):
 
 
 FAMILIES = {
-    "explicit_runge_kutta": Family(("integrators/explicit_runge_kutta", "sensitivity/tangent_stages"))
+    "explicit_runge_kutta": Family(("integrators/explicit_runge_kutta", "sensitivity/tangent_stages")),
+    "radau": Family(("integrators/radau",), CONTROLS=1, SENSITIVE=0),
 }
 WORDS = (
     "language/words",
@@ -79,5 +82,7 @@ METHODS = (
     "dopri5",
     "rk4",
     "bs32",
+    "radau5",
 )  # one file each in `integrators/tableaus`; the position is the number in generated code
+IMPLICIT = ("radau5",)  # need derivatives: only models that are compiled for them carry these
 MOST_ACTS = 20  # actions of a `when` clause at one event, on average; more are taken for endless

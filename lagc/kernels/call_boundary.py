@@ -7,6 +7,14 @@ from lagc.kernels.integrators.dispatch import end_rate_row
 from lagc.kernels.language.vocabulary import *
 
 
+def forget_stages(s: State) -> None:
+    """Let an implicit step begin without stages and derivatives of the last one."""
+    if NNEWTON > 0:
+        s.kept_step = -1
+        s.jacobian_step = -1
+        s.newton_eta = 1.0
+
+
 @public
 def begin(s: State, t: Real, x: Vec[NX]) -> None:
     """Begin a new trajectory at (t, x). x meets the constraints. *s need not be filled before."""
@@ -45,6 +53,11 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
     s.dense_place = ABSENT
     if NC > 0:
         s.rank_deficient = False
+    if NNEWTON > 0:
+        forget_stages(s)
+        s.factored = 0.0
+        s.newton_theta = 1.0
+        s.newton_count = 0
     s.roundoff_estimated = False
     s.roundoff_memory = 0.0
     for i in range(NX):
@@ -151,6 +164,12 @@ def evaluate_start(p: Params, s: State, direction: Real, w: Work) -> Status:
                     w.fallbacks -= 1
         else:
             again = parameters_changed(p, s)
+    if NNEWTON > 0:
+        if again or s.kept_step != s.steps:
+            forget_stages(s)
+        if NMODE > 0:
+            if s.after_event:
+                forget_stages(s)
     if NMODE > 0:
         if again:
             s.rate_place = STAGES

@@ -24,8 +24,10 @@ from lagc.kernels.events.step_guards import find_hidden_event
 from lagc.kernels.events.when_clauses import handle_event
 from lagc.kernels.integrators.dispatch import (
     end_rate_row,
+    is_implicit,
     keeps_constraints,
     method_error,
+    method_keep_stages,
     method_stages,
     needs_end_rate,
 )
@@ -47,6 +49,10 @@ MOST_REDUCTIONS = 40  # of one step because of a hidden event
 TIME_ERROR = 10.0  # error of an event time, over step size and tolerance
 FIRST_ORDER = 0.1  # time that is corrected to first order, over step size and root of the tolerance
 SHORT_STEP = 1e6  # size of a step without truncation error, in units in the last place of the time
+NEWTON_TOLERANCE = 0.03  # error of the stages over that of a step, at most
+FIXED_STEP_TOLERANCE = by_type(1e-6, 1e-12, "1e-28")  # relative error of the stages of a fixed step
+LOOSENING = 0.1  # tolerance of the estimated error over that of a step at a tolerance of 1
+LOOSER = 0.1875  # and the power of the tolerance by which that grows
 LARGE_ERROR = 100.0  # error of a step that says little about the right step size
 
 
@@ -70,9 +76,32 @@ def finish_step(p: Params, s: State, t: Real, o: Options, leaves_end_rate: bool,
     return rhs_at(p, t, s.x_new, s.k[end_rate_row(o.method)], w.lam, w)
 
 
+def prepare_newton(s: State, o: Options, h: Real, w: Work) -> None:
+    """Set the weights and the tolerance of the Newton method of an implicit step. The error that it estimates
+    is of order 3, and that of its steps of order 5: a power of the tolerance makes that proportional to
+    it."""
+    s.x_new[:] = s.x
+    set_error_weights(s, o, h, w)
+    w.loosening = 1.0
+    w.newton_tolerance = NEWTON_TOLERANCE
+    w.newton_rtol = o.rtol
+    if o.step > 0.0:
+        w.newton_rtol = FIXED_STEP_TOLERANCE
+        for i in range(NQ + NV):
+            w.error_weights[i] = FIXED_STEP_TOLERANCE * w.trial_sizes[scaling_group[i]] + TINY
+    elif o.rtol > 0.0:
+        w.loosening = LOOSENING / rational_power(o.rtol, LOOSER)
+        w.newton_tolerance = rational_power(o.rtol * w.loosening, 0.5)
+        if w.newton_tolerance > NEWTON_TOLERANCE:
+            w.newton_tolerance = NEWTON_TOLERANCE
+
+
 def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     """Compute stages, error and end of an attempt.  It is acceptable if a.error <= 1."""
     a.error = 0.0
+    if NNEWTON > 0:
+        if is_implicit(o.method):
+            prepare_newton(s, o, a.h, w)
     status = method_stages(o.method, p, s.t, s.x, a.h, s, w)
     if failed(status):
         return status
@@ -135,6 +164,8 @@ def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
         s.grid_step = 0.0
         set_next_step(s, a, o)
     keep_parameters(p, s)
+    if NNEWTON > 0:
+        method_keep_stages(o.method, s)
     s.method = o.method
     s.steps += 1
     s.t_old = s.t

@@ -11,6 +11,7 @@ from lagc.kernels.integrators.dispatch import (
     end_rate_row,
     method_dense_at,
     method_dense_output,
+    method_restore_stages,
     method_stages,
 )
 from lagc.kernels.integrators.step_grid import begin_grid, is_reached
@@ -43,6 +44,10 @@ def compute_dense_output(s: State, w: Work) -> Status:
         x = s.x_end if s.is_new_call else s.x
     if NMODE > 0:
         w.modes[:] = s.modes_old
+    if NNEWTON > 0:
+        if s.kept_step == s.steps:
+            method_restore_stages(s.method, s)
+            return method_dense_output(s.method, s.p, s.t_old, s.x_old, x, s.h_old, s, w)
     if s.dense_place == ABSENT:
         status = recompute_stages(s, t, x, w)
         if failed(status):

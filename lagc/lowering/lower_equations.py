@@ -9,6 +9,7 @@ from lagc.lowering import program_functions
 from lagc.lowering.event_relations import EventRelation, frozen
 from lagc.lowering.hybrid.event_functions import changing, in_boxes, relation_functions, whens
 from lagc.lowering.hybrid.narrow_terms import features, poles
+from lagc.lowering.implicit import implicit
 from lagc.lowering.interface import bounded, interface, used_parameters
 from lagc.lowering.jacobians import condition_slopes, derivatives
 from lagc.lowering.kkt import solve as kkt
@@ -26,16 +27,17 @@ from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.derivative import Slopes
 from lagc.symbolic.graph import Node
 
-OFTEN = ("rhs", "watch", "system")  # are called at every stage of a step
+OFTEN = ("rhs", "watch", "system", "residual")  # are called at every stage of a step
 
 
 def optimize(
-    equations: EquationsOfMotion, work: bool = False, differentiate: bool = False, sensitive: bool = False
-) -> Program:
+    equations: EquationsOfMotion, work: bool = False, differentiate: bool = False, sensitive: bool = False,
+    stiff: bool = False,
+) -> Program:  # fmt: skip
     """The functions of `equations`, each as short as it gets. `work` adds the integral of the power to the
     state where the power is not identically zero, `differentiate` the functions of `lagc.lowering.jacobians`,
-    `sensitive` those of `tangents`. Raises Refused with LAG0501 where a coordinate has no inertia of any
-    kind."""
+    `sensitive` those of `tangents`, `stiff` those of `implicit`. Raises Refused with LAG0501 where a
+    coordinate has no inertia of any kind."""
     equations, left_out = prune(equations)
     equations = with_pivots(equations)
     equations = replace(equations, model=bounded(equations.model))
@@ -57,6 +59,8 @@ def optimize(
     if more and solver and not equations.rows:
         more = [*_factored(along, solver, False), *more]
     made.update((f.name, preparation.separated(f)) for f in more)
+    if stiff:
+        made.update((f.name, preparation.separated(f)) for f in implicit(along))
     found, read = preparation.finished(made)
     found = {
         name: in_pieces(function)

@@ -31,8 +31,8 @@ def system(places: Places, rare: bool) -> Function:
     return made(
         places, "system", places.state,
         (
-            ("qdot", equations.qdot), ("M", _matrix(places, packed, n * (n + 1) // 2)),
-            ("r", equations.applied_forces), ("G", _matrix(places, jacobian, len(equations.rows) * n)),
+            ("qdot", equations.qdot), ("M", matrix(places, packed, n * (n + 1) // 2)),
+            ("r", equations.applied_forces), ("G", matrix(places, jacobian, len(equations.rows) * n)),
             ("gamma", [row.gamma for row in equations.rows]),
         ),
         "mass matrix, forces and constraint equations",
@@ -55,7 +55,7 @@ class Sparse(NamedTuple):
     entries: dict[int, Node]
 
 
-def _matrix(places: Places, entries: Mapping[int, Node], length: int) -> Sparse | list[Node]:
+def matrix(places: Places, entries: Mapping[int, Node], length: int) -> Sparse | list[Node]:
     """All entries of a matrix or, where zeros are very many, the others."""
     found = {k: node for k, node in sorted(entries.items()) if not node.is_zero}
     if length - len(found) > _MOST_ZEROS:

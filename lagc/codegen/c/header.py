@@ -124,6 +124,7 @@ _DISCRETE = {
 }  # fmt: skip
 _PREPARED = {"NPREPARED": "numbers that lagc_bind computes from the parameters"}
 _LIMITED = {"NLIMITS": "bounded values computed from parameters"}
+_NEWTON = {"NNEWTON": "unknowns of a stage of an implicit method: q, v, lambda"}
 _OF_START = {
     "NU": "unknowns of the initialization: q, v, other stated rates",
     "NE": "equations of the initialization",
@@ -135,12 +136,14 @@ def sizes(interface: Interface) -> list[tuple[str, int, str]]:
     values = {**sizes_of(interface), "NY": len(interface.outputs)}
     prepared = _PREPARED if interface.prepared else {}
     limited = _LIMITED if interface.limits else {}
+    newton = _NEWTON if interface.stiff else {}
     discrete = _DISCRETE if interface.discretes else {}
     notes = {
         **_SIZES,
         **discrete,
         **prepared,
         **limited,
+        **newton,
         **(_OF_START if interface.needs_consistency else {}),
     }
     return [(name, values[name], note) for name, note in notes.items()]

@@ -19,6 +19,7 @@ from lagc.codegen.kernel_compiler.linker import (
     chosen,
     codes,
     flags_of,
+    methods_of,
     sizes_of,
     tables_of,
 )
@@ -125,6 +126,8 @@ class Runtime:
 
     def _enumeration(self, kind: str) -> str:
         found = [part for part in self.parts if part["kind"] == kind]
+        if kind == "Method":
+            found = found[: len(methods_of(self.program.interface))]
         rows = [f"LAGC_{part['name']} = {part['value']}" for part in found]
         lines = list[str]()
         for row, part in zip(rows, found):

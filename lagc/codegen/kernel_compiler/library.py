@@ -30,7 +30,7 @@ from lagc.codegen.kernel_compiler.linker import SPELLED
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.kernel_compiler.specialization import Statics, Undecided
 from lagc.codegen.kernel_compiler.type_check import INT, REAL, STATUS, Known, Signature, Type, Types, parsed
-from lagc.kernels import FAMILIES, FILES, METHODS
+from lagc.kernels import FAMILIES, FILES, IMPLICIT, METHODS
 
 Tree = Any  # [flag, Tree, Tree] or what is printed, a dictionary
 
@@ -73,7 +73,7 @@ class Method:
     def __init__(self, name: str, number: int, tableau: dict[str, Any]):
         self.NAME, self.number, self.title = name, number, tableau["TITLE"]
         self.family = FAMILIES[tableau["FAMILY"]]
-        self.tableau = {**self.family._asdict(), **tableau}
+        self.tableau = {**self.family._asdict(), "IMPLICIT": int(name in IMPLICIT), **tableau}
         self.NUMBER = ast.Name(name.upper(), ast.Load())
 
     def __getattr__(self, name: str) -> Any:

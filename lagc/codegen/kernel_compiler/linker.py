@@ -9,7 +9,7 @@ from math import isfinite
 from typing import Any
 
 from lagc.base.records import dataclass
-from lagc.kernels import MOST_ACTS
+from lagc.kernels import IMPLICIT, METHODS, MOST_ACTS
 from lagc.lowering.program import Interface
 
 CONSTANT_SIZES = {"TWO": 2, "THREE": 3, "FOUR": 4, "SEVEN": 7, "NK": 16, "ND": 8}
@@ -23,6 +23,7 @@ DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NPARTED": lambda n: n["NCOND"] + n["NSUM"], "NWHOLE": lambda n: n["NU"] + n["NSUM"],
     "NALL": lambda n: n["NP"] + n["NPREPARED"],
     "NTREE": lambda n: n["NE"] * 2 + 2,
+    "NSLOPES": lambda n: n["NNEWTON"] * n["NNEWTON"], "NMASS": lambda n: n["NV"] * n["NV"],
 }  # fmt: skip
 Part = Mapping[str, Any]  # see `library`
 
@@ -144,6 +145,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NBOX": 2 * (1 + nq + nv) + len(interface.discretes),
         "NLIMITS": len(interface.limits), "NPREPARED": interface.prepared, "NREAD": len(interface.read),
         "NSUM": sums, "NPARTS": len(interface.part_columns),
+        "NNEWTON": nq + nv + interface.nc if interface.stiff else 0,
     }  # fmt: skip
     found = _derived({**own, **start, **own})  # initialization has no work integrals
     if "system" not in interface.functions:
@@ -182,6 +184,11 @@ def flags_of(interface: Interface, complete: bool) -> dict[str, bool]:
         "STRAIGHT": interface.solve == "straight", "HAS_DISPLACE": "displace" in interface.functions,
         "COMPLETE": complete,
     }  # fmt: skip
+
+
+def methods_of(interface: Interface) -> tuple[str, ...]:
+    """Return the integration methods that a model carries."""
+    return METHODS if interface.stiff else tuple([m for m in METHODS if m not in IMPLICIT])
 
 
 def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:

@@ -194,6 +194,12 @@ class Statics:
             ast.copy_location(n, node)
         return total
 
+    def carried(self, methods: tuple[Any, ...]) -> tuple[Any, ...]:
+        """Return the methods that a model carries."""
+        if "NNEWTON" not in self.flags:
+            raise Undecided("NNEWTON")
+        return methods if self.flags["NNEWTON"] else tuple([m for m in methods if not m.IMPLICIT])
+
     def value(self, node: ast.expr, where: ast.AST) -> Any:
         try:
             return self.static(node)
@@ -205,6 +211,8 @@ class Statics:
         match node:
             case ast.Constant(value=int() | str() as value) if not isinstance(value, bool):
                 return value
+            case ast.Name(id="METHODS") if "METHODS" in self.known:
+                return self.carried(self.known["METHODS"])
             case ast.Name(id=name) if name in self.known:
                 return self.known[name]
             case ast.Attribute(value=value, attr=attr):

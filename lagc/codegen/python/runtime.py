@@ -7,10 +7,18 @@ from collections.abc import Collection, Iterable, Sequence
 from functools import cache
 from typing import Any
 
-from lagc.codegen.kernel_compiler.linker import Chosen, Part, chosen, codes, flags_of, sizes_of, tables_of
+from lagc.codegen.kernel_compiler.linker import (
+    Chosen,
+    Part,
+    chosen,
+    codes,
+    flags_of,
+    methods_of,
+    sizes_of,
+    tables_of,
+)
 from lagc.codegen.kernel_compiler.shipped import parts
 from lagc.codegen.python.classes import EQUATIONS, STATES
-from lagc.kernels import METHODS
 from lagc.lowering.program import Interface, Program
 
 MARK = "# -- what follows is part of generated modules --\n"
@@ -77,7 +85,7 @@ def _constants(interface: Interface, use: Chosen, given: frozenset[str]) -> str:
     text += f"STRAIGHT = {interface.solve == 'straight'}\n"
     text += f"NOTED = {interface.noted!r}\n" if interface.relations else ""
     text += "".join(f"{name} = {tuple(v)!r}\n" for name, v in tables_of(interface).items() if name in used)
-    return text + f"METHODS = {METHODS!r}\n" + numbers(used)
+    return text + f"METHODS = {methods_of(interface)!r}\n" + numbers(used)
 
 
 def numbers(used: Collection[str]) -> str:

@@ -70,6 +70,39 @@ def method_dense_at(method: int, part: Real, s: State, x: Vec[NX]) -> None:
             m.dense_at(part, s, x)
 
 
+def is_implicit(method: int) -> bool:
+    """Return whether a method solves equations by derivatives."""
+    for m in static(METHODS):
+        if m.IMPLICIT > 0:
+            if method == m.NUMBER:
+                return True
+    return False
+
+
+def method_keep_stages(method: int, s: State) -> None:
+    """Keep the stages of a step that is accepted, if the next one extrapolates them."""
+    for m in static(METHODS):
+        if m.IMPLICIT > 0:
+            if method == m.NUMBER:
+                m.keep_stages(s)
+
+
+def method_estimate_roundoff(method: int, p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> None:
+    """Raise w.rate_roundoff to the round-off of a step over h from x."""
+    for m in static(METHODS):
+        if m.IMPLICIT > 0:
+            if method == m.NUMBER:
+                m.estimate_roundoff(p, t, x, h, s, w)
+
+
+def method_restore_stages(method: int, s: State) -> None:
+    """Take these stages for those of the last step."""
+    for m in static(METHODS):
+        if m.IMPLICIT > 0:
+            if method == m.NUMBER:
+                m.restore_stages(s)
+
+
 def end_rate_row(method: int) -> int:
     """Return the row of s.k with the rate at the end of a step, behind those of the stages."""
     for m in static(METHODS):

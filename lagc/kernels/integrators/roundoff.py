@@ -11,8 +11,10 @@ from lagc.kernels.constraints.projection import perturb_off_constraints, project
 from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.integrators.dispatch import (
     has_two_estimates,
+    is_implicit,
     method_error,
     method_error_parts,
+    method_estimate_roundoff,
     method_stages,
 )
 from lagc.kernels.integrators.error_weights import set_error_weights
@@ -171,6 +173,10 @@ def weighted_error(s: State, o: Options, h: Real, w: Work) -> Real:
 def error_without_roundoff(p: Params, s: State, t: Real, h: Real, o: Options, before: Real, w: Work) -> Real:
     """Return the error of a rejected step over h to t, less its round-off. Only the round-off of rates at
     the accepted state (s.t, s.x) counts: the end of a step that diverges would excuse any error."""
+    if NNEWTON > 0:
+        if is_implicit(o.method):
+            method_estimate_roundoff(o.method, p, s.t, s.x, h, s, w)
+            return weighted_error(s, o, h, w)
     if NH > 0:
         if is_nearly_dependent(p, s, h, w):
             looked = o.project and has_two_estimates(o.method)

@@ -49,21 +49,19 @@ def shrink_step(a: Trial, o: Options) -> None:
     for m in static(METHODS):
         if m.CONTROLS > 0:
             if o.method == m.NUMBER:
-                m.shrink_step(a, o)
+                a.size = m.reduced_size(a)
                 return
     most = largest_reduction(o.method)
     factor = rational_power(a.error, error_exponent(o.method)) / 0.9
     a.size /= factor if factor < most else most
 
 
-def set_next_step(s: State, a: Trial, o: Options) -> None:
-    """Set the size of the next step, as the method does or by the errors of this and the last step. A step
-    that was shortened to end at a time or an event does not shorten the next one."""
+def next_size(s: State, a: Trial, o: Options) -> Real:
+    """Return the size of the next step, as the method has it or by the errors of this and the last step."""
     for m in static(METHODS):
         if m.CONTROLS > 0:
             if o.method == m.NUMBER:
-                m.set_next_step(s, a, o)
-                return
+                return m.next_size(s, a)
     most = largest_reduction(o.method)
     least = largest_growth(o.method)
     factor = rational_power(a.error, error_exponent(o.method))
@@ -75,7 +73,13 @@ def set_next_step(s: State, a: Trial, o: Options) -> None:
         factor = most
     if factor < least:
         factor = least
-    following = a.size / factor
+    return a.size / factor
+
+
+def set_next_step(s: State, a: Trial, o: Options) -> None:
+    """Set the size of the next step. A step that was shortened to end at a time or an event does not shorten
+    it."""
+    following = next_size(s, a, o)
     if a.rejected > 0 and following > a.size:
         following = a.size
     if NMODE > 0:

@@ -122,6 +122,19 @@ class Work:
         error_parts: Mat[TWO, NX]  # the two error estimates of the step
         error_parts_before: Mat[TWO, NX]  # those of the step before it was perturbed
         x_perturbed: Vec[NX]
+    if NNEWTON > 0:
+        # Implicit methods
+        loosening: Real  # of the estimated error over that of the weights
+        newton_tolerance: Real  # scaled error of the stages
+        newton_rtol: Real  # in their weights
+        x_stage: Vec[NX]
+        rates_stage: Vec[NX]
+        residual: Vec[NNEWTON]
+        residual_before: Vec[NNEWTON]
+        residual_rows: Vec[NR]
+        stage_residuals: Mat[THREE, NNEWTON]
+        increments: Mat[THREE, NNEWTON]
+        stage_power: Mat[FOUR, TWO]
     if NMODE > 0:
         # Modes of relations
         modes: Vec[NMODE]
@@ -245,6 +258,24 @@ class State:
     grid_goal: Count  # the point where the call ends, or grid_index if it ends at none
     grid_stride: Count  # points that the last call passed
     x_new: Vec[NX]  # end of the step that is attempted
+    if NNEWTON > 0:
+        # Implicit methods
+        kept_step: Count  # steps behind which the stages of the last one are kept; -1: none
+        jacobian_step: Count  # steps at which the derivatives were computed; -1: not known
+        factored: Real  # step size of the factors; 0: none
+        newton_count: int  # iterations of the last step
+        newton_eta: Real  # sum of the increments that follow over the last one
+        newton_theta: Real  # ratio of two increments
+        slopes: Vec[NSLOPES]  # derivatives of the equations of a stage by q, v and multipliers
+        mass: Vec[NMASS]
+        real_factors: Vec[NSLOPES]
+        real_pivots: IVec[NNEWTON]
+        complex_factors: Vec[NSLOPES]
+        imaginary_factors: Vec[NSLOPES]
+        complex_pivots: IVec[NNEWTON]
+        start_lam: Vec[NC]  # where the multipliers of the stages begin
+        stage_lam: Mat[THREE, NC]
+        dependent: IVec[NC]  # 1: this constraint equation depends on others
     # Round-off
     roundoff_estimated: bool  # the error of the last step was compared with its round-off
     roundoff_memory: Real  # 1 when round-off decided on a step; fades with the distance from it to 0

@@ -69,4 +69,7 @@ class FOUR(metaclass=SizeType): ...
 class SEVEN(metaclass=SizeType): ...
 class NK(metaclass=SizeType): ...  # stages that are kept in a step, of the method with the most
 class ND(metaclass=SizeType): ...  # coefficient vectors of the dense output
+class NNEWTON(metaclass=SizeType): ...  # unknowns of a stage, NQ + NV + NC; 0: no implicit method is carried
+class NSLOPES(metaclass=SizeType): ...  # NNEWTON NNEWTON
+class NMASS(metaclass=SizeType): ...  # NV NV
 class NTREE(metaclass=SizeType): ...  # NE 2 + 2: of a tree of pairs of conditions

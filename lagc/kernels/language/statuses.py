@@ -21,6 +21,7 @@ CHATTERING = Status(9)
 TERMINATED = Status(10)  # A `when` clause ended the run; call again to continue; culprit: the clause
 # The new values of a `when` clause are not finite or violate the constraints; culprit: the clause
 MISPLACED = Status(11)
+NOT_CONVERGED = Status(12)  # The equations of an implicit step were not solved; culprit: none
 
 
 def failed(status: Status) -> bool:

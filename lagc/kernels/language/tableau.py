@@ -2,7 +2,7 @@
 
 from typing import Any, Protocol
 
-from lagc.kernels.language.records import Options, State, TangentWork, Trial, Work
+from lagc.kernels.language.records import State, TangentWork, Trial, Work
 from lagc.kernels.language.sizes import NGROUP, NX
 from lagc.kernels.language.words import IVec, Length, Params, Real, Row, Rows, Status, Vec
 
@@ -14,6 +14,15 @@ EXTRA_C: tuple[str, ...]
 EXTRA_A: tuple[Row, ...]
 DENSE: tuple[Row, ...]
 STABILITY: tuple[str, ...]
+INVERSE: tuple[Row, ...]
+FORTH: tuple[Row, ...]
+BACK: tuple[Row, ...]
+SHIFT: str
+SHIFTS: tuple[str, ...]
+ESTIMATE: Row
+SHRINK: str
+GROW: str
+END_RATE: int
 
 
 class Method(Protocol):
@@ -21,6 +30,7 @@ class Method(Protocol):
     PROJECTS: int
     CONTROLS: int
     SENSITIVE: int
+    IMPLICIT: int
     END_RATE: int
     ORDER: int
     USES_END_RATE: int
@@ -37,8 +47,11 @@ class Method(Protocol):
     def error(self, h: Real, s: State, w: Work) -> Real: ...
     def add_stability(self, s: State, w: Work) -> None: ...
     def error_parts(self, s: State, w: Work) -> None: ...
-    def set_next_step(self, s: State, a: Trial, o: Options) -> None: ...
-    def shrink_step(self, a: Trial, o: Options) -> None: ...
+    def next_size(self, s: State, a: Trial) -> Real: ...
+    def reduced_size(self, a: Trial) -> Real: ...
+    def keep_stages(self, s: State) -> None: ...
+    def estimate_roundoff(self, p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> None: ...
+    def restore_stages(self, s: State) -> None: ...
     def stage_deviations(self, h: Real, s: State, far: Vec[NX]) -> None: ...
     def dense_output(
         self, p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, w: Work

@@ -1,0 +1,409 @@
+"""Radau IIA methods with error estimate and dense output, printed once for each tableau.
+
+The unknowns of a stage are q, v and the multipliers: q' = N v + n, M v' = f + G^T lam, and the constraints at
+velocity level, psi = 0 (index 2). A simplified Newton method solves the stages; the transformation of A^-1
+parts its linear systems into a real and a complex one, of dense matrices.
+
+E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, Springer 1996 (HW), sections IV.8 and VII.4.
+"""
+
+from math import fabs, sqrt
+
+from lagc.kernels.dynamics.rhs import rhs_at
+from lagc.kernels.language.vocabulary import *
+from lagc.kernels.linear_algebra.dense_lu import factor_complex, factor_real, solve_complex, solve_real
+
+MOST_ITERATED = 7
+DIVERGENT = 0.99  # ratio of two increments
+MOST_GROWN = 10.0  # the first ratio, which may say little
+FAST = 1e-3  # such a ratio below which the derivatives serve again
+SAME_SIZE = 1.2  # ratio of two step sizes below which the factors serve again
+LEAST_ERROR = 1e-2  # of a step, for the controller
+LARGEST = 1e12  # scaled error of a state
+
+
+def residual_at(p: Params, t: Real, lam: Vec[NC], w: Work) -> None:
+    """Compute the residual w.residual of the equations at the state w.x_stage and the rates w.rates_stage."""
+    w.a[:] = part(w.rates_stage, NQ, NQ + NV)
+    if NMODE > 0:
+        fn_residual_on(p, t, w.x_stage, w.modes, w.a, lam, w.qdot, w.residual_rows)
+    else:
+        fn_residual(p, t, w.x_stage, w.a, lam, w.qdot, w.residual_rows)
+    for i in range(NQ):
+        w.residual[i] = w.rates_stage[i] - w.qdot[i]
+    for i in range(NR):
+        w.residual[NQ + i] = w.residual_rows[i]
+
+
+def update_jacobian(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Status:
+    """Compute the derivatives of the equations at (t, x), whose rates are s.k[0]."""
+    if NC > 0:
+        w.redundant_before[:] = w.redundant
+        for i in range(NC):
+            w.redundant[i] = 0
+        status = rhs_at(p, t, x, w.xdot, w.lam, w)
+        for i in range(NC):
+            s.dependent[i] = w.redundant[i] if status == REDUNDANT else 0
+            if w.redundant_before[i] == 1:
+                w.redundant[i] = 1
+        s.rhs += 1
+        if failed(status):
+            return status
+        s.start_lam[:] = w.lam
+    w.a[:] = part(s.k[0], NQ, NQ + NV)
+    if NMODE > 0:
+        fn_newton_on(p, t, x, w.modes, w.a, w.lam, s.slopes, s.mass)
+    else:
+        fn_newton(p, t, x, w.a, w.lam, s.slopes, s.mass)
+    if NC > 0:
+        for i in range(NC):
+            if s.dependent[i] == 1:  # its multiplier stays
+                for j in range(NNEWTON):
+                    s.slopes[(NQ + NV + i) * NNEWTON + j] = 0.0
+                s.slopes[(NQ + NV + i) * NNEWTON + NQ + NV + i] = 1.0
+    s.jacobian_step = s.steps
+    s.factored = 0.0
+    return OK
+
+
+def factor_stages(h: Real, s: State) -> bool:
+    """Factor the matrices of the Newton method for a step over h; return whether they are regular."""
+    for i in range(NNEWTON):
+        for j in range(NNEWTON):
+            s.real_factors[i * NNEWTON + j] = s.slopes[i * NNEWTON + j]
+            s.complex_factors[i * NNEWTON + j] = s.slopes[i * NNEWTON + j]
+            s.imaginary_factors[i * NNEWTON + j] = 0.0
+    for i in range(NQ):
+        s.real_factors[i * NNEWTON + i] += number(SHIFT) / h
+        s.complex_factors[i * NNEWTON + i] += number(SHIFTS[0]) / h
+        s.imaginary_factors[i * NNEWTON + i] += number(SHIFTS[1]) / h
+    for i in range(NV):
+        for j in range(NV):
+            s.real_factors[(NQ + i) * NNEWTON + NQ + j] += number(SHIFT) / h * s.mass[i * NV + j]
+            s.complex_factors[(NQ + i) * NNEWTON + NQ + j] += number(SHIFTS[0]) / h * s.mass[i * NV + j]
+            s.imaginary_factors[(NQ + i) * NNEWTON + NQ + j] += number(SHIFTS[1]) / h * s.mass[i * NV + j]
+    s.factored = h
+    return factor_real(s.real_factors, s.real_pivots) and factor_complex(
+        s.complex_factors, s.imaginary_factors, s.complex_pivots
+    )
+
+
+def start_stages(h: Real, s: State) -> None:
+    """Extrapolate the last step to the stages of a step over h, if it is known."""
+    known = s.kept_step == s.steps
+    for j in static(range(len(C))):
+        s.stage_lam[j][:] = s.start_lam
+        there = 1.0 + number(C[j]) * h / s.h_old if known else 0.0
+        for i in range(NINT):
+            s.k[1 + j][i] = 0.0
+        if known:
+            for i in range(NQ + NV):
+                first = (s.k[5][i] / number(C[0]) - s.k[7][i]) / (1.0 - number(C[0]))
+                slope = (s.k[6][i] / number(C[1]) - s.k[7][i]) / (1.0 - number(C[1])) - first
+                slope /= number(C[1]) - number(C[0])
+                value = first + (there - number(C[0])) * slope
+                s.k[1 + j][i] = (there - 1.0) * (s.k[7][i] - there * value)
+
+
+def newton_increments(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> None:
+    """Compute the next increments of the stages in w.increments."""
+    if NDISC > 0:
+        keep_discrete(x, w.x_stage)
+    for i in range(NX):
+        w.x_stage[i] = x[i]
+    for j in static(range(len(C))):
+        for i in range(NQ + NV):
+            w.x_stage[i] = x[i] + s.k[1 + j][i]
+            w.rates_stage[i] = combination(INVERSE[j], s.k, i) / h
+        residual_at(p, t + number(C[j]) * h, s.stage_lam[j], w)
+        if NC > 0:
+            for i in range(NC):
+                if s.dependent[i] == 1:
+                    w.residual[NQ + NV + i] = 0.0
+        w.stage_residuals[j][:] = w.residual
+    s.rhs += len(C)
+    for i in range(NNEWTON):
+        first = combination(FORTH[0], w.stage_residuals, i)
+        second = combination(FORTH[1], w.stage_residuals, i)
+        third = combination(FORTH[2], w.stage_residuals, i)
+        w.stage_residuals[0][i] = -first
+        w.stage_residuals[1][i] = -second
+        w.stage_residuals[2][i] = -third
+    solve_real(s.real_factors, s.real_pivots, w.stage_residuals[0])
+    solve_complex(
+        s.complex_factors, s.imaginary_factors, s.complex_pivots, w.stage_residuals[1], w.stage_residuals[2]
+    )
+    for j in static(range(len(C))):
+        for i in range(NNEWTON):
+            w.increments[j][i] = combination(BACK[j], w.stage_residuals, i)
+
+
+def scaled_norm(e: Vec[NNEWTON], w: Work) -> Real:
+    """Return the root mean square of the coordinates and speeds of e over their weights, each at most
+    LARGEST; not a number if one is none."""
+    total = 0.0
+    for i in range(NQ + NV):
+        own = e[i] / (w.error_weights[i] * w.loosening)
+        if fabs(own) > LARGEST:
+            own = LARGEST
+        total += own * own
+    return sqrt(total / float(size(NQ) + NV))
+
+
+def estimate_roundoff(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> None:
+    """Raise w.rate_roundoff to the round-off of a step over h, divided by h: the solution of the real system
+    for the change of the residual when state, rates, multipliers and the sums of M a are perturbed by four
+    units in the last place. Costs two evaluations."""
+    for turn in range(2):
+        w.x_stage[:] = x
+        w.rates_stage[:] = s.k[0]
+        for i in range(NC):
+            w.lam[i] = s.start_lam[i]
+        if turn == 1:
+            w.residual_before[:] = w.residual
+            for i in range(NQ + NV):
+                w.x_stage[i] *= 1.0 + FOUR_ULPS if i % 2 == 0 else 1.0 - FOUR_ULPS
+                w.rates_stage[i] *= 1.0 - FOUR_ULPS if i % 2 == 0 else 1.0 + FOUR_ULPS
+            for i in range(NC):
+                w.lam[i] *= 1.0 + FOUR_ULPS if i % 2 == 0 else 1.0 - FOUR_ULPS
+        residual_at(p, t, w.lam, w)
+    s.rhs += 2
+    for i in range(NNEWTON):
+        w.residual[i] -= w.residual_before[i]
+    for i in range(NV):
+        terms = 0.0
+        for j in range(NV):
+            terms += fabs(s.mass[i * NV + j] * s.k[0][NQ + j])
+        w.residual[NQ + i] += FOUR_ULPS * terms if i % 2 == 0 else -FOUR_ULPS * terms
+    solve_real(s.real_factors, s.real_pivots, w.residual)
+    for i in range(NQ + NV):
+        change = fabs(w.residual[i] / h)
+        if change > w.rate_roundoff[i]:
+            w.rate_roundoff[i] = change
+    s.roundoff_memory = 1.0
+
+
+def are_roundoff(h: Real, w: Work) -> bool:
+    """Return whether all increments are below ten times the round-off, or the tolerance."""
+    for j in static(range(len(C))):
+        for i in range(NQ + NV):
+            least = w.newton_tolerance * w.loosening * w.error_weights[i]
+            if not fabs(w.increments[j][i]) <= 10.0 * fabs(h) * w.rate_roundoff[i] + least:
+                return False
+    return True
+
+
+def add_increments(s: State, x: Vec[NX], w: Work) -> Real:
+    """Add the increments to the stages, and to the sizes that their weights are relative to; return their
+    largest scaled size, which is no number if one of them is none."""
+    for j in static(range(len(C))):
+        for i in range(NQ + NV):
+            s.k[1 + j][i] += w.increments[j][i]
+        for i in range(NC):
+            s.stage_lam[j][i] += w.increments[j][NQ + NV + i]
+    for i in range(NQ + NV):
+        s.x_new[i] = x[i] + s.k[len(C)][i]
+    enlarge_sizes(s.x_new, w.trial_sizes)
+    for i in range(NQ + NV):
+        least = w.newton_rtol * w.trial_sizes[scaling_group[i]]
+        if least > w.error_weights[i]:
+            w.error_weights[i] = least
+    largest = 0.0
+    for j in static(range(len(C))):
+        own = scaled_norm(w.increments[j], w)
+        if not own <= largest:
+            largest = own
+    return largest
+
+
+def solve_stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> bool:
+    """Solve the equations of the stages (HW IV.8); return whether that succeeds. Increments that are
+    round-off do not shrink: they end the iteration."""
+    eta = sqrt(s.newton_eta)
+    before = 0.0
+    ratio_before = 1.0
+    for n in range(MOST_ITERATED):
+        newton_increments(p, t, x, h, s, w)
+        now = add_increments(s, x, w)
+        if not now <= LARGEST:
+            return False
+        s.newton_count = n + 1
+        if before > 0.0:
+            ratio = now / before
+            theta = sqrt(ratio * ratio_before) if ratio_before < DIVERGENT else ratio
+            ratio_before = ratio
+            left = now
+            if theta < DIVERGENT:
+                eta = theta / (1.0 - theta)
+                left = eta * now
+                for k in range(MOST_ITERATED - 1 - n):
+                    left *= theta
+            if (theta >= DIVERGENT or left > w.newton_tolerance) and (n > 1 or theta > MOST_GROWN):
+                if not are_roundoff(h, w):
+                    estimate_roundoff(p, t, x, h, s, w)
+                return are_roundoff(h, w)
+            if theta >= DIVERGENT:
+                eta = 1.0 / (1.0 - DIVERGENT)
+            s.newton_theta = theta
+            s.newton_eta = eta
+        before = now
+        if eta * now <= w.newton_tolerance or (s.roundoff_memory > 0.0 and are_roundoff(h, w)):
+            return True
+    return False
+
+
+def add_work(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> None:
+    """Integrate the work over the stages."""
+    if NZ > 0:
+        for i in range(NX):
+            w.x_stage[i] = x[i]
+        for j in static(range(len(C))):
+            for i in range(NQ + NV):
+                w.x_stage[i] = x[i] + s.k[1 + j][i]
+                w.rates_stage[i] = combination(INVERSE[j], s.k, i) / h
+            w.a[:] = part(w.rates_stage, NQ, NQ + NV)
+            if NMODE > 0:
+                fn_work_on(p, t + number(C[j]) * h, w.x_stage, w.modes, w.a, s.stage_lam[j], w.power)
+            else:
+                fn_work(p, t + number(C[j]) * h, w.x_stage, w.a, s.stage_lam[j], w.power)
+            w.stage_power[1 + j][0] = w.power[0]
+        for j in static(range(len(C))):
+            s.k[1 + j][NQ + NV] = h * combination(A[j], w.stage_power, 0)
+
+
+def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
+    """Compute the stages less x in the rows of s.k from 1 on, and the end of the step in s.x_new. The
+    derivatives and factors of a step before are used again while they serve."""
+    if s.jacobian_step < 0:
+        status = update_jacobian(p, t, x, s, w)
+        if failed(status):
+            return status
+    solved = False
+    while not solved:
+        if s.factored != h:
+            if not factor_stages(h, s):
+                return NOT_CONVERGED
+        start_stages(h, s)
+        solved = solve_stages(p, t, x, h, s, w)
+        if not solved:
+            s.newton_eta = 1.0
+            if s.jacobian_step == s.steps:
+                return NOT_CONVERGED
+            status = update_jacobian(p, t, x, s, w)
+            if failed(status):
+                return status
+    add_work(p, t, x, h, s, w)
+    s.x_new[:] = x
+    for i in range(NINT):
+        s.x_new[i] = x[i] + s.k[len(C)][i]
+    return OK
+
+
+def filter_error(own: Vec[NX], s: State, w: Work) -> None:
+    """Solve the real system of the Newton method for w.residual, with rates on the right."""
+    for i in range(NQ):
+        w.residual[i] = own[i]
+    for i in range(NV):
+        total = 0.0
+        for j in range(NV):
+            total += s.mass[i * NV + j] * own[NQ + j]
+        w.residual[NQ + i] = total
+    for i in range(NC):
+        w.residual[NQ + NV + i] = 0.0
+    solve_real(s.real_factors, s.real_pivots, w.residual)
+
+
+def error(h: Real, s: State, w: Work) -> Real:
+    """Return the scaled error, filtered by the matrix of the Newton method (HW IV.8.19), and if it is above 1
+    once more (HW IV.8.20, with the derivatives that are known)."""
+    own = vector(NX)
+    for i in range(NQ + NV):
+        own[i] = s.k[0][i] + combination(ESTIMATE, s.k, i) / h
+    filter_error(own, s, w)
+    found = scaled_norm(w.residual, w)
+    if found > 1.0:
+        for i in range(NQ + NV):
+            own[i] = w.residual[i] * (number(SHIFT) / h)
+        filter_error(own, s, w)
+        found = scaled_norm(w.residual, w)
+    return found
+
+
+def next_size(s: State, a: Trial) -> Real:
+    """Return the size of the next step, by the predictive controller (HW IV.8.25). A size that is nearly the
+    last one stays, so that the factors serve again."""
+    safety = 0.9 * (2.0 * MOST_ITERATED + 1.0) / (2.0 * MOST_ITERATED + float(s.newton_count))
+    factor = sqrt(sqrt(a.error)) / safety
+    if s.h_old != 0.0:
+        predicted = fabs(s.h_old) / a.size * sqrt(a.error / sqrt(s.error_old)) / 0.9
+        if predicted > factor:
+            factor = predicted
+    s.error_old = a.error if a.error > LEAST_ERROR else LEAST_ERROR
+    if factor > 1.0 / number(SHRINK):
+        factor = 1.0 / number(SHRINK)
+    if factor < 1.0 / number(GROW):
+        factor = 1.0 / number(GROW)
+    if s.newton_theta <= FAST and factor <= 1.0 and factor * SAME_SIZE >= 1.0:
+        factor = 1.0
+    return a.size / factor
+
+
+def reduced_size(a: Trial) -> Real:
+    """Return the size of the next attempt after an error above 1."""
+    factor = sqrt(sqrt(a.error)) / 0.9
+    return a.size / (factor if factor < 1.0 / number(SHRINK) else 1.0 / number(SHRINK))
+
+
+def keep_stages(s: State) -> None:
+    """Keep the stages of a step that is accepted, to extrapolate them; and the derivatives, if the Newton
+    method converged fast by them."""
+    for j in static(range(len(C))):
+        s.k[5 + j][:] = s.k[1 + j]
+    s.start_lam[:] = s.stage_lam[len(C) - 1]
+    if s.newton_theta > FAST:
+        s.jacobian_step = -1
+    s.kept_step = s.steps + 1
+
+
+def restore_stages(s: State) -> None:
+    """Take the kept stages for those of the last step."""
+    for j in static(range(len(C))):
+        s.k[1 + j][:] = s.k[5 + j]
+
+
+def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
+    """Compute the largest deviation of the rates at the stages from the slope of the cubic between the ends
+    of the step from s.x to s.x_new."""
+    for i in range(NQ + NV):
+        mean = (s.x_new[i] - s.x[i]) / h
+        far[i] = 0.0
+        for j in static(range(len(C))):
+            c = number(C[j])
+            slope = 6.0 * c * (1.0 - c) * mean + (1.0 - c) * (1.0 - 3.0 * c) * s.k[0][i]
+            own = fabs(combination(INVERSE[j], s.k, i) / h - slope - c * (3.0 * c - 2.0) * s.k[END_RATE][i])
+            if own > far[i]:
+                far[i] = own
+
+
+def dense_output(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, w: Work) -> Status:
+    """Compute the coefficients s.r of the polynomial through x, the inner stages and z, the end of the
+    step."""
+    if NDISC > 0:
+        keep_discrete(x, s.r[0])
+    for i in range(NINT):
+        s.r[0][i] = x[i]
+        s.r[1][i] = z[i] - x[i]
+        s.r[2][i] = (s.k[1][i] / number(C[0]) - s.r[1][i]) / (1.0 - number(C[0]))
+        s.r[3][i] = (s.k[2][i] / number(C[1]) - s.r[1][i]) / (1.0 - number(C[1])) - s.r[2][i]
+        s.r[3][i] /= number(C[1]) - number(C[0])
+        s.r[2][i] -= number(C[0]) * s.r[3][i]
+    return OK
+
+
+def dense_at(part: Real, s: State, x: Vec[NX]) -> None:
+    """Evaluate the dense output at a part of the last step."""
+    rest = 1.0 - part
+    if NDISC > 0:
+        keep_discrete(s.r[0], x)
+    for i in range(NINT):
+        x[i] = s.r[0][i] + part * (s.r[1][i] + rest * (s.r[2][i] + part * s.r[3][i]))

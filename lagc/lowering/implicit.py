@@ -1,0 +1,40 @@
+"""The functions of implicit methods: the equations of a stage and their derivatives.
+
+residual  (p,t,x,a,lam) -> qdot[nq], e[nv+nc]   e = (M a - f - G^T lam; psi)
+newton    (p,t,x,a,lam) -> J[n*n], B[nv*nv]     J by (q, v, lam) of (-qdot; e), n = nq+nv+nc; B = M
+"""
+
+from __future__ import annotations
+
+from lagc.lowering.jacobians import motion_by_entries, motion_by_sweeps
+from lagc.lowering.program import Function
+from lagc.lowering.program_functions import made, matrix
+from lagc.lowering.storage import Places
+from lagc.symbolic.derivative import gradient
+
+
+def implicit(places: Places) -> list[Function]:
+    """Return these functions."""
+    equations, graph = places.equations, places.graph
+    rates = [row.rate for row in equations.rows]
+    motion = motion_by_sweeps(equations)
+    forces = [graph.sub(own, force) for own, force in zip(motion["inertia"], motion["force"])]
+    inputs = (*places.state, "a", "lam")
+    parts = (("qdot", equations.qdot), ("e", [*forces, *rates]))
+    residual = made(places, "residual", inputs, parts, "residual of the equations")
+    motion = motion_by_entries(equations)
+    forces = [graph.sub(own, force) for own, force in zip(motion["inertia"], motion["force"])]
+    rows = [*(graph.scale(-1.0, rate) for rate in equations.qdot), *forces, *rates]
+    unknowns = [*equations.q, *equations.v, *equations.lam]
+    places_of = {x: k for k, x in enumerate(unknowns)}
+    slopes = {}
+    for i, row in enumerate(rows):
+        found = gradient(graph, {row: graph.one}, places_of)
+        slopes.update({i * len(unknowns) + places_of[x]: slope for x, slope in found.items()})
+    n = len(equations.v)
+    mass = {}
+    for (i, j), node in sorted(equations.mass_matrix.items()):
+        mass[i * n + j] = mass[j * n + i] = node
+    outputs = (("J", matrix(places, slopes, len(unknowns) ** 2)), ("B", matrix(places, mass, n * n)))
+    newton = made(places, "newton", inputs, outputs, "derivatives of the equations by states and multipliers")
+    return [residual, newton]
