@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -103,6 +104,10 @@ class Loaded:
                 self.implicit = Loaded(self.compilation.implicit, self.asked)
             return self.implicit
 
+    def implicit_system(self, backend: str) -> System:
+        """The system of `backend` with the implicit methods."""
+        return self.with_implicit().system(backend)
+
     def simulate(
         self, request: Request, parameters: Sequence[float], progress: Progress | None = None
     ) -> Solution:
@@ -164,7 +169,8 @@ class Loaded:
 
         system = self.system(backend).bind(parameters)
         try:
-            found = simulate(system, request, self.seconds, running(progress), start, spent)
+            implicit = None if request.sensitivity else partial(self.implicit_system, backend)
+            found = simulate(system, request, self.seconds, running(progress), start, spent, implicit)
         except NoStart as error:
             raise self._with_places(error) from None
         found.backend_reason = reason

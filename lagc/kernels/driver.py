@@ -50,7 +50,7 @@ TIME_ERROR = 10.0  # error of an event time, over step size and tolerance
 FIRST_ORDER = 0.1  # time that is corrected to first order, over step size and root of the tolerance
 SHORT_STEP = 1e6  # size of a step without truncation error, in units in the last place of the time
 NEWTON_TOLERANCE = 0.03  # error of the stages over that of a step, at most
-FIXED_STEP_TOLERANCE = by_type(1e-6, 1e-12, "1e-28")  # relative error of the stages of a fixed step
+FIXED_STEP_TOLERANCE = by_type(1e-5, 1e-11, "1e-27")  # relative error of the stages of a fixed step
 LOOSENING = 0.1  # tolerance of the estimated error over that of a step at a tolerance of 1
 LOOSER = 0.1875  # and the power of the tolerance by which that grows
 LARGE_ERROR = 100.0  # error of a step that says little about the right step size
@@ -85,7 +85,9 @@ def prepare_newton(s: State, o: Options, h: Real, w: Work) -> None:
     w.loosening = 1.0
     w.newton_tolerance = NEWTON_TOLERANCE
     w.newton_rtol = o.rtol
+    w.newton_most = MOST_ITERATED
     if o.step > 0.0:
+        w.newton_most = MOST_FIXED
         w.newton_rtol = FIXED_STEP_TOLERANCE
         for i in range(NQ + NV):
             w.error_weights[i] = FIXED_STEP_TOLERANCE * w.trial_sizes[scaling_group[i]] + TINY
@@ -318,7 +320,7 @@ def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w
         if failed(status):
             if o.step > 0.0:
                 return report_culprit(s, status, w)
-            cause = status
+            cause = status if status != NOT_CONVERGED else OK
             a.size *= 0.25
         elif a.error <= 1.0:
             if NMODE > 0:

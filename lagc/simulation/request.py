@@ -11,7 +11,7 @@ from lagc.base.records import dataclass, field
 from lagc.base.text import FINEST, MOST_POINTS
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.diagnostics.suggest import did_you_mean
-from lagc.kernels import METHODS
+from lagc.kernels import IMPLICIT, METHODS
 from lagc.lowering.program import Field, Interface
 from lagc.simulation.system import FIXED, System
 
@@ -26,12 +26,12 @@ class Request:
     """End time, accuracy and recorded grid of a run.  Times are in s; None means the scene's value, or else a
     default.
 
-    `accuracy` is the global relative error.  With `method`, `rtol`, `atol` or `step` the run is controlled by
-    hand instead.  `every` or `points` give the recorded grid, and do not change the steps.  No step is longer
-    than `max_step`; with an `accuracy`, the longest step also decreases with the tolerance. `starts` replaces
-    initial values of coordinates and speeds by name, in SI units; `guesses` say where to search for values
-    that are not stated.  `sensitivity` names the parameters and initial values by which the motion is
-    differentiated."""
+    `accuracy` is the global relative error. With `rtol`, `atol` or `step`, or a `method` alone, the run
+    is controlled by hand instead. `every` or `points` give the recorded grid, and do not change the
+    steps. No step is longer than `max_step`; with an `accuracy`, the longest step also decreases with the
+    tolerance. `starts` replaces initial values of coordinates and speeds by name, in SI units; `guesses`
+    say where to search for values that are not stated. `sensitivity` names the parameters and initial
+    values by which the motion is differentiated."""
 
     stop: float | None = None
     accuracy: float | None = None
@@ -48,7 +48,8 @@ class Request:
 
     @property
     def by_hand(self) -> bool:
-        return any(x is not None for x in (self.method, self.rtol, self.atol, self.step))
+        own = self.method if self.accuracy is None else None
+        return any(x is not None for x in (own, self.rtol, self.atol, self.step))
 
     def completed(self, scene: Mapping[str, float]) -> Request:
         """Fill in the values of the scene's `simulate(...)`, then the defaults. Raises Refused (LAG0604) if a
@@ -91,8 +92,8 @@ class Request:
         if self.points is not None and self.points < 2:
             faults.append(_request(f"`points` must be 2 or more, not {self.points}"))
         if self.accuracy is not None and self.by_hand:
-            faults.append(_request("`accuracy` chooses method and tolerance: leave it out or leave out "
-                                   "`method`, `rtol`, `atol` and `step`"))  # fmt: skip
+            faults.append(_request("`accuracy` chooses the tolerance: leave it out or leave out `rtol`, "
+                                   "`atol` and `step`"))  # fmt: skip
         if self.accuracy is not None and self.accuracy >= 1.0:
             faults.append(_request(f"`accuracy` is a relative error, below 1, not {self.accuracy:g}"))
         if self.rtol is not None and isfinite(self.rtol) and self.rtol >= 1.0:
@@ -105,6 +106,8 @@ class Request:
             faults.append(_request(f"`method` is one of {', '.join(METHODS)}, not {self.method!r}"))
         elif self.method is not None and self.step is None and not _adapts(self.method):
             faults.append(_request(f"`{self.method}` has no error estimate: give it a fixed `step`"))
+        if self.method in IMPLICIT and self.sensitivity:
+            faults.append(_request(f"`sensitivity` follows explicit methods only: leave out `{self.method}`"))
         if self.step is not None and (self.rtol is not None or self.atol is not None):
             faults.append(_request("a fixed `step` has no tolerance: leave out `rtol` and `atol`"))
         if self.step is not None and self.max_step is not None:

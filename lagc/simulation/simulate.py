@@ -7,16 +7,19 @@ from time import perf_counter
 from typing import Any
 
 from lagc.base.records import dataclass
+from lagc.kernels import IMPLICIT
 from lagc.simulation.error_measure import ComparisonGrid
 from lagc.simulation.global_error.equilibrium_start import locked, rests, trajectory_at_rest
-from lagc.simulation.global_error.verified_run import verified_run
+from lagc.simulation.global_error.verified_run import Verified, verified_run
 from lagc.simulation.initialization.initialize import begin, demand, strange_outputs
 from lagc.simulation.initialization.result import Start
 from lagc.simulation.request import Request
 from lagc.simulation.solution import Cost, Energy, Event, Solution
+from lagc.simulation.supervision import LIMITED, LONG_RUN, TESTED
 from lagc.simulation.system import (
     FAILED,
     INTERRUPTED,
+    MAX_STEPS,
     REDUNDANT,
     Counted,
     Options,
@@ -29,9 +32,7 @@ from lagc.simulation.system import (
 from lagc.simulation.verdict import Verdict, fixed_step_verdict, redundancy, verdict, verified_verdict
 
 Progress = Callable[[float], None]
-LONG_RUN = 100_000  # steps
-TESTED = 1000  # steps for each test of stability, see `kernels/integrators/stiffness`
-LIMITED = 0.5  # share of the steps that stability limits
+FEWER = 0.2  # steps of an implicit run over those of the explicit one, at most
 RTOL = 1e-9  # relative tolerance of a manual run without one
 ROUNDING = 2.0**-49  # relative: round-off of a coordinate at rest, several rounding units
 RESTS = ("the initial state is an equilibrium, to round-off, and the system stays there; whether "
@@ -52,12 +53,13 @@ class _Done:
 
 def simulate(
     system: System, request: Request, compile_s: float = 0.0, progress: Progress | None = None,
-    start: Start | None = None, spent: float = 0.0,
+    start: Start | None = None, spent: float = 0.0, stiff: Callable[[], System] | None = None,
 ) -> Solution:  # fmt: skip
     """Return the motion that `request` asks for, with the parameters of `system`.
 
     `start` is the initial state if it is known already; `spent` the wall time in s that the run has taken
-    so far.  `progress` is called with the time reached.  KeyboardInterrupt, raised in it or in a run, ends
+    so far.  `stiff` returns the system with the implicit methods, if they may be taken.  `progress` is called
+    with the time reached.  KeyboardInterrupt, raised in it or in a run, ends
     the run with the results so far.  Raises Refused (LAG0604) if the request is invalid, NoStart if there
     is no consistent initial state or no rate there."""
     began = perf_counter() - spent
@@ -65,7 +67,7 @@ def simulate(
     request = request.completed(system.interface.simulate)
     start = start or begin(system, request)
     times = request.grid()
-    done = _integrate(counted, request, start, times, progress)
+    done = _integrate(counted, request, start, times, progress, stiff)
     result, options, runs = done.verdict, done.options, done.runs
     trajectory = result.trajectory
     notes = [*start.notes, *done.notes]
@@ -105,8 +107,9 @@ def stability_note(runs: Sequence[Trajectory]) -> list[str]:
     return [
         f"stability limited most of the {run.steps} steps, to about {abs(run.t) / run.steps:.1g} s: the "
         "equations are stiff, something decays or rings far faster than the motion. An explicit method takes "
-        "no longer steps, also with a looser tolerance, and lagc has no stiff method. Take a softer spring "
-        "or a weaker damper there, a larger mass, or a constraint in place of a very stiff spring"
+        "no longer steps, also with a looser tolerance. The implicit method radau5 does where that decays "
+        "(--method radau5); else take a softer spring, a larger mass, or a constraint in place of a very "
+        "stiff spring"
     ]
 
 
@@ -118,8 +121,9 @@ def _depend(system: System, run: Trajectory) -> bool:
 
 
 def _integrate(
-    system: Any, request: Request, start: Start, times: Sequence[float], progress: Progress | None
-) -> _Done:
+    system: Any, request: Request, start: Start, times: Sequence[float], progress: Progress | None,
+    stiff: Callable[[], System] | None,
+) -> _Done:  # fmt: skip
     """Integrate from the initial state: with given tolerances, at rest, or to the accuracy asked."""
     x, end = start.x, times[-1]
     if request.by_hand:
@@ -137,20 +141,45 @@ def _integrate(
         return _Done(Verdict(*verdict(system, run, end), run, ROUNDING), Options(), [run], [rest[1]])
     assert request.accuracy is not None
     grid = ComparisonGrid(times)
-    found = verified_run(system, x, grid.times, request.accuracy, progress, request.max_step)
+    system, found, why = _verified(system, x, grid.times, request, progress, stiff)
     demand(system, found.tried[0])
     result = verified_verdict(system, found, request.accuracy, end)
-    run, notes = grid.recorded(result.trajectory), list[str]()
+    run, notes = grid.recorded(result.trajectory), why
     if found.noise:
         from lagc.simulation.global_error.roundoff_estimate import noise_note
 
-        notes = noise_note(system, run, found.noise)
+        notes += noise_note(system, run, found.noise)
     if result.status == "ok" and found.errors:
         from lagc.simulation.global_error.quantity_errors import poorly_known
 
         notes += poorly_known(system, run, found.errors, request.accuracy)
     verdict_ = Verdict(result.status, result.message, run, result.estimated)
     return _Done(verdict_, found.options, found.tried, notes, tuple(found.errors))
+
+
+def _verified(
+    system: Any, x: Sequence[float], times: Sequence[float], request: Request, progress: Progress | None,
+    stiff: Callable[[], System] | None,
+) -> tuple[Any, Verified, list[str]]:  # fmt: skip
+    """Return a verified run, its system, and a note if it takes an implicit method because stability limits
+    the steps of an explicit one: where something is damped, and the implicit one takes far fewer steps."""
+    assert request.accuracy is not None
+    given = (x, times, request.accuracy, progress, request.max_step)
+    if stiff is None or request.method is not None or not system.nz:
+        return system, verified_run(system, *given, request.method), []
+    from lagc.simulation.supervision import StabilityLimited
+
+    try:
+        return system, verified_run(system, *given, None, -1), []
+    except StabilityLimited as limited:
+        other = system.beside(stiff().bind(system.parameters))
+        found = verified_run(other, *given, IMPLICIT[0], int(FEWER * limited.steps))
+        if found.trajectory.status != MAX_STEPS:
+            note = (f"the equations are stiff: stability limits an explicit method to steps of about "
+                    f"{limited.step:.1g} s, and something is damped. The implicit method {IMPLICIT[0]} takes "
+                    f"its place")  # fmt: skip
+            return other, found, [note]
+    return system, verified_run(system, *given), []
 
 
 def _rest(system: System, x: list[float], times: Sequence[float]) -> tuple[list[float], str] | None:

@@ -15,6 +15,10 @@ from lagc.simulation.error_measure import scaling_groups
 from lagc.simulation.request import Request
 from lagc.simulation.system import System, Trajectory, rates_at
 
+# Stability
+LONG_RUN = 100_000  # steps
+TESTED = 1000  # steps for each test of stability, see `kernels/integrators/stiffness`
+LIMITED = 0.5  # share of the steps that stability limits
 # Memory and time of a whole run
 MOST_MEMORY = 2e9  # bytes, unless the user allows more
 MOST_TIME = 300.0  # s for one integration, unless the user allows more
@@ -103,6 +107,21 @@ class CompileTimer:
                 if has_compiler():
                     raise SlowRun from None
                 raise
+
+
+class StabilityLimited(Exception):
+    """Stability limits the steps of an explicit method: to `step` s in a run of about `steps` steps."""
+
+    def __init__(self, steps: float, step: float):
+        super().__init__(steps, step)
+        self.steps, self.step = steps, step
+
+
+def check_stability(run: Trajectory, begin: float, end: float) -> None:
+    """Raise StabilityLimited if stability limits the steps so far and the run would be a long one."""
+    steps = run.steps * (end - begin) / (run.t - begin) if run.t != begin else 0.0
+    if steps >= LONG_RUN and run.steps >= 2 * TESTED and run.stiff * TESTED >= LIMITED * run.steps:
+        raise StabilityLimited(steps, abs(run.t - begin) / run.steps)
 
 
 def compile_time(interface: Interface) -> float:

@@ -18,6 +18,7 @@ from lagc.kernels.language.statuses import (
     INVALID,
     MAX_STEPS,
     MISPLACED,
+    NOT_CONVERGED,
     NOT_FINITE,
     OK,
     REDUNDANT,
@@ -38,6 +39,7 @@ __all__ = [
     "INVALID",
     "MAX_STEPS",
     "MISPLACED",
+    "NOT_CONVERGED",
     "NOT_FINITE",
     "OK",
     "REDUNDANT",
@@ -198,13 +200,14 @@ class Counted:
 
     def bind(self, values: Sequence[float]) -> Counted:
         """The system with other parameters and the same count."""
-        return self._beside(self.system.bind(values))
+        return self.beside(self.system.bind(values))
 
     def on(self, t: float, x: Vector) -> Counted:
         """The system on the branch of (t, x) with the same count."""
-        return self._beside(self.system.on(t, x))
+        return self.beside(self.system.on(t, x))
 
-    def _beside(self, system: System) -> Counted:
+    def beside(self, system: System) -> Counted:
+        """Another system with the same count."""
         found = Counted(system)
         found._counts = self._counts
         return found

@@ -17,6 +17,7 @@ from lagc.simulation.system import (
     INTERRUPTED,
     MAX_STEPS,
     MISPLACED,
+    NOT_CONVERGED,
     NOT_FINITE,
     OK,
     REDUNDANT,
@@ -96,6 +97,8 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
         return "failed", f"at {t} the mass matrix is singular: nothing has inertia along {speed}"
     if status == INCONSISTENT:
         return "failed", f"at {t} {_inconsistent(system, trajectory)}"
+    if status == NOT_CONVERGED:
+        return "failed", f"at {t} the equations of a step were not solved: ask for a shorter step"
     return "failed", _unfinished(system, trajectory, stop)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from lagc.kernels.integrators.tableaus import adapts
 from lagc.study.probe import Array, Setting
 
-FINEST = {"dop853": 3e-15, "bs32": 1e-10}  # tolerances
+FINEST = {"dop853": 3e-15, "bs32": 1e-10, "radau5": 1e-11}  # tolerances
 USUAL = 1e-13  # the finest tolerance of the other methods
 SAFE = 0.9  # share of runs that meet the target with the setting for it
 FLOOR = 30.0  # times the uncertainty of the reference, or of double precision: errors above follow a law

@@ -13,7 +13,6 @@ from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.language.vocabulary import *
 from lagc.kernels.linear_algebra.dense_lu import factor_complex, factor_real, solve_complex, solve_real
 
-MOST_ITERATED = 7
 DIVERGENT = 0.99  # ratio of two increments
 MOST_GROWN = 10.0  # the first ratio, which may say little
 FAST = 1e-3  # such a ratio below which the derivatives serve again
@@ -222,7 +221,7 @@ def solve_stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> 
     eta = sqrt(s.newton_eta)
     before = 0.0
     ratio_before = 1.0
-    for n in range(MOST_ITERATED):
+    for n in range(w.newton_most):
         newton_increments(p, t, x, h, s, w)
         now = add_increments(s, x, w)
         if not now <= LARGEST:
@@ -236,7 +235,7 @@ def solve_stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> 
             if theta < DIVERGENT:
                 eta = theta / (1.0 - theta)
                 left = eta * now
-                for k in range(MOST_ITERATED - 1 - n):
+                for k in range(w.newton_most - 1 - n):
                     left *= theta
             if (theta >= DIVERGENT or left > w.newton_tolerance) and (n > 1 or theta > MOST_GROWN):
                 if not are_roundoff(h, w):

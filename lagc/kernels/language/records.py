@@ -127,6 +127,7 @@ class Work:
         loosening: Real  # of the estimated error over that of the weights
         newton_tolerance: Real  # scaled error of the stages
         newton_rtol: Real  # in their weights
+        newton_most: int  # iterations
         x_stage: Vec[NX]
         rates_stage: Vec[NX]
         residual: Vec[NNEWTON]

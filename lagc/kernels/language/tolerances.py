@@ -5,6 +5,8 @@ A kernel compares with a number from here where the result depends on round-off.
 
 from lagc.kernels.language.words import by_type
 
+MOST_ITERATED = 7  # Newton iterations of a step with error control, and
+MOST_FIXED = 50  # of a fixed step
 TINY = by_type(1e-30, 1e-300, "1e-4000")  # replaces zero in a divisor
 NO_LENGTH = by_type(1e-30, 1e-60, "1e-120")  # offset from a state where a derivative has no value
 SPACING = by_type(1.2e-7, 2.3e-16, "2e-34")  # of numbers near 1

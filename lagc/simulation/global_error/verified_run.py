@@ -119,11 +119,15 @@ def verified_run(
     accuracy: float,
     progress: Progress | None = None,
     max_step: float | None = None,
+    method: str | None = None,
+    most: int = 0,
 ) -> Verified:
     """Return the motion from (times[0], x0) with a global relative error of `accuracy`, if it can be reached.
-    Steps are at most `max_step` (s).  A remembered run is repeated with its tolerance, and accepted if it
-    ends at the same state."""
-    search = _Search(system, x0, times, accuracy, progress, max_step)
+    Steps are at most `max_step` (s), and in the first run at most `most` (0: any number).  Raises
+    StabilityLimited where `most` is negative and stability limits the steps of a long run.  A remembered run
+    is repeated with its tolerance, and accepted if it ends at the same state."""
+    given = (system, x0, times, accuracy, progress, max_step, method or method_for(accuracy), most)
+    search = _Search(*given)
     name = name_of(system, x0, times, accuracy, search.method, max_step)
     remembered = recall(name)
     if remembered is not None:
@@ -138,7 +142,7 @@ def verified_run(
                     errors=remembered.errors,
                 )  # fmt: skip
     before = search.tried
-    search = _Search(system, x0, times, accuracy, progress, max_step)
+    search = _Search(*given)
     found = search.verify()
     found.tried = [*before, *found.tried]
     found.errors = search.errors()
@@ -161,7 +165,8 @@ def longest_step(system: System, method: str, tol: float, time: float, max_step:
 
 class _Search:
     def __init__(self, system: System, x0: Sequence[float], times: Sequence[float], accuracy: float,
-                 progress: Progress | None, max_step: float | None):  # fmt: skip
+                 progress: Progress | None, max_step: float | None, method: str, most: int):  # fmt: skip
+        self.method, self.most = method, most
         self.system, self.x0, self.times = system, x0, times
         self.accuracy, self.progress, self.max_step = accuracy, progress, max_step
         self.tried: list[Trajectory] = []
@@ -174,14 +179,10 @@ class _Search:
         self.along: Rounding | None = None
         self.noise: dict[int, float] = {}  # bounds of the groups that only round-off moves
 
-    @property
-    def method(self) -> str:
-        return method_for(self.accuracy)
-
     def options(self, tol: float) -> Options:
         """The options of a run; after the first run, the number of steps is limited."""
         before = max((r.steps + r.rejected for r in self.runs.values()), default=0)
-        limit = 100 * before + 10_000 if before else 0
+        limit = 100 * before + 10_000 if before else max(self.most, 0)
         longest = longest_step(self.system, self.method, tol, self.times[-1] - self.times[0], self.max_step)
         return Options(method=self.method, rtol=tol, max_steps=limit, max_step=longest, report=True,
                        watch=self._watch(longest), halves=tol not in self.whole)  # fmt: skip
@@ -190,8 +191,10 @@ class _Search:
         checks = [(self.times[0], 0, 0.0)]
 
         def watch(run: Trajectory) -> bool:
-            from lagc.simulation.supervision import is_stuck  # only for long runs
+            from lagc.simulation.supervision import check_stability, is_stuck  # only for long runs
 
+            if self.most < 0:
+                check_stability(run, self.times[0], self.times[-1])
             return is_stuck(self.system, run, self.times[-1], longest, checks)
 
         return watch
