@@ -1,21 +1,87 @@
-"""All benchmarks, one after the other: `python -m tests.benchmarks [NAME ...]`, or one with its options."""
+"""Speed and accuracy beside other tools, measured in one run.
+
+    python -m tests.benchmarks [--quick] [--write] [--json FILE]
+    python -m tests.benchmarks growth | stages | startup    (lagc alone: its compiler and its processes)
+
+Other tools are used if they are installed: pip install -e '.[peers]'.
+"""
 
 from __future__ import annotations
 
+import argparse
 import importlib
+import json
+import subprocess
 import sys
-from itertools import takewhile
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-NAMES = ("startup", "sine_cosine", "chain", "double_pendulum", "andrews", "accuracy", "growth")
+if TYPE_CHECKING:
+    from tests.benchmarks.measured import Report
+
+OTHERS = ("growth", "stages", "startup")
 
 
-def main() -> None:
-    asked = list(takewhile(lambda word: not word.startswith("-"), sys.argv[1:]))
-    del sys.argv[1 : 1 + len(asked)]  # the benchmarks read their own options
-    for name in asked or NAMES:
-        print(f"\n=== {name} ===\n")
-        importlib.import_module(f"tests.benchmarks.{name}").main()
+def main() -> int:
+    if sys.argv[1:2] and sys.argv[1] in OTHERS:
+        importlib.import_module(f"tests.benchmarks.{sys.argv.pop(1)}").main()
+        return 0
+    from tests.benchmarks.tools import alone
+
+    alone()  # before NumPy is loaded by others
+    return report()
+
+
+def report() -> int:
+    from tests.benchmarks.problems import PROBLEMS
+
+    parser = argparse.ArgumentParser(
+        prog="python -m tests.benchmarks", description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )  # fmt: skip
+    names = [problem.name for problem in PROBLEMS]
+    parser.add_argument("--quick", action="store_true", help="two problems, few tolerances, one round")
+    parser.add_argument("--problems", help=f"some of {','.join(names)}")
+    parser.add_argument("--tools", help="words of the names of other tools, separated by commas; none: `-`")
+    parser.add_argument("--json", metavar="FILE", help="write all numbers")
+    parser.add_argument(
+        "--write", action="store_true",
+        help="write the figures of the README and of docs (README.md, docs/*.svg, docs/benchmarks.json)",
+    )  # fmt: skip
+    asked = parser.parse_args()
+    wanted = asked.problems.split(",") if asked.problems else names[:: 7 if asked.quick else 1]
+    if not set(wanted) <= set(names):
+        parser.error(f"the problems are {', '.join(names)}")
+    if asked.write and (asked.quick or asked.problems or asked.tools):
+        parser.error("the figures of the documentation need all problems and tools")
+    found = measured(wanted, asked.tools.split(",") if asked.tools else None, asked.quick)
+    from tests.benchmarks.report import text, write
+
+    text(found)
+    if asked.json:
+        Path(asked.json).write_text(json.dumps(found.to_dict(), indent=1) + "\n", encoding="utf-8")
+    if asked.write:
+        for path in write(found):
+            print(f"written: {path}")
+        words = ("cost", "double_pendulum", "--stop", "10", "-q", "-o", "docs/cost.svg")
+        root = Path(__file__).parents[2]
+        return subprocess.run([sys.executable, "-m", "lagc", *words], cwd=root).returncode
+    return 0
+
+
+def measured(problems: list[str], words: list[str] | None, quick: bool) -> Report:
+    from tests.benchmarks.measured import begun, measure
+    from tests.benchmarks.problems import PROBLEMS
+    from tests.benchmarks.tools import chosen
+
+    tools = chosen(words)
+    found = begun(tools)
+    for problem in PROBLEMS:
+        if problem.name in problems:
+            print(f"measuring: {problem.title}", file=sys.stderr, flush=True)
+            found.parts.append(measure(problem, tools, quick))
+    return found
 
 
 if __name__ == "__main__":
-    main()
+    raise SystemExit(main())

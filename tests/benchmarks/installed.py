@@ -1,4 +1,4 @@
-"""lagc as an installation lays it out: byte code and the parser's tables are there already."""
+"""lagc as an installation lays it out: byte code, the parser's tables and the kernels are there already."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
-from lagc.syntax.lalr_tables import packed, shipped_path
+from lagc.codegen.kernel_compiler import shipped
+from lagc.syntax import lalr_tables
 
 CHECKOUT = Path(__file__).parents[2]
 
@@ -24,7 +25,9 @@ def folder() -> str:
     shutil.copytree(CHECKOUT / "lagc", package, ignore=shutil.ignore_patterns("__pycache__"))
     for name in ("grammar", "models"):
         shutil.copytree(CHECKOUT / name, package / name)
-    (package / "syntax" / os.path.basename(shipped_path())).write_text(packed(), encoding="utf-8")
+    for made in (lalr_tables, shipped):  # as `hatch_build.py`
+        place = package / Path(made.shipped_path()).relative_to(CHECKOUT / "lagc")
+        place.write_text(made.packed(), encoding="utf-8")
     compileall.compile_dir(package, quiet=1)
     return str(root)
 

@@ -22,10 +22,11 @@ def project() -> dict[str, Any]:
 
 
 def requirements() -> list[Requirement]:
-    """All of them: of the build, of lagc, of its extras."""
+    """All of them: of the build, of lagc, of its extras; not the tools that lagc is compared with."""
     metadata = project()["project"]
     words = [*project()["build-system"]["requires"], *metadata["dependencies"]]
-    words += [word for extra in metadata["optional-dependencies"].values() for word in extra]
+    extras = {name: found for name, found in metadata["optional-dependencies"].items() if name != "peers"}
+    words += [word for extra in extras.values() for word in extra]
     return [found for found in map(Requirement, words) if found.name != metadata["name"]]
 
 
