@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import json
 import subprocess
 import sys
 from pathlib import Path
@@ -42,7 +41,7 @@ def report() -> int:
     names = [problem.name for problem in PROBLEMS]
     parser.add_argument("--quick", action="store_true", help="two problems, few tolerances, one round")
     parser.add_argument("--problems", help=f"some of {','.join(names)}")
-    parser.add_argument("--tools", help="words of the names of other tools, separated by commas; none: `-`")
+    parser.add_argument("--tools", help="words of the names of other tools, separated by commas, or `none`")
     parser.add_argument("--json", metavar="FILE", help="write all numbers")
     parser.add_argument(
         "--write", action="store_true",
@@ -55,11 +54,11 @@ def report() -> int:
     if asked.write and (asked.quick or asked.problems or asked.tools):
         parser.error("the figures of the documentation need all problems and tools")
     found = measured(wanted, asked.tools.split(",") if asked.tools else None, asked.quick)
-    from tests.benchmarks.report import text, write
+    from tests.benchmarks.report import numbers, text, write
 
     text(found)
     if asked.json:
-        Path(asked.json).write_text(json.dumps(found.to_dict(), indent=1) + "\n", encoding="utf-8")
+        Path(asked.json).write_text(numbers(found), encoding="utf-8")
     if asked.write:
         for path in write(found):
             print(f"written: {path}")

@@ -42,6 +42,10 @@ def power(tolerance: float) -> str:
     return f"{tolerance:.0e}".replace("e-0", "e-")
 
 
+def short(x: float) -> float:
+    return float(f"{x:.3g}")
+
+
 @dataclass
 class Dot:
     """One setting: the true error and the CPU times in s."""
@@ -100,15 +104,16 @@ class Report:
         return {
             "date": self.day, "machine": self.machine, "versions": self.versions, "missing": self.missing,
             "problems": [
-                {"name": part.name, "title": part.title, "reference_agreement": part.agreement,
+                {"name": part.name, "title": part.title, "reference_agreement": short(part.agreement),
                  "tools": [
-                     {"tool": line.tool, "ready_s": line.ready, "note": line.note,
-                      "points": [{"tolerance": d.tolerance, "error": d.error, "seconds": d.seconds,
-                                  "median_seconds": median(d.times)} for d in line.dots]}
+                     {"tool": line.tool, "ready_s": short(line.ready), "note": line.note,
+                      "points": [[short(x) for x in (d.tolerance, d.error, d.seconds, median(d.times))]
+                                 for d in line.dots]}
                      for line in part.lines
                  ]}
                 for part in self.parts
             ],
+            "columns_of_points": ["tolerance", "error", "least_seconds", "median_seconds"],
         }  # fmt: skip
 
 

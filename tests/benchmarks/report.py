@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from math import exp, log
 from pathlib import Path
@@ -122,13 +123,18 @@ def of_readme(report: Report) -> str:
     return "\n".join(lines)
 
 
+def numbers(report: Report) -> str:
+    """All numbers as JSON, a line for each tool and problem."""
+    return re.sub(r'(\{"(?:tool|name)")', r"\n\1", json.dumps(report.to_dict())) + "\n"
+
+
 def write(report: Report) -> list[Path]:
     """Write the pictures, the numbers and the README."""
     docs, readme = ROOT / "docs", ROOT / "README.md"
     files = {
         docs / "work-precision.svg": svg(work_precision(report)),
         docs / "asked-and-got.svg": svg(asked_and_got(report)),
-        docs / "benchmarks.json": (json.dumps(report.to_dict(), indent=1) + "\n").encode(),
+        docs / "benchmarks.json": numbers(report).encode(),
     }
     before, _, rest = readme.read_text(encoding="utf-8").partition(BEGIN)
     after = rest.partition(END)[2]
