@@ -205,3 +205,54 @@ def test_open_and_closing_joints_are_told() -> None:
     assert (shoulder.kind, shoulder.between) == ("Revolute", ("world", "upper"))
     assert (shoulder.coordinates, elbow.coordinates) == (("shoulder.angle",), ("elbow.angle",))
     assert shut.equations and not shut.coordinates
+
+
+def test_a_body_with_coordinates_of_its_own_carries_others() -> None:
+    field = "effect gravity\n Gravity field;\n end gravity;\n"
+    data = "mass = 1 [kg], inertia = {0.1, 0.2, 0.15} [kg.m2]"
+    joints = f"""model Joints
+  coordinate Length x;
+  body cart = Particle(mass = 2 [kg], at = {{x, 0, 0}});
+  body pole = Solid({data}, com = {{0, 0, 0.5}} [m]);
+  joint j = Revolute(cart, pole, axis = world.y, at = {{0, 0, 0}});
+  {field} scene lab uses gravity
+    start j.angle = 0.3;
+  end lab;
+  output Length tip = attached(pole, {{0, 0, 1}} [m]).x, hook = attached(cart, {{0, 0, 0}}).x - x;
+end Joints;
+"""
+    own = f"""model Own
+  coordinate Length x;
+  coordinate Angle a(start = 0.3);
+  body cart = Particle(mass = 2 [kg], at = {{x, 0, 0}});
+  frame P = rotate_y(world, a);
+  point H = {{x, 0, 0}};
+  body pole = Solid({data}, frame = P, com = H + 0.5 [m]*P.z);
+  {field} scene lab uses gravity;
+  output Length tip = (H + 1 [m]*P.z).x;
+end Own;
+"""
+    one, two = (
+        lagc.loads(text).compile(backend="numpy").simulate(1.0, accuracy=1e-10, points=5)
+        for text in (joints, own)
+    )
+    assert one["tip"] == pytest.approx(two["tip"], abs=1e-9)
+    assert not one["hook"].any()
+
+
+def test_a_turning_body_carries_an_arm_and_keeps_the_angular_momentum() -> None:
+    text = """model Base
+  coordinate Orientation o(rate = {0.1, 0.2, 1} [rad/s]);
+  frame B = rotate(rotate_x(world, 30 [deg]), o);
+  body base = Solid(mass = 5 [kg], inertia = {1, 1.2, 1.5} [kg.m2], frame = B, com = {0, 0, 0});
+  body arm = Solid(mass = 1 [kg], inertia = {0.1, 0.1, 0.1} [kg.m2], com = {1, 0, 0} [m]);
+  joint j = Revolute(base, arm, axis = world.z, at = {0.5, 0, 0} [m], angle(rate = 0.3 [rad/s]));
+  output AngularMomentum H[3] = angular_momentum();
+  output Energy E = energy();
+  output Length far = norm(attached(arm, {0.5, 0, 0} [m]) - attached(base, {0.5, 0, 0} [m]));
+end Base;
+"""
+    run = lagc.loads(text).compile(backend="numpy").simulate(2.0, accuracy=1e-9, points=5)
+    for name in ("H[1]", "H[2]", "H[3]", "E"):
+        assert run[name] == pytest.approx(run[name][0], rel=1e-7, abs=1e-8)
+    assert max(abs(run["far"])) < 1e-14

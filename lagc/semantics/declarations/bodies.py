@@ -23,14 +23,14 @@ from lagc.semantics.names.scope import (
     vector_of,
     vector_value,
 )
-from lagc.semantics.refusals import Wrong
+from lagc.semantics.refusals import Poisoned, Wrong
 from lagc.semantics.time_derivatives import LATE, VELOCITY
 from lagc.semantics.units import KG, NONE, M, S, dimension, over
 from lagc.semantics.values.builtin_functions import Argument
 from lagc.semantics.values.calls import look_at_arguments, match
 from lagc.semantics.values.evaluate import each, evaluate, evaluate_as
 from lagc.semantics.values.frame_vectors import unit_vector
-from lagc.semantics.values.kinematics import turned_with, velocity_of
+from lagc.semantics.values.kinematics import turned_by, velocity_of
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix, Vector, dot
 from lagc.syntax import tree
@@ -93,8 +93,11 @@ def _drawn_frame(context: Context, entry: Entry, call: tree.Call) -> Argument:
     if context.has_joints:
         from lagc.semantics.joints.linkage import linkage_of
 
-        if entry in linkage_of(context, entry).placing:
+        linkage = linkage_of(context, entry)
+        if entry in linkage.placing:
             return Argument(context.world, call.span)
+        if linkage.has_faults or entry in linkage.unplaced:
+            raise Poisoned  # reported
     remedy = "write `frame = F`, or tie the solid to `world` or to another body by a joint"
     raise Wrong("LAG0210", "`Solid` needs the argument `frame`, or a joint that places it", call.span, remedy)
 
@@ -107,6 +110,8 @@ def _placed(
     from lagc.semantics.values.frame_vectors import is_constant
 
     linkage = linkage_of(context, entry)
+    if entry in linkage.roots:
+        context.poses[entry.path] = lambda drawn: linkage.pose(entry).attached(drawn)
     if entry not in linkage.placing:
         return position, frame
     if not is_constant(context, [*position, *(x for row in frame.axes for x in row)] if frame else position):
@@ -120,7 +125,7 @@ def _placed(
         )
     pose = linkage.pose(entry)
     context.poses[entry.path] = pose.attached
-    return pose.attached(position), frame and turned_with(context, pose.frame, frame)
+    return pose.attached(position), frame and turned_by(context, pose.frame, frame.axes)
 
 
 def _call_of(entry: Entry) -> tree.Call:

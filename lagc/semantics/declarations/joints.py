@@ -34,6 +34,8 @@ def declare_joint(context: Context, entry: Entry) -> Value:
             joint.coordinate(inner.name)
         entry.objects.append(_said(joint, tuple([inner.path for inner in entry.inner]), 0))
         return Reference(entry)
+    if any(end in linkage.unplaced for end in joint.ends):
+        raise Poisoned  # reported
     for inner in entry.inner:
         _refuse_coordinate(context, entry, inner)
     if joint.name in _OF_JOINTS:

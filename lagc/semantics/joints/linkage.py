@@ -17,7 +17,7 @@ from lagc.diagnostics.suggest import AS_JOINT, did_you_mean
 from lagc.semantics.context import Context
 from lagc.semantics.joints.kinds import ABOUT_Z, ABOUT_Z_AND_X, ANY_TURN, ENDS, KINDS, Condition, Pair
 from lagc.semantics.joints.poses import Pose
-from lagc.semantics.model import Orientation
+from lagc.semantics.model import Body, Frame, Orientation
 from lagc.semantics.names.scope import Entry, Environment, Part, Scalar, Value, expect, scalar_of, vector_of
 from lagc.semantics.refusals import Poisoned, Wrong
 from lagc.semantics.time_derivatives import LATE, MOVING
@@ -25,9 +25,10 @@ from lagc.semantics.units import NONE, Dimension, M
 from lagc.semantics.values.calls import match
 from lagc.semantics.values.evaluate import evaluate, evaluate_as, integer
 from lagc.semantics.values.frame_vectors import unit_vector
-from lagc.semantics.values.kinematics import oriented, turned_about
+from lagc.semantics.values.kinematics import oriented, turned_about, turned_by
 from lagc.symbolic.graph import Node
-from lagc.symbolic.vectors import Vector, add, cross, dot, scale, sub
+from lagc.symbolic.vectors import Matrix, Vector, add, cross, dot, scale, sub, transpose
+from lagc.symbolic.walk import substitute, symbols
 from lagc.syntax import tree
 
 TWO_PI = 2.0 * math.pi
@@ -138,16 +139,19 @@ class Linkage:
     def __init__(self, context: Context, entries: list[Entry]):
         self.context = context
         self.joints: dict[Entry, Joint] = {}
+        self.placing: dict[Entry, Joint] = {}
+        self.poses: dict[Entry, Pose] = {}
+        self.roots: set[Entry] = set()  # bodies that move by coordinates of their own
+        self.unplaced: set[Entry] = set()  # bodies of joints that nothing places
+        self.has_faults = False  # of joints: the bodies that they would place are unknown
         for entry in entries:
             if entry.kind == "joint" and entry.elements is None:
                 try:
                     self.joints[entry] = Joint(context, entry)
                 except (Wrong, Poisoned) as fault:
-                    entry.state = "poisoned"
+                    entry.state, self.has_faults = "poisoned", True
                     if isinstance(fault, Wrong):
                         context.report(fault)
-        self.placing: dict[Entry, Joint] = {}
-        self.poses: dict[Entry, Pose] = {}
 
     def place(self) -> None:
         """Find the joint that places each body.  Raises Wrong."""
@@ -156,26 +160,46 @@ class Linkage:
         for k, joint in enumerate(pairs):
             for end in joint.ends:
                 around.setdefault(end, []).append(k)
-        reached: set[Entry | None] = {None}
-        queue: list[int] = []
-        for k in around.get(None, ()):
-            heappush(queue, k)
-        while queue:
-            joint = pairs[heappop(queue)]
-            for end in joint.ends:
-                if end is not None and end not in reached:
-                    reached.add(end)
-                    self.placing[end] = joint
-                    for k in around[end]:
-                        heappush(queue, k)
-        for end in around:
-            if end is not None and end not in reached and not self.context.faults:
-                raise Wrong(
-                    "LAG0233",
-                    f"no joint ties `{end.path}` to the world, not even through other bodies",
-                    end.span,
-                    f"for a body that moves freely, write `joint free = Free(world, {end.path});`",
-                )
+        reached: set[Entry | None] = set()
+
+        def spread(root: Entry | None) -> None:
+            reached.add(root)
+            queue = sorted(around.get(root, ()))
+            while queue:
+                joint = pairs[heappop(queue)]
+                for end in joint.ends:
+                    if end is not None and end not in reached:
+                        reached.add(end)
+                        self.placing[end] = joint
+                        for k in around[end]:
+                            heappush(queue, k)
+
+        spread(None)
+        tied = [end for end in around if end is not None]
+        for end in tied:
+            if end not in reached and self._moves(end):
+                self.roots.add(end)
+                spread(end)
+        unplaced = [end for end in tied if end not in reached]
+        self.unplaced.update(unplaced)
+        for end in unplaced[:1]:
+            remedy = f"for a body that moves freely, write `joint free = Free(world, {end.path});`"
+            message = f"no joint ties `{end.path}` to the world, not even through other bodies"
+            raise Wrong("LAG0233", message, end.span, remedy)
+
+    def _moves(self, body: Entry) -> bool:
+        """Whether a body that no joint has reached moves by coordinates of its own."""
+        nodes: list[Node] = []
+        for expression in places_of(body):
+            try:
+                value = evaluate(self.context, expression, body.environment)
+                if isinstance(value, Frame):
+                    nodes += [x for row in value.axes for x in row]
+                else:
+                    nodes += vector_of(value, expression.span, "the position of a body")[0]
+            except (Wrong, Poisoned):  # reported when the body is declared
+                continue
+        return any(self.context.clock.mask(node) & MOVING for node in nodes)
 
     def closes(self, joint: Joint) -> bool:
         return all(self.placing.get(end) is not joint for end in joint.ends if end is not None)
@@ -187,15 +211,30 @@ class Linkage:
             chain.append(body)
             a, b = self.placing[body].ends
             body = a if body is b else b
-        if body in self.poses:
-            pose = self.poses[body]
-        else:
+        if body is None:
             zero = self.context.graph.zero
             pose = Pose(self.context.world, (zero, zero, zero), (zero, zero, zero))
+        elif body in self.poses:
+            pose = self.poses[body]
+        else:
+            pose = self.poses[body] = self._own(body)
         for own in reversed(chain):
             joint = self.placing[own]
             pose = self.poses[own] = self._moved(joint, pose, reverse=own is joint.ends[0])
         return pose
+
+    def _own(self, body: Entry) -> Pose:
+        """Return the pose of a body that moves by coordinates of its own, drawn where they and time are 0."""
+        value = self.context.value(body, body.span)
+        assert isinstance(value, Body)
+        frame = self.context.world if value.frame is None else value.frame
+        nodes = [*value.position, *(x for row in frame.axes for x in row)]
+        graph = self.context.graph
+        moving = [x for x in symbols(nodes) if x.record.kind in ("coordinate", "time")]
+        at_zero = {x: graph.one if x.record.component == "w" else graph.zero for x in moving}
+        drawn = substitute(graph, nodes, at_zero)
+        axes = transpose(_matrix(drawn[3:]))
+        return Pose(turned_by(self.context, frame, axes), (drawn[0], drawn[1], drawn[2]), value.position)
 
     def _moved(self, joint: Joint, pose: Pose, reverse: bool) -> Pose:
         """Return the pose beyond an open joint.  In `reverse`, from b to a, the coordinates of a joint with
@@ -224,6 +263,19 @@ class Linkage:
 
             return release_pose(self.context, joint.entry, moved, -1.0 if reverse else 1.0)
         return moved
+
+
+def _matrix(flat: list[Node]) -> Matrix:
+    rows = [(flat[k], flat[k + 1], flat[k + 2]) for k in (0, 3, 6)]
+    return rows[0], rows[1], rows[2]
+
+
+def places_of(body: Entry) -> list[tree.Expression]:
+    """Return the expressions of the centre of mass and the frame of a body."""
+    source = body.source
+    call = source.value if isinstance(source, tree.Construct) else source
+    arguments = call.arguments if isinstance(call, tree.Call | tree.Declarator) else ()
+    return [a.value for a in arguments if a.name in ("at", "com", "frame") and a.value is not None]
 
 
 def linkage_of(context: Context, entry: Entry) -> Linkage:

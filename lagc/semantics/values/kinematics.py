@@ -371,10 +371,10 @@ def _about(context: Context, parent: Frame, axis: Vector, own: Vector, angle: Ar
     return found
 
 
-def turned_with(context: Context, frame: Frame, drawn: Frame) -> Frame:
-    """Return the frame that has the constant axes of `drawn` in `frame`."""
+def turned_by(context: Context, frame: Frame, turn: Matrix) -> Frame:
+    """Return `frame` rotated by a constant rotation."""
     zero = context.graph.zero
-    return frame if drawn is context.world else _turned(context, frame, drawn.axes, (zero, zero, zero))
+    return frame if turn == context.world.axes else _turned(context, frame, turn, (zero, zero, zero))
 
 
 def turned_about(context: Context, parent: Frame, own: Vector, angle: Node, span: Span) -> Frame:
