@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator, Mapping
 from math import cos
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from tests.simulation.test_generated import needs_compiler
 np = pytest.importorskip("numpy")
 
 from lagc.reports.effects import text, to_dict  # noqa: E402
-from lagc.study.effects import Effects  # noqa: E402
+from lagc.study.effects import Effects, Motion, Variant, in_turn  # noqa: E402
 
 pytestmark = needs_compiler
 
@@ -60,8 +61,21 @@ def _of(text: str, **options: object) -> Effects:
     return lagc.loads(text).compile().effects(**options)  # type: ignore[arg-type]
 
 
+def counted(variants: Mapping[str, Variant], setting: Motion) -> dict[str, tuple[float, int]]:
+    """Instead of `in_turn`: a time of evaluations and operations, which no other process disturbs."""
+    counts = {name: variant.plain(setting, 1)[1] for name, variant in variants.items()}
+    return {name: (1e-9 * rhs * (50 + variants[name].operations), rhs) for name, rhs in counts.items()}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def clock() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("lagc.study.effects.in_turn", counted)
+        yield
+
+
 @pytest.fixture(scope="module")
-def spring() -> Effects:
+def spring(clock: None) -> Effects:
     return _of(SPRING, accuracies=(1e-1, 1e-2, 1e-3, 1e-7))
 
 
@@ -215,3 +229,17 @@ def test_the_scene_without_effects_that_others_need_is_refused() -> None:
         model.without(["elastic"])
     with pytest.raises(Refused, match="no effect"):
         model.without(["nothing"])
+
+
+def test_times_are_measured_in_turn() -> None:
+    class Fixed:
+        operations = 1
+
+        def __init__(self, seconds: float):
+            self.seconds = seconds
+
+        def plain(self, setting: Motion, repeats: int) -> tuple[float, int]:
+            return self.seconds, 7
+
+    made = {"a": Fixed(2e-3), "b": Fixed(1e-3)}
+    assert in_turn(made, None) == {"a": (2e-3, 7), "b": (1e-3, 7)}  # type: ignore[arg-type]
