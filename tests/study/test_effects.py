@@ -205,8 +205,9 @@ def test_a_scene_without_effects_is_refused() -> None:
 
 @pytest.mark.full
 def test_prune_runs_the_cheapest_scene_and_remembers_it(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setenv("LAGC_CACHE", str(tmp_path / "cache"))
     model = tmp_path / "spring.lag"
     model.write_text(SPRING)
     shown = []
