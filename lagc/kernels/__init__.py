@@ -25,6 +25,7 @@ FILES = (
     "arithmetic/quaternions",
     "constraints/projection",
     "integrators/explicit_runge_kutta",
+    "integrators/stage_equations",
     "integrators/radau",
     "integrators/dispatch",
     "arguments",

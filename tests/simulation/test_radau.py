@@ -293,7 +293,7 @@ int main(void) {
     rods_consistent(&p, 0, x, 0, &c);
     rods_begin(&s, 0, x);
     int status = rods_advance(&p, &s, 0.5, &o, &w);
-    printf("%d %.17g\\n", status, (double)s.x[RODS_Q_X3]);
+    printf("%d %.17g\\n", status, (double)s.x[RODS_Q_x3]);
     return 0;
 }
 """)  # fmt: skip

@@ -124,7 +124,10 @@ _DISCRETE = {
 }  # fmt: skip
 _PREPARED = {"NPREPARED": "numbers that lagc_bind computes from the parameters"}
 _LIMITED = {"NLIMITS": "bounded values computed from parameters"}
-_NEWTON = {"NNEWTON": "unknowns of a stage of an implicit method: q, v, lambda"}
+_NEWTON = {
+    "NNEWTON": "unknowns of a stage of an implicit method: q, v, lambda",
+    "NLINEAR": "of these the ones of its linear systems",
+}
 _OF_START = {
     "NU": "unknowns of the initialization: q, v, other stated rates",
     "NE": "equations of the initialization",

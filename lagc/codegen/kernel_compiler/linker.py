@@ -23,7 +23,8 @@ DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NPARTED": lambda n: n["NCOND"] + n["NSUM"], "NWHOLE": lambda n: n["NU"] + n["NSUM"],
     "NALL": lambda n: n["NP"] + n["NPREPARED"],
     "NTREE": lambda n: n["NE"] * 2 + 2,
-    "NSLOPES": lambda n: n["NNEWTON"] * n["NNEWTON"], "NMASS": lambda n: n["NV"] * n["NV"],
+    "NSLOPES": lambda n: n["NNEWTON"] * n["NNEWTON"], "NFACTORS": lambda n: n["NLINEAR"] * n["NLINEAR"],
+    "NMASS": lambda n: n["NV"] * n["NV"],
 }  # fmt: skip
 Part = Mapping[str, Any]  # see `library`
 
@@ -146,6 +147,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NLIMITS": len(interface.limits), "NPREPARED": interface.prepared, "NREAD": len(interface.read),
         "NSUM": sums, "NPARTS": len(interface.part_columns),
         "NNEWTON": nq + nv + interface.nc if interface.stiff else 0,
+        "NLINEAR": (nq if "displace" in interface.functions else 0) + nv + interface.nc,
     }  # fmt: skip
     found = _derived({**own, **start, **own})  # initialization has no work integrals
     if "system" not in interface.functions:

@@ -1,17 +1,21 @@
 """Radau IIA methods with error estimate and dense output, printed once for each tableau.
 
-The unknowns of a stage are q, v and the multipliers: q' = N v + n, M v' = f + G^T lam, and the constraints at
-velocity level, psi = 0 (index 2). A simplified Newton method solves the stages; the transformation of A^-1
-parts its linear systems into a real and a complex one, of dense matrices.
+A simplified Newton method solves the stages; the transformation of A^-1 parts its linear systems into a real
+and a complex one.
 
 E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, Springer 1996 (HW), sections IV.8 and VII.4.
 """
 
 from math import fabs, sqrt
 
-from lagc.kernels.dynamics.rhs import rhs_at
+from lagc.kernels.integrators.stage_equations import (
+    factor_stages,
+    residual_at,
+    solve_shifted,
+    solve_turned,
+    update_jacobian,
+)
 from lagc.kernels.language.vocabulary import *
-from lagc.kernels.linear_algebra.dense_lu import factor_complex, factor_real, solve_complex, solve_real
 
 DIVERGENT = 0.99  # ratio of two increments
 MOST_GROWN = 10.0  # the first ratio, which may say little
@@ -21,77 +25,12 @@ LEAST_ERROR = 1e-2  # of a step, for the controller
 LARGEST = 1e12  # scaled error of a state
 
 
-def residual_at(p: Params, t: Real, lam: Vec[NC], w: Work) -> None:
-    """Compute the residual w.residual of the equations at the state w.x_stage and the rates w.rates_stage."""
-    w.a[:] = part(w.rates_stage, NQ, NQ + NV)
-    if NMODE > 0:
-        fn_residual_on(p, t, w.x_stage, w.modes, w.a, lam, w.qdot, w.residual_rows)
-    else:
-        fn_residual(p, t, w.x_stage, w.a, lam, w.qdot, w.residual_rows)
-    for i in range(NQ):
-        w.residual[i] = w.rates_stage[i] - w.qdot[i]
-    for i in range(NR):
-        w.residual[NQ + i] = w.residual_rows[i]
-
-
-def update_jacobian(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Status:
-    """Compute the derivatives of the equations at (t, x), whose rates are s.k[0]."""
-    if NC > 0:
-        w.redundant_before[:] = w.redundant
-        for i in range(NC):
-            w.redundant[i] = 0
-        status = rhs_at(p, t, x, w.xdot, w.lam, w)
-        for i in range(NC):
-            s.dependent[i] = w.redundant[i] if status == REDUNDANT else 0
-            if w.redundant_before[i] == 1:
-                w.redundant[i] = 1
-        s.rhs += 1
-        if failed(status):
-            return status
-        s.start_lam[:] = w.lam
-    w.a[:] = part(s.k[0], NQ, NQ + NV)
-    if NMODE > 0:
-        fn_newton_on(p, t, x, w.modes, w.a, w.lam, s.slopes, s.mass)
-    else:
-        fn_newton(p, t, x, w.a, w.lam, s.slopes, s.mass)
-    if NC > 0:
-        for i in range(NC):
-            if s.dependent[i] == 1:  # its multiplier stays
-                for j in range(NNEWTON):
-                    s.slopes[(NQ + NV + i) * NNEWTON + j] = 0.0
-                s.slopes[(NQ + NV + i) * NNEWTON + NQ + NV + i] = 1.0
-    s.jacobian_step = s.steps
-    s.factored = 0.0
-    return OK
-
-
-def factor_stages(h: Real, s: State) -> bool:
-    """Factor the matrices of the Newton method for a step over h; return whether they are regular."""
-    for i in range(NNEWTON):
-        for j in range(NNEWTON):
-            s.real_factors[i * NNEWTON + j] = s.slopes[i * NNEWTON + j]
-            s.complex_factors[i * NNEWTON + j] = s.slopes[i * NNEWTON + j]
-            s.imaginary_factors[i * NNEWTON + j] = 0.0
-    for i in range(NQ):
-        s.real_factors[i * NNEWTON + i] += number(SHIFT) / h
-        s.complex_factors[i * NNEWTON + i] += number(SHIFTS[0]) / h
-        s.imaginary_factors[i * NNEWTON + i] += number(SHIFTS[1]) / h
-    for i in range(NV):
-        for j in range(NV):
-            s.real_factors[(NQ + i) * NNEWTON + NQ + j] += number(SHIFT) / h * s.mass[i * NV + j]
-            s.complex_factors[(NQ + i) * NNEWTON + NQ + j] += number(SHIFTS[0]) / h * s.mass[i * NV + j]
-            s.imaginary_factors[(NQ + i) * NNEWTON + NQ + j] += number(SHIFTS[1]) / h * s.mass[i * NV + j]
-    s.factored = h
-    return factor_real(s.real_factors, s.real_pivots) and factor_complex(
-        s.complex_factors, s.imaginary_factors, s.complex_pivots
-    )
-
-
 def start_stages(h: Real, s: State) -> None:
     """Extrapolate the last step to the stages of a step over h, if it is known."""
     known = s.kept_step == s.steps
     for j in static(range(len(C))):
-        s.stage_lam[j][:] = s.start_lam
+        for i in range(NC):
+            s.stage_lam[j][i] = s.start_lam[i]
         there = 1.0 + number(C[j]) * h / s.h_old if known else 0.0
         for i in range(NINT):
             s.k[1 + j][i] = 0.0
@@ -102,6 +41,12 @@ def start_stages(h: Real, s: State) -> None:
                 slope /= number(C[1]) - number(C[0])
                 value = first + (there - number(C[0])) * slope
                 s.k[1 + j][i] = (there - 1.0) * (s.k[7][i] - there * value)
+            for i in range(NC):
+                first = (s.kept_lam[1][i] - s.kept_lam[0][i]) / (number(C[1]) - number(C[0]))
+                slope = (s.kept_lam[2][i] - s.kept_lam[1][i]) / (1.0 - number(C[1])) - first
+                slope /= 1.0 - number(C[0])
+                value = first + (there - number(C[1])) * slope
+                s.stage_lam[j][i] = s.kept_lam[0][i] + (there - number(C[0])) * value
 
 
 def newton_increments(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> None:
@@ -128,9 +73,9 @@ def newton_increments(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work
         w.stage_residuals[0][i] = -first
         w.stage_residuals[1][i] = -second
         w.stage_residuals[2][i] = -third
-    solve_real(s.real_factors, s.real_pivots, w.stage_residuals[0])
-    solve_complex(
-        s.complex_factors, s.imaginary_factors, s.complex_pivots, w.stage_residuals[1], w.stage_residuals[2]
+    solve_shifted(number(SHIFT) / h, s, w.stage_residuals[0], w)
+    solve_turned(
+        number(SHIFTS[0]) / h, number(SHIFTS[1]) / h, s, w.stage_residuals[1], w.stage_residuals[2], w
     )
     for j in static(range(len(C))):
         for i in range(NNEWTON):
@@ -174,7 +119,7 @@ def estimate_roundoff(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work
         for j in range(NV):
             terms += fabs(s.mass[i * NV + j] * s.k[0][NQ + j])
         w.residual[NQ + i] += FOUR_ULPS * terms if i % 2 == 0 else -FOUR_ULPS * terms
-    solve_real(s.real_factors, s.real_pivots, w.residual)
+    solve_shifted(number(SHIFT) / h, s, w.residual, w)
     for i in range(NQ + NV):
         change = fabs(w.residual[i] / h)
         if change > w.rate_roundoff[i]:
@@ -280,7 +225,9 @@ def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status
     solved = False
     while not solved:
         if s.factored != h:
-            if not factor_stages(h, s):
+            s.factored = h
+            if not factor_stages(number(SHIFT) / h, number(SHIFTS[0]) / h, number(SHIFTS[1]) / h, s):
+                s.factored = 0.0
                 return NOT_CONVERGED
         start_stages(h, s)
         solved = solve_stages(p, t, x, h, s, w)
@@ -298,7 +245,7 @@ def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status
     return OK
 
 
-def filter_error(own: Vec[NX], s: State, w: Work) -> None:
+def filter_error(own: Vec[NX], h: Real, s: State, w: Work) -> None:
     """Solve the real system of the Newton method for w.residual, with rates on the right."""
     for i in range(NQ):
         w.residual[i] = own[i]
@@ -309,7 +256,7 @@ def filter_error(own: Vec[NX], s: State, w: Work) -> None:
         w.residual[NQ + i] = total
     for i in range(NC):
         w.residual[NQ + NV + i] = 0.0
-    solve_real(s.real_factors, s.real_pivots, w.residual)
+    solve_shifted(number(SHIFT) / h, s, w.residual, w)
 
 
 def error(h: Real, s: State, w: Work) -> Real:
@@ -318,12 +265,12 @@ def error(h: Real, s: State, w: Work) -> Real:
     own = vector(NX)
     for i in range(NQ + NV):
         own[i] = s.k[0][i] + combination(ESTIMATE, s.k, i) / h
-    filter_error(own, s, w)
+    filter_error(own, h, s, w)
     found = scaled_norm(w.residual, w)
     if found > 1.0:
         for i in range(NQ + NV):
             own[i] = w.residual[i] * (number(SHIFT) / h)
-        filter_error(own, s, w)
+        filter_error(own, h, s, w)
         found = scaled_norm(w.residual, w)
     return found
 
@@ -358,6 +305,8 @@ def keep_stages(s: State) -> None:
     method converged fast by them."""
     for j in static(range(len(C))):
         s.k[5 + j][:] = s.k[1 + j]
+        for i in range(NC):
+            s.kept_lam[j][i] = s.stage_lam[j][i]
     s.start_lam[:] = s.stage_lam[len(C) - 1]
     if s.newton_theta > FAST:
         s.jacobian_step = -1

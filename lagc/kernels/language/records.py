@@ -133,6 +133,8 @@ class Work:
         residual: Vec[NNEWTON]
         residual_before: Vec[NNEWTON]
         residual_rows: Vec[NR]
+        linear: Vec[NLINEAR]
+        linear_imaginary: Vec[NLINEAR]
         stage_residuals: Mat[THREE, NNEWTON]
         increments: Mat[THREE, NNEWTON]
         stage_power: Mat[FOUR, TWO]
@@ -269,13 +271,14 @@ class State:
         newton_theta: Real  # ratio of two increments
         slopes: Vec[NSLOPES]  # derivatives of the equations of a stage by q, v and multipliers
         mass: Vec[NMASS]
-        real_factors: Vec[NSLOPES]
-        real_pivots: IVec[NNEWTON]
-        complex_factors: Vec[NSLOPES]
-        imaginary_factors: Vec[NSLOPES]
-        complex_pivots: IVec[NNEWTON]
-        start_lam: Vec[NC]  # where the multipliers of the stages begin
+        real_factors: Vec[NFACTORS]
+        real_pivots: IVec[NLINEAR]
+        complex_factors: Vec[NFACTORS]
+        imaginary_factors: Vec[NFACTORS]
+        complex_pivots: IVec[NLINEAR]
+        start_lam: Vec[NC]  # multipliers at the beginning of a step
         stage_lam: Mat[THREE, NC]
+        kept_lam: Mat[THREE, NC]  # those of the kept stages
         dependent: IVec[NC]  # 1: this constraint equation depends on others
     # Round-off
     roundoff_estimated: bool  # the error of the last step was compared with its round-off

@@ -71,5 +71,7 @@ class NK(metaclass=SizeType): ...  # stages that are kept in a step, of the meth
 class ND(metaclass=SizeType): ...  # coefficient vectors of the dense output
 class NNEWTON(metaclass=SizeType): ...  # unknowns of a stage, NQ + NV + NC; 0: no implicit method is carried
 class NSLOPES(metaclass=SizeType): ...  # NNEWTON NNEWTON
+class NLINEAR(metaclass=SizeType): ...  # unknowns of its linear systems: without q where qdot = v
+class NFACTORS(metaclass=SizeType): ...  # NLINEAR NLINEAR
 class NMASS(metaclass=SizeType): ...  # NV NV
 class NTREE(metaclass=SizeType): ...  # NE 2 + 2: of a tree of pairs of conditions
