@@ -19,7 +19,7 @@ BEGIN, END = "<!-- benchmarks -->", "<!-- end of benchmarks -->"
 OWN = [tool.name for tool in TOOLS if tool.package is None and not tool.asks]
 ASKS = next(tool.name for tool in TOOLS if tool.asks)
 NOTE = 60  # letters of the reason why a tool has no more points
-WORDS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
+WORDS = ("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
 
 
 def text(report: Report) -> None:
@@ -79,7 +79,7 @@ def ahead(report: Report, target: float = 1e-9) -> str:
             won += 1
         elif other is not None:
             lost.setdefault(other[1], []).append(own[0] / other[0] if own else float("inf"))
-    words = [f"{name} on {WORDS[len(r)]} ({_ratios(r)} times)" for name, r in lost.items()]
+    words = [f"{name} on {WORDS[len(r)]} ({_ratios(r)})" for name, r in lost.items()]
     sentence = f"To an error of {power(target)}, lagc's C with a tolerance set by hand is the fastest on "
     sentence += f"{WORDS[won]} of {WORDS[len(report.parts)]} problems"
     return sentence + (f"; faster are {' and '.join(words)}." if words else ".")
@@ -87,7 +87,9 @@ def ahead(report: Report, target: float = 1e-9) -> str:
 
 def _ratios(values: Sequence[float]) -> str:
     low, high = f"{min(values):.1f}", f"{max(values):.1f}"
-    return low if low == high else f"{low} to {high}"
+    if high == "inf":  # lagc does not reach the error
+        return "alone" if low == "inf" else f"{low} times or more"
+    return f"{low} times" if low == high else f"{low} to {high} times"
 
 
 def kept_words(report: Report) -> str:

@@ -22,7 +22,7 @@ import lagc
 from lagc.api import CompiledModel
 from lagc.compiler import pipeline
 from lagc.host import cache
-from lagc.kernels import METHODS
+from lagc.kernels import IMPLICIT, METHODS
 from lagc.study.probe import Array, Probe, Setting
 from tests.benchmarks import dop853
 from tests.benchmarks.problems import Problem
@@ -44,8 +44,8 @@ class Task:
     x0: list[float]
     times: list[float]
 
-    def probe(self, real: str = "double") -> Probe:
-        program = pipeline.delivered(self.model.compilation, False)
+    def probe(self, real: str = "double", stiff: bool = False) -> Probe:
+        program = pipeline.delivered(self.model.compilation, False, stiff)
         sources = pipeline.render(program, "c", real=real)
         return Probe(sources, program.interface, self.model._bound(None), self.x0, real)
 
@@ -71,9 +71,9 @@ def timed(once: Callable[[float], Array]) -> Run:
 
 def by_hand(method: str) -> Callable[[Task], Run]:
     def make(task: Task) -> Run:
-        if method == "radau5" and not task.problem.stiff:
+        if method in IMPLICIT and not task.problem.stiff:
             raise Without("for stiff problems")
-        probe, nx = task.probe(), len(task.x0)
+        probe, nx = task.probe(stiff=method in IMPLICIT), len(task.x0)
 
         def run(tolerance: float, repeats: int) -> tuple[Array, float]:
             shot = probe.run(Setting(method, rtol=tolerance), task.times, repeats)
