@@ -22,10 +22,12 @@ from lagc.study.probe import Array, Failed, Probe, Setting, Shot
 
 TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
 ROUNDS = 9  # at least, in which all settings are timed in turn
+LEFT = 0.15  # of the budget, for nearby parameters at least
 CLOCK = 0.2  # of the budget, for which rounds go on
 LEAST_TIME = 2e-3  # s of one measurement: shorter runs are repeated
 REFERENCES = ((1e-22, 1e-20), (1e-20, 1e-18), (1e-18, 1e-16), (1e-16, 1e-15))
 SECOND = (1e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10)  # tolerances of the second method
+DEAR = 4.0  # runs in quadruple precision that the budget of the reference has to allow for a pair of its own
 NEARBY = 20  # motions at nearby parameters, at which a setting has to meet its target
 TRIES = 6  # corrections of a setting
 CLEAR = 0.8  # of the target, at which a correction aims
@@ -155,10 +157,16 @@ def refer(
         (pair for pair in REFERENCES if 2.0 * pilot.seconds * (1e-14 / pair[0]) ** (1 / 8) < 0.6 * budget),
         REFERENCES[-1],
     )
-    shots = [exact.run(Setting("dop853", rtol=rtol), times) for rtol in (fine, coarse)]
-    trial = exact.run(Setting("dopri5", rtol=1e-8), times)
-    rtol = next((r for r in SECOND if trial.seconds * (1e-8 / r) ** (1 / 5) < 0.4 * budget), SECOND[-1])
-    second = exact.run(Setting("dopri5", rtol=rtol), times)
+    shots = [exact.run(Setting("dop853", rtol=fine), times)]
+    if DEAR * pilot.seconds < budget:
+        shots.append(exact.run(Setting("dop853", rtol=coarse), times))
+    else:  # as where stability limits the steps: the pilot is exact enough
+        coarse = 1e-14
+        shots.append(pilot)
+    second = exact.run(Setting("dopri5", rtol=1e-8), times)
+    rtol = next((r for r in SECOND if second.seconds * (1e-8 / r) ** (1 / 5) < 0.4 * budget), 1e-8)
+    if rtol < 1e-8:
+        second = exact.run(Setting("dopri5", rtol=rtol), times)
     scales = scales_of(shots[0].hi, sizes(shots[0].hi))
     agreement, gap = (_gap(shots[0], other, scales) for other in (shots[1], second))
     words = f"quad, dop853 at tolerance {fine:.0e}: agrees with {coarse:.0e} to {agreement:.1e}, with dopri5"
@@ -205,7 +213,8 @@ def study(
             )
         measure(found, plain, times, perf_counter() + 0.5 * left, progress)
         found.conclude()
-        look_nearby(found, plain, nearby, times[: len(found.reference.shot.hi)], began + 0.95 * budget)
+        deadline = max(began + 0.95 * budget, perf_counter() + LEFT * budget)
+        look_nearby(found, plain, nearby, times[: len(found.reference.shot.hi)], deadline)
         found.conclude()
         for target in TARGETS:
             if perf_counter() - began > budget:
@@ -294,9 +303,10 @@ def look_nearby(
     parameters; `probe(k)` is the k-th of them.  The finest run in double precision is the reference there."""
     assert study.reference is not None
     beside = [(plain, study.reference)]
+    middle = 0.5 * (perf_counter() + deadline)
     for k in range(NEARBY if study.laws else 0):
         with suppress(Failed):
-            found = probe(k) if perf_counter() < deadline else None
+            found = probe(k) if perf_counter() < middle else None
             if found is not None:
                 exact = found.run(Setting("dop853", rtol=1e-14), times)
                 beside.append((found, replace(study.reference, shot=exact)))

@@ -71,6 +71,31 @@ def test_scatter_makes_a_setting_finer() -> None:
     assert law.size_for(1e-6) < 0.5e-6
 
 
+class Straight:
+    """A probe whose error is `factor` times the tolerance."""
+
+    def __init__(self, factor: float):
+        self.factor = factor
+
+    def run(self, setting: Setting, times: object, repeats: int = 1) -> Shot:
+        end = 1.0 + (self.factor * setting.rtol if setting.rtol > 1e-14 else 0.0)
+        return Shot(np.array([[0.0], [end]]), np.zeros((2, 1)), 1, 1, 0, 1e-5, False)
+
+
+def test_a_setting_is_corrected_until_it_meets_its_target_at_nearby_parameters() -> None:
+    """The law says error = rtol; at nearby parameters it is three times that."""
+    study = Study(("x",), 1.0, 2, 1)
+    study.points = made(1.0, 1.0, 8)
+    exact = Straight(1.0).run(Setting("dop853", rtol=1e-14), ())
+    study.reference = cost.Reference(exact, np.array([1.0]), 0.0, 0.0, "")
+    study.conclude()
+    cost.look_nearby(study, Straight(1.0), lambda k: Straight(3.0), (0.0, 1.0), float("inf"))  # type: ignore[arg-type, return-value]
+    study.conclude()
+    for advice in study.advice[:3]:
+        assert advice.setting is not None and (advice.met, advice.tried) == (20, 20)
+        assert 0.2 * advice.target < advice.setting.rtol <= advice.target / 3.0
+
+
 def test_the_cheapest_method_is_taken_and_what_cannot_be_reached_is_told() -> None:
     slow = made(1.0, 1.0, 3, "bs32")
     fast = made(1.0, 1.0, 8)
@@ -196,7 +221,7 @@ def test_the_report_in_all_its_forms(tmp_path: Path, capsys: pytest.CaptureFixtu
     said = capsys.readouterr().out
     assert "one digit more" in said and "the front" in said and "quad" in said
     found = json.loads(Path(outputs[1]).read_text())
-    assert {p["method"] for p in found["points"]} == {"dop853", "dopri5", "bs32", "rk4"}
+    assert {p["method"] for p in found["points"]} == set(METHODS)
     assert found["quantities"] == ["x", "der(x)", "E"] and len(found["advice"]) == 4
     page = Path(outputs[0]).read_text()
     assert page.startswith("<!DOCTYPE html>") and "<svg" in page and "http" not in page.split("<svg")[0]
