@@ -162,24 +162,31 @@ def _verified(
     stiff: Callable[[], System] | None,
 ) -> tuple[Any, Verified, list[str]]:  # fmt: skip
     """Return a verified run, its system, and a note if it takes an implicit method because stability limits
-    the steps of an explicit one: where something is damped, and the implicit one takes far fewer steps."""
+    the steps of an explicit one, and it is long or misses the accuracy: where something is damped, and the
+    implicit one takes far fewer steps."""
     assert request.accuracy is not None
     given = (x, times, request.accuracy, progress, request.max_step)
     if stiff is None or request.method is not None or not system.nz:
         return system, verified_run(system, *given, request.method), []
-    from lagc.simulation.supervision import StabilityLimited
+    from lagc.simulation.supervision import StabilityLimited, is_limited
 
+    explicit = None
     try:
-        return system, verified_run(system, *given, None, -1), []
+        explicit = verified_run(system, *given, None, -1)
+        run = next((run for run in explicit.tried if is_limited(run)), None)
+        reached = explicit.estimated <= request.accuracy or explicit.trajectory.status == INTERRUPTED
+        if run is None or reached or run.t == times[0]:
+            return system, explicit, []
+        most, step = FEWER * run.steps, abs(run.t - times[0]) / run.steps
     except StabilityLimited as limited:
-        other = system.beside(stiff().bind(system.parameters))
-        found = verified_run(other, *given, IMPLICIT[0], int(FEWER * limited.steps))
-        if found.trajectory.status != MAX_STEPS:
-            note = (f"the equations are stiff: stability limits an explicit method to steps of about "
-                    f"{limited.step:.1g} s, and something is damped. The implicit method {IMPLICIT[0]} takes "
-                    f"its place")  # fmt: skip
-            return other, found, [note]
-    return system, verified_run(system, *given), []
+        most, step = FEWER * limited.steps, limited.step
+    other = system.beside(stiff().bind(system.parameters))
+    found = verified_run(other, *given, IMPLICIT[0], int(most))
+    if found.estimated <= request.accuracy or (explicit is None and found.trajectory.status != MAX_STEPS):
+        note = (f"the equations are stiff: stability limits an explicit method to steps of about {step:.1g} "
+                f"s, and something is damped. The implicit method {IMPLICIT[0]} takes its place")  # fmt: skip
+        return other, found, [note]
+    return system, explicit or verified_run(system, *given), []
 
 
 def _rest(system: System, x: list[float], times: Sequence[float]) -> tuple[list[float], str] | None:

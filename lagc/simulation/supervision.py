@@ -117,10 +117,15 @@ class StabilityLimited(Exception):
         self.steps, self.step = steps, step
 
 
+def is_limited(run: Trajectory) -> bool:
+    """Whether stability limits the steps of a run of 1000 steps or more."""
+    return run.steps >= TESTED and run.stiff * TESTED >= LIMITED * run.steps
+
+
 def check_stability(run: Trajectory, begin: float, end: float) -> None:
     """Raise StabilityLimited if stability limits the steps so far and the run would be a long one."""
     steps = run.steps * (end - begin) / (run.t - begin) if run.t != begin else 0.0
-    if steps >= LONG_RUN and run.steps >= 2 * TESTED and run.stiff * TESTED >= LIMITED * run.steps:
+    if steps >= LONG_RUN and run.steps >= 2 * TESTED and is_limited(run):
         raise StabilityLimited(steps, abs(run.t - begin) / run.steps)
 
 
