@@ -9,7 +9,7 @@ Other tools are used if they are installed: pip install -e '.[peers]'.
 from __future__ import annotations
 
 import argparse
-import importlib
+import importlib.util
 import subprocess
 import sys
 from pathlib import Path
@@ -33,6 +33,7 @@ def main() -> int:
 
 def report() -> int:
     from tests.benchmarks.problems import PROBLEMS
+    from tests.benchmarks.tools import TOOLS
 
     parser = argparse.ArgumentParser(
         prog="python -m tests.benchmarks", description=__doc__,
@@ -53,7 +54,15 @@ def report() -> int:
         parser.error(f"the problems are {', '.join(names)}")
     if asked.write and (asked.quick or asked.problems or asked.tools):
         parser.error("the figures of the documentation need all problems and tools")
-    found = measured(wanted, asked.tools.split(",") if asked.tools else None, asked.quick)
+    if asked.json and not Path(asked.json).absolute().parent.is_dir():
+        parser.error(f"there is no folder for {asked.json}")
+    if asked.write and importlib.util.find_spec("matplotlib") is None:
+        parser.error("the pictures need matplotlib: pip install -e '.[peers]'")
+    tools = asked.tools.split(",") if asked.tools else []
+    strange = [word for word in tools if word != "none" and not any(word in tool.name for tool in TOOLS)]
+    if strange:
+        parser.error(f"no tool is called {strange[0]}: {', '.join(t.name for t in TOOLS if t.package)}")
+    found = measured(wanted, tools or None, asked.quick)
     from tests.benchmarks.report import numbers, text, write
 
     text(found)

@@ -7,14 +7,11 @@ meets them all; the least time counts.
 
 from __future__ import annotations
 
-import os
-import platform
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import date
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 from statistics import median
 from typing import Any
 
@@ -24,6 +21,7 @@ from lagc.study.cost import Reference, refer
 from lagc.study.probe import Array
 from lagc.version import __version__
 from tests.benchmarks.problems import Problem
+from tests.benchmarks.tables import machine
 from tests.benchmarks.tools import Task, Tool, task
 from tests.benchmarks.workers import Unable, Worker
 
@@ -126,14 +124,6 @@ def begun(tools: Sequence[Tool]) -> Report:
         except PackageNotFoundError:
             missing[package] = "not installed"
     return Report(date.today().isoformat(), machine(), versions, missing)
-
-
-def machine() -> str:
-    info = Path("/proc/cpuinfo")
-    names = info.read_text().splitlines() if info.exists() else []
-    cpu = next((line.split(":", 1)[1].strip() for line in names if line.startswith("model name")), "")
-    cpu = cpu or platform.processor() or platform.machine()
-    return f"{cpu}, {os.cpu_count()} cores, Python {platform.python_version()}"
 
 
 def reference(problem: Problem, budget: float) -> tuple[Task, Reference]:

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import os
 import platform
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from statistics import median
 
 Cell = str | float | int | None
 
@@ -19,8 +17,7 @@ def machine() -> str:
         names = [line for line in info.read_text().splitlines() if line.startswith("model name")]
         if names:
             cpu = names[0].split(":", 1)[1].strip()
-    load = f", load {os.getloadavg()[0]:.2f}" if hasattr(os, "getloadavg") else ""
-    return f"{cpu}, {os.cpu_count()} cores, Python {platform.python_version()}{load}"
+    return f"{cpu}, {os.cpu_count()} cores, Python {platform.python_version()}"
 
 
 def show(value: Cell) -> str:
@@ -44,24 +41,3 @@ def table(title: str, head: Sequence[str], rows: Sequence[Sequence[Cell]]) -> No
         if number == 0:
             print("  " + "  ".join("-" * w for w in widths))
     print(flush=True)
-
-
-def cpu_seconds(action: Callable[[], object], repeats: int = 7, least: float = 0.02) -> float:
-    """Median CPU seconds of one call; CPU, not wall: a shared machine's neighbours must not count."""
-    action()
-    count = 1
-    while True:
-        start = time.process_time()
-        for _ in range(count):
-            action()
-        spent = time.process_time() - start
-        if spent > least:
-            break
-        count = max(2 * count, int(1.2 * count * least / max(spent, 1e-9)))
-    samples = []
-    for _ in range(repeats):
-        start = time.process_time()
-        for _ in range(count):
-            action()
-        samples.append((time.process_time() - start) / count)
-    return median(samples)
