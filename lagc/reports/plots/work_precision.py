@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from lagc.kernels import METHODS
 from lagc.reports.cost import headline
 from lagc.reports.plots.plot import COLORS, save, styled
+from lagc.study.advice import Point
 from lagc.study.cost import Study
 
 if TYPE_CHECKING:
@@ -58,7 +59,16 @@ def _method(axes: Axes, study: Study, method: str, color: str, mark: str) -> Non
     above = [[0.0] * len(own), [p.spread * t for p, t in zip(own, y)]]
     axes.errorbar(x, y, yerr=above, color=color, marker=mark, markersize=4.5, linewidth=1.2)
     name = f"{method} (fixed steps)" if own[0].setting.step else method
-    axes.annotate(name, (x[-1], y[-1]), xytext=(7, 3), textcoords="offset points", color=color)
+    beside = "right" if _crowded(study, own[-1]) else "left"
+    axes.annotate(name, (x[-1], y[-1]), xytext=(7 if beside == "left" else -7, 3),
+                  textcoords="offset points", color=color, ha=beside)  # fmt: skip
+
+
+def _crowded(study: Study, last: Point) -> bool:
+    """Whether the line of another method ends close to the right of a point."""
+    ends = {p.setting.method: p for p in study.points if p.error > 0.0}.values()
+    others = [p for p in ends if p.setting.method != last.setting.method]
+    return any(1.0 < last.error / p.error < 1e3 and 0.5 < last.seconds / p.seconds < 2.0 for p in others)
 
 
 def _verified(axes: Axes, study: Study) -> None:
