@@ -28,6 +28,7 @@ EMBEDDED = "docs/how-to/embed-the-c.md"
 SAVED = {  # under the names that the text around gives them
     "pendulum.lag": ("README.md", "SimplePendulum"),
     "swing.lag": ("docs/tutorial.md", "Swing"),
+    "arm.lag": ("docs/tutorial.md", "Arm"),
     "cart_pole.lag": (EMBEDDED, "CartPole"),
     "ladder.lag": ("docs/how-to/initial-conditions.md", "Ladder"),
     "servo.lag": ("docs/how-to/inputs-and-tables.md", "Servo"),
