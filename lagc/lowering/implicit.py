@@ -2,15 +2,20 @@
 
 residual  (p,t,x,a,lam) -> qdot[nq], e[nv+nc]   e = (M a - f - G^T lam; psi)
 newton    (p,t,x,a,lam) -> J[n*n], B[nv*nv]     J by (q, v, lam) of (-qdot; e), n = nq+nv+nc; B = M
+newton_column (p,t,x,a,lam,d) -> s[n]           in its place where that is long: what (-qdot; e) changes
+                                                by along a direction d in (q, v, lam, a)
 """
 
 from __future__ import annotations
 
-from lagc.lowering.jacobians import motion_by_entries, motion_by_sweeps
+from lagc.base.records import replace
+from lagc.lowering.jacobians import entangled, motion_by_entries, motion_by_sweeps
 from lagc.lowering.program import Function
 from lagc.lowering.program_functions import made, matrix
 from lagc.lowering.storage import Places
-from lagc.symbolic.derivative import gradient
+from lagc.symbolic.derivative import gradient, tangent
+
+MOST = 4  # times that a sweep for each row may pass each part of the equations
 
 
 def implicit(places: Places) -> list[Function]:
@@ -22,10 +27,19 @@ def implicit(places: Places) -> list[Function]:
     inputs = (*places.state, "a", "lam")
     parts = (("qdot", equations.qdot), ("e", [*forces, *rates]))
     residual = made(places, "residual", inputs, parts, "residual of the equations")
+    unknowns = [*equations.q, *equations.v, *equations.lam]
+    negative = [graph.scale(-1.0, rate) for rate in equations.qdot]
+    if entangled([*equations.qdot, *forces, *rates], unknowns, MOST):
+        seeds = {x: graph.symbol("direction", str(k)) for k, x in enumerate([*unknowns, *equations.a])}
+        ahead = replace(
+            places, arrays={**places.arrays, **{d: ("d", k) for k, d in enumerate(seeds.values())}}
+        )
+        column = tangent(graph, [*negative, *forces, *rates], seeds)
+        described = "changes of the equations along a direction"
+        return [residual, made(ahead, "newton_column", (*inputs, "d"), (("s", column),), described)]
     motion = motion_by_entries(equations)
     forces = [graph.sub(own, force) for own, force in zip(motion["inertia"], motion["force"])]
-    rows = [*(graph.scale(-1.0, rate) for rate in equations.qdot), *forces, *rates]
-    unknowns = [*equations.q, *equations.v, *equations.lam]
+    rows = [*negative, *forces, *rates]
     places_of = {x: k for k, x in enumerate(unknowns)}
     slopes = {}
     for i, row in enumerate(rows):

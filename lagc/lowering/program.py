@@ -271,7 +271,7 @@ class Interface:
     @property
     def stiff(self) -> bool:
         """Whether the functions of implicit methods exist."""
-        return "newton" in self.functions
+        return "residual" in self.functions
 
     @property
     def groups(self) -> dict[str, range]:
@@ -370,7 +370,7 @@ class Program:
       by_time, by_state, by_acceleration, by_parameter   (p,t,x,a,lam) -> J[]   its derivatives, each at the
                                      (row, column) of `derivatives`; see `lagc.lowering.jacobians`;
                                      with relations, all of them of (p,t,x,modes,a,lam)
-      residual, newton   of implicit methods, see `lagc.lowering.implicit`
+      residual, newton, newton_column   of implicit methods, see `lagc.lowering.implicit`
       along       (p,t,x,a,lam,d) -> s[]        in their place where they are very many: what the stack
                                      changes by with (t, x, a, lam, p) along d = (dt, dx, da, dlam, dp)
     health = (smallest pivot ratio |d_k|/|a_kk|, square of the relative residual, 0 of rhs, ...).

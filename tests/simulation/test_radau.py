@@ -21,6 +21,7 @@ from lagc.cli.main import main
 from lagc.codegen.kernel_compiler.linker import methods_of
 from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Refused, Source
+from lagc.lowering import implicit
 from tests.physics.references import compiled as of_reference
 from tests.physics.references import read
 
@@ -232,6 +233,28 @@ def test_calls_of_any_length_give_one_motion() -> None:
             assert run.step(0.3) == 0
         ends.append((run.t, run.x, run.steps, run.rejected, run.rhs))
     assert ends[0] == ends[1]
+
+
+def test_derivatives_by_columns_are_those_by_entries(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Large models derive the equations along one direction after the other."""
+    compilation = pipeline.Compilation(Source("rods.lag", RODS), pipeline.Choice())
+    found = []
+    for most in (implicit.MOST, -1):
+        monkeypatch.setattr(implicit, "MOST", most)
+        program = pipeline.delivered(compilation, False, True)
+        assert ("newton_column" in program.functions) == (most < 0)
+        space: dict[str, Any] = {}
+        exec("".join(pipeline.render(program, "numpy").values()), space)
+        run = space["Integrator"](
+            space["Equations"](space["default_params"]()), space["Options"](method="radau5", rtol=1e-6), 0.0,
+            [0.5, 0.0, 0.5, 1.5, 0.0, 0.5, pi / 2.0, pi / 2.0, *[0.0] * 8],
+        )  # fmt: skip
+        assert run.step(0.1) == 0
+        found.append((run.t, run.slopes[:], run.mass[:], run.x))
+    assert found[0][0] == found[1][0]
+    for one, two in zip(found[0][1:], found[1][1:]):
+        scale = max(map(abs, one))
+        assert max(abs(a - b) for a, b in zip(one, two)) <= 1e-14 * scale
 
 
 def test_models_carry_it_only_when_asked() -> None:

@@ -147,6 +147,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NLIMITS": len(interface.limits), "NPREPARED": interface.prepared, "NREAD": len(interface.read),
         "NSUM": sums, "NPARTS": len(interface.part_columns),
         "NNEWTON": nq + nv + interface.nc if interface.stiff else 0,
+        "NDIRECTION": nq + 2 * nv + interface.nc if "newton_column" in interface.functions else 0,
         "NLINEAR": (nq if "displace" in interface.functions else 0) + nv + interface.nc,
     }  # fmt: skip
     found = _derived({**own, **start, **own})  # initialization has no work integrals

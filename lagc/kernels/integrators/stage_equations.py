@@ -22,6 +22,26 @@ def residual_at(p: Params, t: Real, lam: Vec[NC], w: Work) -> None:
         w.residual[NQ + i] = w.residual_rows[i]
 
 
+def derive_columns(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
+    """Compute the derivatives of the equations column by column, by (q, v, lam) and then by the
+    accelerations."""
+    for j in range(NDIRECTION):
+        w.direction[j] = 0.0
+    for j in range(NDIRECTION):
+        w.direction[j] = 1.0
+        if NMODE > 0:
+            fn_newton_column_on(p, t, x, w.modes, w.a, w.lam, w.direction, w.residual)
+        else:
+            fn_newton_column(p, t, x, w.a, w.lam, w.direction, w.residual)
+        w.direction[j] = 0.0
+        if j < NNEWTON:
+            for i in range(NNEWTON):
+                s.slopes[i * NNEWTON + j] = w.residual[i]
+        else:
+            for i in range(NV):
+                s.mass[i * NV + j - NNEWTON] = w.residual[NQ + i]
+
+
 def update_jacobian(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Status:
     """Compute the derivatives of the equations at (t, x), whose rates are s.k[0]."""
     if NC > 0:
@@ -38,7 +58,9 @@ def update_jacobian(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Status
             return status
         s.start_lam[:] = w.lam
     w.a[:] = part(s.k[0], NQ, NQ + NV)
-    if NMODE > 0:
+    if NDIRECTION > 0:
+        derive_columns(p, t, x, s, w)
+    elif NMODE > 0:
         fn_newton_on(p, t, x, w.modes, w.a, w.lam, s.slopes, s.mass)
     else:
         fn_newton(p, t, x, w.a, w.lam, s.slopes, s.mass)

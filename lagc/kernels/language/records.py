@@ -133,6 +133,7 @@ class Work:
         residual: Vec[NNEWTON]
         residual_before: Vec[NNEWTON]
         residual_rows: Vec[NR]
+        direction: Vec[NDIRECTION]
         linear: Vec[NLINEAR]
         linear_imaginary: Vec[NLINEAR]
         stage_residuals: Mat[THREE, NNEWTON]

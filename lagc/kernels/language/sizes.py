@@ -71,6 +71,7 @@ class NK(metaclass=SizeType): ...  # stages that are kept in a step, of the meth
 class ND(metaclass=SizeType): ...  # coefficient vectors of the dense output
 class NNEWTON(metaclass=SizeType): ...  # unknowns of a stage, NQ + NV + NC; 0: no implicit method is carried
 class NSLOPES(metaclass=SizeType): ...  # NNEWTON NNEWTON
+class NDIRECTION(metaclass=SizeType): ...  # NNEWTON + NV where derivatives are columns; else 0
 class NLINEAR(metaclass=SizeType): ...  # unknowns of its linear systems: without q where qdot = v
 class NFACTORS(metaclass=SizeType): ...  # NLINEAR NLINEAR
 class NMASS(metaclass=SizeType): ...  # NV NV
