@@ -123,7 +123,7 @@ def derivatives(places: Places, relations: Sequence[EventRelation]) -> Derivativ
     equations, by = places.equations, groups(places)
     every = [symbol for symbols in by.values() for symbol in symbols]
     swept = _rows(stack(equations, relations, motion_by_sweeps))
-    if entangled(swept, every):
+    if entangled(swept, every, MOST):
         return Derivatives(_values(places, swept), {}, _along(places, swept, every))
     rows = _rows(stack(equations, relations))
     slopes = [gradient(places.graph, {node: places.graph.one}, every) for node in rows]
@@ -139,7 +139,7 @@ def _rows(parts: dict[str, list[Node]]) -> list[Node]:
     return [node for part in parts.values() for node in part]
 
 
-def entangled(rows: Sequence[Node], leaves: Sequence[Node], most: int = MOST) -> bool:
+def entangled(rows: Sequence[Node], leaves: Sequence[Node], most: int) -> bool:
     """Whether sweeps, one a row, would pass what rows share more than `most` times."""
     moving, passed = depends(rows, leaves), 0
     for first in range(0, len(rows), TOGETHER):
