@@ -135,7 +135,8 @@ def _stiffness(system: System, run: Trajectory, t: float, x: list[float]) -> str
     if not isfinite(fastest) or fastest * step < UNSTABLE or fastest < SLOWER * own:
         return ""
     times = fastest / max(own, 1e-300)
-    return f"the motion is too stiff for this method: its fastest component is {times:.1g} times faster"
+    found = f"the motion is too stiff for this method: its fastest component is {times:.1g} times faster"
+    return found if system.interface.stiff else f"{found}; if that decays, take the method radau5"
 
 
 def _spectral_radius(system: System, run: Trajectory, t: float, x: list[float], rates: list[float]) -> float:
