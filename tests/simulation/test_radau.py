@@ -339,3 +339,15 @@ def test_undamped_stiff_motion_stays_explicit() -> None:
 def test_refusals(given: dict[str, Any], words: str) -> None:
     with pytest.raises(Refused, match=re.escape(words)):
         compiled(SLIDE).simulate(1.0, method="radau5", **given)
+
+
+@pytest.mark.full
+def test_the_error_follows_the_tolerance_where_one_iteration_is_enough() -> None:
+    """A ratio of convergence from many steps ago is not trusted: errors stayed at 1e-6 then."""
+    double_pendulum = lagc.load("double_pendulum").compile(backend="c")
+    exact = double_pendulum.simulate(10, method="dop853", rtol=1e-14, points=21)
+    errors = []
+    for rtol in (1e-6, 1e-8, 1e-10):
+        run = double_pendulum.simulate(10, method="radau5", rtol=rtol, points=21)
+        errors.append(max(np.ptp(run[q] - exact[q]) / np.ptp(exact[q]) for q in ("theta1", "theta2")))
+    assert errors[0] < 1e-5 and errors[1] < 1e-7 and errors[2] < 3e-9

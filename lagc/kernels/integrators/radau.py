@@ -164,6 +164,7 @@ def solve_stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> 
     """Solve the equations of the stages (HW IV.8); return whether that succeeds. Increments that are
     round-off do not shrink: they end the iteration."""
     eta = sqrt(s.newton_eta)
+    s.newton_eta = eta  # also where one iteration is enough: a ratio from long ago says little (HW IV.8)
     before = 0.0
     ratio_before = 1.0
     for n in range(w.newton_most):
