@@ -36,8 +36,6 @@ ROUNDING = 2.0**-42  # range over size of terms: several rounding units
 NOTHING = 1e-9  # range over largest value: no motion
 PART = 1e-4  # of the shortest time scale: the step of that difference
 OFF = 2.0**-26  # relative perturbation of states that shows the size of terms
-FARTHER = 2.0**10  # ratio of a second one, by which terms, but no rounding, would change more
-ALIKE = 16.0  # ratio of changes that are all round-off
 ULP = 2.0**-52
 MOST_APART = 1e-3  # of the time: one event in two runs
 MOST_NAMED = 6
@@ -173,7 +171,7 @@ class Measure:
             sizes[first : first + 4] = [1.0] * 4
         columns = [[y for y in column if isfinite(y)] for column in zip(*self._columns(run))]
         wide = [max(column, default=0.0) - min(column, default=0.0) for column in columns]
-        of_outputs, noise = _term_sizes(system, run) if columns else ([], [])
+        of_outputs = _term_sizes(system, run) if columns else []
         spans = [*spans[:n], *wide, *spans[system.nx - discrete :]]
         sizes = [*sizes[:n], *of_outputs, *sizes[system.nx - discrete :]]
         values = [
@@ -204,9 +202,6 @@ class Measure:
             if k in self.noise and max(spans[i] for i in group) <= self.noise[k]:
                 for i in group:
                     scales[i], constant[i] = 0.0, False
-        for i, round_off in enumerate(noise, n):
-            if round_off:
-                scales[i], constant[i] = 0.0, False
         for i, given in enumerate(self.given):
             if given:
                 scales[i], constant[i] = given, False
@@ -244,33 +239,22 @@ def _ranges(run: Trajectory, nx: int) -> tuple[list[float], list[float]]:
     return [*map(sub, high, low)], [max(b, -a) for a, b in zip(low, high)]
 
 
-def _term_sizes(system: System, run: Trajectory) -> tuple[list[float], list[bool]]:
+def _term_sizes(system: System, run: Trajectory) -> list[float]:
     """The size of the terms of each output: its largest value, or its change if every state is perturbed by
-    a small part, over that part (stochastic arithmetic: J. Vignes, Math. Comput. Simul. 35, 1993). And
-    whether the output is nothing but round-off: its values are as small as these changes, which do not grow
-    with the perturbation."""
+    a small part, over that part (stochastic arithmetic: J. Vignes, Math. Comput. Simul. 35, 1993)."""
     from lagc.simulation.global_error.roundoff_estimate import generic, picked
 
-    largest, changes, farther = ([0.0] * len(system.interface.outputs) for _ in range(3))
-
-    def widen(sizes: list[float], values: Iterable[float]) -> list[float]:
-        return [max(size, abs(y)) if isfinite(y) else size for size, y in zip(sizes, values)]
-
+    found = [0.0] * len(system.interface.outputs)
     for k in picked(run):
         t, x = run.times[k], run.states[k]
         on = system.on(t, x)
         here = on.outputs(t, x)
-        largest = widen(largest, here)
+        found = [max(size, abs(y)) if isfinite(y) else size for size, y in zip(found, here)]
         for draw in range(2):
-            drawn = [generic(7 * i + k + 3 * draw) for i in range(len(x))]
-            for off in (OFF, FARTHER * OFF):
-                moved = on.outputs(t, [a * (1.0 + off * r) for a, r in zip(x, drawn)])
-                if off == OFF:
-                    changes = widen(changes, map(sub, here, moved))
-                else:
-                    farther = widen(farther, map(sub, here, moved))
-    noise = [0.0 < y <= ALIKE * c and d <= ALIKE * c for y, c, d in zip(largest, changes, farther)]
-    return [max(y, c / OFF) for y, c in zip(largest, changes)], noise
+            moved = on.outputs(t, [a * (1.0 + OFF * generic(7 * i + k + 3 * draw)) for i, a in enumerate(x)])
+            change = [abs(y - z) / OFF for y, z in zip(here, moved)]
+            found = [max(size, y) if isfinite(y) else size for size, y in zip(found, change)]
+    return found
 
 
 def _paces(
