@@ -188,8 +188,7 @@ class Measure:
                     terms[i], limits[i] = largest, 0.0
                 elif interface.nc:
                     sizes[i] = largest  # a projection rounds to that
-        shares = [NOTHING if interface.nc else ROUNDING] * n + [ROUNDING] * (len(terms) - n)
-        least = [max(share * term, NOTHING * value) for share, term, value in zip(shares, terms, values)]
+        least = [max(ROUNDING * term, NOTHING * value) for term, value in zip(terms, values)]
         doubtful = [i for i, (span, size) in enumerate(zip(spans, terms)) if span <= SMALL * size]
         open_ones = [i for i in doubtful if i not in self.steady and i not in self.moving]
         paces = _paces(system, run, open_ones, [spans[i] <= least[i] for i in range(len(spans))], terms)
