@@ -6,7 +6,7 @@ from lagc.codegen.identifiers import comment
 from lagc.codegen.kernel_compiler.shipped import parts
 from lagc.lowering.program import Interface
 
-ABI_VERSION = 6
+ABI_VERSION = 5
 SPDX = "SPDX-License-Identifier: MIT-0"
 LICENCE = (
     "Whoever generated this file may use, change and distribute it without any condition.",

@@ -28,7 +28,7 @@ _DEFINITE = 1e-12  # of the product of the moments: minors that may be rounding
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
     "initial_places", "relations", "timed", "flowing", "driven", "doubtful", "derivatives",
-    "scales", "part_ends", "part_columns", "pieces", "row_pieces", "written", "conservative",
+    "part_ends", "part_columns", "pieces", "row_pieces", "written", "conservative",
 )  # fmt: skip
 
 
@@ -83,7 +83,6 @@ def interface(
         read=read,
         effects=tuple([e.name for e in model.effects if e.used]),
         simulate=dict(model.simulate),
-        scales=dict(model.scales),
         notes=(*model.notes, *notes, *equations.dropped, *remarks),
         dropped=dropped,
         relations=tuple([relation.words for relation in relations]),

@@ -232,7 +232,6 @@ class Interface:
     part_columns: tuple[int, ...] = ()  # of an unknown, or behind these of a sum
     pieces: tuple[int, ...] = ()  # of the conditions, that alone depends on each unknown of x, -1 for none
     row_pieces: tuple[int, ...] = ()  # that makes each condition, -1 for none: it depends on no unknown
-    scales: dict[str, float] = field(default_factory=dict)  # that quantities are declared with
     derivatives: dict[str, tuple[tuple[int, int], ...]] = field(
         default_factory=dict
     )  # places of their entries

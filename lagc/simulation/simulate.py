@@ -8,7 +8,7 @@ from typing import Any
 
 from lagc.base.records import dataclass
 from lagc.kernels import IMPLICIT
-from lagc.simulation.error_measure import ASIDE, ComparisonGrid
+from lagc.simulation.error_measure import ComparisonGrid
 from lagc.simulation.global_error.equilibrium_start import locked, rests, trajectory_at_rest
 from lagc.simulation.global_error.verified_run import Verified, verified_run
 from lagc.simulation.initialization.initialize import begin, demand, strange_outputs
@@ -49,7 +49,6 @@ class _Done:
     runs: list[Trajectory]
     notes: list[str]
     errors: tuple[float, ...] = ()
-    scales: tuple[float, ...] = ()
 
 
 def simulate(
@@ -87,7 +86,7 @@ def simulate(
         asked=request.accuracy, estimated=result.estimated,
         position_drift=trajectory.position_drift, velocity_drift=trajectory.velocity_drift,
         energy=energy(system, trajectory), notes=tuple(notes),
-        open_reactions=open_reactions, error_bars=done.errors, scale_values=done.scales,
+        open_reactions=open_reactions, error_bars=done.errors,
         events=tuple([Event(t, name) for t, k in trajectory.events for name in event_names(system, k)]),
         corners=tuple(trajectory.corners), interrupted=trajectory.status == INTERRUPTED, end=times[-1],
         cost=Cost(
@@ -141,13 +140,21 @@ def _integrate(
         run = trajectory_at_rest(rest[0], times)
         return _Done(Verdict(*verdict(system, run, end), run, ROUNDING), Options(), [run], [rest[1]])
     assert request.accuracy is not None
-    grid = ComparisonGrid(times, ASIDE if system.interface.outputs else 0)
+    grid = ComparisonGrid(times)
     system, found, why = _verified(system, x, grid.times, request, progress, stiff)
     demand(system, found.tried[0])
     result = verified_verdict(system, found, request.accuracy, end)
-    run, notes = grid.recorded(result.trajectory), [*why, *found.notes]
+    run, notes = grid.recorded(result.trajectory), why
+    if found.noise:
+        from lagc.simulation.global_error.roundoff_estimate import noise_note
+
+        notes += noise_note(system, run, found.noise)
+    if result.status == "ok" and found.errors:
+        from lagc.simulation.global_error.quantity_errors import poorly_known
+
+        notes += poorly_known(system, run, found.errors, request.accuracy)
     verdict_ = Verdict(result.status, result.message, run, result.estimated)
-    return _Done(verdict_, found.options, found.tried, notes, tuple(found.errors), tuple(found.scales))
+    return _Done(verdict_, found.options, found.tried, notes, tuple(found.errors))
 
 
 def _verified(
@@ -158,8 +165,7 @@ def _verified(
     the steps of an explicit one, and it is long or misses the accuracy: where something is damped, and the
     implicit one takes far fewer steps."""
     assert request.accuracy is not None
-    scales = {**system.interface.scales, **request.scales}
-    given = (x, times, request.accuracy, progress, request.max_step, scales)
+    given = (x, times, request.accuracy, progress, request.max_step)
     if stiff is None or request.method is not None or not system.nz:
         return system, verified_run(system, *given, request.method), []
     from lagc.simulation.supervision import StabilityLimited, is_limited

@@ -80,7 +80,9 @@ def test_what_is_claimed_from_the_flat_configuration_is_true(windows: int) -> No
                       "DOP853", times, rtol=1e-13, atol=1e-13).y  # fmt: skip
     for accuracy in (1e-4, 1e-6, 1e-8):
         run = system.simulate(10.0, accuracy=accuracy, points=101, starts=starts)
-        assert run.status == "ok" or "hinge[" in run.message, run.message
+        assert run.status == "ok" or ((windows > 1 or accuracy < 1e-4) and "hinge[" in run.message), (
+            run.message
+        )
         for i in range(1, windows + 2) if run.status == "ok" else ():
             for name, column in zip((f"th[{i}]", f"der(th[{i}])"), exact):
                 assert abs(run[name] - column).max() <= accuracy * abs(column).max()

@@ -112,7 +112,7 @@ def test_an_overdamped_slide_follows_its_slow_motion() -> None:
     run = simulated(SLIDE, 100.0, rtol=1e-8)
     slow = (1e3 - sqrt(1e6 - 4e-2 * 1.0)) / 2e-3  # the slow root of m s^2 + c s + k
     assert run.final["x"] == pytest.approx(exp(-100.0 * slow), rel=1e-7)
-    assert run.cost.rhs < 4000
+    assert run.cost.rhs < 2000
 
 
 @pytest.mark.parametrize("step", [0.5, 0.25])
@@ -156,7 +156,7 @@ def test_no_collapse_where_round_off_is_all_that_is_left(rtol: float) -> None:
 def test_constraints_and_stiff_springs() -> None:
     """The rods keep their length, and the energy is in balance."""
     run = compiled(RODS).simulate(0.5, method="radau5", rtol=1e-5, points=2)
-    assert run.status == "ok" and run.cost.rhs < 4000
+    assert run.status == "ok" and run.cost.rhs < 2000
     assert max(run.position_drift, run.velocity_drift) < 1e-12
     assert abs(run.energy.imbalance) < 1e-5
 
@@ -164,7 +164,7 @@ def test_constraints_and_stiff_springs() -> None:
 @pytest.mark.full
 def test_constraints_and_stiff_springs_by_another_method() -> None:
     run = compiled(RODS).simulate(2.0, method="radau5", rtol=1e-5, points=2)
-    assert run.cost.rhs < 30000
+    assert run.cost.rhs < 4000
     other = compiled(RODS, "c").simulate(2.0, method="dop853", rtol=1e-9, points=2)
     assert run.final["a1"] == pytest.approx(other.final["a1"], abs=3e-6)
     assert run.final["x3"] == pytest.approx(other.final["x3"], abs=3e-6)
@@ -314,10 +314,10 @@ def test_a_default_run_that_stability_limits_takes_it() -> None:
 
 
 @pytest.mark.full
-def test_a_spring_at_rest_misses_no_accuracy() -> None:
+def test_a_run_that_misses_its_accuracy_by_stability_takes_it() -> None:
     """The spring at rest is noise at the border of stability; the ball bounces with 0.8 of its speed."""
     run = compiled(IMPACT, "c").simulate(2.0, accuracy=1e-5)
-    assert run.status == "ok"
+    assert run.status == "ok" and run.method == "radau5"
     fall = sqrt(2.0 / 9.81)
     assert [event.t for event in run.events[:2]] == pytest.approx([fall, 2.6 * fall], rel=1e-6)
 

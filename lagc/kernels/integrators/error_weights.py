@@ -8,53 +8,44 @@ from lagc.kernels.integrators.step_size import rational_power
 from lagc.kernels.language.vocabulary import *
 
 TOO_FAR = 1e-3  # time scale over look-ahead: below it the look-ahead says nothing about the beginning
-MIXED_SIZE = 1e-6  # of the size of its group: a projection may be all of a smaller state
 LOOK_AHEAD_REDUCTION = 1e-5  # factor from one look-ahead to the next
 
 
-def own_size(s: State, i: int, h: Real, w: Work) -> Real:
-    """Return the largest magnitude of state i so far, with the end of the step over h. If it was exactly
-    zero, this is at least what it would reach over the longest step so far: if a motion begins with a kink,
-    a state after a short step is as small as its error, and no step would be accepted."""
-    size = fabs(s.x_new[i])
-    if s.highest[i] > size:
-        size = s.highest[i]
-    if -s.lowest[i] > size:
-        size = -s.lowest[i]
-    if w.longest_step > 0.0 and s.lowest[i] == 0.0 and s.highest[i] == 0.0:
-        reach = size * (w.longest_step / fabs(h))
-        if reach > size:
-            size = reach
-    return size
+def extend_groups_at_rest(s: State, h: Real, w: Work, sizes: Vec[NGROUP]) -> None:
+    """Raise the sizes of scaling groups that are exactly at rest to those that they would reach over the
+    longest step so far. If a motion begins with a kink, its sizes after a short step are as small as its
+    errors, and no step would be accepted."""
+    longer = w.longest_step / fabs(h)
+    for i in range(NQ + NV):
+        if s.sizes[scaling_group[i]] == 0.0:
+            distance = fabs(s.x_new[i] - s.x[i]) * longer
+            if distance > sizes[scaling_group[i]]:
+                sizes[scaling_group[i]] = distance
 
 
 def set_error_weights(s: State, o: Options, h: Real, w: Work) -> None:
-    """Set w.error_weights for a step over h, and w.trial_sizes. An error is scaled by atol + rtol * own size
-    + round-off, w.rate_roundoff and w.coordinate_roundoff over ten steps. The own size is at least
-    LEAST_SIZE of that of the group: the first traces of a motion that spreads would limit the steps. With
-    constraints, the weight of a state below MIXED_SIZE of its group is at least PROJECTION_ROUNDOFF of the
-    size of the group: a projection mixes the states. An angle that winds is scaled by its own magnitude."""
+    """Set w.error_weights for a step over h, and w.trial_sizes. An error is scaled by atol + rtol * size
+    of its group + round-off, w.rate_roundoff and w.coordinate_roundoff over ten steps. An angle that winds
+    is scaled by its own magnitude, so that it does not weaken others."""
+    sizes = vector(NGROUP)
+    for k in range(NGROUP):
+        sizes[k] = 0.0
+    if w.longest_step > 0.0:
+        extend_groups_at_rest(s, h, w, sizes)
     w.trial_sizes[:] = s.sizes
     enlarge_sizes(s.x_new, w.trial_sizes)
+    for k in range(NGROUP):
+        if w.trial_sizes[k] > sizes[k]:
+            sizes[k] = w.trial_sizes[k]
     rtol = o.rtol
     atol = o.atol
     ten_steps = 10.0 * fabs(h)
     for i in range(NQ + NV):
-        size = own_size(s, i, h, w)
+        size = sizes[scaling_group[i]]
         if scaling_group[i] == 0 and size > 1.0:
             size = fabs(s.x_new[i]) if fabs(s.x_new[i]) > 1.0 else 1.0
-        of_group = w.trial_sizes[scaling_group[i]]
-        weight = rtol * (size if size > LEAST_SIZE * of_group else LEAST_SIZE * of_group)
-        if NC > 0:
-            if size < MIXED_SIZE * of_group and weight < PROJECTION_ROUNDOFF * of_group:
-                weight = PROJECTION_ROUNDOFF * of_group
-        weight += atol + ten_steps * (w.rate_roundoff[i] + w.coordinate_roundoff[i])
+        weight = atol + rtol * size + ten_steps * (w.rate_roundoff[i] + w.coordinate_roundoff[i])
         w.error_weights[i] = weight if weight > TINY else TINY
-    if NQUAT > 0:
-        for k in range(NQUAT):
-            for i in range(quaternion[k], quaternion[k] + 4):
-                weight = atol + rtol + ten_steps * (w.rate_roundoff[i] + w.coordinate_roundoff[i])
-                w.error_weights[i] = weight
 
 
 def event_time_roundoff(s: State) -> Real:

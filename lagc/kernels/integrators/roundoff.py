@@ -17,7 +17,7 @@ from lagc.kernels.integrators.dispatch import (
     method_estimate_roundoff,
     method_stages,
 )
-from lagc.kernels.integrators.error_weights import own_size, set_error_weights
+from lagc.kernels.integrators.error_weights import set_error_weights
 from lagc.kernels.language.vocabulary import *
 
 ROUNDOFF_FADING = 0.9  # round-off that remains after a step as long as any so far
@@ -111,10 +111,9 @@ def is_nearly_dependent(p: Params, s: State, h: Real, w: Work) -> bool:
             moved[own] = fabs(s.x_new[i] - s.x[i])
         if fabs(w.x_perturbed[i] - s.x[i]) > left[own]:
             left[own] = fabs(w.x_perturbed[i] - s.x[i])
-    for i in range(NQ + NV):
-        off = fabs(w.x_perturbed[i] - s.x[i])
-        if off > own_size(s, i, h, w):
-            w.coordinate_roundoff[i] = off / fabs(h)
+    for i in range(NQ):
+        if left[scaling_group[i]] > w.trial_sizes[scaling_group[i]]:
+            w.coordinate_roundoff[i] = left[scaling_group[i]] / fabs(h)
     for k in range(NGROUP):
         reach = w.trial_sizes[k]
         if w.reaches[NC + NH + k] > reach:

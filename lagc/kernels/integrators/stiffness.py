@@ -9,7 +9,7 @@ from lagc.kernels.language.vocabulary import *
 
 BETWEEN_TESTS = 985  # steps
 TESTED = 15  # steps in a test
-NEAR_BORDER = 0.36  # square of h |lambda| over that at the border of stability
+NEAR_BORDER = 0.64  # square of h |lambda| over that at the border of stability
 
 
 def detect_stiffness(s: State, w: Work) -> None:

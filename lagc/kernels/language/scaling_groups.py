@@ -1,7 +1,7 @@
 """Scaling groups.
 
-A scaling group holds the coordinates, or the speeds, of one unit.  Group 0 holds coordinates without unit,
-such as angles.
+A scaling group holds the coordinates, or the speeds, of one unit.  Errors of a state are scaled by the
+largest magnitude in its group.  Group 0 holds coordinates without unit, such as angles.
 """
 
 from math import fabs
@@ -20,15 +20,6 @@ def enlarge_sizes(x: Vec[NX], sizes: Vec[NGROUP]) -> None:
     for i in range(NQ + NV):
         if fabs(x[i]) > sizes[scaling_group[i]]:
             sizes[scaling_group[i]] = fabs(x[i])
-
-
-def widen_ranges(x: Vec[NX], lowest: Vec[NX], highest: Vec[NX]) -> None:
-    """Widen the ranges from lowest[NX] to highest[NX] to contain x."""
-    for i in range(NX):
-        if x[i] < lowest[i]:
-            lowest[i] = x[i]
-        if x[i] > highest[i]:
-            highest[i] = x[i]
 
 
 def not_finite(values: Vec[Any], n: Size) -> int:

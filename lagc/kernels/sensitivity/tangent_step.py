@@ -189,7 +189,7 @@ def set_tangent_weights(
     """Set the weights of the error of S in direction k: rtol times the largest of its scaling group, and
     round-off. The largest is the value so far, the new one, or that of terms that cancel in its change. The
     value of a group that was zero is that over the longest step so far, as for the motion
-    (`own_size`)."""
+    (`extend_groups_at_rest`)."""
     h = fabs(s.h_old)
     largest = vector(NGROUP)
     for g in range(NGROUP):

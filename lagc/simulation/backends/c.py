@@ -280,8 +280,7 @@ class CSystem(CompiledSystem):
             step=state.t - state.t_old, fallbacks=head.fallbacks,
             redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
             position_drift=state.position_drift, velocity_drift=state.velocity_drift,
-            sizes=state.sizes[:], lowest=state.lowest[:], highest=state.highest[:],
-            event_roundoff=state.event_roundoff[:] if events else (),
+            sizes=state.sizes[:], event_roundoff=state.event_roundoff[:] if events else (),
             changes=state.changes if events else 0, **known,
         )  # fmt: skip
 
@@ -338,7 +337,6 @@ def _state_type(nx: int, kinds: int, relations: int, acts: int) -> type[Any]:
             ("t", c_double), ("x", c_double * nx), ("t_old", c_double), ("position_drift", c_double),
             ("velocity_drift", c_double), ("steps", c_long), ("rejected", c_long), ("rhs", c_long),
             ("stiff", c_long), ("culprit", c_int), ("sizes", c_double * kinds),
-            ("lowest", c_double * nx), ("highest", c_double * nx),
             *(
                 (("changes", c_long), ("changed", c_int * relations), ("event_roundoff", c_double * nx))
                 if relations

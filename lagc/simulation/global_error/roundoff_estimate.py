@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from math import inf, isfinite, nextafter
 
-from lagc.simulation.error_measure import Sizes, state_groups
+from lagc.simulation.error_measure import Sizes, sizes
 from lagc.simulation.system import FAILED, System, Trajectory, more, rates_at, state_name
 
 ULP = 2.0**-52
@@ -223,8 +223,7 @@ def find_noise_groups(system: System, run: Trajectory, groups: Sizes, estimate: 
 def noise_note(system: System, run: Trajectory, noise: Bounds) -> list[str]:
     """Return a note on the groups that round-off has moved by no more than their bounds, or []."""
     found, units = [], system.interface.state_units
-    for k, group in enumerate(state_groups(system.interface)):
-        size = max((abs(x[i]) for x in run.states for i in group), default=0.0)
+    for k, (group, size) in enumerate(sizes(run, system.interface)):
         if 0.0 < size <= noise.get(k, 0.0):
             names = ", ".join([state_name(system, i) for i in group[:MOST_NAMED]])
             found.append(
