@@ -234,7 +234,7 @@ def test_where_sensitivities_alone_fail_the_end_is_the_last_time(
         ([PENDULUM, "--stop", "-1"], 2, "stop"),
         ([PENDULUM, "--stop", "5[kg]"], 2, "cannot be converted"),
         ([PENDULUM, "--accuracy", "0"], 2, "accuracy"),
-        ([PENDULUM, "--accuracy", "1e-6", "--method", "dopri5"], 2, "accuracy"),
+        ([PENDULUM, "--accuracy", "1e-6", "--rtol", "1e-6"], 2, "accuracy"),
         ([PENDULUM, "--accuracy", "1e-20"], 3, "double precision"),
         ([PENDULUM, "--rtol", "0"], 2, "positive"),
         ([PENDULUM, "--rtol", "1e-300"], 2, "the limit of double precision"),

@@ -123,11 +123,16 @@ def test_claims_over_random_systems_that_keep_their_energy(seed: int) -> None:
 
 @pytest.mark.full
 def test_nothing_in_the_library_only_seems_so() -> None:
-    """But for the bicycle: brackets of its rows are too long to be formed."""
+    """But for rolling wheels, the brackets of whose rows are too long to be formed, and the momentum of two
+    shafts about the axis across both, which the input shaft alone brings."""
     for path in FILES:
         found = analyse(derived(str(path.relative_to(MODELS).with_suffix(""))))
-        if path.stem == "whipple_bicycle":
+        if path.stem in ("whipple_bicycle", "rolling_coin"):
             assert all(c.proved for c in found.conserved)
+            continue
+        if path.stem == "universal_joint":
+            assert [c.name for c in found.conserved if not c.proved] == ["angular_momentum().y"]
+            assert all(c.proved for c in found.constraints)
             continue
         assert all(c.proved for c in (*found.conserved, *found.constraints))
         assert not any((found.seems.cyclic, found.seems.redundant, found.seems.degrees_of_freedom,
