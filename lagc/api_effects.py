@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from random import Random
 from time import process_time
 from typing import TYPE_CHECKING, Any
 
@@ -20,9 +19,7 @@ if TYPE_CHECKING:
 
 POINTS = 501  # recorded times
 ACCURACIES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
-LOOKED = 12  # states at which two systems are compared
-SAME = 1e-13  # relative difference of their rates that is round-off, at any states
-ALIKE = 4e-15  # the same on a motion: some roundings of rates
+ALIKE = 4e-15  # difference of rates, over the largest of their unit on the motion, that is round-off
 
 
 class Comparable:
@@ -152,7 +149,7 @@ class _Variant:
         self.units.update({x.name: x.unit for x in interface.outputs})
         self.parameters = tuple([f.name for f in interface.parameters])
         self.operations, self.states = interface.operations, interface.nq + interface.nv
-        self.state_names = interface.state_names
+        self.state_names, self.coordinates = interface.state_names, interface.nq
         self.motions: dict[tuple[float, tuple[str, float] | None], Motion] = {}
 
     def motion(self, accuracy: float, scaled: tuple[str, float] | None = None) -> Motion:
@@ -172,14 +169,14 @@ class _Variant:
         try:
             run = self.loaded.simulate(request, values)
         except Refused as refused:
-            return Motion(np.array([]), {}, [], {}, (), 0, "", 0.0, refused.faults[0].message)
+            return Motion(np.array([]), {}, [], {}, (), "", 0.0, refused.faults[0].message)
         if run.interrupted:
             raise KeyboardInterrupt
         found = {name: np.array(run.column(name)) for name in self.names}
         ends = run.message if run.status == "failed" else ""
         events = tuple([(event.t, event.name) for event in run.events])
-        return Motion(np.array(run.times), found, run.states, run.errors, events, run.cost.rhs, run.method,
-                      run.rtol, ends)  # fmt: skip
+        return Motion(np.array(run.times), found, run.states, run.errors, events, run.method, run.rtol,
+                      ends)  # fmt: skip
 
     def plain(self, setting: Motion, repeats: int) -> tuple[float, int]:
         """The CPU time and the evaluations of a run without verification, recorded at its end alone."""
@@ -193,33 +190,27 @@ class _Variant:
             done = system.integrate(options, ends[0], self.x0, ends)
         return (process_time() - began) / repeats, done.rhs
 
-    def same_without(self, parameter: str, other: Variant) -> bool:
+    def same_along(self, motion: Motion, other: Variant, without: str = "") -> bool:
         assert isinstance(other, _Variant)
         if self.state_names != other.state_names:
             return False
         values = list(self.values)
-        values[self.parameters.index(parameter)] = 0.0
-        dice, base = Random(0), self.loaded.system("c").start()
-        points = [(0.3, [value + dice.gauss(0.0, 1.0) for value in base]) for _ in range(LOOKED)]
-        return self._same_at(points, values, other, SAME)
-
-    def same_along(self, motion: Motion, other: Variant) -> bool:
-        assert isinstance(other, _Variant)
-        if self.state_names != other.state_names:
-            return False
-        return self._same_at(list(zip(motion.times.tolist(), motion.states)), self.values, other, ALIKE)
-
-    def _same_at(
-        self, points: Sequence[tuple[float, Sequence[float]]], values: Sequence[float], other: _Variant,
-        most: float,
-    ) -> bool:  # fmt: skip
-        """Whether the rates of both are the same at these times and states, up to `most`, relative."""
+        if without:
+            values[self.parameters.index(without)] = 0.0
         mine, own = self.loaded.system("c").bind(values), other.loaded.system("c").bind(other.values)
-        n, rest = len(self.state_names), own.start()[len(self.state_names) :]
-        for t, x in points:
-            first, second = rates_at(mine, t, x), rates_at(own, t, [*x[:n], *rest])
-            if first is None or second is None:
-                continue
-            if any(abs(a - b) > most * (1.0 + abs(b)) for a, b in zip(first[:n], second[:n])):
-                return False
-        return True
+        n = len(self.state_names)
+        pairs = [
+            (rates_at(mine, t, x), rates_at(own, t, [*x[:n], *own.start()[n:]]))
+            for t, x in zip(motion.times.tolist(), motion.states)
+        ]
+        known = [(first[:n], second[:n]) for first, second in pairs if first and second]
+        sizes: dict[tuple[bool, str], float] = {}  # of rates, of coordinates and speeds of each unit
+        kinds = [(i < self.coordinates, self.units[name]) for i, name in enumerate(self.state_names)]
+        for _, rates in known:
+            for kind, rate in zip(kinds, rates):
+                sizes[kind] = max(sizes.get(kind, 0.0), abs(rate))
+        return all(
+            abs(a - b) <= ALIKE * sizes[kind]
+            for first, second in known
+            for kind, a, b in zip(kinds, first, second)
+        )

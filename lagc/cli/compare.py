@@ -43,6 +43,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.compiler.pipeline import Compilation
     from lagc.host import model_library
     from lagc.reports.compare import compare, text, to_dict
+    from lagc.simulation.request import Request
 
     if options.plot == "":
         raise Usage("`--plot` needs a file")
@@ -55,9 +56,10 @@ def run(options: argparse.Namespace) -> int:
     models = [CompiledModel(Compilation(source, choice), options.backend) for choice in choices]
     scenes = [model.interface.scene for model in models]
     spare(first, *([options.plot] if options.plot else []))
-    stop = models[0].interface.simulate.get("stop", 10.0) if stop is None else stop
+    stop = Request(stop=stop).completed(models[0].interface.simulate).stop
     parameters = [_parameters(model) for model in models]
-    own = [model.bind(_own(choices[0].parameters, parameters, k)) for k, model in enumerate(_plain(models))]
+    given = choices[0].parameters
+    own = [model.without(()).bind(_own(given, parameters, k)) for k, model in enumerate(models)]
     states = [model.state_names for model in models]
     runs = [
         model.simulate(stop, accuracy=accuracy, points=options.points, starts=_own(starts, states, k))
@@ -86,11 +88,6 @@ def _with(options: argparse.Namespace, scene: str | None) -> argparse.Namespace:
     own = copy(options)
     own.scene = scene
     return own
-
-
-def _plain(models: Sequence[CompiledModel]) -> list[CompiledModel]:
-    """The models without given values of parameters, but for those that are part of the code."""
-    return [model.without(()) for model in models]
 
 
 def _parameters(model: CompiledModel) -> list[str]:

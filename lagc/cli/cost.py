@@ -18,23 +18,18 @@ from lagc.cli.options import (
     quantity,
 )
 from lagc.cli.output import DONE, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, show
-from lagc.cli.study_report import Report, check_endings
+from lagc.cli.study_report import Report, add_report_options, check_endings
 from lagc.host.budgets import reached, rest
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
     add_start_option(parser)
-    parser.add_argument("--stop", metavar="T", help="the end time; default: that of the scene, or 10 s")
-    parser.add_argument("--points", metavar="N", type=int, default=301, help="recorded times; default: 301")
     parser.add_argument(
         "--budget", metavar="T", default="30", help="about the time to spend, in s; default: 30; coarse first"
     )
     parser.add_argument("--all", action="store_true", help="print all settings, not the best alone")
-    parser.add_argument(
-        "-o", "--output", metavar="FILE", action="append", default=[],
-        help="write the report: .html (one stand-alone page), .json, or the picture: .png .svg .pdf",
-    )  # fmt: skip
+    add_report_options(parser, 301)
     add_general_options(parser)
 
 

@@ -20,7 +20,7 @@ from lagc.cli.options import (
     quantity,
 )
 from lagc.cli.output import DONE, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, show
-from lagc.cli.study_report import Report, check_endings
+from lagc.cli.study_report import Report, add_report_options, check_endings
 from lagc.host.budgets import reached, rest
 
 RANGE = "1e-2..1e-8"
@@ -29,7 +29,6 @@ RANGE = "1e-2..1e-8"
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
     add_start_option(parser)
-    parser.add_argument("--stop", metavar="T", help="the end time; default: that of the scene, or 10 s")
     parser.add_argument(
         "--accuracy", metavar="A", default=RANGE,
         help=f"largest changes, of the range of each quantity: one, a list, or a range; default: {RANGE}",
@@ -37,11 +36,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--of", metavar="NAMES", help="coordinates and outputs to compare; default: all that every scene has"
     )
-    parser.add_argument("--points", metavar="N", type=int, default=501, help="recorded times; default: 501")
-    parser.add_argument(
-        "-o", "--output", metavar="FILE", action="append", default=[],
-        help="write the report: .html (one stand-alone page), .json, or the picture: .png .svg .pdf",
-    )  # fmt: skip
+    add_report_options(parser, 501)
     add_general_options(parser)
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from lagc.base.records import replace
 from lagc.cli.output import Usage
 from lagc.host import cache
+from lagc.host.cache import tool_fingerprint
 
 if TYPE_CHECKING:
     from lagc.api import CompiledModel
@@ -49,7 +50,9 @@ def _set(
     from lagc.cli.output import Bar
 
     values = [repr(v) for v in (accuracy, stop, sorted(starts.items()), list(model.system.parameters))]
-    name = cache.key("effects 1", model.interface.model_hash, model.interface.scene, *values)
+    name = cache.key(
+        "effects 1", tool_fingerprint(), model.interface.model_hash, model.interface.scene, *values
+    )
     known = cache.load("effects", name, marshal.loads)
     if known is not None:
         return tuple(known[0]), known[1], ""

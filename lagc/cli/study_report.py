@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 from collections.abc import Callable, Iterable
 from importlib import import_module
@@ -11,6 +12,18 @@ from lagc.cli.deliver import kept
 from lagc.cli.output import Usage, say
 
 FORMATS = (".html", ".json", ".png", ".svg", ".pdf")
+
+
+def add_report_options(parser: argparse.ArgumentParser, points: int) -> None:
+    """`--stop --points -o`."""
+    parser.add_argument("--stop", metavar="T", help="the end time; default: that of the scene, or 10 s")
+    parser.add_argument(
+        "--points", metavar="N", type=int, default=points, help=f"recorded times; default: {points}"
+    )
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", action="append", default=[],
+        help="write the report: .html (one stand-alone page), .json, or the picture: .png .svg .pdf",
+    )  # fmt: skip
 
 
 def check_endings(paths: Iterable[str]) -> None:

@@ -29,18 +29,23 @@ def compare(scenes: Sequence[str], runs: Sequence[Solution]) -> Compared:
     first = runs[0]
     own = [(*run.system.interface.q_names, *(x.name for x in run.system.interface.outputs)) for run in runs]
     names = tuple([name for name in own[0] if all(name in others for others in own)])
-    spans = {name: max(max(column) - min(column) for column in (run.column(name) for run in runs)) or 1.0
-             for name in names}  # fmt: skip
+    spans = {name: _span([run.column(name) for run in runs]) for name in names}
     found: list[dict[str, float | None]] = []
     for run in runs:
         differences: dict[str, float | None] = {}
         for name in names:
             here, there = first.column(name), run.column(name)
             whole = len(there) == len(here)
-            span = spans[name]
-            differences[name] = max(abs(a - b) for a, b in zip(here, there)) / span if whole else None
+            apart = max(abs(a - b) for a, b in zip(here, there))
+            differences[name] = apart / spans[name] if whole and apart else 0.0 if whole else None
         found.append(differences)
     return Compared(tuple(scenes), tuple(runs), names, tuple(found))
+
+
+def _span(columns: Sequence[Sequence[float]]) -> float:
+    """The largest range of a column; where none moves, the largest magnitude."""
+    ranges = max(max(column) - min(column) for column in columns)
+    return ranges or max(max(map(abs, column)) for column in columns)
 
 
 def text(found: Compared, all_names: bool = False) -> str:

@@ -64,7 +64,7 @@ def _change(one: Change) -> tuple[str, str]:
     if one.change is None:
         return "ends", one.ends
     if not one.acted:
-        return "0", "it did not act"
+        return f"< {one.bar:.0e}", "did not act at the recorded times"
     worst = max(one.per, key=one.per.__getitem__, default="")
     mark = "*" if " times " in one.how else ""
     size = f"< {one.bar:.0e}" if one.how.startswith("below") else f"{one.change:.1e}{mark}"

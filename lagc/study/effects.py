@@ -23,13 +23,13 @@ FINEST = 1e-11  # accuracy of any run
 CLEAR = 10.0  # error bars: a smaller change is measured with the effect amplified
 AMPLIFIED = tuple(10.0**k for k in range(1, 8))
 AGREE = 0.01  # between two amplifications
-HARMLESS = 100.0  # times the number of effects: an effect with this part of the accuracy always goes
 MOST = 12  # effects whose sets are all tried
 TRIES = 6  # sets that are run for one accuracy
 CLEAR_COST = (0.8, 1.25)  # ratios of evaluations outside are no chance
 AS_LONG = 0.05  # relative difference of times that does not count
 ROUNDS = 9  # in which times are measured in turn
 LEAST_TIME = 2e-3  # s of one measurement
+NOTHING = 2.0**-1000  # scale of a quantity whose unit has no size in the full scene
 
 Names = frozenset[str]
 Progress = Callable[[float, str], None]
@@ -44,7 +44,6 @@ class Motion:
     states: Sequence[Sequence[float]]
     errors: Mapping[str, float]
     events: tuple[tuple[float, str], ...]
-    rhs: int
     method: str
     rtol: float
     ends: str = ""
@@ -65,11 +64,9 @@ class Variant(Protocol):
     def plain(self, setting: Motion, repeats: int) -> tuple[float, int]:
         """Return CPU time and evaluations of the plain run with the method and tolerance of `setting`."""
 
-    def same_without(self, parameter: str, other: Variant) -> bool:
-        """Return whether the rates with `parameter` = 0 are those of `other`."""
-
-    def same_along(self, motion: Motion, other: Variant) -> bool:
-        """Return whether the rates at the recorded states of a motion are those of `other`."""
+    def same_along(self, motion: Motion, other: Variant, without: str = "") -> bool:
+        """Return whether the rates at the recorded states of a motion are those of `other`; `without`: with
+        this parameter 0."""
 
 
 @dataclass
@@ -159,16 +156,11 @@ class Comparison:
         if self.base.ends:
             raise Refusal(self.base.ends)
         self.names: tuple[str, ...] = ()
-        self.rows = np.ones(len(self.base.times), dtype=bool)
 
     def variant(self, without: Names, more: Names = frozenset()) -> Variant | None:
         if (without, more) not in self.variants:
             self.variants[without, more] = self.make(without, more)
         return self.variants[without, more]
-
-    def unit(self, effect: str, closure: Callable[[Names], Names | None]) -> Names | None:
-        """Return the effect with those that need it; None if it cannot be left out."""
-        return closure(frozenset([effect]))
 
     def compare_in(self, variants: Iterable[Variant]) -> None:
         """Set the quantities that all of these variants have, and their scales."""
@@ -189,7 +181,7 @@ class Comparison:
         found.bar = self.bar(base)
 
     def scale(self, name: str) -> float:
-        return self.found.scales[name][0] or 1.0
+        return self.found.scales[name][0] or NOTHING
 
     def bar(self, motion: Motion) -> float:
         """The error bars of a run and of the full one, each of its scale."""
@@ -266,14 +258,11 @@ def _singles(
             variants[effect] = variant
     comparison.compare_in(variants.values())
     found.operations, found.states = full.operations, full.states
-    motions: dict[str, Motion] = {}
     for k, (effect, variant) in enumerate(variants.items()):
         progress(0.4 + 0.2 * k / max(len(variants), 1), f"run without {effect}")
-        motions[effect] = motion = variant.motion(comparison.accuracy)
-        unit = units[effect]
-        assert unit is not None
-        one = Change(effect, tuple(sorted(unit - {effect})), variant.operations, variant.states)
-        _compare(comparison, one, variant, motion)
+        along = tuple(sorted((units[effect] or frozenset()) - {effect}))
+        one = Change(effect, along, variant.operations, variant.states)
+        _compare(comparison, one, variant, variant.motion(comparison.accuracy))
         found.left_out.append(one)
     _time(comparison, found.left_out, variants)
     for effect in offered:
@@ -298,7 +287,7 @@ def _compare(comparison: Comparison, one: Change, variant: Variant | None, motio
     if variant is None or one.along or one.change >= CLEAR * one.bar:
         return
     if comparison.full.same_along(comparison.base, variant):
-        one.acted, one.change, one.bar, one.curve = False, 0.0, 0.0, np.zeros_like(curves)
+        one.acted, one.change, one.curve = False, 0.0, np.zeros_like(curves)
     else:
         _amplify(comparison, one, variant)
 
@@ -308,7 +297,7 @@ def _amplify(comparison: Comparison, one: Change, variant: Variant) -> None:
     without which the equations are those of the variant; the change is proportional to it."""
     full = comparison.full
     for parameter in full.parameters:
-        if parameter in variant.parameters or not full.same_without(parameter, variant):
+        if parameter in variant.parameters or not full.same_along(comparison.base, variant, parameter):
             continue
         last = None
         for factor in AMPLIFIED:
@@ -359,7 +348,6 @@ def in_turn(variants: Mapping[str, Variant], setting: Motion) -> dict[str, tuple
 @dataclass(frozen=True)
 class _Set:
     members: Names
-    parts: tuple[Change, ...]
     bound: float  # the largest sum of absolute differences
     signed: float  # the largest sum of differences
     operations: int
@@ -398,7 +386,7 @@ def _candidates(comparison: Comparison, usable: Sequence[Change]) -> Iterable[_S
             ratios = [part.rhs / max(found.rhs, 1) for part in parts]
             rhs = prod(r for r in ratios if not low <= r <= high)
             time = rhs * (stepping + (1.0 - stepping) * operations / max(found.operations, 1))
-            yield _Set(members, tuple(parts), bound, signed, operations, rhs, time)
+            yield _Set(members, bound, signed, operations, rhs, time)
 
 
 def _stepping(found: Effects) -> float:
@@ -416,7 +404,6 @@ def _stepping(found: Effects) -> float:
 def _cheapest(comparison: Comparison, known: Sequence[_Set], accuracy: float) -> Choice:
     """The cheapest set that stays below the accuracy, as run and compared."""
     found, full = comparison.found, comparison.full
-    nothing = Choice(accuracy, (), 0.0, 0.0, found.bar, 1.0, 1.0, full.operations, full.states, 0)
     allowed = [s for s in known if s.members and s.bound <= accuracy and s.time <= 1.0 + AS_LONG]
     allowed.sort(key=_price)
     half = max(accuracy / 2.0, FINEST)
@@ -431,21 +418,17 @@ def _cheapest(comparison: Comparison, known: Sequence[_Set], accuracy: float) ->
         curves = comparison.curves(run)
         if isinstance(curves, str) or isinstance(exact, str):
             continue
-        bar = max(
-            (comparison.base.errors.get(n, 0.0) / comparison.scale(n) for n in comparison.names), default=0.0
-        )
-        if largest(curves) + bar > accuracy:
+        if largest(curves) + found.bar > accuracy:
             continue
         times = in_turn({"full": full, "set": variant}, full.motion(half))
         ratio = times["set"][0] / times["full"][0]
         if ratio > 1.0 + AS_LONG:
             continue
         left_out = tuple([e for e in found.effects if e in one.members])
-        return Choice(accuracy, left_out, one.bound, largest(exact), bar, ratio, one.time, variant.operations,
-                      variant.states, tries, True, _cancelling(found, known, one, accuracy))  # fmt: skip
-    if tries:
-        return Choice(accuracy, (), 0.0, 0.0, found.bar, 1.0, 1.0, full.operations, full.states, tries, False)
-    return nothing
+        lucky = _cancelling(found, known, one, accuracy)
+        return Choice(accuracy, left_out, one.bound, largest(exact), found.bar, ratio, one.time,
+                      variant.operations, variant.states, tries, True, lucky)  # fmt: skip
+    return Choice(accuracy, (), 0.0, 0.0, found.bar, 1.0, 1.0, full.operations, full.states, tries, not tries)
 
 
 def _price(one: _Set) -> tuple[float, int, int]:

@@ -256,3 +256,19 @@ end Base;
     for name in ("H[1]", "H[2]", "H[3]", "E"):
         assert run[name] == pytest.approx(run[name][0], rel=1e-7, abs=1e-8)
     assert max(abs(run["far"])) < 1e-14
+
+
+def test_an_axis_of_parameters_needs_a_direction_across_it() -> None:
+    """Without `along`, the directions across the axis would depend on the numbers of the parameters."""
+    axis = "axis = {u, v, w}"
+    loop = f"""model Loop
+  parameter Real u = 1, v = 2, w = 2;
+  body plate = Solid(mass = 2 [kg], inertia = {{1, 1, 1}} [kg.m2], com = {{0.3, 0, 0}} [m]);
+  joint upper = Revolute(world, plate, {axis}, at = {{0, 0, 0}}, angle(rate = 1 [rad/s]) MORE);
+  joint lower = Revolute(world, plate, {axis}, at = {{1, 2, 2}} [m] MORE);
+end Loop;
+"""
+    with pytest.raises(Refused, match="`along`"):
+        lagc.loads(loop.replace("MORE", "")).compile(backend="numpy")
+    run = lagc.loads(loop.replace("MORE", ", along = {2, -1, 0}")).compile(backend="numpy").simulate(1.0)
+    assert run.status == "ok" and run.final["upper.angle"] == pytest.approx(1.0, rel=1e-6)

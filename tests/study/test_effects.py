@@ -176,7 +176,7 @@ def test_an_effect_that_ends_the_run_stays() -> None:
 def test_reports(spring: Effects, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     shown = text(spring, "Spring, scene all")
     assert "Each effect left out alone" in shown and "scene for_1em01" in shown
-    assert "it did not act" in shown
+    assert "did not act at the recorded times" in shown
     data = json.loads(json.dumps(to_dict(spring)))
     assert data["compared"]["x"]["of"] == "range" and len(data["effects"]) == 5
     model = tmp_path / "spring.lag"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from lagc.diagnostics.faults import Span
 from lagc.semantics import model as objects
 from lagc.semantics.context import Context
 from lagc.semantics.joints.kinds import ABOUT_Z, ABOUT_Z_AND_X, NO_TURN, Pair
@@ -15,6 +16,7 @@ from lagc.semantics.refusals import Poisoned, Wrong
 from lagc.semantics.units import NONE, M
 from lagc.semantics.values.kinematics import derivative
 from lagc.symbolic.graph import Node
+from lagc.symbolic.leaves import derived
 from lagc.symbolic.vectors import Vector, add, cross, dot, norm, scale, sub
 
 Row = tuple[Node, str]  # residual and its unit
@@ -28,8 +30,7 @@ def declare_joint(context: Context, entry: Entry) -> Value:
         raise Poisoned
     if isinstance(joint.kind, Pair) and not linkage.closes(joint):
         for body in joint.ends:
-            if linkage.placing.get(body) is joint:  # type: ignore[arg-type]
-                linkage.pose(body)
+            linkage.pose(body)
         for inner in entry.inner:
             joint.coordinate(inner.name)
         entry.objects.append(_said(joint, tuple([inner.path for inner in entry.inner]), 0))
@@ -70,15 +71,15 @@ def _refuse_coordinate(context: Context, entry: Entry, inner: Entry) -> None:
     for modifier in inner.modifiers:
         for argument in modifier.argument.arguments:
             context.report(_no_coordinates(entry, argument.span))
-    for name in (inner.path, f"der({inner.path})"):
+    for name in (inner.path, derived(inner.path)):
         given = context.give(context.starts, name)
         if given is not None:
             context.report(_no_coordinates(entry, given.span or entry.span))
 
 
-def _no_coordinates(entry: Entry, span: object) -> Wrong:
+def _no_coordinates(entry: Entry, span: Span) -> Wrong:
     remedy = "give the initial value to a joint before it, or declare this joint before the others"
-    return Wrong("LAG0233", f"`{entry.path}` closes a loop, so it has no coordinates", span, remedy)  # type: ignore[arg-type]
+    return Wrong("LAG0233", f"`{entry.path}` closes a loop, so it has no coordinates", span, remedy)
 
 
 # Directions of a and b that stay perpendicular.

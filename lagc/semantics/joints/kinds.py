@@ -36,14 +36,15 @@ class Pair:
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """A joint without coordinates of its own, which ties bodies or joints that have a place."""
+    """A joint without coordinates of its own, which ties bodies that have a place, or joints."""
 
     parameters: tuple[str, ...]
     required: int
+    ties: str = "body"
     coordinates: Mapping[str, str] = field(default_factory=dict)
 
 
-_AXIS, _PLANE, _POINT = (*ENDS, "axis", "at"), (*ENDS, "axis", "at", "along"), (*ENDS, "at")
+_AXIS, _POINT = (*ENDS, "axis", "at", "along"), (*ENDS, "at")
 _SLIDE, _XY = {"z": "slide"}, {"x": "x", "y": "y"}
 
 KINDS: dict[str, Pair | Condition] = {
@@ -51,16 +52,16 @@ KINDS: dict[str, Pair | Condition] = {
     "Revolute": Pair(_AXIS, 4, turns=ABOUT_Z, angles=("angle",)),
     "Prismatic": Pair(_AXIS, 3, _SLIDE),
     "Cylindrical": Pair(_AXIS, 4, _SLIDE, ABOUT_Z, ("angle",)),
-    "Screw": Pair((*_AXIS, "pitch"), 5, turns=ABOUT_Z, angles=("angle",)),
+    "Screw": Pair((*ENDS, "axis", "at", "pitch", "along"), 5, turns=ABOUT_Z, angles=("angle",)),
     "Spherical": Pair(_POINT, 3, turns=ANY_TURN),
-    "Universal": Pair(_PLANE, 5, turns=ABOUT_Z_AND_X, angles=("angle1", "angle2")),
-    "Planar": Pair(_PLANE, 4, _XY, ABOUT_Z, ("angle",)),
-    "PointOnPlane": Pair(_PLANE, 4, _XY, ANY_TURN),
-    "LineOnPlane": Pair(_PLANE, 5, _XY, ABOUT_Z_AND_X, ("angle", "tilt")),
+    "Universal": Pair(_AXIS, 5, turns=ABOUT_Z_AND_X, angles=("angle1", "angle2")),
+    "Planar": Pair(_AXIS, 4, _XY, ABOUT_Z, ("angle",)),
+    "PointOnPlane": Pair(_AXIS, 4, _XY, ANY_TURN),
+    "LineOnPlane": Pair(_AXIS, 5, _XY, ABOUT_Z_AND_X, ("angle", "tilt")),
     "PointOnLine": Pair(_AXIS, 4, _SLIDE, ANY_TURN),
     "Free": Pair(_POINT, 2, {"x": "x", "y": "y", "z": "z"}, ANY_TURN),
     "Distance": Condition((*ENDS, "at", "to"), 4),
-    "Rolling": Condition((*ENDS, "normal", "at", "radius", "axis"), 5),
-    "Gear": Condition((*ENDS, "ratio"), 3),
-    "RackAndPinion": Condition((*ENDS, "radius"), 3),
+    "Rolling": Condition((*ENDS, "normal", "at", "radius", "axis", "along"), 5),
+    "Gear": Condition((*ENDS, "ratio"), 3, "joint"),
+    "RackAndPinion": Condition((*ENDS, "radius"), 3, "joint"),
 }

@@ -51,7 +51,7 @@ class Joint:
 
     def _end(self, end: str) -> Entry | None:
         expression = self.written[end]
-        wanted = "joint" if self.name in ("Gear", "RackAndPinion") else "body"
+        wanted = self.kind.ties if isinstance(self.kind, Condition) else "body"
         if wanted == "body" and isinstance(expression, tree.Name) and expression.name == "world":
             return None
         found = _entry(self.context, expression, self.entry.environment)
@@ -99,18 +99,18 @@ class Joint:
         if "axis" not in self.written:
             return dict(zip("xyz", self.context.world.axes))
         z = self.direction("axis")
-        if "along" in self.written:
-            x = self.direction("along")
-            across = sub(x, scale(dot(x, z), z))
-            if all(node.is_zero for node in across):
-                raise Wrong("LAG0233", "`along` has the direction of `axis`", self.span("along"))
-            x = unit_vector(self.context, across, self.span("along"))
-        else:
-            x = self.across(z)
+        x = self.across(z)
         return {"x": x, "y": cross(z, x), "z": z}
 
     def across(self, z: Vector) -> Vector:
-        """Return a direction across z: the world axis with the least share in z, made perpendicular."""
+        """Return a direction across z: `along`, else the world axis with the least share in z, made
+        perpendicular."""
+        if "along" in self.written:
+            given = self.direction("along")
+            across = sub(given, scale(dot(given, z), z))
+            if all(node.is_zero for node in across):
+                raise Wrong("LAG0233", "`along` has the direction of the axis", self.span("along"))
+            return unit_vector(self.context, across, self.span("along"))
         shares = [abs(node.value) if node.is_const else math.inf for node in z]
         k = min(range(3), key=shares.__getitem__)
         if shares[k] > 0.0 and math.inf in shares:
