@@ -260,15 +260,13 @@ end Base;
 
 def test_an_axis_of_parameters_needs_a_direction_across_it() -> None:
     """Without `along`, the directions across the axis would depend on the numbers of the parameters."""
-    axis = "axis = {u, v, w}"
-    loop = f"""model Loop
+    hinge = """model Hinge
   parameter Real u = 1, v = 2, w = 2;
-  body plate = Solid(mass = 2 [kg], inertia = {{1, 1, 1}} [kg.m2], com = {{0.3, 0, 0}} [m]);
-  joint upper = Revolute(world, plate, {axis}, at = {{0, 0, 0}}, angle(rate = 1 [rad/s]) MORE);
-  joint lower = Revolute(world, plate, {axis}, at = {{1, 2, 2}} [m] MORE);
-end Loop;
+  body plate = Solid(mass = 2 [kg], inertia = {1, 1, 1} [kg.m2], com = {0.3, 0, 0} [m]);
+  joint upper = Revolute(world, plate, axis = {u, v, w}, at = {0, 0, 0}, angle(rate = 1 [rad/s]) MORE);
+end Hinge;
 """
     with pytest.raises(Refused, match="`along`"):
-        lagc.loads(loop.replace("MORE", "")).compile(backend="numpy")
-    run = lagc.loads(loop.replace("MORE", ", along = {2, -1, 0}")).compile(backend="numpy").simulate(1.0)
+        lagc.loads(hinge.replace("MORE", "")).compile(backend="numpy")
+    run = lagc.loads(hinge.replace("MORE", ", along = {2, -1, 0}")).compile(backend="numpy").simulate(1.0)
     assert run.status == "ok" and run.final["upper.angle"] == pytest.approx(1.0, rel=1e-6)
