@@ -117,7 +117,9 @@ def _of_equations(equations: EquationsOfMotion) -> dict[str, Any]:
         "outputs": _outputs(equations),
         "rate_names": tuple([s.name for s in equations.stated_rates]),
         "rate_units": tuple([s.unit for s in equations.stated_rates]),
-        "massless": tuple([i for i in range(len(equations.v)) if i not in equations.massive]),
+        "massless": tuple(
+            [i for i in range(len(equations.v)) if i not in equations.massive or i in equations.unit_pivots]
+        ),
         "start_levels": tuple([s.stated.level for s in equations.starts]),
         "start_places": tuple([place(s.stated.span) for s in equations.starts]),
         "row_places": tuple([place(row.span) for row in equations.rows]),

@@ -258,4 +258,65 @@ def test_a_wrong_sequence_of_events_is_an_error(backend: str) -> None:
 @pytest.mark.full
 def test_the_cost_of_accuracy_is_measured(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["cost", str(MODELS / "sampled_pd.lag"), "--stop", "0.5"]) == 0
-    assert "all runs that verify" in capsys.readouterr().out
+    assert "the errors are those of round-off" in capsys.readouterr().out
+
+
+# -- coordinates without inertia, whose rates follow new values --
+
+
+@BOTH
+def test_a_temperature_without_inertia_follows_the_heater(backend: str) -> None:
+    """T' = (Te - T)/tau with Te = 30 or 10: exponentials between the switches at 21 and 19."""
+    tau, t, T, on = 20.0, 0.0, 15.0, True
+    times = []
+    while True:
+        final, edge = (30.0, 21.0) if on else (10.0, 19.0)
+        lasts = tau * log((final - T) / (final - edge))
+        if t + lasts > 60.0:
+            break
+        t, T, on = t + lasts, edge, not on
+        times.append(t)
+    run = model("thermostat", backend).simulate(60.0, accuracy=1e-9)
+    assert run.status == "ok"
+    assert [event.t for event in run.events] == pytest.approx(times, abs=1e-6)
+    last = final + (T - final) * exp(-(60.0 - t) / tau)
+    assert run.final["T"] == pytest.approx(last, rel=1e-8)
+    assert run.final["der(T)"] == pytest.approx((final - last) / tau, rel=1e-7)
+
+
+RESET = """model Reset
+  parameter Time tau = 20 [s];
+  coordinate Real T(start = 15);
+  constraint heat: der(T) = (30 - T)/tau;
+  when T > 21 then reinit(T, 15); end when;
+end Reset;
+"""
+
+
+@BOTH
+def test_a_filter_that_is_reset_has_its_new_rate(backend: str) -> None:
+    """From 15 to 21 in tau log(15/9), again and again."""
+    run = lagc.loads(RESET).compile(backend=backend).simulate(35.0, accuracy=1e-9)
+    period = 20.0 * log(15.0 / 9.0)
+    assert run.status == "ok"
+    assert [event.t for event in run.events] == pytest.approx([period, 2 * period, 3 * period], abs=1e-6)
+    last = 30.0 - 15.0 * exp(-(35.0 - 3 * period) / 20.0)
+    assert run.final["T"] == pytest.approx(last, rel=1e-8)
+    assert run.final["der(T)"] == pytest.approx((30.0 - last) / 20.0, rel=1e-7)
+
+
+def test_speeds_with_inertia_do_not_follow_and_sensitivities_end() -> None:
+    """A clause that leaves a rod's other speed off its constraint is an error; S has no rule for rates
+    that follow."""
+    tied = """model Tied
+  coordinate Length x(rate = 1 [m/s]), y;
+  body a = Particle(mass = 1 [kg], at = {x, 0, 0});
+  body b = Particle(mass = 1 [kg], at = {0, y, 0});
+  constraint c: der(y) = 2*der(x);
+  when x > 1 [m] then reinit(der(x), -1 [m/s]); end when;
+end Tied;
+"""
+    run = lagc.loads(tied).compile(backend="numpy").simulate(2.0)
+    assert run.status == "failed" and "leaves `der(y)` unchanged" in run.message
+    run = lagc.loads(RESET).compile(backend="numpy").simulate(15.0, sensitivity=["tau"])
+    assert "has no inertia, follows new values" in run.message

@@ -201,7 +201,7 @@ def with_pivots(equations: EquationsOfMotion) -> EquationsOfMotion:
 
 def _with_units(equations: EquationsOfMotion, free: Sequence[int]) -> EquationsOfMotion:
     matrix, given = dict(equations.further_inertia), list(equations.given_forces)
-    loads = dict(equations.loads)
+    loads, pivots = dict(equations.loads), set[int]()
     forces, one = equations.applied_forces, equations.graph.one
     for j in free:
         rows = [row for row in equations.rows if j in row.jacobian]
@@ -210,7 +210,11 @@ def _with_units(equations: EquationsOfMotion, free: Sequence[int]) -> EquationsO
             if len(rows[0].jacobian) == 1 and slope in (one, -one):
                 given[j], matrix[j, j] = slope * rows[0].gamma, one
                 loads[equations.v[j]] = given[j]
-    return replace(equations, further_inertia=matrix, given_forces=tuple(given), loads=loads)
+                pivots.add(j)
+    return replace(
+        equations, further_inertia=matrix, given_forces=tuple(given), loads=loads,
+        unit_pivots=frozenset(pivots),
+    )  # fmt: skip
 
 
 def _tied(equations: EquationsOfMotion, massive: list[int]) -> set[int]:

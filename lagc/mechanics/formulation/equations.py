@@ -169,6 +169,7 @@ class EquationsOfMotion:
     rates: dict[Node, Node]  # rate symbol -> its expression in v (identity for default speeds)
     dropped: tuple[str, ...] = ()  # rows found identically dependent, with the reason
     warnings: tuple[Fault, ...] = ()  # what may not be meant as it is written
+    unit_pivots: frozenset[int] = frozenset()  # speeds without inertia that have got one, 1, as a pivot
 
     def __repr__(self) -> str:
         sizes = f"{len(self.q)} coordinates, {len(self.v)} speeds, {len(self.rows)} rows of constraints"

@@ -18,7 +18,7 @@ from lagc.semantics.declarations.attributes import (
 )
 from lagc.semantics.names.scope import Scalar, Truth, Value, kind
 from lagc.semantics.refusals import Wrong
-from lagc.semantics.time_derivatives import BIT
+from lagc.semantics.time_derivatives import BIT, VELOCITY
 from lagc.semantics.units import NONE, QuantityType
 from lagc.semantics.values.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
@@ -143,4 +143,9 @@ def refuse_in_constraints(
             name = min(s.record.name for s in symbols([node]) if s.record.kind == "discrete")
             message = f"{what} depends on the discrete variable `{name}`, which jumps"
             remedy = f"let `{name}` act through a force, a law or a potential"
+            if what.startswith("the constraint") and context.clock.mask(node) & VELOCITY:
+                remedy += (
+                    f", or hold its value in a coordinate without inertia: `coordinate Real {name}(start = "
+                    f"...); constraint hold: der({name}) = 0;`"
+                )
             context.report(Wrong("LAG0232", message, span, remedy))

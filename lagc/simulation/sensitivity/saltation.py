@@ -61,6 +61,7 @@ class Changes:
         shift = self._shift(point, now, first, causes, s.s.t - s.s.t_old)
         moved, terms = now + np.outer(first, shift), np.abs(now) + np.abs(np.outer(first, shift))
         if jumped:
+            self._refuse_following(point.x, s.s.x)
             moved, terms = self._renewed(point, moved, terms, shift, list(s.s.acted[: s.s.acts]))
         return moved - np.outer(rates, shift), terms + np.abs(np.outer(rates, shift))
 
@@ -133,6 +134,14 @@ class Changes:
         late = LOCATED * abs(step) * np.abs(rates)
         counted = self.system.interface.counted_relations
         return [k for k in crossed if not jumped[k] or counted[k] or abs(indicators[k]) <= late[k]]
+
+    def _refuse_following(self, before: Sequence[float], after: Sequence[float]) -> None:
+        """Raise Stopped if a speed without inertia has jumped: it follows new values by the constraints."""
+        interface = self.system.interface
+        for i in interface.massless:
+            k = interface.nq + i
+            if abs(after[k] - before[k]) > ALIKE * abs(before[k]):
+                raise Stopped(f"`{interface.v_names[i]}`, which has no inertia, follows new values")
 
     def _renewed(
         self, point: Point, moved: Array, terms: Array, shift: Array, acted: Sequence[int]
