@@ -25,6 +25,12 @@ DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NTREE": lambda n: n["NE"] * 2 + 2,
     "NSLOPES": lambda n: n["NNEWTON"] * n["NNEWTON"], "NFACTORS": lambda n: n["NLINEAR"] * n["NLINEAR"],
     "NMASS": lambda n: n["NV"] * n["NV"],
+    "NCROW": lambda n: n["NCON"] + n["NSLIP"],
+    "NDELASSUS": lambda n: (n["NCON"] + n["NSLIP"]) * (n["NCON"] + n["NSLIP"]),
+    "NDIRECT": lambda n: n["NCON"] * 2, "NLAW": lambda n: n["NCON"] * 2 + n["NSLIP"],
+    "NLAWS": lambda n: (n["NCON"] * 2 + n["NSLIP"]) * (n["NCON"] * 2 + n["NSLIP"]),
+    "NLCP": lambda n: n["NCON"] + n["NSLIP"] * 2 + 1,
+    "NTABLEAU": lambda n: (n["NCON"] + n["NSLIP"] * 2 + 1) * (n["NCON"] + n["NSLIP"] * 2 + 2),
 }  # fmt: skip
 Part = Mapping[str, Any]  # see `library`
 
@@ -143,6 +149,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NGUARD": interface.features + interface.poles,
         "NSEARCH": free + interface.features + interface.poles,
         "NEDGES": 2 * relations if "edges" in interface.functions else 0,
+        "NCON": 0, "NSLIP": 0,
         "NBOX": 2 * (1 + nq + nv) + len(interface.discretes),
         "NLIMITS": len(interface.limits), "NPREPARED": interface.prepared, "NREAD": len(interface.read),
         "NSUM": sums, "NPARTS": len(interface.part_columns),

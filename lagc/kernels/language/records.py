@@ -198,6 +198,71 @@ class Work:
         divisor_middle: Vec[NPOLE]
         divisor_end: Vec[NPOLE]
         guards_divisors: bool  # a divisor may come nearer to zero within the step
+    if NCON > 0:
+        # Law of contacts that touch: u = W p + b. First the problem
+        law_count: int  # contacts that touch
+        law_rows: int  # their rows
+        law_first: IVec[NCON]  # normal row of each; its slip rows follow
+        law_slips: IVec[NCON]  # slip rows of each: 0, 1 or 2
+        law_two_sided: IVec[NCON]  # 1: it never opens, its normal force has either sign
+        law_friction: Vec[NCON]  # coefficient of friction while it slips
+        law_static: Vec[NCON]  # the same while it sticks; infinity: it never slips
+        law_moves: IVec[NCON]  # 1: it slips already, along law_direction
+        law_direction: Vec[NDIRECT]  # unit vector of the slip
+        law_w: Vec[NDELASSUS]  # W by rows
+        law_b: Vec[NCROW]
+        law_sizes: Vec[NCROW]  # sum of the magnitudes of the terms of b; 0: not known
+        law_mode: IVec[NCON]  # modes before, then the modes found
+        # Its solution
+        law_p: Vec[NCROW]  # forces or impulses
+        law_u: Vec[NCROW]  # relative accelerations or velocities
+        law_other_mode: IVec[NCON]  # of a second solution
+        law_culprit: int  # a contact that contradicts the others
+        law_rank: int  # of the rows of closed contacts
+        law_unknowns: int
+        # Its solver
+        law_slides: IVec[NCON]  # 1: the direction of its slip is given
+        law_turns: IVec[NCON]  # 1: its slip direction is an unknown
+        law_turning: bool  # there is such a contact
+        law_sign: IVec[NCON]  # sign of the normal force while it slips: -1 at some two-sided contacts
+        law_mu: Vec[NCON]
+        law_least: Vec[NCON]  # least normal force
+        law_scale: Vec[NCROW]  # of forces
+        law_row_scale: Vec[NCROW]  # of u
+        law_size: Real  # of scaled u
+        law_contact: IVec[NLAW]  # contact of each unknown
+        law_unknown: IVec[NLAW]  # its row; law_rows: a slip angle
+        law_matrix: Vec[NLAWS]
+        law_right: Vec[NLAW]
+        law_step: Vec[NLAW]
+        law_order: IVec[NLAW]
+        law_choice: IVec[NCON]
+        law_kept_mode: IVec[NCON]
+        law_kept_p: Vec[NCROW]
+        law_kept_u: Vec[NCROW]
+        law_kept_direction: Vec[NDIRECT]
+        law_block: IVec[NCON]  # first unknown of each contact in the complementarity problem
+        law_tableau: Vec[NTABLEAU]
+        law_basic: IVec[NLCP]
+        law_cobasic: IVec[NLCP]
+        # Impacts: their law and results, then what `impact` keeps of all contacts
+        law_restitution: Vec[NCON]
+        law_poisson: IVec[NCON]  # 1: Poisson's law, 0: Newton's law
+        law_impulse: Vec[NCROW]
+        law_loss: Vec[NCON]  # energy that each contact took
+        law_rounds: int
+        impact_count: int
+        impact_rows: int
+        impact_first: IVec[NCON]
+        impact_slips: IVec[NCON]
+        impact_two_sided: IVec[NCON]
+        impact_friction: Vec[NCON]
+        impact_of: IVec[NCON]  # contact of each one in a round
+        impact_w: Vec[NDELASSUS]
+        impact_u: Vec[NCROW]
+        impact_u_before: Vec[NCROW]  # of a round
+        impact_p_before: Vec[NCROW]
+        impact_sizes: Vec[NCROW]  # of the terms of u
     if NSEARCH > 0:
         # Parts of a step
         box: Vec[NBOX]  # lower ends of time and states, then upper ends

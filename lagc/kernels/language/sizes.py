@@ -60,6 +60,15 @@ class NWHEN(metaclass=SizeType): ...  # clauses `when`
 class NJUMP(metaclass=SizeType): ...  # values that they assign
 class NACTS(metaclass=SizeType): ...  # limit of their actions at one event
 class NROW(metaclass=SizeType): ...  # NU + 1: an equation with its right-hand side
+class NCON(metaclass=SizeType): ...  # contacts
+class NSLIP(metaclass=SizeType): ...  # their slip rows: 0, 1 or 2 each
+class NCROW(metaclass=SizeType): ...  # NCON + NSLIP: their rows
+class NDELASSUS(metaclass=SizeType): ...  # NCROW NCROW
+class NDIRECT(metaclass=SizeType): ...  # 2 NCON
+class NLAW(metaclass=SizeType): ...  # NCROW + NCON: unknowns of given contact modes, with slip angles
+class NLAWS(metaclass=SizeType): ...  # NLAW NLAW
+class NLCP(metaclass=SizeType): ...  # NCON + 2 NSLIP + 1: unknowns of the linear complementarity problem
+class NTABLEAU(metaclass=SizeType): ...  # NLCP (NLCP + 1)
 
 
 # The same for every model.

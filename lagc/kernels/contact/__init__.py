@@ -1,0 +1,1 @@
+"""Contact with dry friction: forces and impulses of contacts that touch."""

@@ -1,0 +1,132 @@
+"""The law of contact with dry friction: modes and forces of contacts that touch.
+
+Few contacts are decided by `enumeration`, many by their modes before, by `complementarity` in the plane, and
+by `sweeps` in space. Modes are read from u, since the forces of dependent rows are not unique.
+"""
+
+from math import inf
+
+from lagc.kernels.contact.complementarity import solve_complementarity
+from lagc.kernels.contact.conditions import differs, has_friction, is_admissible, keep_solution, read_modes
+from lagc.kernels.contact.enumeration import (
+    LAW_FAILED,
+    LAW_FOUND,
+    LAW_NONE,
+    LAW_ONE,
+    choices,
+    enumerate_modes,
+)
+from lagc.kernels.contact.frozen_modes import CONTACT_OPEN, CONTACT_SLIPS, set_law_scales, solve_modes
+from lagc.kernels.contact.sweeps import sweep_to_solution
+from lagc.kernels.language.vocabulary import *
+
+MOST_CHOICES = 256  # combinations of modes that are enumerated: four planar contacts that may stick
+MOST_SPATIAL = 27  # the same with slip directions in space
+
+
+def is_frictionless(w: Work) -> bool:
+    """Return whether all contacts are one-sided and without friction."""
+    for i in range(w.law_count):
+        if w.law_two_sided[i] > 0 or has_friction(w, i):
+            return False
+    return True
+
+
+def is_planar(w: Work) -> bool:
+    """Return whether the law is a linear complementarity problem."""
+    for i in range(w.law_count):
+        free = has_friction(w, i) and w.law_slides[i] == 0
+        if w.law_two_sided[i] > 0 or (free and (w.law_slips[i] > 1 or not w.law_mu[i] < inf)):
+            return False
+    return True
+
+
+def is_spatial(w: Work) -> bool:
+    """Return whether a contact may slip in any direction of a plane."""
+    for i in range(w.law_count):
+        if has_friction(w, i) and w.law_slides[i] == 0 and w.law_slips[i] > 1:
+            return True
+    return False
+
+
+def is_enumerable(w: Work) -> bool:
+    """Return whether all combinations of modes are tried."""
+    total = 1
+    for i in range(w.law_count):
+        total = total * choices(w, i)
+        if total > MOST_CHOICES:
+            return False
+    return total <= (MOST_SPATIAL if is_spatial(w) else MOST_CHOICES)
+
+
+def holds_as_before(w: Work) -> bool:
+    """Return whether the modes before meet the law."""
+    for i in range(w.law_count):
+        if w.law_mode[i] < CONTACT_OPEN or w.law_least[i] > 0.0:
+            return False
+        if w.law_mode[i] != CONTACT_OPEN and not has_friction(w, i):
+            w.law_mode[i] = CONTACT_SLIPS
+        slips = w.law_mode[i] == CONTACT_SLIPS and has_friction(w, i) and w.law_slides[i] == 0
+        w.law_turns[i] = 1 if slips and w.law_slips[i] == 2 else 0
+    return solve_modes(w) and is_admissible(w)
+
+
+def solve_planar(w: Work) -> int:
+    """Solve the linear complementarity problem, and once more in the modes that it shows. Return LAW_FOUND,
+    LAW_NONE at a secondary ray, or LAW_FAILED."""
+    if not solve_complementarity(w):
+        return LAW_NONE
+    read_modes(w)
+    keep_solution(w)
+    if not solve_modes(w) or differs(w):
+        return LAW_FAILED
+    if not is_admissible(w):  # dependent rows: the smallest forces are not admissible, the others are
+        w.law_p[:] = w.law_kept_p
+    return LAW_FOUND if is_admissible(w) else LAW_FAILED
+
+
+def search_modes(w: Work) -> int:
+    """Return the result of `set_law` for given w.law_slides and w.law_mu."""
+    frictionless = is_frictionless(w)
+    if not frictionless and is_enumerable(w):
+        listed = enumerate_modes(w)
+        if listed != LAW_NONE or not is_spatial(w):
+            return listed
+        if sweep_to_solution(w):  # slip directions in space may have more than one solution in the same modes
+            read_modes(w)
+            return LAW_FOUND
+        return LAW_NONE
+    found = LAW_FOUND if holds_as_before(w) else LAW_FAILED
+    if found == LAW_FAILED and is_planar(w):
+        found = solve_planar(w)
+    if found != LAW_FOUND and not frictionless:
+        found = LAW_FOUND if sweep_to_solution(w) else LAW_FAILED
+    if found == LAW_FOUND:
+        read_modes(w)
+    return LAW_ONE if found == LAW_FOUND and frictionless else found
+
+
+def start_slips(w: Work) -> bool:
+    """Let contacts that begin to slip do so with the friction of slip. Return whether there are any."""
+    found = False
+    for i in range(w.law_count):
+        slips = w.law_mode[i] == CONTACT_SLIPS and has_friction(w, i) and w.law_slides[i] == 0
+        if slips and w.law_friction[i] != w.law_mu[i]:
+            w.law_slides[i] = 1
+            w.law_mu[i] = w.law_friction[i]
+            found = True
+    return found
+
+
+def set_law(w: Work) -> int:
+    """Find the modes of contacts that touch, with w.law_p and w.law_u. A contact that does not move sticks up
+    to its static friction; it is solved with the friction of slip if it begins to slip."""
+    for i in range(w.law_count):
+        w.law_least[i] = 0.0
+        w.law_slides[i] = w.law_moves[i]
+        w.law_mu[i] = w.law_friction[i] if w.law_moves[i] > 0 else w.law_static[i]
+    set_law_scales(w)
+    found = search_modes(w)
+    while found <= LAW_FOUND and start_slips(w):
+        found = search_modes(w)
+    return found
