@@ -35,6 +35,7 @@ from lagc.syntax import tree
 ELEMENTS = ("Gravity", "Particle", "Solid")  # declared like instances, but not models
 _CHANGEABLE = (
     "constant", "parameter", "structural", "input", "coordinate", "speed", "discrete", "output", "instance",
+    "placeholder",
 )  # fmt: skip
 
 
@@ -50,10 +51,13 @@ class Destination:
 class Builder:
     """Registers the declarations of one instance and of its nested instances."""
 
-    def __init__(self, context: Context, instance: Instance, modifiers: Modifiers):
+    def __init__(
+        self, context: Context, instance: Instance, modifiers: Modifiers, effect: str | None = None
+    ):  # fmt: skip
         self.context = context
         self.instance = instance
         self.modifiers = modifiers
+        self.effect = effect  # that holds the instance
         self.used: set[str] = set()  # modifiers with a declaration
         self.bases: list[tree.ModelDeclaration] = []  # chain of `extends`, the instance's own model first
         self.extended: Extended = {}
@@ -84,7 +88,7 @@ class Builder:
         self.bases.append(declaration)
         inner = self.context.importer.inside(declaration, space)
         self._register(
-            declaration.body, Destination(Environment(self.instance, inner), None, self.instance.items)
+            declaration.body, Destination(Environment(self.instance, inner), self.effect, self.instance.items)
         )
         self.bases.pop()
 
@@ -104,6 +108,8 @@ class Builder:
             self._enter("function", d.name, d, d, destination)
         elif isinstance(d, tree.Construct | tree.Load | tree.Constraint):
             self._construct(d, destination)
+        elif isinstance(d, tree.Placeholder):
+            self._enter("placeholder", d.name, d, d, destination)
         elif isinstance(d, tree.Initial):
             self.instance.conditions += [(condition, destination.environment) for condition in d.conditions]
         elif isinstance(d, tree.Effect):
@@ -309,7 +315,7 @@ class Builder:
                 own[name] = [*given, *own.get(name, [])]
         sizes = [integer(self.context, s, entry.environment, "a size") for s in source.dimensions]
         if not sizes:
-            part = self._nested(found, where, entry.path + ".", own, destination.items)
+            part = self._nested(found, where, entry.path + ".", own, destination)
             entry.state, entry.value = "done", part
             return
         entry.elements = {}
@@ -323,7 +329,7 @@ class Builder:
             }
             element.state, element.value = (
                 "done",
-                self._nested(found, where, element.path + ".", chosen, destination.items),
+                self._nested(found, where, element.path + ".", chosen, destination),
             )
 
     def _model_of(self, d: tree.Instance, space: Namespace) -> tuple[tree.ModelDeclaration, Namespace]:
@@ -352,7 +358,7 @@ class Builder:
         space: Namespace,
         path: str,
         modifiers: Modifiers,
-        items: list[Item],
+        destination: Destination,
     ) -> Part:
         above: Instance | None = self.instance
         while above is not None:
@@ -361,8 +367,10 @@ class Builder:
             above = above.parent
         if self.instance.depth >= DEEPEST:
             raise Wrong("LAG0218", f"instances are nested more than {DEEPEST} levels deep", model.name_span)
-        inner = instantiate(self.context, model, space, path, modifiers, self.instance)
-        items.append(inner.items)
+        inner = instantiate(
+            self.context, model, space, path, modifiers, self.instance, destination.effect
+        )  # fmt: skip
+        destination.items.append(inner.items)
         self.context.conditions += inner.conditions
         return Part(inner)
 
@@ -389,11 +397,12 @@ def instantiate(
     path: str,
     modifiers: Modifiers,
     parent: Instance | None,
+    effect: str | None = None,
 ) -> Instance:
     """Return the instance of a model under `path` ("" for the main model)."""
     context.grow(declaration.name_span)
     instance = Instance(path, declaration, parent, 0 if parent is None else parent.depth + 1)
-    Builder(context, instance, modifiers).build(declaration, space)
+    Builder(context, instance, modifiers, effect).build(declaration, space)
     return instance
 
 
@@ -403,6 +412,7 @@ def names_of(d: tree.Declaration) -> list[str]:
         return [declarator.name for declarator in d.declarators]
     if isinstance(d, tree.ForLoop):
         return [name for inner in d.body for name in names_of(inner)]
-    if isinstance(d, tree.Construct | tree.Load | tree.Constraint | tree.FunctionDeclaration):
+    named = tree.Construct | tree.Placeholder | tree.Load | tree.Constraint | tree.FunctionDeclaration
+    if isinstance(d, named):
         return [d.name]
     return []

@@ -311,6 +311,12 @@ def _without_kind(context: Context, entry: Entry) -> Value:
     return refuse_without_kind(context, entry)
 
 
+def _placeholder(context: Context, entry: Entry) -> Value:
+    from lagc.semantics.declarations.placeholders import declare_placeholder  # where there are some
+
+    return declare_placeholder(context, entry)
+
+
 def _joint(context: Context, entry: Entry) -> Value:
     from lagc.semantics.declarations.joints import declare_joint  # where there are some
 
@@ -326,7 +332,7 @@ DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
     "frame": declare_frame, "point": declare_point, "body": declare_body, "gravity": declare_gravity,
     "potential": declare_potential, "kinetic": declare_free_term, "lagrangian": declare_free_term,
     "dissipation": declare_dissipation, "force": declare_load, "torque": declare_load,
-    "constraint": declare_constraint, "joint": _joint,
+    "constraint": declare_constraint, "joint": _joint, "placeholder": _placeholder,
 }  # fmt: skip
 
 

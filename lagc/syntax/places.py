@@ -117,7 +117,7 @@ def _same(some: tuple[tree.Name, ...], others: tuple[tree.Name, ...]) -> bool:
 
 
 def _kind(item: Any) -> str:
-    if isinstance(item, tree.Quantities | tree.Construct | tree.Load):
+    if isinstance(item, tree.Quantities | tree.Construct | tree.Placeholder | tree.Load):
         return item.kind
     return _KINDS.get(type(item), type(item).__name__.lower())
 

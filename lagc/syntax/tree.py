@@ -247,6 +247,17 @@ class Construct:
 
 
 @dataclass(frozen=True, slots=True)
+class Placeholder:
+    """`body b;`, `point P;`, `frame F;`: each instance of the model says which one it is."""
+
+    kind: str
+    name: str
+    name_span: Span
+    description: str | None
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class Load:
     """`force F = vec [on body] at point [from other]` / `torque M = vec on body [from other]`. kind: force,
     torque.  `target` is the point of a force, the body of a torque."""
@@ -424,9 +435,9 @@ class Package:
 
 
 Declaration: TypeAlias = (
-    TypeDeclaration | Quantities | FunctionDeclaration | Construct | Load | Constraint | Initial | ForLoop
-    | When | Effect | Start | Simulate | Scene | Extends | Import | Instance | Annotation | ModelDeclaration
-    | Package
+    TypeDeclaration | Quantities | FunctionDeclaration | Construct | Placeholder | Load | Constraint | Initial
+    | ForLoop | When | Effect | Start | Simulate | Scene | Extends | Import | Instance | Annotation
+    | ModelDeclaration | Package
 )  # fmt: skip
 
 

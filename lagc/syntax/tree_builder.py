@@ -169,6 +169,10 @@ class Builder(Expressions):
         kind, name, index, value, (unless, shown) = c
         return tree.Construct(kind, name.text, self._span(name), index or (), value, unless, shown, span)
 
+    def placeholder(self, c: Children, span: Span) -> tree.Placeholder:
+        kind, name, shown = c
+        return tree.Placeholder(kind, name.text, self._span(name), self._text(shown), span)
+
     def force(self, c: Children, span: Span) -> tree.Load:
         name, index, value, body, *rest = c
         return replace(self._load("force", [name, index, value, *rest], span), body=body)

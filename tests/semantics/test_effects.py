@@ -89,9 +89,14 @@ def without_unused(file: tree.Tree, scene: str | None) -> str:
     for span in sorted(removed, key=lambda s: s.start, reverse=True):
         lines = "\n" * text.count("\n", span.start, span.end)
         text = text[: span.start] + lines + text[span.end :]
-    for effect in gone:
-        text = re.sub(rf"excludes {effect};| unless {effect}(?=;)", "", text)
-    return text
+
+    def others(listed: re.Match[str]) -> str:
+        kept = [name for name in re.split(r",\s*", listed[2]) if name not in gone]
+        if kept:
+            return f"{listed[1]} {', '.join(kept)}{listed[3]}"
+        return listed[3] if listed[1] == "unless" else ""
+
+    return re.sub(r"\b(excludes|unless) (\w+(?:,\s*\w+)*)( *;)", others, text)
 
 
 def _c(name: str, text: str, choice: Choice) -> dict[str, str]:

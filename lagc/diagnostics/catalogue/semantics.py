@@ -90,7 +90,8 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0210": Entry(
         "a missing argument or value",
-        "An argument or a quantity without a default needs a value.",
+        "An argument or a quantity without a default needs a value. A model with a placeholder, `body b;`, "
+        "is used in another model that gives it: `Drag air(b = bob)`.",
         _body("body c = Particle(mass = 1);"),
         _body("body c = Particle(mass = 1, at = {0, x, 0});"),
     ),

@@ -216,7 +216,9 @@ def _input(context: Context, quantity: Quantity) -> Value:
     for subscript, scalar in zip(quantity.subscripts, values_of(context, quantity)):
         name, unit = quantity.name(subscript), quantity.type.unit
         if scalar is not None and not scalar.node.is_const:
-            entry.objects.append(_followed(context, quantity, name, scalar.node))
+            output = _followed(context, quantity, name, scalar.node)
+            if name in context.taken or entry.path in context.taken or not entry.modifiers:
+                entry.objects.append(output)  # else it is an expression of the model that contains this one
             found.append(Scalar(scalar.node, quantity.type.dimension))
             continue
         default = 0.0 if scalar is None else scalar.node.value

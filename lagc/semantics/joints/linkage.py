@@ -15,6 +15,7 @@ from heapq import heappop, heappush
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import AS_JOINT, did_you_mean
 from lagc.semantics.context import Context
+from lagc.semantics.declarations.placeholders import placeholder_value
 from lagc.semantics.joints.kinds import ABOUT_Z, ABOUT_Z_AND_X, ANY_TURN, ENDS, KINDS, Condition, Pair
 from lagc.semantics.joints.poses import Pose
 from lagc.semantics.model import Body, Frame, Orientation
@@ -325,7 +326,11 @@ def _entry(context: Context, e: tree.Expression, environment: Environment) -> En
         if e.name not in environment.instance.entries:
             evaluate(context, e, environment)  # raises Wrong
             return None
-        return environment.instance.entries[e.name]
+        entry = environment.instance.entries[e.name]
+        if isinstance(entry.source, tree.Placeholder):
+            given = placeholder_value(entry)
+            return _entry(context, given.argument.value or e, given.environment)
+        return entry
     if isinstance(e, tree.Member):
         base = evaluate(context, e.base, environment)
         found = base.instance.entries.get(e.name) if isinstance(base, Part) else None

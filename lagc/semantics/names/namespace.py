@@ -23,6 +23,7 @@ from lagc.host.model_library import (
     fingerprint,
     folder_of,
     is_within,
+    models_folder,
 )
 from lagc.semantics.names.data_files import Columns, Unfit, columns
 from lagc.semantics.refusals import Wrong
@@ -311,8 +312,15 @@ class Importer:
                 self.look_at(declaration.body, self.inside(declaration, space))
 
     def file(self, declaration: tree.Import) -> Namespace:
-        """Return the namespace that `import "..."` provides.  Raises Wrong."""
-        return self._read(self._beside(declaration.file or "", declaration.span), declaration.span)
+        """Return the namespace that `import "..."` provides: of a file in the folder, or else of the library.
+        Raises Wrong."""
+        path = self._beside(declaration.file or "", declaration.span)
+        shipped = os.path.join(models_folder(), declaration.file or "")
+        inside = is_within(os.path.realpath(shipped), [os.path.realpath(models_folder())])
+        if inside and os.path.isfile(shipped) and not os.path.exists(path):
+            self.asked[path] = None
+            path = shipped
+        return self._read(path, declaration.span)
 
     def member(self, declaration: tree.Import, found: Found) -> Found | Namespace:
         """Return what an import provides, where `found` is the first name of its path.  Raises Wrong."""
@@ -405,7 +413,7 @@ class Importer:
         from lagc.syntax.parse import parse
 
         try:
-            data = content(path, roots=self.roots)
+            data = content(path, roots=(*self.roots, os.path.realpath(models_folder())))
             text = decoded(data)
         except Outside:
             raise _outside(os.path.basename(path), span) from None

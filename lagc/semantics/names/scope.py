@@ -57,6 +57,7 @@ Modifiers: TypeAlias = dict[str, list[Modifier]]  # the first of a list wins
 Source: TypeAlias = (
     tree.Declarator
     | tree.Construct
+    | tree.Placeholder
     | tree.Load
     | tree.Constraint
     | tree.FunctionDeclaration

@@ -25,9 +25,9 @@ class Variant:
 
 def variants(file: tree.Tree, model: str | None = None, roots: Sequence[str] = ()) -> list[Variant]:
     """Return every scene of every model of the file (or of `model`), and each unused effect in the first
-    scene. An unused effect comes with the effects it requires.  A model that other models extend or contain
-    is only checked within them, since it may be incomplete.  Names that cannot be found are skipped:
-    `resolve` reports them."""
+    scene. An unused effect comes with the effects it requires.  A model that other models extend or contain,
+    or that has placeholders, is only checked within others, since it may be incomplete.  Names that cannot be
+    found are skipped: `resolve` reports them."""
     importer = Importer(file.source, tuple(roots))
     space = Namespace(file.declarations, None, importer)
     models = list(_models(file.declarations, space, ""))
@@ -35,7 +35,8 @@ def variants(file: tree.Tree, model: str | None = None, roots: Sequence[str] = (
     parts = set(_parts(file.declarations)) - set(main[-1:])
     found: list[Variant] = []
     for name, declaration, where in models:
-        if name == model or (model is None and declaration.name not in parts):
+        open_ = any(isinstance(d, tree.Placeholder) for d in declaration.body)
+        if name == model or (model is None and declaration.name not in parts and not open_):
             found += _of_model(name, declaration, where)
     return found or [Variant(model, None)]
 
