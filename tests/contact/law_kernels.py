@@ -72,7 +72,7 @@ class Kernels:
 
 
 def _ctype(kind: tuple[str, ...], sizes: dict[str, int]) -> Any:
-    plain = _CTYPES[kind[0]]
+    plain: Any = _CTYPES[kind[0]]
     return plain * sizes[kind[1]] if len(kind) > 1 else plain
 
 

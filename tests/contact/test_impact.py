@@ -157,8 +157,10 @@ def test_friction_in_an_impact_meets_the_laws(poisson: int) -> None:
 
 def test_poisson_without_friction_is_newton() -> None:
     rows, inverse = tip(0.7)
-    results = [impact(rows[:1], inverse, np.array([0.3, -2.0, 1.0]), [0.5], poisson=[k])[1] for k in (0, 1)]
-    assert np.allclose(*results, atol=1e-15)
+    one, other = [
+        impact(rows[:1], inverse, np.array([0.3, -2.0, 1.0]), [0.5], poisson=[k])[1] for k in (0, 1)
+    ]
+    assert np.allclose(one, other, atol=1e-15)
 
 
 @pytest.mark.sample(1)

@@ -69,7 +69,8 @@ def planar_solutions(W: Array, b: Array, mu: Sequence[float], given: Sequence[in
     """Return u of all planar solutions, by enumeration with numpy.linalg.lstsq; `given`: direction of slip of
     contacts that move, else 0."""
     n, found = len(mu), list[Array]()
-    for modes in itertools.product(*[("open", d) if d else ("open", "stick", 1, -1) for d in given]):
+    options: list[tuple[Any, ...]] = [("open", d) if d else ("open", "stick", 1, -1) for d in given]
+    for modes in itertools.product(*options):
         A, r = np.eye(2 * n), np.zeros(2 * n)
         for i, mode in enumerate(modes):
             if mode != "open":
@@ -289,6 +290,27 @@ def test_the_law_does_not_depend_on_units() -> None:
         for mass, time in ((1e-12, 1.0), (1.0, 1e9), (1e15, 1e-6)):
             other, scaled = law(W / mass, b / time**2, [1] * n, mu)
             assert (other, scaled["mode"]) == (code, found["mode"])
+
+
+@pytest.mark.parametrize(("terms", "closed"), [(0.0, [OPEN, SLIPS]), (1e6, [SLIPS, SLIPS])])
+def test_accelerations_below_the_roundoff_of_their_terms_are_zero(terms: float, closed: list[int]) -> None:
+    work = in_python()["make"]()
+    fill(work, np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([1e-11, -1e-11]), [0, 0], [0.0, 0.0])
+    work.law_sizes[:2] = [terms, terms]
+    assert in_python()["set_law"](work) == ONE
+    assert values(work)["mode"] == closed
+
+
+def test_a_paradox_names_its_contact() -> None:
+    # a block that is pressed on the floor, and a rod as in the test of Painleve
+    angle, W, b = 1.0, np.eye(4), np.array([-9.81, 0.0, -9.81, 0.5])
+    rows = np.array([[0.0, 1.0, -math.cos(angle)], [1.0, 0.0, math.sin(angle)]])
+    W[2:, 2:] = rows @ np.diag([1.0, 1.0, 3.0]) @ rows.T
+    for lifts, code in ((-20.0, NONE), (9.81, SEVERAL)):
+        work = in_python()["make"]()
+        b[2] = lifts
+        fill(work, W, b, [1, 1], [0.3, 1.5], moves=[0, 1], direction=[(0.0, 0.0), (-1.0, 0.0)])
+        assert in_python()["set_law"](work) == code and work.law_culprit == 1
 
 
 @pytest.mark.full

@@ -10,6 +10,7 @@ from lagc.kernels.contact.frozen_modes import (
     CONTACT_OPEN,
     CONTACT_SLIPS,
     CONTACT_STICKS,
+    LAW_ROUNDOFF,
     LEAST_SLIPS,
     LEAST_STICKS,
     is_closed,
@@ -19,7 +20,6 @@ from lagc.kernels.language.vocabulary import *
 
 LAW_ZERO = by_type(1e-4, 1e-9, "1e-20")  # of the size of u or p: it is zero
 DISTINCT = by_type(1e-2, 1e-6, "1e-12")  # of the size of u: solutions that differ
-LAW_ROUNDOFF = 1e3  # units in the last place of forces, in u
 
 
 def has_friction(w: Work, i: int) -> bool:
@@ -55,12 +55,17 @@ def largest_force(w: Work) -> Real:
     return largest
 
 
+def zero_rate(w: Work, force: Real) -> Real:
+    """Return the scaled u that counts as zero, for the largest scaled force."""
+    return LAW_ZERO * w.law_size + w.law_roundoff + LAW_ROUNDOFF * SPACING * force
+
+
 def is_admissible(w: Work) -> bool:
     """Return whether w.law_p and w.law_u meet the law in the modes w.law_mode."""
     force = largest_force(w)
     if not force < inf:
         return False
-    zero_u = LAW_ZERO * w.law_size + LAW_ROUNDOFF * SPACING * force
+    zero_u = zero_rate(w, force)
     for i in range(w.law_count):
         first = w.law_first[i]
         normal = w.law_p[first] / w.law_scale[first]
@@ -86,8 +91,9 @@ def is_admissible(w: Work) -> bool:
 
 def differs(w: Work) -> bool:
     """Return whether w.law_u is not the kept one."""
+    least = DISTINCT * w.law_size + w.law_roundoff
     for j in range(w.law_rows):
-        if fabs(w.law_u[j] - w.law_kept_u[j]) * w.law_row_scale[j] > DISTINCT * w.law_size:
+        if fabs(w.law_u[j] - w.law_kept_u[j]) * w.law_row_scale[j] > least:
             return True
     return False
 
@@ -106,7 +112,7 @@ def restore_solution(w: Work) -> None:
 
 def read_modes(w: Work) -> None:
     """Set w.law_mode and the directions of slip by u."""
-    zero = LAW_ZERO * w.law_size + LAW_ROUNDOFF * SPACING * largest_force(w)
+    zero = zero_rate(w, largest_force(w))
     for i in range(w.law_count):
         first = w.law_first[i]
         opens = w.law_two_sided[i] == 0 and w.law_row_scale[first] * w.law_u[first] > zero

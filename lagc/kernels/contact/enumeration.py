@@ -108,6 +108,19 @@ def advance_choice(w: Work) -> bool:
     return False
 
 
+def name_culprit(w: Work, found: int) -> None:
+    """Set w.law_culprit to a contact whose modes differ, or to the one that sinks in fastest by itself."""
+    deepest = 0.0
+    for i in range(w.law_count):
+        row = w.law_first[i]
+        if found == LAW_SEVERAL:
+            if w.law_mode[i] != w.law_other_mode[i]:
+                w.law_culprit = i
+        elif w.law_row_scale[row] * w.law_b[row] < deepest:
+            deepest = w.law_row_scale[row] * w.law_b[row]
+            w.law_culprit = i
+
+
 def enumerate_modes(w: Work) -> int:
     """Try all modes; return LAW_ONE, LAW_NONE or LAW_SEVERAL. Of modes with the same u the last one gives p:
     it has the most contacts closed and sticking."""
@@ -131,4 +144,6 @@ def enumerate_modes(w: Work) -> int:
     if found != LAW_NONE:
         restore_solution(w)
         read_modes(w)
+    if found != LAW_ONE:
+        name_culprit(w, found)
     return found

@@ -16,6 +16,7 @@ CONTACT_SLIPS = 1  # closed; also a contact without slip rows
 CONTACT_STICKS = 2
 LEAST_SLIPS = 3  # p_n is the least normal force, with friction; u_n >= 0
 LEAST_STICKS = 4
+LAW_ROUNDOFF = 1e3  # units in the last place of the terms of b, and of forces: a difference of u
 CONTRADICTS = by_type(1e-3, 1e-7, "1e-14")  # of the size of u: residual of a dependent row
 MOST_TURNS = 40  # Newton iterations for slip directions
 TURNED = by_type(1e-3, 1e-7, "1e-15")  # last change of a slip angle; the next one is its square
@@ -33,8 +34,10 @@ def is_sticking(mode: int) -> bool:
 
 def set_law_scales(w: Work) -> None:
     """Set w.law_scale and w.law_row_scale, which make the blocks of W on the diagonal about 1 and measure
-    all rows by the root of their energy, and w.law_size, the largest scaled b."""
+    all rows by the root of their energy, w.law_size, the largest scaled b, and w.law_roundoff, the largest
+    round-off of one."""
     w.law_size = 0.0
+    w.law_roundoff = 0.0
     for i in range(w.law_count):
         first = w.law_first[i]
         begin = first
@@ -51,9 +54,12 @@ def set_law_scales(w: Work) -> None:
         if begin > first and w.law_w[first * w.law_rows + first] != 0.0:
             w.law_row_scale[first] = 1.0 / (scale * fabs(w.law_w[first * w.law_rows + first]))
         for j in range(first, end):
-            size = fabs(w.law_b[j]) if fabs(w.law_b[j]) > w.law_sizes[j] else w.law_sizes[j]
-            if w.law_row_scale[j] * size > w.law_size:
-                w.law_size = w.law_row_scale[j] * size
+            size = w.law_row_scale[j] * fabs(w.law_b[j])
+            if size > w.law_size:
+                w.law_size = size
+            roundoff = LAW_ROUNDOFF * SPACING * w.law_row_scale[j] * w.law_sizes[j]
+            if roundoff > w.law_roundoff:
+                w.law_roundoff = roundoff
 
 
 def list_unknowns(w: Work, turning: bool) -> None:
@@ -215,7 +221,7 @@ def least_norm_change(w: Work) -> bool:
             w.law_step[j] += w.law_right[row] * w.law_matrix[row * n + j]
     for k in range(w.law_rank, n):
         row = w.law_order[k]
-        if not fabs(w.law_right[row]) <= CONTRADICTS * largest:
+        if not fabs(w.law_right[row]) <= CONTRADICTS * largest + w.law_roundoff:
             w.law_culprit = w.law_contact[row]
             return False
     return True

@@ -121,7 +121,7 @@ def solve_impulses(w: Work, restitution: bool) -> int:
         for k in range(w.law_slips[i] + 1):
             row = w.law_first[i] + k
             w.law_b[row] = w.impact_u[row_of_all(w, i, k)]
-            w.law_sizes[row] = 0.0
+            w.law_sizes[row] = w.impact_sizes[row_of_all(w, i, k)]
         if restitution and w.law_two_sided[i] == 0:
             w.law_b[w.law_first[i]] *= 1.0 + w.law_restitution[w.impact_of[i]]
     set_law_scales(w)

@@ -217,7 +217,7 @@ class Work:
         law_p: Vec[NCROW]  # forces or impulses
         law_u: Vec[NCROW]  # relative accelerations or velocities
         law_other_mode: IVec[NCON]  # of a second solution
-        law_culprit: int  # a contact that contradicts the others
+        law_culprit: int  # a contact that contradicts others, sinks in, or has several modes
         law_rank: int  # of the rows of closed contacts
         law_unknowns: int
         # Its solver
@@ -229,7 +229,8 @@ class Work:
         law_least: Vec[NCON]  # least normal force
         law_scale: Vec[NCROW]  # of forces
         law_row_scale: Vec[NCROW]  # of u
-        law_size: Real  # of scaled u
+        law_size: Real  # the largest scaled b
+        law_roundoff: Real  # of scaled b
         law_contact: IVec[NLAW]  # contact of each unknown
         law_unknown: IVec[NLAW]  # its row; law_rows: a slip angle
         law_matrix: Vec[NLAWS]
