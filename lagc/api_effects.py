@@ -11,7 +11,7 @@ from lagc.base.records import replace
 from lagc.compiler.loaded import Loaded
 from lagc.compiler.pipeline import Compilation
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.simulation.request import Request, bound_parameters, bound_starts
+from lagc.simulation.request import Request, bound_guesses, bound_parameters, bound_starts
 from lagc.simulation.system import Options, rates_at
 
 if TYPE_CHECKING:
@@ -37,6 +37,8 @@ class Comparable:
         of: Sequence[str] = (),
         parameters: Mapping[str, Any] | None = None,
         starts: Mapping[str, Any] | None = None,
+        guesses: Mapping[str, Any] | None = None,
+        also: Mapping[str, Mapping[str, Any]] | None = None,
         progress: Callable[[float, str], None] = lambda part, doing: None,
     ) -> Effects:
         """Measure what each effect of the scene changes and costs, and find the cheapest scene for each
@@ -44,12 +46,15 @@ class Comparable:
 
         accuracies: the largest changes to find a scene for, relative to the range of each quantity.
         of: the coordinates and outputs to compare (default: all that every scene has).
+        guesses: where to search for initial values, by name.
+        also: other initial values, by a name for each, for which the recommended scenes are verified.
 
         `lagc.reports.effects` prints the result.  Raises Refused if an argument is invalid, if the scene has
         no effects, if there is no C compiler, or if the full scene does not run to `stop`.
         """
         from lagc.simulation.backends.compile import CannotCompile
-        from lagc.study.effects import Comparison, Effects, Refusal, study
+        from lagc.study.effect_sets import study
+        from lagc.study.effects import Comparison, Effects, Refusal
 
         compilation = self._loaded.compilation
         model = compilation.model
@@ -65,15 +70,24 @@ class Comparable:
         unknown = [name for name in of if name not in (*interface.q_names, *_outputs(interface))]
         if unknown:
             raise Refused([Fault("LAG0606", f"there is no coordinate or output `{unknown[0]}`")])
+        guessed = quantities("guesses", guesses)
+        begin = {name: {**asked, **quantities("also", own)} for name, own in (also or {}).items()}
+        for own in (asked, *begin.values()):
+            bound_guesses(interface, guessed, bound_starts(interface, own))
         request = Request(stop=seconds("stop", stop), points=points, starts=bound_starts(interface, asked))
         times = request.completed({**interface.simulate, "accuracy": 1e-6}).grid()
         spans = {e.name: e.span for e in model.effects}
 
-        def make(without: Names, more: Names) -> Variant | None:
-            found = _compiled(compilation, without, more)
-            if isinstance(found, Refused):
-                return None
-            return _Variant(found, given, asked, times)
+        compiled: dict[tuple[Names, Names], Loaded | Refused] = {}
+
+        def make_for(starts: Mapping[str, Any]) -> Callable[[Names, Names], Variant | None]:
+            def make(without: Names, more: Names) -> Variant | None:
+                if (without, more) not in compiled:
+                    compiled[without, more] = _compiled(compilation, without, more)
+                found = compiled[without, more]
+                return None if isinstance(found, Refused) else _Variant(found, given, starts, guessed, times)
+
+            return make
 
         def closure(effects: Names) -> Names | None:
             """The effects with all that need them: those that are refused without them."""
@@ -92,9 +106,10 @@ class Comparable:
 
         begun = Effects(model.scene, times[-1], names)
         try:
-            comparison = Comparison(make, begun, min(accuracies, default=1e-6), of)
+            comparison = Comparison(make_for(asked), begun, min(accuracies, default=1e-6), of)
             offered = [e.name for e in model.effects if not e.used]
-            return study(comparison, closure, offered, sorted(accuracies, reverse=True), progress)
+            elsewhere = {name: make_for(own) for name, own in begin.items()}
+            return study(comparison, closure, offered, sorted(accuracies, reverse=True), progress, elsewhere)
         except CannotCompile as error:
             raise Refused([Fault("LAG0701", f"effects cannot be measured: {error}")]) from None
         except Refusal as error:
@@ -136,7 +151,7 @@ class _Variant:
     """See `lagc.study.effects.Variant`."""
 
     def __init__(self, loaded: Loaded, given: Mapping[str, Any], starts: Mapping[str, Any],
-                 times: Sequence[float]):  # fmt: skip
+                 guesses: Mapping[str, Any], times: Sequence[float]):  # fmt: skip
         interface = loaded.artifact.interface
         known = {f.name for f in (*interface.parameters, *interface.inputs, *loaded.artifact.unused)}
         own = {name: value for name, value in given.items() if name in known}
@@ -144,6 +159,8 @@ class _Variant:
         self.values = bound_parameters(interface, own, loaded.artifact.unused)
         states = set(interface.state_names)
         self.starts = bound_starts(interface, {n: v for n, v in starts.items() if n in states})
+        inner = {n: v for n, v in guesses.items() if n in states}
+        self.guesses = bound_guesses(interface, inner, self.starts)
         self.names = (*interface.q_names, *_outputs(interface))
         self.units = dict(zip(interface.state_names, interface.state_units))
         self.units.update({x.name: x.unit for x in interface.outputs})
@@ -165,7 +182,8 @@ class _Variant:
         values = list(self.values)
         if scaled is not None:
             values[self.parameters.index(scaled[0])] *= scaled[1]
-        request = Request(stop=self.times[-1], accuracy=accuracy, points=len(self.times), starts=self.starts)
+        request = Request(stop=self.times[-1], accuracy=accuracy, points=len(self.times), starts=self.starts,
+                          guesses=self.guesses)  # fmt: skip
         try:
             run = self.loaded.simulate(request, values)
         except Refused as refused:
@@ -173,16 +191,27 @@ class _Variant:
         if run.interrupted:
             raise KeyboardInterrupt
         found = {name: np.array(run.column(name)) for name in self.names}
-        ends = run.message if run.status == "failed" else ""
+        failed = run.status == "failed"
+        cut = failed and run.estimated == accuracy and len(run.times) > 1  # at its horizon
+        inexact = failed and len(run.times) == len(self.times) and bool(run.errors)
+        ends = run.message if failed and not cut and not inexact else ""
         events = tuple([(event.t, event.name) for event in run.events])
-        return Motion(np.array(run.times), found, run.states, run.errors, events, run.method, run.rtol,
-                      ends)  # fmt: skip
+        errors = run.errors
+        if cut:  # its errors are those beyond the horizon
+            units = [self.units.get(name, "") for name in found]
+            sizes = dict.fromkeys(units, 0.0)
+            for unit, column in zip(units, found.values()):
+                sizes[unit] = max(sizes[unit], float(np.abs(column).max()))
+            errors = {name: accuracy * sizes[unit] for name, unit in zip(found, units)}
+        return Motion(np.array(run.times), found, run.states, errors, events, run.method, run.rtol,
+                      ends, cut)  # fmt: skip
 
     def plain(self, setting: Motion, repeats: int) -> tuple[float, int]:
         """The CPU time and the evaluations of a run without verification, recorded at its end alone."""
         system = self.loaded.system("c").bind(self.values)
         if not hasattr(self, "x0"):
-            self.x0 = self.loaded.initialize(system, Request(stop=self.times[-1], starts=self.starts)).x
+            self.x0 = self.loaded.initialize(system, Request(stop=self.times[-1], starts=self.starts,
+                                                                  guesses=self.guesses)).x  # fmt: skip
         options = Options(method=setting.method, rtol=setting.rtol, max_steps=0)
         ends = [self.times[0], self.times[-1]]
         began = process_time()

@@ -17,12 +17,12 @@ from lagc.cli.options import (
     quantities,
     quantity,
 )
-from lagc.cli.output import DONE, FAILED, UNWRITTEN, Usage, print_json, say, show
+from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show
 from lagc.cli.sim import check_picture
-from lagc.host.budgets import rest
+from lagc.host.budgets import reached, rest
 
 if TYPE_CHECKING:
-    from lagc.api import CompiledModel
+    from lagc.api import CompiledModel, Run
 
 T = TypeVar("T")
 
@@ -61,12 +61,20 @@ def run(options: argparse.Namespace) -> int:
     given = choices[0].parameters
     own = [model.without(()).bind(_own(given, parameters, k)) for k, model in enumerate(models)]
     states = [model.state_names for model in models]
-    runs = [
-        model.simulate(stop, accuracy=accuracy, points=options.points, starts=_own(starts, states, k))
-        for k, model in enumerate(own)
-    ]
+    runs: list[Run] = []
+    try:
+        for k, model in enumerate(own):
+            given_starts = _own(starts, states, k)
+            run = model.simulate(stop, accuracy=accuracy, points=options.points, starts=given_starts)
+            runs.append(run)
+            if run.interrupted:
+                break
+    except KeyboardInterrupt:
+        if not runs:
+            raise
     rest()
-    found = compare(scenes, runs)
+    found = compare(scenes[: len(runs)], runs)
+    interrupted = len(runs) < len(own) or runs[-1].interrupted
     written = True
     if options.plot:
         from lagc.reports.plots import compare as picture
@@ -76,9 +84,12 @@ def run(options: argparse.Namespace) -> int:
         if path is not None:
             say(f"written to {path}", options.quiet or options.json)
     if options.json:
-        print_json(to_dict(found))
+        print_json({"status": "interrupted" if interrupted else "ok", **to_dict(found)})
     else:
         show(text(found, options.verbose))
+    if interrupted:
+        say("interrupted: these are the runs until then", options.quiet or options.json)
+        return LIMITED if reached() else INTERRUPTED
     if not written:
         return UNWRITTEN
     return FAILED if any(run.status == "failed" for run in runs) else DONE

@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext, redirect_stdout
 from typing import TYPE_CHECKING
 
@@ -23,8 +23,11 @@ if TYPE_CHECKING:
     from lagc.lowering.program import Interface
 
 
-def deliver(found: Run, options: argparse.Namespace) -> int:
-    """Write, draw and print the result, also of a failed run, and return the exit code.
+def deliver(
+    found: Run, options: argparse.Namespace, more: Mapping[str, object] | None = None
+) -> int:  # fmt: skip
+    """Write, draw and print the result, also of a failed run, and return the exit code.  `more` is a part of
+    the JSON object.
 
     A run that was interrupted at its initial state writes no file, and leaves existing files alone.
     """
@@ -35,7 +38,7 @@ def deliver(found: Run, options: argparse.Namespace) -> int:
         written = not (options.output and begun) or _save(found, options)
         drawn = not picture or _draw(found, picture, options)
     with beside(options.output):
-        _print(found, options)
+        _print(found, options, more or {})
     if options.plot == "" and begun and not picture:
         from lagc.reports.plots.plot import show as show_picture
 
@@ -55,9 +58,9 @@ def beside(path: str | None) -> AbstractContextManager[object]:
     return redirect_stdout(sys.stderr) if path and output(path) == 1 else nullcontext()
 
 
-def _print(found: Run, options: argparse.Namespace) -> None:
+def _print(found: Run, options: argparse.Namespace, more: Mapping[str, object]) -> None:
     if options.json:
-        print_json(found.to_dict())
+        print_json({**found.to_dict(), **more})
     else:
         from lagc.cli.summary import summary
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import re
 from math import log10
+from typing import TYPE_CHECKING
 
 from lagc.cli.deliver import spare
 from lagc.cli.options import (
@@ -18,10 +19,14 @@ from lagc.cli.options import (
     choice_of,
     quantities,
     quantity,
+    split,
 )
 from lagc.cli.output import DONE, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, show
 from lagc.cli.study_report import Report, add_report_options, check_endings
 from lagc.host.budgets import reached, rest
+
+if TYPE_CHECKING:
+    from lagc.simulation.request import Quantity
 
 RANGE = "1e-2..1e-8"
 
@@ -36,6 +41,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--of", metavar="NAMES", help="coordinates and outputs to compare; default: all that every scene has"
     )
+    parser.add_argument(
+        "--also", metavar="'start NAME=VALUE, ...'", action="append", default=[],
+        help="verify the recommended scenes for these initial values too, e.g. --also 'start th=90[deg]'",
+    )  # fmt: skip
     add_report_options(parser, 501)
     add_general_options(parser)
 
@@ -53,11 +62,12 @@ def run(options: argparse.Namespace) -> int:
     model = CompiledModel(compilation, "c")
     spare(compilation, *options.output)
     starts = quantities(options.starts, "--start")
+    also = {" ".join(words.split()): also_of(words) for words in options.also}
     of = [name.strip() for name in (options.of or "").split(",") if name.strip()]
     with Bar(1.0, quiet=options.quiet or options.json) as bar:
         found = model.effects(
             quantity(options.stop, "s", "--stop"), accuracies=accuracies, points=options.points, of=of,
-            starts=starts, progress=lambda part, doing: bar.part(part, doing),
+            starts=starts, also=also, progress=lambda part, doing: bar.part(part, doing),
         )  # fmt: skip
     rest()
     interface = model.interface
@@ -73,6 +83,14 @@ def run(options: argparse.Namespace) -> int:
     if not found.complete:
         return LIMITED if reached() else INTERRUPTED
     return DONE if all(written) else UNWRITTEN
+
+
+def also_of(written: str) -> dict[str, float | Quantity]:
+    """Return the initial values of `start a=1, b=2[m]`.  Raises Usage."""
+    begin, _, rest_ = written.strip().partition(" ")
+    if begin != "start" or not rest_.strip():
+        raise Usage(f"`--also '{written}'`: write initial values, as in --also 'start th=90[deg], x=0'")
+    return quantities([part for part in split(rest_) if part.strip()], "--also")
 
 
 def accuracies_of(written: str) -> list[float]:

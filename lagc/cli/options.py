@@ -201,3 +201,15 @@ def quantity(word: str | None, unit: str, option: str) -> float | None:
         return to_si(value, given, unit)
     except UnknownUnit as error:
         raise Usage(f"`{option} {word}`: {error.reason}") from None
+
+
+def split(names: str) -> list[str]:
+    """Split at commas outside of an index: `l, a[1,2]`."""
+    found, depth = [""], 0
+    for letter in names:
+        depth += (letter == "[") - (letter == "]")
+        if letter == "," and depth == 0:
+            found.append("")
+        else:
+            found[-1] += letter
+    return found

@@ -22,45 +22,55 @@ SHARE = 0.5  # of the accuracy, for the error of the run; the rest is for what i
 
 
 def pruned(
-    model: CompiledModel, request: Request, starts: Mapping[str, Any], quiet: bool
-) -> tuple[CompiledModel, Request, str]:
-    """Return the model without these effects, the request for it, and a note.  Raises Usage if a method or
-    tolerances were chosen by hand, Refused as `CompiledModel.effects`."""
+    model: CompiledModel, request: Request, starts: Mapping[str, Any], guesses: Mapping[str, Any], quiet: bool
+) -> tuple[CompiledModel, Request, str, dict[str, object]]:
+    """Return the model without these effects, the request for it, a note, and the object `pruned` of the
+    JSON. Raises Usage if a method or tolerances were chosen by hand, Refused as `CompiledModel.effects`."""
     if request.by_hand:
         raise Usage("`--prune` needs an accuracy, and no method, tolerance or step of your own")
-    if not model.interface.effects:
-        return model, request, "nothing is left out: the scene uses no effect"
     complete = request.completed(model.interface.simulate)
     accuracy, stop = complete.accuracy or 1e-6, complete.stop or 0.0
-    left_out, change, took = _set(model, accuracy, stop, starts, quiet)
+    said: dict[str, object] = {"left_out": [], "error": 0.0, "bar": 0.0, "asked": accuracy}
+    if not model.interface.effects:
+        return model, request, "nothing is left out: the scene uses no effect", said
+    left_out, change, bar, took = _set(model, accuracy, stop, starts, guesses, quiet)
     if not left_out:
-        return model, request, f"nothing is left out at {accuracy:.0e}: each effect counts, or saves nothing"
+        words = f"nothing is left out at {accuracy:.0e}: each effect counts, or saves nothing"
+        return model, request, words, said
     compared = model.operations
     model = model.without(left_out)
     words = f"left out {', '.join(left_out)}: the compared quantities change by {change:.1e} of their ranges "
     words += f"(asked {accuracy:.0e}; measured, for this initial state and end time{took}); "
     words += f"{model.operations} of {compared} operations"
-    return model, replace(request, accuracy=SHARE * accuracy), words
+    said.update(left_out=list(left_out), error=change, bar=bar)
+    return model, replace(request, accuracy=SHARE * accuracy), words, said
 
 
 def _set(
-    model: CompiledModel, accuracy: float, stop: float, starts: Mapping[str, Any], quiet: bool
-) -> tuple[tuple[str, ...], float, str]:
-    """The effects to leave out, the change, and how long it took to find them; "" if they were known."""
+    model: CompiledModel,
+    accuracy: float,
+    stop: float,
+    starts: Mapping[str, Any],
+    guesses: Mapping[str, Any],
+    quiet: bool,
+) -> tuple[tuple[str, ...], float, float, str]:
+    """The effects to leave out, the change, its error bar, and how long it took to find them; "" if they were
+    known."""
     from lagc.cli.output import Bar
 
-    values = [repr(v) for v in (accuracy, stop, sorted(starts.items()), list(model.system.parameters))]
+    begin = [sorted(starts.items()), sorted(guesses.items())]
+    values = [repr(v) for v in (accuracy, stop, begin, list(model.system.parameters))]
     name = cache.key(
-        "effects 1", tool_fingerprint(), model.interface.model_hash, model.interface.scene, *values
+        "effects 2", tool_fingerprint(), model.interface.model_hash, model.interface.scene, *values
     )
     known = cache.load("effects", name, marshal.loads)
     if known is not None:
-        return tuple(known[0]), known[1], ""
+        return tuple(known[0]), known[1], known[2], ""
     with Bar(1.0, quiet=quiet) as bar:
-        found = model.effects(stop, accuracies=(accuracy,), starts=starts,
+        found = model.effects(stop, accuracies=(accuracy,), starts=starts, guesses=guesses,
                               progress=lambda part, doing: bar.part(part, doing))  # fmt: skip
     if not found.complete:
         raise KeyboardInterrupt
     (choice,) = found.sets
-    cache.store("effects", name, marshal.dumps((list(choice.left_out), choice.change)))
-    return choice.left_out, choice.change, f"; found in {found.spent:.0f} s"
+    cache.store("effects", name, marshal.dumps((list(choice.left_out), choice.change, choice.bar)))
+    return choice.left_out, choice.change, choice.bar, f"; found in {found.spent:.0f} s"

@@ -22,6 +22,7 @@ from lagc.cli.options import (
     limits_of,
     quantities,
     quantity,
+    split,
 )
 from lagc.cli.output import Unwritten, Usage
 from lagc.kernels import METHODS
@@ -124,13 +125,16 @@ def run(options: argparse.Namespace) -> int:
     check_memory(complete, model.interface.nx, most)
     written = targets(options.output) if options.output else ()
     spare(compilation, *written, picture_of(model.interface, options.plot))
+    more: dict[str, object] = {}
     note = ""
     if options.prune:
         from lagc.cli.prune import pruned
 
         bound_starts(model.interface, given)
-        model, request, note = pruned(model, request, given, options.quiet or options.json)
+        quiet = options.quiet or options.json
+        model, request, note, more["pruned"] = pruned(model, request, given, guesses, quiet)
         given = {name: value for name, value in given.items() if name in model.state_names}
+        guesses = {name: value for name, value in guesses.items() if name in model.state_names}
         own = {f.name for f in (*model.interface.parameters, *model.interface.inputs, *model.artifact.unused)}
         choice = replace(choice, parameters={n: v for n, v in choice.parameters.items() if n in own})
     starts = bound_starts(model.interface, given)
@@ -148,7 +152,7 @@ def run(options: argparse.Namespace) -> int:
             raise wrong(f"{error}; --backend numpy needs no compiler") from None
     if note:
         found.notes = (note, *found.notes)
-    return deliver(found, options)
+    return deliver(found, options, more)
 
 
 def check_files(options: argparse.Namespace) -> None:
@@ -197,20 +201,8 @@ def request_of(options: argparse.Namespace) -> Request:
         every=quantity(options.every, "s", "--every"),
         points=_whole(options.points, "--points"),
         max_step=quantity(options.max_step, "s", "--max-step"),
-        sensitivity=tuple([name for word in options.sensitivity for name in _split(word)]),
+        sensitivity=tuple([name for word in options.sensitivity for name in split(word)]),
     )
-
-
-def _split(names: str) -> list[str]:
-    """Split at commas outside of an index: `l, a[1,2]`."""
-    found, depth = [""], 0
-    for letter in names:
-        depth += (letter == "[") - (letter == "]")
-        if letter == "," and depth == 0:
-            found.append("")
-        else:
-            found[-1] += letter
-    return found
 
 
 def _whole(word: str | None, option: str) -> int | None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from lagc.base.text import printable, table
 from lagc.reports.cost import PAGE
-from lagc.study.effects import AS_LONG, Change, Choice, Effects, joined
+from lagc.study.effects import AS_LONG, Change, Choice, Effects, Elsewhere, joined
 
 
 def text(found: Effects, heading: str) -> str:
@@ -17,6 +17,8 @@ def text(found: Effects, heading: str) -> str:
     compared = ", ".join(f"{name} ({_scale(found, name)})" for name in found.scales)
     lines = [f"{heading}, 0 to {found.stop:g} s: {count} {'effect' if count == 1 else 'effects'}"]
     lines.append(f"  compared      {compared}")
+    if found.horizon is not None:
+        lines.append(f"  until         {found.horizon:.4g} s: a run is not predictable beyond")
     if found.not_compared:
         lines.append(f"  not compared  {', '.join(found.not_compared)}: not every scene has it")
     if found.left_out:
@@ -26,7 +28,8 @@ def text(found: Effects, heading: str) -> str:
     if found.sets:
         lines += ["", "The cheapest scene for an accuracy; each was run and compared with the full scene"]
         lines += _sets(found)
-        lines += [f"  (for this initial state and {found.stop:g} s only)"]
+        lines += [f"  (for this initial state and {found.horizon or found.stop:.4g} s only)"]
+        lines += _also(found.also)
         paste = next((one for one in found.sets if one.left_out), None)
         if paste is not None:
             lines += ["", f"In the file: {scene_of(found, paste)}"]
@@ -76,7 +79,11 @@ def _singles(changes: Sequence[Change], found: Effects, word: str) -> list[str]:
     for one in sorted(changes, key=lambda one: -(one.change if one.change is not None else 1e300)):
         size, of = _change(one)
         time = "" if one.time == float("inf") else _time(one.time)
-        note = "dearer without it" if word == "without" and 1.0 + AS_LONG < one.time < float("inf") else ""
+        first = min(one.until.items(), key=lambda item: -item[0], default=None)
+        notes = [] if first is None else [f"above {first[0]:.0e} from {first[1]:.3g} s"]
+        if word == "without" and 1.0 + AS_LONG < one.time < float("inf"):
+            notes.insert(0, "dearer without it")
+        note = "; ".join(notes)
         rows.append([_name(one), size, of, time, f"{found.operations} -> {one.operations}", note])
     lines = table([word, "changes", "", "a run takes", "operations", ""], rows)
     stronger = [f"{one.effect} with {one.how}" for one in changes if " times " in one.how]
@@ -106,6 +113,21 @@ def _sets(found: Effects) -> list[str]:
     return lines
 
 
+def _also(also: Sequence[Elsewhere]) -> list[str]:
+    """The recommended scenes for other initial states."""
+    if not also:
+        return []
+    rows = []
+    for one in also:
+        size = one.ends
+        if one.change is not None:
+            size = f"{one.change:.1e}" + (f" +- {one.bar:.0e}" if one.bar > 0.1 * one.change else "")
+        holds = "holds" if one.holds else "does not hold"
+        rows.append([one.start, f"{one.accuracy:.0e}", ", ".join(one.left_out), size, holds])
+    head = ["for", "accuracy", "without", "changes", ""]
+    return ["", "The same scenes for other initial states", *table(head, rows)]
+
+
 def to_dict(found: Effects) -> dict[str, Any]:
     """Return the study as the object that `lagc effects --json` prints."""
 
@@ -113,6 +135,7 @@ def to_dict(found: Effects) -> dict[str, Any]:
         return {
             "effect": one.effect, "with": list(one.along), "change": one.change, "bar": one.bar,
             "how": one.how, "per": dict(one.per), "ends": one.ends, "acted": one.acted,
+            "until": {f"{a:.0e}": t for a, t in one.until.items()},
             "operations": one.operations, "states": one.states, "rhs": one.rhs,
             "time": None if one.time == float("inf") else one.time,
         }  # fmt: skip
@@ -123,7 +146,7 @@ def to_dict(found: Effects) -> dict[str, Any]:
             name: {"scale": size, "of": of, "unit": found.units.get(name, "")}
             for name, (size, of) in found.scales.items()
         },
-        "not_compared": list(found.not_compared),
+        "not_compared": list(found.not_compared), "horizon": found.horizon,
         "full": {"operations": found.operations, "states": found.states, "rhs": found.rhs,
                  "time_s": found.seconds, "bar": found.bar},
         "effects": [change(one) for one in found.left_out],
@@ -134,6 +157,11 @@ def to_dict(found: Effects) -> dict[str, Any]:
              "predicted_time": s.predicted_time, "operations": s.operations, "states": s.states,
              "tries": s.tries, "found": s.found, "cancelling": list(s.cancelling)}
             for s in found.sets
+        ],
+        "also": [
+            {"start": s.start, "accuracy": s.accuracy, "left_out": list(s.left_out), "change": s.change,
+             "bar": s.bar, "ends": s.ends, "holds": s.holds}
+            for s in found.also
         ],
         "not_tried": list(found.not_tried), "notes": list(found.notes), "spent_s": found.spent,
         "complete": found.complete,

@@ -51,6 +51,26 @@ def test_scenes_are_chosen_and_drawn(model: str, tmp_path: Path, capsys: pytest.
     assert svg.read_text().startswith("<?xml")
 
 
+def test_an_interrupted_comparison_shows_what_ran(
+    model: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from lagc.api import CompiledModel
+    from lagc.cli.output import INTERRUPTED
+
+    own, scenes = CompiledModel.simulate, []
+
+    def once(self: CompiledModel, *given: object, **more: object) -> object:
+        scenes.append(self.interface.scene)
+        if len(scenes) == 2:
+            raise KeyboardInterrupt
+        return own(self, *given, **more)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(CompiledModel, "simulate", once)
+    assert main(["compare", model, "--stop", "1", "--json"]) == INTERRUPTED
+    found = json.loads(capsys.readouterr().out)
+    assert found["status"] == "interrupted" and [s["scene"] for s in found["scenes"]] == ["free"]
+
+
 @pytest.mark.parametrize(
     "arguments", [["--scene", "nope"], ["-p", "zz=1"], ["--start", "y=1"], ["--plot", "a.txt"]]
 )

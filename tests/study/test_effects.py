@@ -17,7 +17,8 @@ from tests.simulation.test_generated import needs_compiler
 np = pytest.importorskip("numpy")
 
 from lagc.reports.effects import text, to_dict  # noqa: E402
-from lagc.study.effects import Effects, Motion, Variant, in_turn  # noqa: E402
+from lagc.study.effect_changes import in_turn  # noqa: E402
+from lagc.study.effects import Effects, Motion, Variant  # noqa: E402
 
 pytestmark = needs_compiler
 
@@ -56,6 +57,27 @@ end Spring;
 """
 STOP = 3.5
 
+DOUBLE = """model Double
+  coordinate Angle a(start = 120 [deg]), b(start = 100 [deg]);
+  point P = 1 [m]*{sin(a), 0, -cos(a)};
+  point Q = P + 1 [m]*{sin(b), 0, -cos(b)};
+  body one = Particle(mass = 1 [kg], at = P);
+  body two = Particle(mass = 1 [kg], at = Q);
+  Gravity field;
+  effect bearing
+    parameter Real[N.m.s] c = 1e-3;
+    dissipation d = 1/2*c*der(a)^2;
+  end bearing;
+  effect hair
+    parameter Real[N.m] t = 1e-9;
+    potential v = 1/2*t*a^2;
+  end hair;
+  scene all uses bearing, hair
+    simulate(stop = 30 [s]);
+  end all;
+end Double;
+"""
+
 
 def _of(text: str, **options: object) -> Effects:
     return lagc.loads(text).compile().effects(**options)  # type: ignore[arg-type]
@@ -70,7 +92,8 @@ def counted(variants: Mapping[str, Variant], setting: Motion) -> dict[str, tuple
 @pytest.fixture(scope="module", autouse=True)
 def clock() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("lagc.study.effects.in_turn", counted)
+        patch.setattr("lagc.study.effect_changes.in_turn", counted)
+        patch.setattr("lagc.study.effect_sets.in_turn", counted)
         yield
 
 
@@ -152,6 +175,54 @@ end Held;
 
 
 @pytest.mark.full
+def test_recommended_scenes_are_verified_for_other_initial_states(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """x'' + x + k x^3 = 0: the share of the range that the effect changes grows with the square of x."""
+    model = tmp_path / "m.lag"
+    model.write_text("""model Bent
+  coordinate Length x(start = 0.01 [m]);
+  body b = Particle(mass = 1 [kg], at = {x, 0, 0});
+  potential V = 1/2*1 [N/m]*x^2;
+  effect cubic
+    parameter Real[N/m3] k = 1;
+    potential W = 1/4*k*x^4;
+  end cubic;
+  scene all uses cubic
+    simulate(stop = 6 [s]);
+  end all;
+end Bent;
+""")
+    also = ["--also", "start x=0.02", "--also", "start  x=50[cm]"]
+    assert main(["effects", str(model), "--accuracy", "1e-3", "--json", *also]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["sets"][0]["left_out"] == ["cubic"]
+    near, far = found["also"]
+    assert near["start"] == "start x=0.02" and near["holds"] and near["change"] < 1e-3
+    # to first order the phase is late by 3/8 k A^2 t (Duffing), the range is 2 A, t |sin t| is below 4.8145
+    assert near["change"] == pytest.approx(3 / 16 * 0.02**2 * 4.8145, rel=0.02)
+    assert far["start"] == "start x=50[cm]" and not far["holds"] and far["change"] > 0.1
+    assert main(["effects", str(model), "--accuracy", "1e-3", "--quiet", *also]) == 0
+    assert "does not hold" in capsys.readouterr().out
+    for wrong in ("x=1", "start", "start y=1", "start x=a"):
+        assert main(["effects", str(model), "--also", wrong, "--quiet"]) != 0
+
+
+@pytest.mark.full
+def test_a_chaotic_scene_is_compared_until_it_is_not_predictable() -> None:
+    found = _of(DOUBLE, accuracies=(1e-2, 1e-5))
+    assert found.horizon is not None and 5.0 < found.horizon < 30.0
+    changes = {one.effect: one for one in found.left_out}
+    bearing = changes["bearing"].until
+    assert 0.0 < bearing[1e-5] < bearing[1e-2] < found.horizon
+    assert found.sets[0].left_out == ("hair",) and 1e-9 < (changes["hair"].change or 0.0) < 1e-2
+    shown = text(found, "Double")
+    assert "not predictable beyond" in shown and "above 1e-02 from" in shown
+    for one in found.sets:
+        assert one.change <= one.accuracy
+
+
+@pytest.mark.full
 def test_an_effect_goes_with_those_that_need_it() -> None:
     found = lagc.load("stiff_rod").compile().effects(3.0, accuracies=(1e-2,))
     changes = {one.effect: one for one in found.left_out}
@@ -218,6 +289,9 @@ def test_prune_runs_the_cheapest_scene_and_remembers_it(
     first, second = (found["notes"][0] for found in shown)
     assert "left out small, tiny, never" in first and "found in" in first and "found in" not in second
     exact = 1e-3 + (1.0 - 1e-3) * cos(STOP) + 2e-5 * (1.0 - cos(STOP))  # of the full scene
+    pruned = shown[0]["pruned"]
+    assert pruned == shown[1]["pruned"] and pruned["left_out"] == ["small", "tiny", "never"]
+    assert pruned["asked"] == 1e-3 and 0.0 < pruned["bar"] < pruned["error"] < 1e-3
     assert shown[0]["final"]["x"] == pytest.approx(exact, abs=1e-3 * _span())
     assert main(["sim", str(model), "--rtol", "1e-3", "--prune", "--quiet"]) == 2
     assert main(["sim", "bouncing_ball", "--prune", "--quiet"]) == 0
