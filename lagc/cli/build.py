@@ -14,7 +14,7 @@ from lagc.cli.options import add_general_options, add_model_options, choice_of
 from lagc.cli.output import DONE, Usage, cannot_write, print_json, say, show
 from lagc.cli.signals import SIGNALS
 from lagc.host.atomic_write import Files, folder, no_folder
-from lagc.kernels import IMPLICIT
+from lagc.kernels import IMPLICIT, SERIES
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -35,7 +35,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--derivatives", action="store_true", help="add exact derivatives by state, parameters and inputs"
     )
     parser.add_argument(
-        "--method", choices=IMPLICIT, help="add this method for stiff systems; the others are always there"
+        "--method", choices=(*IMPLICIT, *SERIES), help="add this method; the explicit ones are always there"
     )
     add_general_options(parser)
 
@@ -51,7 +51,8 @@ def run(options: argparse.Namespace) -> int:
     if file := no_folder(options.output):
         raise Usage(f"`{file}` is no folder: -o needs the name of a folder")
     compilation = pipeline.Compilation(model_library.read(options.file), choice_of(options))
-    program = pipeline.delivered(compilation, options.derivatives, options.method is not None)
+    more = options.method in IMPLICIT, options.method in SERIES
+    program = pipeline.delivered(compilation, options.derivatives, *more)
     files = pipeline.render(program, options.target, real=options.real)
     spare(compilation, *(os.path.join(options.output, name) for name in files))
     paths = write(files, options.output)

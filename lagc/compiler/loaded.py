@@ -11,7 +11,7 @@ from lagc.base.records import RLock, once
 from lagc.compiler.pipeline import Compilation
 from lagc.diagnostics.faults import Refused
 from lagc.host.budgets import running
-from lagc.kernels import IMPLICIT
+from lagc.kernels import IMPLICIT, SERIES
 from lagc.simulation.system import System
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ class Loaded:
         self.lock = RLock()
         self.systems: dict[str, System] = {}
         self.implicit: Loaded | None = None  # with the implicit methods
+        self.expanded: Loaded | None = None  # with those by power series
         self.followers: dict[str, System] = {}  # with what sensitivities need
         self.numpy_s = 0.0  # the longest run of `auto` in NumPy so far
         began = perf_counter()
@@ -47,7 +48,9 @@ class Loaded:
         return {name: getattr(self, name) for name in kept}
 
     def __setstate__(self, state: dict[str, object]) -> None:
-        vars(self).update(state, lock=RLock(), systems={}, numpy_s=0.0, followers={}, implicit=None)
+        vars(self).update(
+            state, lock=RLock(), systems={}, numpy_s=0.0, followers={}, implicit=None, expanded=None
+        )
         self.preferred = self._preferred()
 
     @property
@@ -104,6 +107,13 @@ class Loaded:
                 self.implicit = Loaded(self.compilation.implicit, self.asked)
             return self.implicit
 
+    def with_series(self) -> Loaded:
+        """The same model with the methods by power series."""
+        with self.lock:
+            if self.expanded is None:
+                self.expanded = Loaded(self.compilation.expanded, self.asked)
+            return self.expanded
+
     def implicit_system(self, backend: str) -> System:
         """The system of `backend` with the implicit methods."""
         return self.with_implicit().system(backend)
@@ -117,6 +127,8 @@ class Loaded:
         request.completed(self.artifact.interface.simulate)  # refuses before anything is compiled
         if request.method in IMPLICIT and not self.artifact.interface.stiff:
             return self.with_implicit().simulate(request, parameters, progress)
+        if request.method in SERIES and not self.artifact.interface.expands:
+            return self.with_series().simulate(request, parameters, progress)
         if self.asked != "auto":
             return self._run(self.asked, request, parameters, progress)
         from lagc.simulation.backends.compile import CannotCompile

@@ -160,13 +160,13 @@ def derive(model: Model) -> EquationsOfMotion:
 @_uncollected
 def optimize(
     equations: EquationsOfMotion, work: bool, differentiate: bool = False, sensitive: bool = False,
-    stiff: bool = False,
+    stiff: bool = False, expand: bool = False,
 ) -> Program:  # fmt: skip
     from lagc.lowering.lower_equations import optimize as run
 
     unknowns = len(equations.v) + len(equations.rows)
     with stage("simplifying the equations", PER_PAIR * unknowns**2):
-        return run(equations, work=work, differentiate=differentiate, sensitive=sensitive, stiff=stiff)
+        return run(equations, work, differentiate, sensitive, stiff, expand)
 
 
 @_uncollected
@@ -188,7 +188,7 @@ class Compilation:
     threads.  Pickles as source and choice, with what was `read` of other files.  `look` is called with the
     resolved model and may refuse it."""
 
-    variant = ""  # of the program: with "derivatives", or what "sensitivities" or "implicit" methods need
+    variant = ""  # of the program: "derivatives"; what "sensitivities", "implicit" methods or "series" need
 
     def __init__(
         self, source: Source, choice: Choice, roots: tuple[str, ...] = (), read: Head | None = None,
@@ -228,8 +228,9 @@ class Compilation:
     @once
     def program(self) -> Program:
         """The program for a run, which also integrates the work of non-conservative forces."""
-        differentiate, sensitive, stiff = (self.variant == name for name in VARIANTS)
-        return optimize(self.equations, stiff or not self.variant, differentiate, sensitive, stiff)
+        differentiate, sensitive, stiff, expand = (self.variant == name for name in VARIANTS)
+        work = stiff or expand or not self.variant
+        return optimize(self.equations, work, differentiate, sensitive, stiff, expand)
 
     @once
     def differentiated(self) -> Compilation:
@@ -245,6 +246,11 @@ class Compilation:
     def implicit(self) -> Compilation:
         """The same choice with what implicit methods need."""
         return _Variant(self, "implicit")
+
+    @once
+    def expanded(self) -> Compilation:
+        """The same choice with what methods by power series need."""
+        return _Variant(self, "series")
 
     def artifact(self, target: str) -> Artifact:
         """The compiled model for `target`, from the cache, or compiled now and stored."""
@@ -292,7 +298,7 @@ class Compilation:
         return artifact
 
 
-VARIANTS = ("derivatives", "sensitivities", "implicit")
+VARIANTS = ("derivatives", "sensitivities", "implicit", "series")
 
 
 class _Variant(Compilation):
@@ -319,8 +325,8 @@ class _Variant(Compilation):
 
     @property
     def _holds(self) -> bool:
-        """Whether discrete variables are inputs: a run by an implicit method changes them."""
-        return bool(self.base.model.discretes) and self.variant != "implicit"
+        """Whether discrete variables are inputs: a run by another method changes them."""
+        return bool(self.base.model.discretes) and self.variant not in ("implicit", "series")
 
     @once
     def differentiated(self) -> Compilation:
@@ -374,12 +380,14 @@ def program(
     return delivered(Compilation(source, choice, roots), differentiate)
 
 
-def delivered(compilation: Compilation, differentiate: bool, stiff: bool = False) -> Program:
+def delivered(
+    compilation: Compilation, differentiate: bool, stiff: bool = False, expand: bool = False
+) -> Program:
     """The program of a compilation for generated code; the given values are its defaults.  `stiff`: it
-    carries the implicit methods."""
+    carries the implicit methods, `expand`: those by power series."""
     from lagc.simulation.request import bound_parameters
 
-    found = optimize(compilation.equations, work=False, differentiate=differentiate, stiff=stiff)
+    found = optimize(compilation.equations, False, differentiate, stiff=stiff, expand=expand)
     interface = found.interface
     values = bound_parameters(
         interface, compilation.choice.parameters, unused(compilation.model, interface), demanding=False

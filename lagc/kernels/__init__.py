@@ -34,6 +34,7 @@ FILES = (
     "integrators/explicit_runge_kutta",
     "integrators/stage_equations",
     "integrators/radau",
+    "integrators/taylor",
     "integrators/dispatch",
     "arguments",
     "integrators/step_size",
@@ -72,11 +73,13 @@ class Family(NamedTuple):
     PROJECTS: int = 1  # 1: the end of a step is projected onto the constraints
     CONTROLS: int = 0  # 1: it has `set_next_step` and `shrink_step` of its own
     SENSITIVE: int = 1  # 1: sensitivities follow its steps
+    SERIES: int = 0  # 1: it expands the motion in a power series before each step
 
 
 FAMILIES = {
     "explicit_runge_kutta": Family(("integrators/explicit_runge_kutta", "sensitivity/tangent_stages")),
     "radau": Family(("integrators/radau",), CONTROLS=1, SENSITIVE=0),
+    "taylor": Family(("integrators/taylor",), CONTROLS=1, SENSITIVE=0, SERIES=1),
 }
 WORDS = (
     "language/words",
@@ -91,6 +94,8 @@ METHODS = (
     "rk4",
     "bs32",
     "radau5",
+    "taylor",
 )  # one file each in `integrators/tableaus`; the position is the number in generated code
 IMPLICIT = ("radau5",)  # need derivatives: only models that are compiled for them carry these
+SERIES = ("taylor",)  # need recurrences: likewise
 MOST_ACTS = 20  # actions of a `when` clause at one event, on average; more are taken for endless

@@ -2,12 +2,13 @@
 
 from math import fabs, inf
 
+from lagc.kernels.integrators.dispatch import is_carried
 from lagc.kernels.language.vocabulary import *
 
 
 def bad_option(o: Options) -> int:
     """Return the code of an option that is not valid, or -1."""
-    if o.method < 0 or o.method >= len(METHODS):
+    if not is_carried(o.method):
         return BAD_METHOD
     if o.max_steps < 0:
         return BAD_MAX_STEPS

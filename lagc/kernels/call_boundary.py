@@ -58,6 +58,9 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
         s.factored = 0.0
         s.newton_theta = 1.0
         s.newton_count = 0
+    if NSERIES > 0:
+        s.series_step = -1
+        s.series_tolerance = 0.0
     s.roundoff_estimated = False
     s.roundoff_memory = 0.0
     for i in range(NX):

@@ -24,9 +24,12 @@ from lagc.kernels.events.step_guards import find_hidden_event
 from lagc.kernels.events.when_clauses import handle_event
 from lagc.kernels.integrators.dispatch import (
     end_rate_row,
+    has_series,
     is_implicit,
     keeps_constraints,
+    method_begin_step,
     method_error,
+    method_keep_series,
     method_keep_stages,
     method_stages,
     needs_end_rate,
@@ -168,6 +171,8 @@ def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
     keep_parameters(p, s)
     if NNEWTON > 0:
         method_keep_stages(o.method, s)
+    if NSERIES > 0:
+        method_keep_series(o.method, s)
     s.method = o.method
     s.steps += 1
     s.t_old = s.t
@@ -202,6 +207,16 @@ def choose_step_size(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Wor
         else:
             s.h = first_step_size(p, s, t1, a.direction, o, w)
     a.size = o.max_step if o.max_step > 0.0 and s.h > o.max_step else s.h
+
+
+def begin_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
+    """Let a method with series expand the motion, and set the size of the step."""
+    if NSERIES > 0:
+        if has_series(o.method):
+            s.x_new[:] = s.x
+            set_error_weights(s, o, a.size, w)
+            return method_begin_step(o.method, p, s, o, a, w)
+    return OK
 
 
 def restarts_short(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> bool:
@@ -364,6 +379,10 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
                 return OK
             keep_parameters(p, s)
             return report_culprit(s, handle_event(p, s, a.direction, w), w)
+    if NSERIES > 0:
+        status = begin_step(p, s, o, a, w)
+        if failed(status):
+            return report_culprit(s, status, w)
     status = find_step(p, s, t1, goal, o, a, w)
     if not a.is_accepted:
         return status

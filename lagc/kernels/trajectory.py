@@ -9,8 +9,10 @@ from lagc.kernels.driver import step_once
 from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.integrators.dispatch import (
     end_rate_row,
+    has_series,
     method_dense_at,
     method_dense_output,
+    method_restore_series,
     method_restore_stages,
     method_stages,
 )
@@ -47,6 +49,12 @@ def compute_dense_output(s: State, w: Work) -> Status:
     if NNEWTON > 0:
         if s.kept_step == s.steps:
             method_restore_stages(s.method, s)
+            return method_dense_output(s.method, s.p, s.t_old, s.x_old, x, s.h_old, s, w)
+    if NSERIES > 0:
+        if has_series(s.method):
+            status = method_restore_series(s.method, s, w)
+            if failed(status):
+                return status
             return method_dense_output(s.method, s.p, s.t_old, s.x_old, x, s.h_old, s, w)
     if s.dense_place == ABSENT:
         status = recompute_stages(s, t, x, w)

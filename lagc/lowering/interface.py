@@ -13,6 +13,7 @@ from lagc.diagnostics.suggest import moments as moments_remedy
 from lagc.host import cache
 from lagc.lowering.event_relations import EventRelation
 from lagc.lowering.program import Clause, Field, Function, Interface
+from lagc.lowering.series import counts
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.semantics.model import Discrete, Input, Lagrangian, Limit, Model, Parameter
 from lagc.semantics.units import NONE, Dimension, S, over, unit
@@ -28,7 +29,7 @@ _DEFINITE = 1e-12  # of the product of the moments: minors that may be rounding
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
     "initial_places", "relations", "timed", "flowing", "driven", "doubtful", "derivatives",
-    "part_ends", "part_columns", "pieces", "row_pieces", "written", "conservative",
+    "part_ends", "part_columns", "pieces", "row_pieces", "written", "conservative", "series",
 )  # fmt: skip
 
 
@@ -147,6 +148,7 @@ def _of_functions(functions: Mapping[str, Function], slopes: Slopes) -> dict[str
         "preparation": bind.cost if bind else 0,
         "prepared": bind.outputs[0][1] if bind else 0,
         "functions": tuple(functions),
+        "series": counts(functions),
         "features": dict(functions["features"].outputs)["e"] if "features" in functions else 0,
         "poles": dict(functions["poles"].outputs)["e"] if "poles" in functions else 0,
     }

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.base.records import replace
+from lagc.diagnostics.faults import Fault, Refused
 from lagc.lowering import program_functions
 from lagc.lowering.event_relations import EventRelation, frozen
 from lagc.lowering.hybrid.event_functions import changing, in_boxes, relation_functions, whens
@@ -21,6 +22,7 @@ from lagc.lowering.loops.loop_rolling import rerolled
 from lagc.lowering.program import Function, Program
 from lagc.lowering.scalar.parameter_hoisting import Preparation
 from lagc.lowering.scalar.scheduling import balanced
+from lagc.lowering.series import NoSeries, series
 from lagc.lowering.storage import Places, places, weight
 from lagc.lowering.tangents import tangents
 from lagc.mechanics.formulation.equations import EquationsOfMotion
@@ -32,12 +34,12 @@ OFTEN = ("rhs", "watch", "system", "residual")  # are called at every stage of a
 
 def optimize(
     equations: EquationsOfMotion, work: bool = False, differentiate: bool = False, sensitive: bool = False,
-    stiff: bool = False,
+    stiff: bool = False, expand: bool = False,
 ) -> Program:  # fmt: skip
     """The functions of `equations`, each as short as it gets. `work` adds the integral of the power to the
     state where the power is not identically zero, `differentiate` the functions of `lagc.lowering.jacobians`,
-    `sensitive` those of `tangents`, `stiff` those of `implicit`. Raises Refused with LAG0501 where a
-    coordinate has no inertia of any kind."""
+    `sensitive` those of `tangents`, `stiff` those of `implicit`, `expand` those of `series`.
+    Raises Refused with LAG0501 where a coordinate has no inertia of any kind."""
     equations, left_out = prune(equations)
     equations = with_pivots(equations)
     equations = replace(equations, model=bounded(equations.model))
@@ -62,6 +64,8 @@ def optimize(
     if stiff:
         made.update((f.name, preparation.separated(f)) for f in implicit(along))
     found, read = preparation.finished(made)
+    if expand:
+        found.update((f.name, f) for f in _series(equations, found, work))
     found = {
         name: in_pieces(function)
         if name == "conditions" and not slopes.sums  # their derivatives are put together from all
@@ -94,6 +98,18 @@ def _roots(equations: EquationsOfMotion) -> list[Node]:
     """Every node that any function stores."""
     others = [x.value for x in equations.model.limits] + [x.start for x in equations.model.discretes]
     return [*equations.qdot, *(s.value for s in equations.starts), *others, *sources(equations)]
+
+
+def _series(equations: EquationsOfMotion, found: Mapping[str, Function], work: bool) -> list[Function]:
+    """Raises Refused (LAG0591) where the right-hand side has an operation without a recurrence."""
+    reason = "its equations are solved by a loop over a dense matrix"
+    if "rhs" in found:
+        try:
+            return series(found["rhs"], len(equations.q) + len(equations.v) + int(work))
+        except NoSeries as missing:
+            reason = f"there is no recurrence for {missing}"
+    message = f"the method taylor cannot expand the motion of `{equations.model.name}`: {reason}"
+    raise Refused([Fault("LAG0591", message, remedy="take another method: --method dop853")])
 
 
 def _solver(at: Places, work: bool) -> tuple[Solver | None, list[Function]]:

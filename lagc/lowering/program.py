@@ -232,6 +232,7 @@ class Interface:
     part_columns: tuple[int, ...] = ()  # of an unknown, or behind these of a sum
     pieces: tuple[int, ...] = ()  # of the conditions, that alone depends on each unknown of x, -1 for none
     row_pieces: tuple[int, ...] = ()  # that makes each condition, -1 for none: it depends on no unknown
+    series: tuple[int, int, int] = (0, 0, 0)  # values, lanes and squares of `series`
     derivatives: dict[str, tuple[tuple[int, int], ...]] = field(
         default_factory=dict
     )  # places of their entries
@@ -272,6 +273,11 @@ class Interface:
     def stiff(self) -> bool:
         """Whether the functions of implicit methods exist."""
         return "residual" in self.functions
+
+    @property
+    def expands(self) -> bool:
+        """Whether the functions of Taylor series exist."""
+        return "series" in self.functions
 
     @property
     def groups(self) -> dict[str, range]:
@@ -370,6 +376,7 @@ class Program:
       by_time, by_state, by_acceleration, by_parameter   (p,t,x,a,lam) -> J[]   its derivatives, each at the
                                      (row, column) of `derivatives`; see `lagc.lowering.jacobians`;
                                      with relations, all of them of (p,t,x,modes,a,lam)
+      series, series_next   of Taylor series, see `lagc.lowering.series`
       residual, newton, newton_column   of implicit methods, see `lagc.lowering.implicit`
       along       (p,t,x,a,lam,d) -> s[]        in their place where they are very many: what the stack
                                      changes by with (t, x, a, lam, p) along d = (dt, dx, da, dlam, dp)

@@ -11,7 +11,7 @@ from lagc.base.records import dataclass, field
 from lagc.base.text import FINEST, MOST_POINTS
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.diagnostics.suggest import did_you_mean
-from lagc.kernels import IMPLICIT, METHODS
+from lagc.kernels import IMPLICIT, METHODS, SERIES
 from lagc.lowering.program import Field, Interface
 from lagc.simulation.system import FIXED, System
 
@@ -106,8 +106,10 @@ class Request:
             faults.append(_request(f"`method` is one of {', '.join(METHODS)}, not {self.method!r}"))
         elif self.method is not None and self.step is None and not _adapts(self.method):
             faults.append(_request(f"`{self.method}` has no error estimate: give it a fixed `step`"))
-        if self.method in IMPLICIT and self.sensitivity:
-            faults.append(_request(f"`sensitivity` follows explicit methods only: leave out `{self.method}`"))
+        if self.method in (*IMPLICIT, *SERIES) and self.sensitivity:
+            faults.append(
+                _request(f"`sensitivity` follows Runge-Kutta methods only: leave out `{self.method}`")
+            )
         if self.step is not None and (self.rtol is not None or self.atol is not None):
             faults.append(_request("a fixed `step` has no tolerance: leave out `rtol` and `atol`"))
         if self.step is not None and self.max_step is not None:

@@ -9,6 +9,7 @@ from textwrap import fill
 from typing import Any
 
 from lagc.codegen.c import header
+from lagc.codegen.c.convolution import convolution
 from lagc.codegen.heading import status_texts
 from lagc.codegen.kernel_compiler.c import CPrinter
 from lagc.codegen.kernel_compiler.layout import block_comment, snake
@@ -99,6 +100,8 @@ class Runtime:
         found = ["".join(f"#define LAGC_{n} {self.sizes[n]}\n" for n in own), _work(self.program)]
         found += [_table(name, values[name], self.real) for name in values if name in names]
         found += [text for name, text in self._records().items() if name not in PUBLIC_RECORDS]
+        if "fn_convolve" in names:
+            found.append(convolution(self.sizes["NLANE"], self.sizes["NSQUARE"], self.real))
         found += [_COPY_STATE] if "fn_copy_state" in names else []
         found += _printed(self.use, self.parts)
         # Not in the subset of kernels: structs by value, their sizes, texts.
@@ -127,7 +130,8 @@ class Runtime:
     def _enumeration(self, kind: str) -> str:
         found = [part for part in self.parts if part["kind"] == kind]
         if kind == "Method":
-            found = found[: len(methods_of(self.program.interface))]
+            carried = [name.upper() for name in methods_of(self.program.interface)]
+            found = [part for part in found if part["name"] in carried]
         rows = [f"LAGC_{part['name']} = {part['value']}" for part in found]
         lines = list[str]()
         for row, part in zip(rows, found):

@@ -9,10 +9,10 @@ from math import isfinite
 from typing import Any
 
 from lagc.base.records import dataclass
-from lagc.kernels import IMPLICIT, METHODS, MOST_ACTS
+from lagc.kernels import IMPLICIT, METHODS, MOST_ACTS, SERIES
 from lagc.lowering.program import Interface
 
-CONSTANT_SIZES = {"TWO": 2, "THREE": 3, "FOUR": 4, "SEVEN": 7, "NK": 16, "ND": 8}
+CONSTANT_SIZES = {"TWO": 2, "THREE": 3, "FOUR": 4, "SEVEN": 7, "NK": 16, "ND": 8, "NTERM": 41}
 # Sizes without a name in generated C: expressions of other sizes, for numbers or for their text in C.
 DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NM": lambda n: n["NV"] * (n["NV"] + 1) // 2, "NG": lambda n: n["NC"] * n["NV"],
@@ -134,6 +134,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
                            interface.condition_columns, interface.quaternions,
                            interface.row_pieces, len(interface.massless))  # fmt: skip
     sums = max(len(interface.part_ends) - len(interface.condition_ends), 0)
+    values, lanes, squares = interface.series
     relations, free = len(interface.relations), len(interface.relations) - interface.timed_relations
     own = {
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NINT": nq + nv + interface.nz,
@@ -155,6 +156,8 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NSUM": sums, "NPARTS": len(interface.part_columns),
         "NNEWTON": nq + nv + interface.nc if interface.stiff else 0,
         "NDIRECTION": nq + 2 * nv + interface.nc if "newton_column" in interface.functions else 0,
+        "NSERIES": interface.nx + 3 if interface.expands else 0,
+        "NVALUE": values, "NLANE": lanes, "NSQUARE": squares, "NCONVOLVED": lanes + squares,
         "NLINEAR": (nq if "displace" in interface.functions else 0) + nv + interface.nc,
     }  # fmt: skip
     found = _derived({**own, **start, **own})  # initialization has no work integrals
@@ -198,7 +201,8 @@ def flags_of(interface: Interface, complete: bool) -> dict[str, bool]:
 
 def methods_of(interface: Interface) -> tuple[str, ...]:
     """Return the integration methods that a model carries."""
-    return METHODS if interface.stiff else tuple([m for m in METHODS if m not in IMPLICIT])
+    left_out = (*(() if interface.stiff else IMPLICIT), *(() if interface.expands else SERIES))
+    return tuple([m for m in METHODS if m not in left_out])
 
 
 def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:

@@ -196,9 +196,12 @@ class Statics:
 
     def carried(self, methods: tuple[Any, ...]) -> tuple[Any, ...]:
         """Return the methods that a model carries."""
-        if "NNEWTON" not in self.flags:
-            raise Undecided("NNEWTON")
-        return methods if self.flags["NNEWTON"] else tuple([m for m in methods if not m.IMPLICIT])
+        for flag in ("NNEWTON", "NSERIES"):
+            if flag not in self.flags:
+                raise Undecided(flag)
+        left_out = [m for m in methods if (m.IMPLICIT and not self.flags["NNEWTON"])
+                    or (m.SERIES and not self.flags["NSERIES"])]  # fmt: skip
+        return tuple([m for m in methods if m not in left_out])
 
     def value(self, node: ast.expr, where: ast.AST) -> Any:
         try:

@@ -92,7 +92,7 @@ class KernelOptions:
     def __init__(self, options):
         for name in self.__slots__:
             setattr(self, name, getattr(options, name))
-        self.method = METHODS.index(options.method)
+        self.method = METHODS[options.method]
 
 
 class Integrator(State):

@@ -19,6 +19,7 @@ from lagc.codegen.kernel_compiler.linker import (
 )
 from lagc.codegen.kernel_compiler.shipped import parts
 from lagc.codegen.python.classes import EQUATIONS, STATES
+from lagc.kernels import METHODS
 from lagc.lowering.program import Interface, Program
 
 MARK = "# -- what follows is part of generated modules --\n"
@@ -38,6 +39,19 @@ def fn_copy_state(s, kept):
             value = [part[:] if isinstance(part, list) else part for part in value]
         setattr(kept, name, value)
 """
+_CONVOLVE = """\
+def fn_convolve(k, left, right, squares, sums):
+    found = [0.0] * NLANE
+    for j in [*range(2, k - 1), *((1, k - 1) if k > 2 else (1,) if k > 1 else ())]:
+        found = [s + a * b for s, a, b in zip(found, left[j], right[k - j])]
+    half = [0.0] * NSQUARE
+    for j in [*range(2, (k + 1) // 2), *((1,) if k > 2 else ())]:
+        half = [s + a * b for s, a, b in zip(half, squares[j], squares[k - j])]
+    half = [s + s for s in half]
+    if k % 2 == 0:
+        half = [s + a * a for s, a in zip(half, squares[k // 2])]
+    sums[:] = found + half
+"""
 NUMBERS = ("int", "Real", "Code", "Method")  # kinds of parts
 PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NALL", "NY", "NWORK", "NMODE", "NWHEN")
 
@@ -48,6 +62,7 @@ def definitions(program: Program, complete: bool, given: frozenset[str]) -> list
     checks = ("is_bound",) if complete and program.interface.prepared else ()
     use = _needed(program.interface, (*ROOTS, *search, *checks), complete)
     return [_constants(program.interface, use, given), *support(), _work(program), *kernels(use),
+            *([_CONVOLVE] if "fn_convolve" in use.names else ()),
             *([_COPY_STATE] if "fn_copy_state" in use.names else ()), EQUATIONS, STATES]  # fmt: skip
 
 
@@ -85,7 +100,8 @@ def _constants(interface: Interface, use: Chosen, given: frozenset[str]) -> str:
     text += f"STRAIGHT = {interface.solve == 'straight'}\n"
     text += f"NOTED = {interface.noted!r}\n" if interface.relations else ""
     text += "".join(f"{name} = {tuple(v)!r}\n" for name, v in tables_of(interface).items() if name in used)
-    return text + f"METHODS = {methods_of(interface)!r}\n" + numbers(used)
+    methods = {name: METHODS.index(name) for name in methods_of(interface)}
+    return text + f"METHODS = {methods!r}\n" + numbers(used)
 
 
 def numbers(used: Collection[str]) -> str:

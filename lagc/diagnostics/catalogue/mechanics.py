@@ -215,4 +215,10 @@ ENTRIES: dict[str, Entry] = {
         "A coefficient in the derived equations exceeds 1.8e308, the largest double. Choose units in "
         "which the constants of the model have moderate values.",
     ),
+    "LAG0591": Entry(
+        "a motion without a Taylor series",
+        "The method `taylor` needs a recurrence for the derivatives of each function in the equations. There "
+        "is none for a power whose exponent varies, or for a choice that changes within a step. Equations of "
+        "large dense systems, which a loop solves, have none either. All other methods can be taken.",
+    ),
 }

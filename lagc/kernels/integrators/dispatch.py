@@ -3,6 +3,14 @@
 from lagc.kernels.language.vocabulary import *
 
 
+def is_carried(method: int) -> bool:
+    """Return whether this library has a method of this number."""
+    for m in static(METHODS):
+        if method == m.NUMBER:
+            return True
+    return False
+
+
 def method_stages(method: int, p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
     """Compute the stages of a step from (t, x), and its end in s.x_new; count the evaluations. A failure
     leads to a shorter step."""
@@ -101,6 +109,41 @@ def method_restore_stages(method: int, s: State) -> None:
         if m.IMPLICIT > 0:
             if method == m.NUMBER:
                 m.restore_stages(s)
+
+
+def has_series(method: int) -> bool:
+    """Return whether a method expands the motion in a power series before each step."""
+    for m in static(METHODS):
+        if m.SERIES > 0:
+            if method == m.NUMBER:
+                return True
+    return False
+
+
+def method_begin_step(method: int, p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
+    """Expand the motion from the beginning of a step, and set its size."""
+    for m in static(METHODS):
+        if m.SERIES > 0:
+            if method == m.NUMBER:
+                return m.begin_step(p, s, o, a, w)
+    return OK
+
+
+def method_keep_series(method: int, s: State) -> None:
+    """Keep the series of an accepted step."""
+    for m in static(METHODS):
+        if m.SERIES > 0:
+            if method == m.NUMBER:
+                m.keep_series(s)
+
+
+def method_restore_series(method: int, s: State, w: Work) -> Status:
+    """Take the series of the last step again."""
+    for m in static(METHODS):
+        if m.SERIES > 0:
+            if method == m.NUMBER:
+                return m.restore_series(s, w)
+    return OK
 
 
 def end_rate_row(method: int) -> int:

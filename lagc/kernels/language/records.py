@@ -139,6 +139,15 @@ class Work:
         stage_residuals: Mat[THREE, NNEWTON]
         increments: Mat[THREE, NNEWTON]
         stage_power: Mat[FOUR, TWO]
+    if NSERIES > 0:
+        # Taylor series
+        values: Vec[NVALUE]  # of the state, for all orders
+        scaled: Vec[NSERIES]  # scale times the rates of an order; k, 1/k, the coefficient of time
+        rates_next: Vec[NX]
+        sums: Vec[NCONVOLVED]  # of products of coefficients, lanes, then squares
+        left: Mat[NTERM, NLANE]  # coefficients of both factors of each lane
+        right: Mat[NTERM, NLANE]
+        squares: Mat[NTERM, NSQUARE]
     if NMODE > 0:
         # Modes of relations
         modes: Vec[NMODE]
@@ -347,6 +356,17 @@ class State:
         stage_lam: Mat[THREE, NC]
         kept_lam: Mat[THREE, NC]  # those of the kept stages
         dependent: IVec[NC]  # 1: this constraint equation depends on others
+    if NSERIES > 0:
+        # Taylor series
+        series: Mat[NTERM, NX]  # coefficients of the states, in the time over series_scale
+        series_scale: Real
+        series_part: Real  # size of the last step over it
+        series_size: Real  # that the coefficients admit
+        series_tolerance: Real
+        series_order: Count
+        series_step: Count  # steps behind which the coefficients are those of the last one; -1: none
+        kept_scale: Real  # of the last step
+        kept_order: Count
     # Round-off
     roundoff_estimated: bool  # the error of the last step was compared with its round-off
     roundoff_memory: Real  # 1 when round-off decided on a step; fades with the distance from it to 0

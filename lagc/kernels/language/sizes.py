@@ -84,4 +84,10 @@ class NDIRECTION(metaclass=SizeType): ...  # NNEWTON + NV where derivatives are 
 class NLINEAR(metaclass=SizeType): ...  # unknowns of its linear systems: without q where qdot = v
 class NFACTORS(metaclass=SizeType): ...  # NLINEAR NLINEAR
 class NMASS(metaclass=SizeType): ...  # NV NV
+class NSERIES(metaclass=SizeType): ...  # NX + 3: numbers of an order; 0: no method with series is carried
+class NVALUE(metaclass=SizeType): ...  # values of a state that the coefficients of its series are made of
+class NLANE(metaclass=SizeType): ...  # sums of products of coefficients
+class NSQUARE(metaclass=SizeType): ...  # those of squares
+class NCONVOLVED(metaclass=SizeType): ...  # both
+class NTERM(metaclass=SizeType): ...  # terms of a series, at most
 class NTREE(metaclass=SizeType): ...  # NE 2 + 2: of a tree of pairs of conditions

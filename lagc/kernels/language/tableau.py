@@ -2,7 +2,7 @@
 
 from typing import Any, Protocol
 
-from lagc.kernels.language.records import State, TangentWork, Trial, Work
+from lagc.kernels.language.records import Options, State, TangentWork, Trial, Work
 from lagc.kernels.language.sizes import NGROUP, NX
 from lagc.kernels.language.words import IVec, Length, Params, Real, Row, Rows, Status, Vec
 
@@ -31,6 +31,7 @@ class Method(Protocol):
     CONTROLS: int
     SENSITIVE: int
     IMPLICIT: int
+    SERIES: int
     END_RATE: int
     ORDER: int
     USES_END_RATE: int
@@ -52,6 +53,9 @@ class Method(Protocol):
     def keep_stages(self, s: State) -> None: ...
     def estimate_roundoff(self, p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> None: ...
     def restore_stages(self, s: State) -> None: ...
+    def begin_step(self, p: Params, s: State, o: Options, a: Trial, w: Work) -> Status: ...
+    def keep_series(self, s: State) -> None: ...
+    def restore_series(self, s: State, w: Work) -> Status: ...
     def stage_deviations(self, h: Real, s: State, far: Vec[NX]) -> None: ...
     def dense_output(
         self, p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, w: Work

@@ -1,0 +1,263 @@
+"""Taylor series of variable order: the polynomial of a step from recurrences of its coefficients.
+
+R. E. Moore, Interval Analysis, Prentice-Hall 1966, chapter 11; A. Jorba, M. Zou, A software package for the
+numerical integration of ODEs by means of high-order Taylor methods, Experimental Mathematics 14 (2005) 99-117
+(JZ).  Coefficients are those in the time over a size `series_scale`, near that of the step: they neither
+overflow nor lose digits.
+"""
+
+from math import fabs, inf, sqrt
+
+from lagc.kernels.language.vocabulary import *
+
+LEAST_ORDER = 4.0
+COUNTED = 3  # orders before the last one that the radius of convergence is estimated from, too
+SHORTENED = 1e-3  # factor of a scale that makes coefficients overflow
+MOST_SHORTENED = 16  # times
+DIFFERENT = 0.1  # of the error weights: a series that does not follow the right-hand side
+
+
+def natural_log(a: Real) -> Real:
+    """Return ln(a) to about 1e-5 of it, for 0 < a < inf, by square roots and the series of artanh."""
+    scale = 2.0
+    own = a
+    while own > 2.0 or own < 0.5:
+        own = sqrt(own)
+        scale *= 2.0
+    part = (own - 1.0) / (own + 1.0)
+    square = part * part
+    return scale * part * (1.0 + square * (1.0 / 3.0 + square * (0.2 + square / 7.0)))
+
+
+def exponential(y: Real) -> Real:
+    """Return e^y to about 1e-5 of it, by its series and squares."""
+    halved = 0
+    own = y
+    while fabs(own) > 0.25:
+        own *= 0.5
+        halved += 1
+    value = 1.0 + own * (1.0 + own * (0.5 + own * (1.0 / 6.0 + own / 24.0)))
+    for j in range(halved):
+        value *= value
+    return value
+
+
+def set_order(tolerance: Real, s: State) -> None:
+    """Set the order that takes the least work for a relative tolerance (JZ 3.2.1)."""
+    if tolerance == s.series_tolerance:
+        return
+    s.series_tolerance = tolerance
+    order = 2.0 - 0.5 * natural_log(tolerance)
+    if order < LEAST_ORDER:
+        order = LEAST_ORDER
+    if order > float(size(NTERM)) - 1.0:
+        order = float(size(NTERM)) - 1.0
+    s.series_order = whole(order)
+
+
+def expand(p: Params, t: Real, x: Vec[NX], scale: Real, s: State, w: Work) -> Status:
+    """Compute the coefficients of the motion from (t, x) in s.series: row k is scale^k / k! times derivative
+    k. Its first rates are left in w.xdot."""
+    s.series_step = -1
+    s.series_scale = scale
+    s.rhs += 1
+    if NMODE > 0:
+        fn_series_on(p, t, x, w.modes, w.xdot, w.values)
+    else:
+        fn_series(p, t, x, w.xdot, w.values)
+    s.series[0][:] = x
+    for i in range(NINT):
+        w.scaled[i] = scale * w.xdot[i]
+    order = s.series_order
+    for k in range(1, order):
+        inverse = 1.0 / float(k)
+        for i in range(NINT):
+            s.series[k][i] = inverse * w.scaled[i]
+        w.scaled[NX] = float(k)
+        w.scaled[NX + 1] = inverse
+        w.scaled[NX + 2] = scale if k == 1 else 0.0
+        fn_convolve(k, w.left, w.right, w.squares, w.sums)
+        fn_series_next(
+            p, s.series[k], w.scaled, w.values, w.sums, w.left[k], w.right[k], w.squares[k], w.rates_next
+        )
+        for i in range(NINT):
+            w.scaled[i] = scale * w.rates_next[i]
+    for i in range(NINT):
+        s.series[order][i] = w.scaled[i] / float(order)
+    w.culprit = not_finite(s.series[order], NINT)
+    return NOT_FINITE if w.culprit >= 0 else OK
+
+
+def follows_rates(h: Real, s: State, w: Work) -> bool:
+    """Return whether the series has the rates of the right-hand side, which also holds where constraint
+    equations depend on each other."""
+    for i in range(NQ + NV):
+        if not fabs(h * (w.xdot[i] - s.k[0][i])) <= DIFFERENT * w.error_weights[i]:
+            return False
+    return True
+
+
+def planned_size(s: State, w: Work) -> Real:
+    """Return the size of a step: the radius of convergence over e^2 (JZ 3.2.2). The radius is the least one
+    of four orders, since some vanish at symmetric states."""
+    order = s.series_order
+    known = False
+    least = 0.0
+    for k in range(order - COUNTED, order + 1):
+        most = 0.0
+        for i in range(NQ + NV):
+            own = fabs(s.series[k][i]) / w.error_weights[i]
+            if own > most:
+                most = own
+        if most > 0.0:
+            room = -natural_log(most * s.series_tolerance) / float(k)
+            if not known or room < least:
+                least = room
+            known = True
+    factor = number(GROW)
+    if known:
+        own = exponential(least - 2.0 - 0.7 / (float(order) - 1.0))
+        if own < factor:
+            factor = own
+    return fabs(s.series_scale) * factor
+
+
+def begin_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
+    """Compute the coefficients of a step and its size, a.size, with the last size as their scale."""
+    tolerance = 0.0
+    if o.step == 0.0:
+        largest = 0.0
+        for k in range(NGROUP):
+            if s.sizes[k] > largest:
+                largest = s.sizes[k]
+        tolerance = o.rtol + (o.atol / largest if largest > 0.0 else 0.0)
+    set_order(tolerance if tolerance > SPACING else SPACING, s)
+    scale = a.size
+    status = expand(p, s.t, s.x, scale * a.direction, s, w)
+    turns = 0
+    while status == NOT_FINITE and o.step == 0.0 and turns < MOST_SHORTENED:
+        scale *= SHORTENED
+        status = expand(p, s.t, s.x, scale * a.direction, s, w)
+        turns += 1
+    if failed(status):
+        return status
+    if NC > 0 or NM > 0:
+        if not follows_rates(a.size, s, w):
+            return NOT_CONVERGED
+    if o.step == 0.0:
+        s.series_size = planned_size(s, w)
+        a.size = s.series_size
+        if o.max_step > 0.0 and a.size > o.max_step:
+            a.size = o.max_step
+    return OK
+
+
+def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
+    """Evaluate the polynomial from x at the end of the step, s.x_new."""
+    part = h / s.series_scale
+    s.x_new[:] = x
+    sums = vector(NX)
+    for i in range(NINT):
+        sums[i] = 0.0
+    for k in range(s.series_order, 0, -1):
+        for i in range(NINT):
+            sums[i] = s.series[k][i] + part * sums[i]
+    for i in range(NINT):
+        s.x_new[i] = x[i] + part * sums[i]
+    return OK
+
+
+def slope(part: Real, s: State, found: Vec[NX]) -> None:
+    """Compute the slope of the polynomial; `part` is the time over the scale."""
+    for i in range(NINT):
+        found[i] = 0.0
+    for k in range(s.series_order, 0, -1):
+        for i in range(NINT):
+            found[i] = float(k) * s.series[k][i] + part * found[i]
+    for i in range(NINT):
+        found[i] /= s.series_scale
+
+
+def error(h: Real, s: State, w: Work) -> Real:
+    """Return the scaled error by the defect of the polynomial at the end of the step, the difference of its
+    slope and the rate there: of order p it is h / (p + 1) times that."""
+    own = vector(NX)
+    slope(h / s.series_scale, s, own)
+    total = 0.0
+    share = h / (float(s.series_order) + 1.0)
+    for i in range(NQ + NV):
+        e = share * (own[i] - s.k[END_RATE][i]) / w.error_weights[i]
+        total += e * e
+    return sqrt(total / float(size(NQ) + NV)) if total < inf else inf
+
+
+def next_size(s: State, a: Trial) -> Real:
+    """Return the scale of the coefficients of the next step, which have its size."""
+    return s.series_size
+
+
+def reduced_size(a: Trial) -> Real:
+    """Return half the size: the coefficients stay."""
+    return 0.5 * a.size
+
+
+def keep_series(s: State) -> None:
+    """Keep what the coefficients of an accepted step are made with."""
+    s.series_step = s.steps + 1
+    s.kept_scale = s.series_scale
+    s.kept_order = s.series_order
+
+
+def restore_series(s: State, w: Work) -> Status:
+    """Compute the coefficients of the last step again, if a later attempt has overwritten them."""
+    if s.series_step == s.steps:
+        return OK
+    s.series_order = s.kept_order
+    s.series_tolerance = 0.0
+    status = expand(s.p, s.t_old, s.x_old, s.kept_scale, s, w)
+    s.series_step = s.steps
+    return status
+
+
+def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
+    """Compute the largest deviation of the slopes at seven points of the step from that of the cubic between
+    its ends."""
+    own = vector(NX)
+    for i in range(NX):
+        far[i] = 0.0
+    for j in range(1, 8):
+        c = 0.125 * float(j)
+        slope(c * h / s.series_scale, s, own)
+        for i in range(NQ + NV):
+            mean = (s.x_new[i] - s.x[i]) / h
+            cubic = 6.0 * c * (1.0 - c) * mean + (1.0 - c) * (1.0 - 3.0 * c) * s.k[0][i]
+            apart = fabs(own[i] - cubic - c * (3.0 * c - 2.0) * s.k[END_RATE][i])
+            if apart > far[i]:
+                far[i] = apart
+
+
+def dense_at(part: Real, s: State, x: Vec[NX]) -> None:
+    """Evaluate the polynomial at a part of the last step, with that part of the projection of its end."""
+    time = part * s.series_part
+    x[:] = s.series[s.series_order]
+    if NDISC > 0:
+        keep_discrete(s.series[0], x)
+    for k in range(s.series_order - 1, -1, -1):
+        for i in range(NINT):
+            x[i] = s.series[k][i] + time * x[i]
+    if NC > 0 or NQUAT > 0:
+        for i in range(NINT):
+            x[i] += part * s.r[0][i]
+
+
+def dense_output(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, w: Work) -> Status:
+    """Compute what the end z of the step differs by from the polynomial."""
+    s.series_part = h / s.series_scale
+    if NC > 0 or NQUAT > 0:
+        end = vector(NX)
+        for i in range(NINT):
+            s.r[0][i] = 0.0
+        dense_at(1.0, s, end)
+        for i in range(NINT):
+            s.r[0][i] = z[i] - end[i]
+    return OK
