@@ -1,7 +1,8 @@
-"""What the scene does not use does not exist: the C of a scene is that of the model without it."""
+"""What the scene does not use does not exist: its code is that of the model without it."""
 
 from __future__ import annotations
 
+import random
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -99,17 +100,100 @@ def without_unused(file: tree.Tree, scene: str | None) -> str:
     return re.sub(r"\b(excludes|unless) (\w+(?:,\s*\w+)*)( *;)", others, text)
 
 
-def _c(name: str, text: str, choice: Choice) -> dict[str, str]:
+def _code(name: str, text: str, choice: Choice) -> list[dict[str, str]]:
+    """The C and the Python."""
     found = pipeline.Compilation(Source(name, text), choice)
-    return pipeline.render(pipeline.optimize(found.equations, work=False), "c")
+    program = pipeline.optimize(found.equations, work=False)
+    return [pipeline.render(program, target) for target in ("c", "numpy")]
 
 
 @pytest.mark.sample(1, 11)
 @pytest.mark.parametrize("name, text, variant", CASES, ids=[f"{n}-{v.scene}" for n, _, v in CASES])
-def test_the_c_is_that_of_the_model_without_unused_effects(name: str, text: str, variant: Variant) -> None:
+def test_the_code_is_that_of_the_model_without_unused_effects(name: str, text: str, variant: Variant) -> None:
     shorter = without_unused(parse(Source(name, text)), variant.scene)
     choice = Choice(model=variant.model, scene=variant.scene)
-    assert _c(name, text, choice) == _c(name, shorter, choice)
+    assert _code(name, text, choice) == _code(name, shorter, choice)
+
+
+# an effect, and the effects that it needs; {k} makes names its own
+_DRAWN = (
+    ("parameter Real[N/m3] p{k} = 2; potential V{k} = 1/4*p{k}*x^4;", "x"),
+    ("parameter Damping p{k} = 2; dissipation D{k} = 1/2*p{k}*(der(x)^2 + der(y)^2);", "xy"),
+    ("parameter Real[kg/m] p{k} = 2; force F{k} = -p{k}*norm(velocity(b))*velocity(b) at b;", "xy"),
+    ("parameter Force p{k} = 2; force F{k} = p{k}*cos(3*time/1 [s])*world.y at b;", "y"),
+    ("coordinate Length u{k}(start = 1); body b{k} = Particle(mass = 2, at = {{0, 0, u{k}}}); "
+     "potential V{k} = 1 [N/m]*u{k}^2;", ""),
+    ("constraint c{k}: y = 0.1 [1/m]*x^2;", ""),
+    ("when x < 0 then reinit(der(x), -der(x)); end when;", ""),
+    ("discrete Real s{k}(start = 1); when y > 0 then reinit(s{k}, 2); end when; "
+     "force F{k} = s{k}*1 [N]*world.x at b;", ""),
+    ("output Power P{k} = power(home);", ""),
+)  # fmt: skip
+
+
+@pytest.mark.sample(2, 20)
+@pytest.mark.parametrize("seed", range(60))
+def test_the_code_of_random_effects_is_that_without_the_unused(seed: int) -> None:
+    drawn = random.Random(seed)
+    kinds = [drawn.choice(_DRAWN)[0].format(k=k) for k in range(drawn.randint(2, 8))]
+    names = [f"e{k}" for k in range(len(kinds))]
+    used = [name for name in names if drawn.random() < 0.5]
+    spare = [name for name in names if name not in used]
+    texts = []
+    for name, body in zip(names, kinds):
+        before = names[: names.index(name)]
+        needed = [other for other in before if other in used and drawn.random() < 0.2]
+        apart = [other for other in spare if other != name and drawn.random() < 0.2] if name in used else []
+        texts.append(f"  effect {name}\n")
+        texts[-1] += f"    requires {', '.join(needed)};\n" if needed else ""
+        texts[-1] += f"    excludes {', '.join(apart)};\n" if apart else ""
+        texts[-1] += f"    {body}\n  end {name};\n"
+    text = f"""model Drawn
+  coordinate Length x(start = 1), y;
+  body b = Particle(mass = 2, at = {{x, y, 0}});
+  potential home = 3 [N/m]*dot(position(b), position(b)){f" unless {spare[0]}" if spare else ""};
+{"".join(texts)}  scene some{f" uses {', '.join(used)}" if used else ""};
+  scene others{f" uses {spare[0]}" if spare and "P" not in kinds[names.index(spare[0])] else ""};
+end Drawn;
+"""
+    shorter = without_unused(parse(Source("drawn", text)), "some")
+    assert len(shorter) < len(text) or not spare
+    outcomes = []
+    for written in (text, shorter):
+        try:
+            outcomes.append(_code("drawn", written, Choice(scene="some")))
+        except Refused as refused:  # two constraints that say the same, at most
+            outcomes.append([{fault.code: "" for fault in refused.faults}])
+    assert outcomes[0] == outcomes[1]
+
+
+@pytest.mark.parametrize("kind", range(len(_DRAWN)))
+def test_operations_grow_by_those_of_the_effect_alone(kind: int) -> None:
+    """An effect adds as many operations beside ten others as beside two."""
+    counts = []
+    for others in (2, 10):
+        text = "".join(
+            f"  effect e{k} parameter Energy p{k} = 1; "
+            f"potential W{k} = p{k}*sin({k + 1}*{'xy'[k % 2]}/1 [m]); end e{k};\n"
+            for k in range(others)
+        )
+        used = [f"e{k}" for k in range(others)]
+        text = f"""model Grown
+  coordinate Length x(start = 1), y;
+  body b = Particle(mass = 2, at = {{x, y, 0}});
+  potential home = 3 [N/m]*dot(position(b), position(b));
+{text}  effect own {_DRAWN[kind][0].format(k="_own")} end own;
+  scene without uses {", ".join(used)};
+  scene with_it uses {", ".join(used)}, own;
+end Grown;
+"""
+        found = [
+            pipeline.optimize(pipeline.Compilation(Source("grown", text), Choice(scene=scene)).equations,
+                              work=False).interface.operations
+            for scene in ("without", "with_it")
+        ]  # fmt: skip
+        counts.append(found[1] - found[0])
+    assert abs(counts[1] - counts[0]) <= 1
 
 
 def test_something_is_removed() -> None:

@@ -318,3 +318,55 @@ def test_times_are_measured_in_turn() -> None:
 
     made = {"a": Fixed(2e-3), "b": Fixed(1e-3)}
     assert in_turn(made, None) == {"a": (2e-3, 7), "b": (1e-3, 7)}  # type: ignore[arg-type]
+
+
+BOUNCING = """model Bouncing
+  coordinate Length x(rate = 1 [m/s]), y, z(start = 1 [m]);
+  body ball = Particle(mass = 1 [kg], at = {x, y, z});
+  Gravity field;
+  when z < 0 [m] then
+    reinit(der(z), -0.9*der(z));
+    mark("bounce");
+  end when;
+  effect air
+    excludes breeze;
+    parameter Real[kg/m] k = 1e-2;
+    force f = -k*norm(velocity(ball))*velocity(ball) at ball;
+  end air;
+  effect breeze
+    parameter Force fy = 1e-9;
+    force g = fy*world.y at ball;
+  end breeze;
+  scene calm uses air
+    simulate(stop = 3 [s]);
+  end calm;
+  scene windy uses breeze
+    simulate(stop = 3 [s]);
+  end windy;
+  output Velocity fall = der(z);
+end Bouncing;
+"""
+
+
+@pytest.mark.full
+def test_quantities_that_jump_are_compared_between_the_same_events() -> None:
+    found = _of(BOUNCING, accuracies=(1e-2,), points=6001)
+    (air,) = found.left_out
+    model = lagc.loads(BOUNCING)
+    with_air, without = (
+        np.array(model.compile(scene, parameters=own).simulate(3.0, points=6001).column("fall"))
+        for scene, own in (("calm", {}), ("windy", {"fy": 0.0}))
+    )  # fmt: skip
+    plain = np.abs(with_air - without).max() / np.ptp(with_air)
+    assert plain > 0.5 > 0.2 > (air.change or 1.0) > 1e-3
+    assert not found.added  # `breeze` is excluded
+
+
+@pytest.mark.full
+def test_a_quantity_that_rests_is_compared_with_the_largest_of_its_unit() -> None:
+    found = _of(BOUNCING, accuracies=(1e-2,), points=101)
+    assert found.scales["y"] == (found.scales["x"][0], "unit")
+    windy = lagc.loads(BOUNCING).compile("windy").effects(accuracies=(1e-2,))
+    assert windy.scales["y"][1] == "range"
+    (breeze,) = windy.left_out
+    assert breeze.change == pytest.approx(1.0, rel=1e-6)  # of y, which nothing else moves
