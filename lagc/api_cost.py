@@ -75,7 +75,7 @@ class Measurable:
         values = self._bound(parameters)
         system = self._loaded.system("numpy").bind(values)
         x0 = self._loaded.initialize(system, request).x
-        program = pipeline.delivered(self._loaded.compilation, False, stiff=True)
+        program = pipeline.with_all_methods(self._loaded.compilation)
         interface = program.interface
 
         double = pipeline.render(program, "c")

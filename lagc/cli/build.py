@@ -14,7 +14,7 @@ from lagc.cli.options import add_general_options, add_model_options, choice_of
 from lagc.cli.output import DONE, Usage, cannot_write, print_json, say, show
 from lagc.cli.signals import SIGNALS
 from lagc.host.atomic_write import Files, folder, no_folder
-from lagc.kernels import IMPLICIT, SERIES
+from lagc.kernels import DEFAULT_METHOD, METHODS
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -35,9 +35,23 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--derivatives", action="store_true", help="add exact derivatives by state, parameters and inputs"
     )
     parser.add_argument(
-        "--method", choices=(*IMPLICIT, *SERIES), help="add this method; the explicit ones are always there"
+        "--method",
+        metavar="NAME,...",
+        default=DEFAULT_METHOD,
+        type=methods,
+        help=f"the methods of integration that the code has: some of {', '.join(METHODS)}",
     )
     add_general_options(parser)
+
+
+def methods(text: str) -> tuple[str, ...]:
+    """Return the names in a list with commas, in the order of METHODS.  Raises ArgumentTypeError."""
+    names = [name.strip() for name in text.split(",")]
+    for name in names:
+        if name not in METHODS:
+            known = ", ".join(METHODS)
+            raise argparse.ArgumentTypeError(f"{name!r} is no method; choose from {known}")
+    return tuple([name for name in METHODS if name in names])
 
 
 def run(options: argparse.Namespace) -> int:
@@ -51,8 +65,7 @@ def run(options: argparse.Namespace) -> int:
     if file := no_folder(options.output):
         raise Usage(f"`{file}` is no folder: -o needs the name of a folder")
     compilation = pipeline.Compilation(model_library.read(options.file), choice_of(options))
-    more = options.method in IMPLICIT, options.method in SERIES
-    program = pipeline.delivered(compilation, options.derivatives, *more)
+    program = pipeline.delivered(compilation, options.derivatives, options.method)
     files = pipeline.render(program, options.target, real=options.real)
     spare(compilation, *(os.path.join(options.output, name) for name in files))
     paths = write(files, options.output)

@@ -9,7 +9,7 @@ cached model loads none of the first four.
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Container, Mapping, Sequence
 from contextlib import ContextDecorator
 from math import inf
 from typing import TYPE_CHECKING, Any
@@ -28,6 +28,7 @@ from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host import cache
 from lagc.host.budgets import stage
 from lagc.host.model_library import folder_of
+from lagc.kernels import EXPLICIT, IMPLICIT, METHODS, SERIES
 from lagc.lowering.program import Field
 from lagc.simulation.request import Given, Quantity
 
@@ -380,13 +381,12 @@ def program(
     return delivered(Compilation(source, choice, roots), differentiate)
 
 
-def delivered(
-    compilation: Compilation, differentiate: bool, stiff: bool = False, expand: bool = False
-) -> Program:
-    """The program of a compilation for generated code; the given values are its defaults.  `stiff`: it
-    carries the implicit methods, `expand`: those by power series."""
+def delivered(compilation: Compilation, differentiate: bool, methods: Sequence[str] = EXPLICIT) -> Program:
+    """The program of a compilation for generated code; the given values are its defaults.  It has
+    these methods of integration."""
     from lagc.simulation.request import bound_parameters
 
+    stiff, expand = (not set(kind).isdisjoint(methods) for kind in (IMPLICIT, SERIES))
     found = optimize(compilation.equations, False, differentiate, stiff=stiff, expand=expand)
     interface = found.interface
     values = bound_parameters(
@@ -394,8 +394,18 @@ def delivered(
     )
     fields = [replace(f, value=v) for f, v in zip((*interface.parameters, *interface.inputs), values)]
     n = len(interface.parameters)
-    bound = replace(interface, parameters=tuple(fields[:n]), inputs=tuple(fields[n:]))
+    bound = replace(interface, parameters=tuple(fields[:n]), inputs=tuple(fields[n:]), methods=tuple(methods))
     return replace(found, interface=bound)
+
+
+def with_all_methods(compilation: Compilation) -> Program:
+    """The program of a compilation with all methods that its equations admit."""
+    try:
+        return delivered(compilation, False, METHODS)
+    except Refused as refused:
+        if any(fault.code != "LAG0591" for fault in refused.faults):
+            raise
+        return delivered(compilation, False, [m for m in METHODS if m not in SERIES])
 
 
 def unused(model: Model, interface: Interface) -> tuple[Field, ...]:

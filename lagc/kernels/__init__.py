@@ -98,4 +98,6 @@ METHODS = (
 )  # one file each in `integrators/tableaus`; the position is the number in generated code
 IMPLICIT = ("radau5",)  # need derivatives: only models that are compiled for them carry these
 SERIES = ("taylor",)  # need recurrences: likewise
+EXPLICIT = tuple([name for name in METHODS if name not in (*IMPLICIT, *SERIES)])
+DEFAULT_METHOD = "dop853"
 MOST_ACTS = 20  # actions of a `when` clause at one event, on average; more are taken for endless

@@ -29,7 +29,7 @@ _DEFINITE = 1e-12  # of the product of the moments: minors that may be rounding
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
     "initial_places", "relations", "timed", "flowing", "driven", "doubtful", "derivatives",
-    "part_ends", "part_columns", "pieces", "row_pieces", "written", "conservative", "series",
+    "part_ends", "part_columns", "pieces", "row_pieces", "written", "conservative", "series", "methods",
 )  # fmt: skip
 
 

@@ -44,8 +44,8 @@ class Task:
     x0: list[float]
     times: list[float]
 
-    def probe(self, real: str = "double", stiff: bool = False) -> Probe:
-        program = pipeline.delivered(self.model.compilation, False, stiff)
+    def probe(self, real: str = "double", method: str = "dop853") -> Probe:
+        program = pipeline.delivered(self.model.compilation, False, [method])
         sources = pipeline.render(program, "c", real=real)
         return Probe(sources, program.interface, self.model._bound(None), self.x0, real)
 
@@ -73,7 +73,7 @@ def by_hand(method: str) -> Callable[[Task], Run]:
     def make(task: Task) -> Run:
         if method in IMPLICIT and not task.problem.stiff:
             raise Without("for stiff problems")
-        probe, nx = task.probe(stiff=method in IMPLICIT), len(task.x0)
+        probe, nx = task.probe(method=method), len(task.x0)
 
         def run(tolerance: float, repeats: int) -> tuple[Array, float]:
             shot = probe.run(Setting(method, rtol=tolerance), task.times, repeats)

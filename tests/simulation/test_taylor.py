@@ -15,9 +15,11 @@ from typing import Any
 import pytest
 
 import lagc
+from lagc.cli.main import main
 from lagc.codegen.kernel_compiler.linker import methods_of
 from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Refused, Source
+from lagc.kernels import METHODS
 
 SPRING = """model Spring
   parameter Stiffness k = 4 [N/m];
@@ -179,7 +181,7 @@ def test_both_backends_have_the_same_bits(text: str, stop: float) -> None:
 def test_calls_of_any_length_give_one_motion() -> None:
     """A trajectory of single steps is that of one call, to the bit; a failed call leaves the last step."""
     compilation = pipeline.Compilation(Source("pendulum.lag", PENDULUM), pipeline.Choice())
-    program = pipeline.delivered(compilation, False, False, True)
+    program = pipeline.delivered(compilation, False, ["taylor"])
     space: dict[str, Any] = {}
     exec("".join(pipeline.render(program, "numpy").values()), space)
     ends = []
@@ -201,7 +203,8 @@ def test_calls_of_any_length_give_one_motion() -> None:
 def test_models_carry_it_only_when_asked() -> None:
     source = Source("spring.lag", SPRING)
     plain, expanded = (
-        pipeline.delivered(pipeline.Compilation(source, pipeline.Choice()), False, False, e) for e in (0, 1)
+        pipeline.delivered(pipeline.Compilation(source, pipeline.Choice()), False, m)
+        for m in (["dop853"], ["dop853", "taylor"])
     )
     assert "taylor" not in methods_of(plain.interface) and "taylor" in methods_of(expanded.interface)
     texts = ["".join(pipeline.render(program, "c").values()).lower() for program in (plain, expanded)]
@@ -212,7 +215,7 @@ def test_models_carry_it_only_when_asked() -> None:
 @pytest.mark.parametrize("real, digits", [("float", 1e-4), ("double", 1e-11), ("quad", 1e-13)])
 def test_types_of_reals(real: str, digits: float, tmp_path: Path) -> None:
     compilation = pipeline.Compilation(Source("pendulum.lag", PENDULUM), pipeline.Choice())
-    files = pipeline.render(pipeline.delivered(compilation, False, False, True), "c", real=real)
+    files = pipeline.render(pipeline.delivered(compilation, False, ["taylor"]), "c", real=real)
     for name, text in files.items():
         (tmp_path / name).write_text(text)
     (tmp_path / "run.c").write_text("""#include <stdio.h>
@@ -257,3 +260,34 @@ def test_refusals(given: dict[str, Any], words: str) -> None:
 def test_a_function_without_a_recurrence_is_named() -> None:
     with pytest.raises(Refused, match=r"LAG0591.*pow with an exponent that varies"):
         simulated(driven("-(2 + x)^x"), 1.0, rtol=1e-6)
+
+
+def test_a_build_has_the_methods_that_are_asked_for(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "spring.lag").write_text(SPRING)
+    lengths = []
+    for given, names in (
+        ([], "dop853"),
+        (["--method", "taylor"], "taylor"),
+        (["--method", "rk4,dop853"], "dop853 rk4"),
+    ):
+        assert main(["build", str(tmp_path / "spring.lag"), "-o", str(tmp_path), "-q", *given]) == 0
+        text = "".join((tmp_path / f"spring.{end}").read_text().lower() for end in "hc")
+        assert [m for m in METHODS if re.search(rf"spring_{m}\b", text)] == names.split()
+        assert [m for m in METHODS if re.search(rf"spring_{m}_stages\b", text)] == names.split()
+        lengths.append(len(text))
+    assert lengths[0] < lengths[2]
+    assert main(["build", str(tmp_path / "spring.lag"), "-o", str(tmp_path), "--method", "rk4,euler"]) == 2
+    assert "'euler' is no method" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("method", ["rk4", "taylor"])
+def test_a_module_without_the_default_method_has_another_default(method: str) -> None:
+    compilation = pipeline.Compilation(Source("spring.lag", SPRING), pipeline.Choice())
+    space: dict[str, Any] = {}
+    exec("".join(pipeline.render(pipeline.delivered(compilation, False, [method]), "numpy").values()), space)
+    assert space["Options"]().method == method and [*space["METHODS"]] == [method]
+    equations = space["Equations"](space["default_params"]())
+    run = space["Integrator"](equations, space["Options"](step=0.01), 0.0, [1.0, 0.0])
+    assert run.advance(1.0) == 0 and run.x[0] == pytest.approx(cos(2.0), abs=1e-8)

@@ -60,7 +60,7 @@ class Runtime:
         roots += CALLED[2:] if interface.nc and "scales" in functions else []
         roots += ["assemble_slopes"] if interface.part_ends else []
         self.parts = parts(real)
-        self.use = chosen(self.parts, flags_of(interface, complete), roots)
+        self.use = chosen(self.parts, flags_of(interface, complete), roots, methods_of(interface))
         self.sizes = sizes_of(interface)
         self.public = {name for name, _, _ in header.sizes(interface)}
 
@@ -106,7 +106,7 @@ class Runtime:
         found += _printed(self.use, self.parts)
         # Not in the subset of kernels: structs by value, their sizes, texts.
         (options,) = [members for part, members in self.use.records if part["name"] == "Options"]
-        found.append(_default_options(options, self.real))
+        found.append(_default_options(options, self.real, methods_of(self.program.interface)))
         sized = ("work", "state", *(("tangent_work",) if self.program.interface.follows else ()))
         found += [f"size_t lagc_{n}_size(void) {{ return sizeof(lagc_{n}); }}\n" for n in sized]
         found += [_status_text()] if self.complete else []
@@ -240,8 +240,9 @@ def _work(program: Program) -> str:
     return f"static void lagc_fn_{name}({head}, lagc_real *e)\n{{\n{unused}{body}}}\n"
 
 
-def _default_options(members: Sequence[Sequence[Any]], real: Arithmetic) -> str:
+def _default_options(members: Sequence[Sequence[Any]], real: Arithmetic, methods: Sequence[str]) -> str:
     usual, lines = Options(), ""
+    usual.method = usual.method if usual.method in methods else methods[0]
     usual.rtol = (1e-4, usual.rtol, 1e-22)[real.column]
     for name, (kind,), *_ in members:
         value = getattr(usual, name)

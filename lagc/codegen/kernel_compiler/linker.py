@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from itertools import pairwise
@@ -81,8 +82,12 @@ class Chosen:
     names: frozenset[str]
 
 
-def chosen(parts: Sequence[Part], flags: Mapping[str, bool], roots: Iterable[str]) -> Chosen:
-    """Return the functions `roots` and all that they call. Raises KeyError for an unknown name."""
+def chosen(
+    parts: Sequence[Part], flags: Mapping[str, bool], roots: Iterable[str], methods: Sequence[str] = METHODS
+) -> Chosen:
+    """Return the functions `roots` and all that they call, with the branches of these methods only. Raises
+    KeyError for an unknown name."""
+    left_out = [name for name in METHODS if name not in methods]
     known = {part["name"]: part for part in parts if part["kind"] == "function"}
     leaves: dict[str, Part] = {}
     wanted = list(roots)
@@ -90,6 +95,8 @@ def chosen(parts: Sequence[Part], flags: Mapping[str, bool], roots: Iterable[str
         name = wanted.pop()
         if name not in leaves:
             leaves[name] = _leaf(known[name], flags)
+            if left_out:
+                leaves[name] = without(leaves[name], left_out)
             wanted += [call for call in leaves[name]["calls"] if call in known]
     names = {name for leaf in leaves.values() for name in (*leaf["uses"], *leaf["calls"])} | leaves.keys()
     records = {name for leaf in leaves.values() for name in leaf["records"]}
@@ -108,6 +115,42 @@ def _leaf(function: Part, flags: Mapping[str, bool]) -> Part:
     if "missing" in found:
         raise KeyError(f"{function['name']}: {found['missing']}")
     return found  # type: ignore[no-any-return]
+
+
+def without(leaf: Part, methods: Sequence[str]) -> Part:
+    """Return a printed kernel without the branches of `methods`: `if method == NUMBER` and its block."""
+    numbers = [name.upper() for name in methods]
+    if not set(numbers) & set(leaf["uses"]):
+        return leaf
+    head, brace, body = leaf["c"].partition("\n{\n")
+    body = _cut(body, numbers)
+    parameters = head.rpartition("*/")[2].partition("(")[2]
+    names = re.findall(r"(\w+)(?:\)\[\w+\])?(?=[,)])", parameters)
+    unused = [name for name in names if not re.search(rf"\b{name}\b", body) and name != "void"]
+    prefixes = tuple([f"{name}_" for name in methods])
+    return {
+        **leaf, "c": head + brace + "".join(f"    (void){name};\n" for name in unused) + body,
+        "python": _cut(leaf["python"], numbers),
+        "calls": [call for call in leaf["calls"] if not call.startswith(prefixes)],
+        "uses": [name for name in leaf["uses"] if name not in numbers],
+    }  # fmt: skip
+
+
+def _cut(text: str, numbers: Sequence[str]) -> str:
+    """Return the text of a function without these branches, by its indentation."""
+    out, inside = list[str](), -1  # the indentation of the branch that is left out
+    for line in text.split("\n"):
+        depth = len(line) - len(line.lstrip())
+        if inside >= 0:
+            if depth > inside or (depth == inside and line.strip() == "}"):
+                continue
+            inside = -1
+        found = re.match(r"\s*if .*\bmethod == (?:LAGC_)?(\w+)", line)
+        if found is not None and found[1] in numbers:
+            inside = depth
+        else:
+            out.append(line)
+    return "\n".join(out)
 
 
 def members(record: Part, flags: Mapping[str, bool]) -> tuple[Sequence[Any], ...]:
@@ -202,7 +245,8 @@ def flags_of(interface: Interface, complete: bool) -> dict[str, bool]:
 def methods_of(interface: Interface) -> tuple[str, ...]:
     """Return the integration methods that a model carries."""
     left_out = (*(() if interface.stiff else IMPLICIT), *(() if interface.expands else SERIES))
-    return tuple([m for m in METHODS if m not in left_out])
+    asked = interface.methods or METHODS
+    return tuple([m for m in METHODS if m in asked and m not in left_out])
 
 
 def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:

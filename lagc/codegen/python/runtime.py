@@ -19,7 +19,7 @@ from lagc.codegen.kernel_compiler.linker import (
 )
 from lagc.codegen.kernel_compiler.shipped import parts
 from lagc.codegen.python.classes import EQUATIONS, STATES
-from lagc.kernels import METHODS
+from lagc.kernels import DEFAULT_METHOD, METHODS
 from lagc.lowering.program import Interface, Program
 
 MARK = "# -- what follows is part of generated modules --\n"
@@ -61,9 +61,19 @@ def definitions(program: Program, complete: bool, given: frozenset[str]) -> list
     search = SEARCH if complete and program.interface.needs_consistency else ()
     checks = ("is_bound",) if complete and program.interface.prepared else ()
     use = _needed(program.interface, (*ROOTS, *search, *checks), complete)
-    return [_constants(program.interface, use, given), *support(), _work(program), *kernels(use),
+    return [_constants(program.interface, use, given), *_support(program.interface), _work(program),
+            *kernels(use),
             *([_CONVOLVE] if "fn_convolve" in use.names else ()),
             *([_COPY_STATE] if "fn_copy_state" in use.names else ()), EQUATIONS, STATES]  # fmt: skip
+
+
+def _support(interface: Interface) -> tuple[str, ...]:
+    """Return the text of the support files, with a method that the module has as the default."""
+    methods = methods_of(interface)
+    if DEFAULT_METHOD in methods:
+        return support()
+    return tuple([text.replace(f'method: str = "{DEFAULT_METHOD}"', f'method: str = "{methods[0]}"')
+                  for text in support()])  # fmt: skip
 
 
 def evaluation(program: Program, given: frozenset[str]) -> list[str]:
@@ -82,7 +92,7 @@ def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chose
     dense = "system" in interface.functions
     without = {*(() if dense else OF_SYSTEM), *(() if dense or interface.nc else OF_ANY_RANK)}
     there = [root for root in roots if root not in without]
-    return chosen(parts(), flags_of(interface, complete), (*there, *more))
+    return chosen(parts(), flags_of(interface, complete), (*there, *more), methods_of(interface))
 
 
 def _constants(interface: Interface, use: Chosen, given: frozenset[str]) -> str:
