@@ -54,7 +54,7 @@ def test_a_quick_run_without_other_tools(tmp_path: Path) -> None:
     for part in found["problems"]:
         assert part["reference_agreement"] < 1e-9
         tools = [tool for tool in part["tools"] if tool["note"] != "for stiff problems"]
-        assert [tool["tool"] for tool in tools] == ["lagc, C, dop853", "lagc, accuracy="]
+        assert [tool["tool"] for tool in tools] == ["lagc, C, dop853", "lagc, C, taylor", "lagc, accuracy="]
         for tool in tools:
             errors = [error for _, error, _, _ in tool["points"]]
             assert len(errors) == 3 and errors[-1] < 1e-5 and errors[-1] < errors[0]
