@@ -38,6 +38,7 @@ COMMANDS = {
     "cost": "measure what accuracy costs in time",
     "compare": "run scenes side by side",
     "effects": "measure what each effect changes and costs",
+    "hard": "run the hard cases, whose truth is known",
     "linearize": "find equilibria and linear models",
     "build": "write generated code for other projects",
     "new": "write a model to start from; --list: models of the library",

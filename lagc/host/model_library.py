@@ -20,9 +20,18 @@ _FOLDER = getattr(os, "O_PATH", os.O_RDONLY) | getattr(os, "O_DIRECTORY", 0)
 
 def models_folder() -> str:
     """Return the folder of the library models: beside the package in a checkout, inside it if installed."""
+    return _data_folder("models", "models")
+
+
+def references_folder() -> str:
+    """Return the folder of published values: in the tests of a checkout, inside the package if installed."""
+    return _data_folder("references", os.path.join("tests", "references"))
+
+
+def _data_folder(installed: str, checkout: str) -> str:
     package = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-    inside = os.path.join(package, "models")
-    return inside if os.path.isdir(inside) else os.path.join(os.path.dirname(package), "models")
+    inside = os.path.join(package, installed)
+    return inside if os.path.isdir(inside) else os.path.join(os.path.dirname(package), checkout)
 
 
 def library_models() -> list[str]:

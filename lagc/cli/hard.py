@@ -1,0 +1,101 @@
+"""Run the hard cases: motions whose truth is known, with the figures that lagc has to keep.
+
+Without CASE all cases run, in C and in Python; with it, one is explained and run.  The exit code is 3 if a
+case misses a figure.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from typing import TYPE_CHECKING
+
+from lagc.cli.options import add_general_options, add_limit_options
+from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, show
+from lagc.cli.study_report import Report, check_endings
+from lagc.host.budgets import reached, rest
+
+if TYPE_CHECKING:
+    from lagc.study.hard.case import Case
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("case", metavar="CASE", nargs="*", help="the names of cases; default: all")
+    parser.add_argument("--list", action="store_true", help="list the cases")
+    parser.add_argument(
+        "--backend", choices=("both", "c", "numpy"), default="both", help="where to run; default: both"
+    )
+    parser.add_argument("--markdown", action="store_true", help="print the table for a document")
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", action="append", default=[],
+        help="write the report: .html (one stand-alone page), .json, or the picture: .png .svg .pdf",
+    )  # fmt: skip
+    add_limit_options(parser)
+    add_general_options(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    from lagc.api import load
+    from lagc.cli.output import Bar
+    from lagc.host.model_library import locate
+    from lagc.reports import hard as report
+    from lagc.study.hard.case import study
+    from lagc.study.hard.cases import CASES
+
+    check_endings(options.output)
+    if options.list:
+        show(report.listing(CASES))
+        return DONE
+    chosen = _chosen(options.case, {case.name: case for case in CASES})
+    quiet = options.quiet or options.json
+    if options.case and not (quiet or options.markdown):
+        for case in chosen:
+            show(report.explanation(case, os.path.relpath(locate(case.model))))
+    with Bar(1.0, quiet=quiet) as bar:
+        found = study(chosen, load, _backends(options.backend), lambda part, doing: bar.part(part, doing))
+    rest()
+    heading = "Hard cases" if len(chosen) != 1 else chosen[0].title
+    file = Report(lambda: report.to_dict(found), lambda svg: report.page(found, heading, svg), "hard")
+    written = [file.write(path, found, heading, quiet) for path in options.output if found.rows]
+    if options.json:
+        print_json({"status": "ok" if found.complete else "interrupted", **report.to_dict(found)})
+    elif options.markdown:
+        show(report.markdown(found, _machine()))
+    else:
+        show(report.text(found, heading))
+    if not found.complete:
+        return LIMITED if reached() else INTERRUPTED
+    if not all(written):
+        return UNWRITTEN
+    return DONE if found.kept else FAILED
+
+
+def _chosen(names: list[str], known: dict[str, Case]) -> list[Case]:
+    from lagc.diagnostics.suggest import closest
+
+    for name in names:
+        if name not in known:
+            close = closest(name, list(known))
+            hint = f" (did you mean `{close}`?)" if close else ""
+            raise Usage(f"there is no case `{name}`{hint}; `lagc hard --list` lists them")
+    return [known[name] for name in names] if names else list(known.values())
+
+
+def _backends(wanted: str) -> tuple[str, ...]:
+    from lagc.cli.output import say
+    from lagc.simulation.backends.compile import compiler
+
+    if wanted != "numpy" and compiler() is None:
+        if wanted == "c":
+            raise Usage("`--backend c` needs a C compiler")
+        say("there is no C compiler: the cases run in Python alone")
+        return ("numpy",)
+    return ("c", "numpy") if wanted == "both" else (wanted,)
+
+
+def _machine() -> str:
+    """The date, the processor and the versions."""
+    import platform
+    from datetime import date
+
+    return f"{date.today()} ({platform.machine()}, {os.cpu_count()} CPUs, Python {platform.python_version()})"

@@ -1,0 +1,224 @@
+"""Errors that a run reports, chaos, stiffness, events, and a linear model."""
+
+from __future__ import annotations
+
+from math import asin, cos, inf, log, pi, sin, sqrt
+
+import numpy as np
+
+from lagc.simulation.system import Options
+from lagc.study.hard.case import Case, Figure, Found, Lab, how
+from lagc.study.hard.exact import double_pendulum
+
+
+def _kepler(t: np.ndarray, e: float) -> list[np.ndarray]:
+    """x, y, x', y' of the orbit with mu = a = 1 from the pericentre, by Newton on Kepler's equation."""
+    mean = np.remainder(t, 2.0 * pi)
+    anomaly = mean + e * np.sin(mean) / (1.0 - e + e * abs(mean - pi))  # any guess serves
+    for _ in range(200):
+        step = (anomaly - e * np.sin(anomaly) - mean) / (1.0 - e * np.cos(anomaly))
+        anomaly = anomaly - np.clip(step, -0.5, 0.5)
+    root, rate = sqrt(1.0 - e * e), 1.0 / (1.0 - e * np.cos(anomaly))
+    return [np.cos(anomaly) - e, root * np.sin(anomaly), -np.sin(anomaly) * rate,
+            root * np.cos(anomaly) * rate]  # fmt: skip
+
+
+def kepler(lab: Lab) -> Found:
+    model, below, above, truth = lab.compile("classic/kepler", "comet"), 0.0, 0.0, 0.0
+    for asked in (1e-4, 1e-6, 1e-8):
+        run = lab.run(model, 20.0 * pi, accuracy=asked)
+        found = [run[name] for name in ("x", "y", "der(x)", "der(y)")]
+        sizes = [max(abs(found[k]).max(), abs(found[k + 1]).max()) for k in (0, 0, 2, 2)]
+        apart = [abs(f - x).max() for f, x in zip(found, _kepler(run.t, 0.9))]
+        true = float(max(d / s for d, s in zip(apart, sizes)))
+        below, above = max(below, true / run.estimated), max(above, run.estimated / true)
+        truth = max(truth, true / asked)
+    return Found((truth, below, above), how(run), run=run)
+
+
+def chaos(lab: Lab) -> Found:
+    model = lab.compile("classic/double_pendulum", "chaotic")
+    stop = 100.0
+    run = model.simulate(stop, accuracy=1e-6, progress=lab.clock(stop))
+    if run.interrupted:
+        raise KeyboardInterrupt
+    horizon = run.times[-1]
+    exact = double_pendulum(horizon)
+    scale = max(abs(run["theta1"]).max(), abs(run["theta2"]).max())
+    error = max(abs(run[name][-1] - value) for name, value in zip(("theta1", "theta2"), exact))
+    beyond = 0.0 if run.status == "failed" and horizon < stop else 1.0
+    return Found((float(error / scale), beyond), how(run), f"predictable until t = {horizon:.3g} s", run)
+
+
+STIFF = 1e10  # N/m
+
+
+def stiff_spring(lab: Lab) -> Found:
+    stop = 2.0 if lab.backend == "c" else 0.02
+    start = pi / 3.0
+    model = lab.compile("classic/elastic_pendulum", parameters={"k": STIFF})
+    run = lab.run(model, stop, method="dop853", rtol=1e-10,
+                  starts={"theta": start, "s": 9.81 * cos(start) / STIFF})  # fmt: skip
+    if stop < 2.0:
+        lab.notes.append("0.02 of 2 s")
+    error = abs(run.final["theta"] - swing(start, stop))
+    return Found((error,), how(run), run=run)
+
+
+def swing(start: float, t: float, length: float = 1.0, g: float = 9.81) -> float:
+    """The angle of a pendulum that is released at `start`: 2 asin(k cd(w t)) by the descending Landen
+    transformation (M. Abramowitz, I. Stegun, Handbook of Mathematical Functions, 16.4 and 17.6)."""
+    k = sin(start / 2.0)
+    a, b, c = [1.0], [sqrt(1.0 - k * k)], [k]
+    while abs(c[-1]) > 1e-17 and len(a) < 12:
+        a, b, c = [*a, (a[-1] + b[-1]) / 2.0], [*b, sqrt(a[-1] * b[-1])], [*c, (a[-1] - b[-1]) / 2.0]
+    n = len(a) - 1
+    quarter = pi / (2.0 * a[n])
+    phase = 2.0**n * a[n] * (quarter - sqrt(g / length) * t)
+    for i in range(n, 0, -1):
+        phase = (phase + asin(c[i] * sin(phase) / a[i])) / 2.0
+    return 2.0 * asin(k * sin(phase))
+
+
+ROD = ("pivot", "air", "wind", "hair", "buoyancy")
+
+
+def stiff_rod(lab: Lab) -> Found:
+    model = lab.compile("effects/stiff_rod", "all", without=ROD, parameters={"k": STIFF, "c": 2e4})
+    run = lab.run(model, 2.0, method="radau5", rtol=1e-6)
+    error = abs(run.final["th"] - swing(pi / 3.0, 2.0))
+    system = model.system
+    x = model.start().tolist() + [0.0] * (system.nx - system.nq - system.nv)
+    seen = system.integrate(Options("dop853", rtol=1e-6, max_steps=4000), 0.0, x, [2.0])
+    stiff = seen.stiff / max(seen.steps // 1000, 1)  # of the checks, one in a thousand steps
+    return Found((error, 0.0 if stiff > 0.5 else 1.0), how(run), f"{run.cost.rhs} evaluations", run)
+
+
+def _between_walls(t: float) -> tuple[float, float]:
+    """x and v of `hard/walls`, in closed form."""
+    x, v, right, left = 0.2, 3.0, 1e9, 1e7
+    while t > 0.0:
+        flight = (1.0 - x) / v if v > 0.0 else (-1.0 - x) / v
+        if flight >= t:
+            return x + v * t, v
+        t -= flight
+        x = 1.0 if v > 0.0 else -1.0
+        omega = sqrt(right if v > 0.0 else left)
+        if pi / omega >= t:
+            return x + v / omega * sin(omega * t), v * cos(omega * t)
+        t -= pi / omega
+        v = -v
+    return x, v
+
+
+def walls(lab: Lab) -> Found:
+    run = lab.run(lab.compile("hard/walls"), 10.0, method="dop853", rtol=1e-12)
+    x, v = _between_walls(10.0)
+    error = max(abs(run.final["x"] - x), abs(run.final["der(x)"] - v) / 3.0)
+    return Found((error,), how(run), f"{run.cost.steps} steps", run)
+
+
+def relay(lab: Lab) -> Found:
+    run = lab.run(lab.compile("classic/on_off_drive"), 200.0, method="dop853", rtol=1e-12)
+    tau, low, high, end = 2.0 / 0.5, 1.0, 1.5, 2.0 / 0.5
+    pull, rest = tau * log((end - low) / (end - high)), tau * log(high / low)
+    t, on, worst = tau * log(end / (end - high)), True, 0.0
+    for event in run.events:
+        worst = max(worst, abs(event.t - t) / t) if event.name.endswith("off" if on else "on") else inf
+        on = not on
+        t += pull if on else rest
+    missing = abs(len(run.events) - 2 * int(200.0 / (pull + rest)))
+    return Found((worst, 0.0 if missing <= 2 else missing), how(run), f"{len(run.events)} events", run)
+
+
+# Speed: weave (one of the pair, or two real values), capsize, caster (J. P. Meijaard and others, table 2).
+BICYCLE: dict[float, tuple[complex, ...]] = {
+    0.0: (5.53094371765393, 3.13164324790656, -3.13164324790656, -5.53094371765393),
+    2.0: (2.68234517512745 + 1.68066296590675j, -3.07158645641514, -8.67387984831735),
+    5.0: (-0.77534188219585 + 4.46486771378823j, -0.32286642900409, -14.07838969279825),
+    8.0: (-2.69348683581097 + 8.46037971396931j, 0.14327879765713, -20.27940894394569),
+    10.0: (-3.72016840437287 + 10.90681139476287j, 0.16105338653172, -24.62459635017404),
+}
+
+
+def bicycle(lab: Lab) -> Found:
+    model, worst = lab.compile("classic/whipple_bicycle", "straight"), 0.0
+    for v, published in BICYCLE.items():
+        values = model.linearize(parameters={"v": v}).eigenvalues
+        for value in published:
+            for one in {value, complex(value).conjugate()}:
+                worst = max(worst, float(min(abs(values - one))))
+    return Found((worst,), "linearize")
+
+
+CASES = (
+    Case(
+        "kepler", "Kepler's orbit of eccentricity 0.9, 10 revolutions",
+        "The tolerance of a step says little about the error of the end, which grows with each passage.",
+        "Kepler's equation, by Newton's method",
+        "Runs at two tolerances a decade apart differ by nine tenths of the error of the coarser one.  The "
+        "finer run is returned with that difference as its error: a bound that is up to ten times too large.",
+        "classic/kepler", "lagc sim kepler --scene comet --stop 62.83185307179586 --accuracy 1e-8",
+        (Figure("true error over asked", 1.0), Figure("true error over reported", 2.0),
+         Figure("reported error over true", 2.0)), kepler,
+    ),
+    Case(
+        "chaos", "a double pendulum released at 90 deg, 100 s",
+        "Neighbours separate tenfold every 3 s: no computation in double precision knows the end.",
+        "Taylor series of order 30 in 128 bits of fixed point",
+        "Two runs that should agree are compared; where they differ by the target, the run ends and says so.",
+        "classic/double_pendulum", "lagc sim double_pendulum --scene chaotic --stop 100",
+        (Figure("error at the horizon, relative", 1e-6), Figure("answers beyond it", 0.0)), chaos,
+    ),
+    Case(
+        "stiff_spring", "a pendulum on a spring of 1e10 N/m without loss, 2 s",
+        "The spring rings at 16 kHz, and its forces are differences of nearly equal lengths.",
+        "The rigid pendulum by elliptic functions (M. Abramowitz, I. Stegun, 16.4): the spring yields by "
+        "1e-9 m",
+        "Steps follow the ringing; rounding the length of the spring changes its force by 1e-6 N, at "
+        "random in each step.",
+        "classic/elastic_pendulum",
+        "lagc sim elastic_pendulum -p k=1e10 --start 'theta=60[deg]' --start s=4.905e-10 --stop 2 "
+        "--method dop853 --rtol 1e-10",
+        (Figure("angle [rad]", 1e-5),), stiff_spring,
+    ),
+    Case(
+        "stiff_rod", "a pendulum on a damped rod of 1e10 N/m, 2 s",
+        "The ringing decays at once, but limits the steps of explicit methods for ever.",
+        "The rigid pendulum by elliptic functions (M. Abramowitz, I. Stegun, 16.4): the rod yields by 1e-9 m",
+        "Radau IIA of order 5 is L-stable: its steps follow the swing alone.  DOP853 notices that stability "
+        "limits its steps by the ratio of differences of rates and states (HNW II, IV.2).",
+        "effects/stiff_rod",
+        "lagc sim stiff_rod --without pivot --without air --without wind --without hair --without buoyancy "
+        "-p k=1e10 -p c=2e4 --stop 2 --method radau5 --rtol 1e-6",
+        (Figure("angle [rad]", 1e-5), Figure("stiffness not detected", 0.0)), stiff_rod,
+    ),
+    Case(
+        "walls", "a ball between one-sided springs of 1e9 and 1e7 N/m, 10 s",
+        "A contact lasts 0.1 ms of a flight of 0.7 s; a step that misses its begin is wrong by orders.",
+        "Free flights and half periods of harmonic motions in closed form",
+        "The crossing of x = 1 is located on the dense output, and the step ends there: each step sees one "
+        "smooth branch, so DOP853 keeps its order.",
+        "hard/walls", "lagc sim walls --method dop853 --rtol 1e-12",
+        (Figure("place and speed, relative", 1e-9),), walls,
+    ),
+    Case(
+        "relay", "a motor between two speeds, 200 s",
+        "Each switching starts from the one before: errors of event times add up.",
+        "tau log((v_end - v_low)/(v_end - v_high)) and tau log(v_high/v_low) in turns",
+        "Events are located on the dense output to the spacing of floating-point time; with rtol 1e-12 the "
+        "speed there is right to 1e-13.",
+        "classic/on_off_drive", "lagc sim on_off_drive --stop 200 --method dop853 --rtol 1e-12",
+        (Figure("event times, relative", 1e-12), Figure("events missed", 0.0)), relay,
+    ),
+    Case(
+        "bicycle", "the Whipple bicycle, linearized at 0 to 10 m/s",
+        "Nine coordinates, two contacts and four rolling constraints, whose forces change with the motion.",
+        "J. P. Meijaard, J. M. Papadopoulos, A. Ruina, A. L. Schwab, Proc. R. Soc. A 463 (2007) 1955, "
+        "table 2",
+        "The linear model is derived exactly, with the change of the constraint forces; the table has 14 "
+        "decimals.",
+        "classic/whipple_bicycle", "lagc linearize whipple_bicycle --scene straight -p v=5",
+        (Figure("eigenvalues [1/s]", 1e-10),), bicycle,
+    ),
+)  # fmt: skip

@@ -1,0 +1,120 @@
+"""The cases of `lagc hard`: each keeps its figures, and misses them without the mechanism that it guards.
+
+Sources, figures and why a figure follows from the method stand in the cases themselves.  Long runs are
+shorter here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import lagc
+from lagc.host.model_library import references_folder
+from lagc.kernels.events.location import NO_EVENT
+from lagc.kernels.language.statuses import OK, SINGULAR_MASS
+from lagc.simulation.backends.compile import compiler
+from lagc.study.hard.case import Lab, Row, measured
+from lagc.study.hard.cases import CASES
+from lagc.study.hard.published import HARD
+
+OWN = {
+    case.name: case for case in CASES if case.name not in HARD
+}  # the others: tests/physics/test_references
+MISSED = {"tip_angles": [0], "kepler": [2]}  # figures that lagc does not keep, by case
+LONG = {"stiff_spring", "chaos", "kepler", "chain"}
+
+
+def short(full: float) -> float:
+    return full / 4.0
+
+
+class Short(Lab):
+    """A lab whose long runs are short, and whose models can be changed."""
+
+    def __init__(self, backend: str = "numpy", change: Callable[[dict[str, Any]], None] | None = None):
+        super().__init__(lagc.load, backend, part=0.002)
+        self.change = change
+
+    def compile(self, model: str, scene: str | None = None, **given: Any) -> Any:
+        made = super().compile(model, scene, **given)
+        if self.change is not None:
+            self.change(made.load("numpy").model.module)
+        return made
+
+    def long(self, full: float, python: float, what: str) -> tuple[float, float]:
+        return super().long(full, short(python), what)
+
+
+def missed(row: Row) -> list[int]:
+    assert row.found is not None, row.failure
+    pairs = zip(row.found.values, row.case.figures, strict=True)
+    return [k for k, (value, figure) in enumerate(pairs) if value is not None and not value <= figure.most]
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("name", OWN)
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_case(name: str, backend: str) -> None:
+    if backend == "c" and compiler() is None:
+        pytest.skip("no C compiler")
+    row = measured(OWN[name], Short(backend))
+    found = [k for k in missed(row) if row.case.figures[k].words != "an evaluation in C [us]"]
+    assert found == MISSED.get(name, [])
+    assert row.kept == (missed(row) == [])
+
+
+@pytest.mark.parametrize("name", ["contradiction", "massless", "speed", "relay", "drive", "tip_angles"])
+def test_quick_case(name: str) -> None:
+    assert missed(measured(OWN[name], Short())) == MISSED.get(name, [])
+
+
+def test_every_file_of_references_is_a_case() -> None:
+    files = {path.stem for path in Path(references_folder()).glob("*.json")}
+    assert files - set(HARD) == {
+        "andrews_squeezer",
+        "rolling_disc",
+    }  # a case; accelerations in test_closed_forms
+    assert len({case.name for case in CASES}) == len(CASES)
+
+
+def _no_projection(module: dict[str, Any]) -> None:
+    module["project"] = lambda p, t, x, sizes, w: OK
+
+
+def _no_refinement(module: dict[str, Any]) -> None:
+    module["REFINED_RESIDUAL"] = inf
+
+
+def _no_rank(module: dict[str, Any]) -> None:
+    """Only the elimination with all rows is left."""
+    module["rhs_any_rank"] = lambda p, t, x, xdot, lam, w: SINGULAR_MASS
+
+
+def _no_events(module: dict[str, Any]) -> None:
+    """Steps do not end at events."""
+    module["first_crossing"] = lambda p, s, method, a, w: NO_EVENT
+
+
+OFF = {
+    "projection": (_no_projection, ["pendulum_projected", "speed", "solid_turns"]),
+    "refinement": (_no_refinement, ["tip_strings"]),
+    "rank": (_no_rank, ["twice", "overconstrained"]),
+    "events": (_no_events, ["relay", "walls"]),
+}
+SWITCHED = [(change, name) for change, names in OFF.values() for name in names]
+
+
+@pytest.mark.sample(2)
+@pytest.mark.parametrize(("change", "name"), SWITCHED, ids=[f"{c.__name__}-{n}" for c, n in SWITCHED])
+def test_a_case_misses_its_figure_without_its_mechanism(
+    change: Callable[[dict[str, Any]], None], name: str
+) -> None:
+    """A mechanism that is switched off in the generated Python: the run fails, or a figure is missed."""
+    row = measured(OWN[name], Short(change=change))
+    assert not row.kept
+    assert row.found is None or missed(row)
