@@ -7,11 +7,13 @@ import shlex
 from importlib import import_module
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import lagc
 from lagc.cli.main import Parser, main
 from lagc.cli.output import DONE, FAILED, INTERRUPTED, USAGE
+from lagc.reports.hard import to_dict
 from lagc.study.hard import case
 from lagc.study.hard.cases import CASES
 
@@ -65,6 +67,14 @@ def test_a_run_that_fails_is_a_missed_case(monkeypatch: pytest.MonkeyPatch, caps
     (one,) = [each for each in CASES if each.name == "contradiction"]
     row = case.measured(case.Case(**{**vars(one), "measure": failing}), case.Lab(lagc.load, "numpy"))
     assert not row.kept and row.failure == "the step size underflowed"
+
+
+def test_values_are_plain_numbers() -> None:
+    """Measured with arrays, printed as JSON."""
+    (one,) = [each for each in CASES if each.name == "contradiction"]
+    measure = lambda lab: case.Found((np.float64(1.0),), "none")  # noqa: E731
+    row = case.measured(case.Case(**{**vars(one), "measure": measure}), case.Lab(lagc.load, "numpy"))
+    json.dumps(to_dict(case.Hard([row])))
 
 
 def test_an_interrupt_leaves_the_rows_so_far(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:

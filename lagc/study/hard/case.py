@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from time import process_time
 from typing import Any, TypeAlias
 
@@ -143,6 +143,7 @@ def measured(case: Case, lab: Lab) -> Row:
     found, failure = None, ""
     try:
         found = case.measure(lab)
+        found = replace(found, values=tuple([None if v is None else float(v) for v in found.values]))
     except RunFailed as error:
         failure = str(error)
     except Refused as error:
