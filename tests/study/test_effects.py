@@ -230,6 +230,7 @@ def test_an_effect_goes_with_those_that_need_it() -> None:
     assert found.not_compared == ("s",)
     assert {"elastic", "inner"} <= set(found.sets[0].left_out)
     assert found.sets[0].operations < 20 < found.operations
+    assert 20 * changes["elastic"].rhs < found.rhs  # evaluations, at one tolerance
     assert found.sets[0].time < 0.5 and changes["inner"].time > 1.2
 
 
