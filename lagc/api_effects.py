@@ -219,6 +219,16 @@ class _Variant:
             done = system.integrate(options, ends[0], self.x0, ends)
         return (process_time() - began) / repeats, done.rhs
 
+    def nearest(self, motion: Motion, other: Variant) -> tuple[tuple[str, float], ...]:
+        assert isinstance(other, _Variant)
+        interface, others = self.loaded.artifact.interface, other.loaded.artifact.interface.relations
+        own = {k: name for k, name in enumerate(interface.relations) if name not in others}
+        if not own:
+            return ()
+        system: Any = self.loaded.system("numpy").bind(self.values)
+        along = [system.indicators(t, list(x)) for t, x in zip(motion.times.tolist(), motion.states)]
+        return tuple([(name, min(abs(values[k]) for values in along)) for k, name in own.items()])
+
     def same_along(self, motion: Motion, other: Variant, without: str = "") -> bool:
         assert isinstance(other, _Variant)
         if self.state_names != other.state_names:

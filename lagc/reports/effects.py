@@ -67,7 +67,8 @@ def _change(one: Change) -> tuple[str, str]:
     if one.change is None:
         return "ends", one.ends
     if not one.acted:
-        return f"< {one.bar:.0e}", "did not act at the recorded times"
+        near = "".join(f"; `{name}`: nearest {value:.3g}" for name, value in one.nearest)
+        return f"< {one.bar:.0e}", f"did not act at the recorded times{near}"
     worst = max(one.per, key=one.per.__getitem__, default="")
     mark = "*" if " times " in one.how else ""
     size = f"< {one.bar:.0e}" if one.how.startswith("below") else f"{one.change:.1e}{mark}"
@@ -135,7 +136,7 @@ def to_dict(found: Effects) -> dict[str, Any]:
         return {
             "effect": one.effect, "with": list(one.along), "change": one.change, "bar": one.bar,
             "how": one.how, "per": dict(one.per), "ends": one.ends, "acted": one.acted,
-            "until": {f"{a:.0e}": t for a, t in one.until.items()},
+            "nearest": dict(one.nearest), "until": {f"{a:.0e}": t for a, t in one.until.items()},
             "operations": one.operations, "states": one.states, "rhs": one.rhs,
             "time": None if one.time == float("inf") else one.time,
         }  # fmt: skip

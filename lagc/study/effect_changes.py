@@ -62,6 +62,7 @@ def _compare(comparison: Comparison, one: Change, variant: Variant | None, motio
         return
     if comparison.full.same_along(comparison.base, variant):
         one.acted, one.change, one.curve = False, 0.0, np.zeros_like(curves)
+        one.nearest = comparison.full.nearest(comparison.base, variant)
     else:
         _amplify(comparison, one, variant)
 

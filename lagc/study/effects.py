@@ -62,6 +62,9 @@ class Variant(Protocol):
         """Return whether the rates at the recorded states of a motion are those of `other`; `without`: with
         this parameter 0."""
 
+    def nearest(self, motion: Motion, other: Variant) -> tuple[tuple[str, float], ...]:
+        """Return the relations that `other` lacks, each with the least size of its event indicator."""
+
 
 @dataclass
 class Change:
@@ -80,6 +83,7 @@ class Change:
     ends: str = ""
     per: dict[str, float] = field(default_factory=dict)
     acted: bool = True
+    nearest: tuple[tuple[str, float], ...] = ()  # of its conditions to 0, if it did not act
     until: dict[float, float] = field(default_factory=dict)  # s that it stays below an accuracy
     curve: Array | None = None
 

@@ -131,6 +131,8 @@ def test_a_change_below_the_error_bar_is_measured_stronger(spring: Effects) -> N
 def test_an_effect_that_never_acts_changes_nothing(spring: Effects) -> None:
     (never,) = [one for one in spring.left_out if one.effect == "never"]
     assert never.change == 0.0 and not never.acted
+    ((condition, size),) = never.nearest  # x from 1 to -1
+    assert "x" in condition and size == pytest.approx(5.0 - _span() + 1.0, rel=1e-4)
 
 
 def test_offered_effects_are_added(spring: Effects) -> None:

@@ -178,6 +178,13 @@ class NumpySystem(CompiledSystem):
             self.model.module["fn_modes"](self._p, t, x, found)
         return found
 
+    def indicators(self, t: float, x: Vector) -> list[float]:
+        """The event indicator of each relation."""
+        found = [0.0] * len(self.interface.relations)
+        if found:
+            self.model.module["fn_indicators_on"](self._p, t, x, self.modes(t, x), found)
+        return found
+
     def holds(self, modes: Vector, t: float, x: Vector) -> list[float]:
         """For each clause `when`, 1 if its condition holds on a branch."""
         found = [0.0] * len(self.interface.whens)
