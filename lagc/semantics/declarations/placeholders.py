@@ -29,6 +29,8 @@ def placeholder_value(entry: Entry) -> Modifier:
     inner = entry.environment.instance
     owner, name = inner.declaration.name, inner.path.rstrip(".") or "name"
     remedy = f"write `{owner} {name}({entry.name} = ...)` in a model that has this {source.kind}"
+    if not inner.path:
+        remedy = f"give it here, `{source.kind} {entry.name} = ...;`, or {remedy}"
     raise Wrong("LAG0210", f"the {source.kind} `{entry.path}` is not given", entry.span, remedy)
 
 
