@@ -31,6 +31,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="write the report: .html (one stand-alone page), .json, or the picture: .png .svg .pdf",
     )  # fmt: skip
     add_limit_options(parser)
+    parser.set_defaults(max_time="none")  # the models are known; a busy machine is slow
     add_general_options(parser)
 
 
