@@ -118,6 +118,10 @@ class Loaded:
         """The system of `backend` with the implicit methods."""
         return self.with_implicit().system(backend)
 
+    def series_system(self, backend: str) -> System:
+        """The system of `backend` with the methods by power series."""
+        return self.with_series().system(backend)
+
     def simulate(
         self, request: Request, parameters: Sequence[float], progress: Progress | None = None
     ) -> Solution:
@@ -182,7 +186,8 @@ class Loaded:
         system = self.system(backend).bind(parameters)
         try:
             implicit = None if request.sensitivity else partial(self.implicit_system, backend)
-            found = simulate(system, request, self.seconds, running(progress), start, spent, implicit)
+            series = None if request.sensitivity else partial(self.series_system, backend)
+            found = simulate(system, request, self.seconds, running(progress), start, spent, implicit, series)
         except NoStart as error:
             raise self._with_places(error) from None
         found.backend_reason = reason

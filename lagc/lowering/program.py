@@ -233,7 +233,7 @@ class Interface:
     pieces: tuple[int, ...] = ()  # of the conditions, that alone depends on each unknown of x, -1 for none
     row_pieces: tuple[int, ...] = ()  # that makes each condition, -1 for none: it depends on no unknown
     methods: tuple[str, ...] = ()  # of integration that generated code has; none: all that it can have
-    series: tuple[int, int, int] = (0, 0, 0)  # values, lanes and squares of `series`
+    series: tuple[int, int, int, int, int] = (0, 0, 0, 0, 0)  # see `lagc.lowering.series.counts`
     derivatives: dict[str, tuple[tuple[int, int], ...]] = field(
         default_factory=dict
     )  # places of their entries

@@ -19,6 +19,7 @@ from collections.abc import Callable, Mapping
 from lagc.base.records import replace
 from lagc.lowering.program import Function, Operation, uses
 from lagc.lowering.scalar.value_numbering import Block
+from lagc.lowering.storage import WEIGHTS
 from lagc.symbolic.operators import TRUTHS
 
 _LATENCY = {"load": 0, "const": 0, "neg": 1}  # others: 4
@@ -42,12 +43,16 @@ def unfit(rhs: Function, integrated: int) -> str | None:
     return None
 
 
-def counts(functions: Mapping[str, Function]) -> tuple[int, int, int]:
-    """Return the numbers of values, lanes and squares of a program, 0 without series."""
+def counts(functions: Mapping[str, Function]) -> tuple[int, int, int, int, int]:
+    """Return the numbers of values, lanes and squares of a program, and the work of an order besides sums and
+    of a right-hand side, in additions; 0 without series."""
     if "series" not in functions:
-        return 0, 0, 0
+        return 0, 0, 0, 0, 0
     lengths = dict(functions["series_next"].outputs)
-    return dict(functions["series"].outputs)["w"], lengths["a"], lengths["s"]
+    finish, rhs = [
+        sum([WEIGHTS[o.op] for o in functions[name].operations]) for name in ("series_next", "rhs")
+    ]
+    return dict(functions["series"].outputs)["w"], lengths["a"], lengths["s"], finish, rhs
 
 
 class _Series:

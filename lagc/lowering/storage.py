@@ -22,7 +22,7 @@ _LARGEST_TRIAL = 800  # nodes
 _LARGEST_RARE = 100  # nodes, of a function that no step calls
 _LARGEST_GATHERED = 1000  # nodes; beyond, to gather coefficients costs more than it saves
 _LARGEST_SEARCHED = 4000  # nodes, for common factors and shared products, of a function that no step calls
-_WEIGHTS = {
+WEIGHTS = {
     "load": 0, "const": 0, "neg": 0, "add": 1, "sub": 1, "mul": 1, "div": 4,
     **{op: row.weight for op, row in OPERATORS.items()},
 }  # fmt: skip
@@ -105,4 +105,4 @@ def cheapest(
 def weight(function: Function, parameters: int) -> int:
     """About the time a function takes, in additions, without what depends on parameters alone."""
     made_of = dependence(function, parameters)
-    return sum([_WEIGHTS[o.op] for o, kind in zip(function.operations, made_of) if kind != FIXED])
+    return sum([WEIGHTS[o.op] for o, kind in zip(function.operations, made_of) if kind != FIXED])

@@ -117,6 +117,22 @@ class StabilityLimited(Exception):
         self.steps, self.step = steps, step
 
 
+class LongRun(Exception):
+    """A run is smooth and would have about `steps` steps."""
+
+    def __init__(self, steps: float):
+        super().__init__(steps)
+        self.steps = steps
+
+
+def check_length(run: Trajectory, begin: float, end: float, least: float) -> None:
+    """Raise LongRun if the run has had no event, and would have `least` steps or more."""
+    if run.steps >= TESTED and run.changes == 0 and run.t != begin:
+        steps = run.steps * (end - begin) / (run.t - begin)
+        if steps >= least and not is_limited(run):
+            raise LongRun(steps)
+
+
 def is_limited(run: Trajectory) -> bool:
     """Whether stability limits the steps of a run of 1000 steps or more."""
     return run.steps >= TESTED and run.stiff * TESTED >= LIMITED * run.steps

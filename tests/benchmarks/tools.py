@@ -22,7 +22,7 @@ import lagc
 from lagc.api import CompiledModel
 from lagc.compiler import pipeline
 from lagc.host import cache
-from lagc.kernels import IMPLICIT, METHODS
+from lagc.kernels import EXPLICIT, IMPLICIT, METHODS
 from lagc.study.probe import Array, Probe, Setting
 from tests.benchmarks import dop853
 from tests.benchmarks.problems import Problem
@@ -44,8 +44,8 @@ class Task:
     x0: list[float]
     times: list[float]
 
-    def probe(self, real: str = "double", method: str = "dop853") -> Probe:
-        program = pipeline.delivered(self.model.compilation, False, [method])
+    def probe(self, real: str = "double", method: str | None = None) -> Probe:
+        program = pipeline.delivered(self.model.compilation, False, [method] if method else EXPLICIT)
         sources = pipeline.render(program, "c", real=real)
         return Probe(sources, program.interface, self.model._bound(None), self.x0, real)
 

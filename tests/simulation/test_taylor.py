@@ -20,6 +20,7 @@ from lagc.codegen.kernel_compiler.linker import methods_of
 from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Refused, Source
 from lagc.kernels import METHODS
+from lagc.simulation import simulate
 
 SPRING = """model Spring
   parameter Stiffness k = 4 [N/m];
@@ -291,3 +292,21 @@ def test_a_module_without_the_default_method_has_another_default(method: str) ->
     equations = space["Equations"](space["default_params"]())
     run = space["Integrator"](equations, space["Options"](step=0.01), 0.0, [1.0, 0.0])
     assert run.advance(1.0) == 0 and run.x[0] == pytest.approx(cos(2.0), abs=1e-8)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(
+    "long, accuracy, method", [(1000, 1e-9, "taylor"), (1000, 1e-7, "dop853"), (10**6, 1e-9, "dop853")]
+)
+def test_a_default_run_takes_it_where_it_pays(
+    long: int, accuracy: float, method: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By the numbers of operations, for motions of many steps; else the bits of dop853 stay."""
+    monkeypatch.setattr(simulate, "LONG_RUN", long)
+    model = compiled(PENDULUM, "c")
+    run = model.simulate(400.0, accuracy=accuracy, points=5)
+    assert run.method == method and any("the work of dop853" in note for note in run.notes) == (
+        method == "taylor"
+    )
+    if method == "dop853":
+        assert run.states == model.simulate(400.0, accuracy=accuracy, points=5, method="dop853").states

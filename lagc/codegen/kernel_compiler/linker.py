@@ -177,7 +177,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
                            interface.condition_columns, interface.quaternions,
                            interface.row_pieces, len(interface.massless))  # fmt: skip
     sums = max(len(interface.part_ends) - len(interface.condition_ends), 0)
-    values, lanes, squares = interface.series
+    values, lanes, squares, *_ = interface.series
     relations, free = len(interface.relations), len(interface.relations) - interface.timed_relations
     own = {
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NINT": nq + nv + interface.nz,

@@ -156,26 +156,21 @@ def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status
     """Evaluate the polynomial from x at the end of the step, s.x_new."""
     part = h / s.series_scale
     s.x_new[:] = x
-    sums = vector(NX)
     for i in range(NINT):
-        sums[i] = 0.0
-    for k in range(s.series_order, 0, -1):
-        for i in range(NINT):
-            sums[i] = s.series[k][i] + part * sums[i]
-    for i in range(NINT):
-        s.x_new[i] = x[i] + part * sums[i]
+        own = 0.0
+        for k in range(s.series_order, 0, -1):
+            own = s.series[k][i] + part * own
+        s.x_new[i] = x[i] + part * own
     return OK
 
 
 def slope(part: Real, s: State, found: Vec[NX]) -> None:
     """Compute the slope of the polynomial; `part` is the time over the scale."""
     for i in range(NINT):
-        found[i] = 0.0
-    for k in range(s.series_order, 0, -1):
-        for i in range(NINT):
-            found[i] = float(k) * s.series[k][i] + part * found[i]
-    for i in range(NINT):
-        found[i] /= s.series_scale
+        own = 0.0
+        for k in range(s.series_order, 0, -1):
+            own = float(k) * s.series[k][i] + part * own
+        found[i] = own / s.series_scale
 
 
 def error(h: Real, s: State, w: Work) -> Real:
@@ -220,13 +215,13 @@ def restore_series(s: State, w: Work) -> Status:
 
 
 def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
-    """Compute the largest deviation of the slopes at seven points of the step from that of the cubic between
+    """Compute the largest deviation of the slopes at three points of the step from that of the cubic between
     its ends."""
     own = vector(NX)
     for i in range(NX):
         far[i] = 0.0
-    for j in range(1, 8):
-        c = 0.125 * float(j)
+    for j in range(1, 4):
+        c = 0.25 * float(j)
         slope(c * h / s.series_scale, s, own)
         for i in range(NQ + NV):
             mean = (s.x_new[i] - s.x[i]) / h

@@ -121,14 +121,17 @@ def verified_run(
     max_step: float | None = None,
     method: str | None = None,
     most: int = 0,
+    long: float = 0.0,
 ) -> Verified:
     """Return the motion from (times[0], x0) with a global relative error of `accuracy`, if it can be reached.
     Steps are at most `max_step` (s), and in the first run at most `most` (0: any number).  Raises
-    StabilityLimited where `most` is negative and stability limits the steps of a long run.  A remembered run
+    StabilityLimited where `most` is negative and stability limits the steps of a long run, and LongRun where
+    the first run would be smooth and have `long` steps or more (0: never).  A remembered run
     is repeated with its tolerance, and accepted if it ends at the same state."""
-    given = (system, x0, times, accuracy, progress, max_step, method or method_for(accuracy), most)
+    given = (system, x0, times, accuracy, progress, max_step, method or method_for(accuracy), most, long)
     search = _Search(*given)
-    name = name_of(system, x0, times, accuracy, search.method, max_step)
+    chosen_among = f"{search.method} below {long} steps" if long else search.method
+    name = name_of(system, x0, times, accuracy, chosen_among, max_step)
     remembered = recall(name)
     if remembered is not None:
         options = search.options(remembered.rtol)
@@ -164,9 +167,11 @@ def longest_step(system: System, method: str, tol: float, time: float, max_step:
 
 
 class _Search:
-    def __init__(self, system: System, x0: Sequence[float], times: Sequence[float], accuracy: float,
-                 progress: Progress | None, max_step: float | None, method: str, most: int):  # fmt: skip
-        self.method, self.most = method, most
+    def __init__(
+        self, system: System, x0: Sequence[float], times: Sequence[float], accuracy: float,
+        progress: Progress | None, max_step: float | None, method: str, most: int, long: float,
+    ):  # fmt: skip
+        self.method, self.most, self.long = method, most, long
         self.system, self.x0, self.times = system, x0, times
         self.accuracy, self.progress, self.max_step = accuracy, progress, max_step
         self.tried: list[Trajectory] = []
@@ -185,14 +190,20 @@ class _Search:
         limit = 100 * before + 10_000 if before else max(self.most, 0)
         longest = longest_step(self.system, self.method, tol, self.times[-1] - self.times[0], self.max_step)
         return Options(method=self.method, rtol=tol, max_steps=limit, max_step=longest, report=True,
-                       watch=self._watch(longest), halves=tol not in self.whole)  # fmt: skip
+                       watch=self._watch(longest, tol), halves=tol not in self.whole)  # fmt: skip
 
-    def _watch(self, longest: float) -> Callable[[Trajectory], bool]:
+    def _watch(self, longest: float, tol: float) -> Callable[[Trajectory], bool]:
         checks = [(self.times[0], 0, 0.0)]
 
         def watch(run: Trajectory) -> bool:
-            from lagc.simulation.supervision import check_stability, is_stuck  # only for long runs
+            from lagc.simulation.supervision import (
+                check_length,
+                check_stability,
+                is_stuck,
+            )  # only for long runs
 
+            if self.long and tol == FINE and not self.runs:
+                check_length(run, self.times[0], self.times[-1], self.long)
             if self.most < 0:
                 check_stability(run, self.times[0], self.times[-1])
             return is_stuck(self.system, run, self.times[-1], longest, checks)
