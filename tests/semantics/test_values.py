@@ -191,7 +191,7 @@ def test_what_a_body_knows() -> None:
         "body s = Solid(mass = 3, inertia = {1, 2, 3}, frame = F, com = {x, 0, 0});"
         "output Mass k = s.mass; output Energy T = kinetic(s); output Momentum p = momentum(s).x;"
         "output AngularMomentum h = angular_momentum(s).z;"
-        "output Velocity u = velocity(s, at = {x, 2 [m], 0}).x;"
+        "output Velocity u = velocity(s, at = {x, 2 [m], 0}).x; output Length g = s.x - 2*s.z;"
     )
     motion = {"x": 0.3, "der_x": 2.0}
     assert output(model, "k") == 3.0
@@ -199,6 +199,7 @@ def test_what_a_body_knows() -> None:
     assert output(model, "p", **motion) == pytest.approx(6.0)
     assert output(model, "h", **motion) == pytest.approx(6.0)  # the centre moves along x through the origin
     assert output(model, "u", **motion) == pytest.approx(2.0 - 2.0 * 2.0)
+    assert output(model, "g", **motion) == 0.3
 
 
 @pytest.mark.parametrize("sign", ["", "-"])

@@ -84,7 +84,8 @@ def _members(value: Value) -> tuple[str, ...]:
     if isinstance(value, Orientation):
         return ("w", "x", "y", "z", "rate")
     if isinstance(value, Body):
-        return ("mass", "position") if value.frame is None else ("mass", "position", "frame")
+        own = ("mass", "position") if value.frame is None else ("mass", "position", "frame")
+        return (*own, *_AXES)
     if isinstance(value, Array) and len(value.elements) == 3:
         return _AXES
     if isinstance(value, Wrench):
@@ -98,6 +99,8 @@ def _of_body(body: Body, name: str) -> Value:
     if name == "frame":
         assert body.frame is not None
         return body.frame
+    if name in _AXES:
+        return Scalar(body.position[_AXES.index(name)], M)
     return vector_value(body.position, M)
 
 
