@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from lagc.codegen.identifiers import comment
+from lagc.codegen.kernel_compiler.linker import Part
 from lagc.codegen.kernel_compiler.shipped import parts
 from lagc.lowering.program import Interface
 
 ABI_VERSION = 5
+OF_CONTACTS = ("PARADOX",)  # statuses
 SPDX = "SPDX-License-Identifier: MIT-0"
 LICENCE = (
     "Whoever generated this file may use, change and distribute it without any condition.",
@@ -32,7 +34,18 @@ def equation(interface: Interface) -> tuple[str, ...]:
     return f"{first},   M(t,q) a = r(t,q,v) + G^T lambda", f"{',   '.join(rows)},   G a = gamma"
 
 
-def status_texts() -> tuple[str, ...]:
-    """Return the meaning of each status (`lagc.kernels.language.statuses`)."""
-    notes = [part["note"] for part in parts() if part["kind"] == "Status"]
+def statuses(interface: Interface) -> list[Part]:
+    """Return the statuses that a model may have (`lagc.kernels.language.statuses`)."""
+    found = [part for part in parts() if part["kind"] == "Status"]
+    return [part for part in found if interface.contacts or part["name"] not in OF_CONTACTS]
+
+
+def status_texts(interface: Interface) -> tuple[str, ...]:
+    """Return the meaning of each status."""
+    notes = [part["note"] for part in statuses(interface)]
     return tuple([note.partition("; culprit: ")[0].removesuffix(".") + "." for note in notes])
+
+
+def rates(interface: Interface) -> str:
+    """Return the kernel that evaluates the right-hand side."""
+    return "rates_at" if interface.contacts else "rhs_at"

@@ -126,6 +126,7 @@ def local_names(program: Program, taken: Iterable[str]) -> dict[tuple[str, int],
     the target language."""
     interface = program.interface
     arrays = {name for f in program.functions.values() for name, _ in f.outputs}
+    arrays |= {"contact_forces"} if interface.contacts else set()
     own = prefix(interface.model)
     prefixes = ("lagc_", "LAGC_", "fn_", f"{own}_", f"{own.upper()}_")
     names = Names({*ARRAYS, *arrays, *taken}, prefixes, variables=True)

@@ -1,6 +1,8 @@
 """Beginning and end of a call: changes that the caller made, and the evaluation of the first rate."""
 
-from lagc.kernels.dynamics.rhs import factor_safely, rhs_at
+from lagc.kernels.contact.touching import rates_at
+from lagc.kernels.dynamics.rhs import factor_safely
+from lagc.kernels.events.contact_events import start_contacts
 from lagc.kernels.events.modes import update_edges
 from lagc.kernels.events.when_clauses import start_modes
 from lagc.kernels.integrators.dispatch import end_rate_row
@@ -82,8 +84,13 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
     if NWHEN > 0:
         s.conditions_known = False
         s.short_bounces = 0
+    if NLEAP > 0:
         s.jumps = 0
         s.x_before_event[:] = x
+    if NCON > 0:
+        s.settlements = 0
+        for i in range(NCON):
+            s.bounce_speeds[i] = 0.0
 
 
 def enter_call(s: State, w: Work) -> None:
@@ -116,6 +123,9 @@ def report_culprit(s: State, status: Status, w: Work) -> Status:
         s.culprit = w.culprit
     if NMODE > 0:
         if status == CHATTERING or status == MISPLACED:
+            s.culprit = w.culprit
+    if NCON > 0:
+        if status == PARADOX:
             s.culprit = w.culprit
     return status
 
@@ -176,12 +186,14 @@ def evaluate_start(p: Params, s: State, direction: Real, w: Work) -> Status:
     if NMODE > 0:
         if again:
             s.rate_place = STAGES
+            if NCON > 0:
+                return start_contacts(p, s, direction, elsewhere, w)
             return start_modes(p, s, direction, elsewhere, w)
         w.modes[:] = s.modes
         update_edges(w)
     status = OK
     if again or s.rate_place == ABSENT:
-        status = rhs_at(p, s.t, s.x, s.k[0], w.lam, w)
+        status = rates_at(p, s.t, s.x, s.k[0], w.lam, w)
         s.rhs += 1
         if failed(status):
             return status

@@ -7,8 +7,7 @@ section II.4; L. F. Shampine, I. Gladwell, R. W. Brankin, ACM Trans. Math. Softw
 from math import fabs
 
 from lagc.kernels.call_boundary import evaluate_start, keep_parameters, report_culprit
-from lagc.kernels.constraints.projection import project
-from lagc.kernels.dynamics.rhs import rhs_at
+from lagc.kernels.contact.touching import forget_forces, put_on_constraints, rates_at
 from lagc.kernels.events.location import (
     LEAST_SLACK,
     MOST_SLACK,
@@ -21,7 +20,7 @@ from lagc.kernels.events.location import (
     release_slack,
 )
 from lagc.kernels.events.step_guards import find_hidden_event
-from lagc.kernels.events.when_clauses import handle_event
+from lagc.kernels.events.contact_events import pass_event, set_least_bounce
 from lagc.kernels.integrators.dispatch import (
     end_rate_row,
     has_series,
@@ -61,9 +60,9 @@ LARGE_ERROR = 100.0  # error of a step that says little about the right step siz
 
 def finish_step(p: Params, s: State, t: Real, o: Options, leaves_end_rate: bool, w: Work) -> Status:
     """Project the new state onto the constraints and evaluate its rate, unless it is left open."""
-    if NC > 0 or NQUAT > 0:
+    if NC > 0 or NQUAT > 0 or NCON > 0:
         if o.project and not keeps_constraints(o.method):
-            status = project(p, t, s.x_new, w.trial_sizes, w)
+            status = put_on_constraints(p, t, s.x_new, w.trial_sizes, w)
             if failed(status):
                 return status
             if w.position_residual > s.position_drift:
@@ -76,7 +75,7 @@ def finish_step(p: Params, s: State, t: Real, o: Options, leaves_end_rate: bool,
     if leaves_end_rate:
         return OK
     s.rhs += 1
-    return rhs_at(p, t, s.x_new, s.k[end_rate_row(o.method)], w.lam, w)
+    return rates_at(p, t, s.x_new, s.k[end_rate_row(o.method)], w.lam, w)
 
 
 def prepare_newton(s: State, o: Options, h: Real, w: Work) -> None:
@@ -104,6 +103,8 @@ def prepare_newton(s: State, o: Options, h: Real, w: Work) -> None:
 def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     """Compute stages, error and end of an attempt.  It is acceptable if a.error <= 1."""
     a.error = 0.0
+    if NCON > 0:
+        forget_forces(w)
     if NNEWTON > 0:
         if is_implicit(o.method):
             prepare_newton(s, o, a.h, w)
@@ -157,7 +158,7 @@ def end_step_at_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> Sta
     if fabs(a.h) <= 4.0 * SPACING * fabs(s.t) + LEAST_STEP * a.size_before_event:
         a.h = 0.0
         keep_parameters(p, s)
-        return handle_event(p, s, a.direction, w)
+        return pass_event(p, s, a.direction, w)
     return try_step(p, s, o, a, w)
 
 
@@ -183,7 +184,7 @@ def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
     s.x[:] = s.x_new
     if o.step == 0.0:
         detect_stiffness(s, w)
-    if NWHEN > 0:
+    if NLEAP > 0:
         s.x_before_event[:] = s.x_new
     enlarge_sizes(s.x_new, s.sizes)
     s.roundoff_estimated = a.roundoff_estimated
@@ -293,7 +294,7 @@ def end_by_underflow(p: Params, s: State, cause: Status, a: Trial, w: Work) -> S
     if NFREE > 0:
         if cause != OK and crosses_within_roundoff(p, s, a.direction, w):
             keep_parameters(p, s)
-            return report_culprit(s, handle_event(p, s, a.direction, w), w)
+            return report_culprit(s, pass_event(p, s, a.direction, w), w)
     return report_culprit(s, cause if cause != OK else STEP_UNDERFLOW, w)
 
 
@@ -360,12 +361,14 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     a.direction = 1.0 if t1 >= s.t else -1.0
     if o.step > 0.0:
         a.direction = 1.0 if s.grid_step > 0.0 else -1.0
-    if NWHEN > 0:
+    if NCON > 0:
+        set_least_bounce(o, w)
+    if NLEAP > 0:
         changes = s.changes
     status = evaluate_start(p, s, a.direction, w)
     if failed(status):
         return report_culprit(s, status, w)
-    if NWHEN > 0:
+    if NLEAP > 0:
         if s.changes > changes:
             keep_parameters(p, s)
             return OK
@@ -378,7 +381,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
             if t1 == s.t and not is_time_event_due(w):
                 return OK
             keep_parameters(p, s)
-            return report_culprit(s, handle_event(p, s, a.direction, w), w)
+            return report_culprit(s, pass_event(p, s, a.direction, w), w)
     if NSERIES > 0:
         status = begin_step(p, s, o, a, w)
         if failed(status):
@@ -393,5 +396,17 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
             if a.ends_on_target and goal == t1 and is_time_event_due(w):
                 due = True
         if a.ends_at_event or due:
-            return report_culprit(s, handle_event(p, s, a.direction, w), w)
+            return report_culprit(s, pass_event(p, s, a.direction, w), w)
     return OK
+
+
+def begin_trajectory(p: Params, s: State, direction: Real, o: Options, w: Work) -> Status:
+    """Let contacts act at the beginning of a trajectory, before its first state is recorded. Return
+    INTERRUPTED after an impact that is to be reported."""
+    changes = s.changes
+    set_least_bounce(o, w)
+    status = evaluate_start(p, s, direction, w)
+    if failed(status):
+        return report_culprit(s, status, w)
+    keep_parameters(p, s)
+    return INTERRUPTED if o.report != 0 and s.changes > changes else OK

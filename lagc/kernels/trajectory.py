@@ -4,9 +4,8 @@ from typing import Any
 
 from lagc.kernels.arguments import check_call
 from lagc.kernels.call_boundary import enter_call, leave_call, report_culprit
-from lagc.kernels.constraints.projection import project
-from lagc.kernels.driver import step_once
-from lagc.kernels.dynamics.rhs import rhs_at
+from lagc.kernels.contact.touching import put_on_constraints, rates_at
+from lagc.kernels.driver import begin_trajectory, step_once
 from lagc.kernels.integrators.dispatch import (
     end_rate_row,
     has_series,
@@ -26,13 +25,13 @@ def recompute_stages(s: State, t: Real, x: Vec[NX], w: Work) -> Status:
     """Compute the stages of the last step again: a later failed attempt has overwritten them."""
     if NMODE > 0:
         w.modes[:] = s.modes_old
-    status = rhs_at(s.p, s.t_old, s.x_old, s.k[0], w.lam, w)
+    status = rates_at(s.p, s.t_old, s.x_old, s.k[0], w.lam, w)
     s.rate_place = ABSENT
     s.rhs += 2
     if not failed(status):
         status = method_stages(s.method, s.p, s.t_old, s.x_old, s.h_old, s, w)
     if not failed(status):
-        status = rhs_at(s.p, t, x, s.k[end_rate_row(s.method)], w.lam, w)
+        status = rates_at(s.p, t, x, s.k[end_rate_row(s.method)], w.lam, w)
     return status
 
 
@@ -40,7 +39,7 @@ def compute_dense_output(s: State, w: Work) -> Status:
     """Compute the coefficients of the dense output of the last step, with its parameters and its end, even
     if the caller changed them."""
     t = s.t_end if s.is_new_call else s.t
-    if NWHEN > 0:
+    if NLEAP > 0:
         x = s.x_before_event
     else:
         x = s.x_end if s.is_new_call else s.x
@@ -61,7 +60,7 @@ def compute_dense_output(s: State, w: Work) -> Status:
         if failed(status):
             return status
     elif s.dense_place == OPEN:
-        status = rhs_at(s.p, t, x, s.k[end_rate_row(s.method)], w.lam, w)
+        status = rates_at(s.p, t, x, s.k[end_rate_row(s.method)], w.lam, w)
         s.rhs += 1
         if failed(status):
             return status
@@ -80,9 +79,9 @@ def interpolate_at(s: State, t: Real, o: Options, x: Vec[NX], w: Work) -> Status
             return report_culprit(s, status, w)
         s.dense_place = READY
     method_dense_at(s.method, (t - s.t_old) / s.h_old, s, x)
-    if NC > 0 or NQUAT > 0:
+    if NC > 0 or NQUAT > 0 or NCON > 0:
         if o.project:
-            status = project(s.p, t, x, s.sizes, w)
+            status = put_on_constraints(s.p, t, x, s.sizes, w)
             if failed(status):
                 return report_culprit(s, status, w)
     return OK
@@ -201,6 +200,9 @@ def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: 
         begin_grid(s, t1, o)
     enter_call(s, w)
     count: Count = 0
+    if NCON > 0:
+        if done[0] == 0 and n > 0:
+            status = begin_trajectory(p, s, direction, o, w)
     if NMODE > 0:
         ended = OK
     while status == OK:

@@ -57,19 +57,32 @@ def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[Event
     relation_functions = sorted(
         (node for node in moved if node.op in _RELATIONS), key=lambda node: node.index
     )
-    if not relation_functions:
+    if not relation_functions and not equations.contacts:
         return equations, ()
     made = _Freezing(equations.graph, frozenset(changing), equations.time, relation_functions)
     found = _with(equations, made)
     whens = [replace(x, condition=node) for x, node in zip(equations.whens, made.all(conditions))]
     found = replace(found, whens=tuple(whens))
-    return found, tuple(sorted(_used(found, made.relations), key=lambda relation: relation.slope is None))
+    ordered = sorted(_used(found, made.relations), key=lambda relation: relation.slope is None)
+    return found, (*ordered, *_touching(found, len(made.relations)))
+
+
+def _touching(equations: EquationsOfMotion, count: int) -> list[EventRelation]:
+    """Return the relation of each contact, whose indicator is the gap. Its mode is always 1: contacts that
+    touch are watched by their forces."""
+    graph, one = equations.graph, equations.graph.one
+    return [
+        EventRelation(graph.symbol("mode", str(count + k)), contact.gap, one, one, None, None,
+                      f"{contact.label} touches", True)
+        for k, contact in enumerate(equations.contacts)
+    ]  # fmt: skip
 
 
 def _used(equations: EquationsOfMotion, relations: Sequence[EventRelation]) -> list[EventRelation]:
     """Those that `equations` depend on: what loads on bodies depend on may cancel in the forces on speeds."""
     moving = [*equations.qdot, *sources(replace(equations, whens=()))]
-    reached = symbols([*moving, *formed_of([row.jacobian for row in equations.rows])])
+    rows = [row.jacobian for row in (*equations.rows, *equations.contacts)]
+    reached = symbols([*moving, *formed_of(rows)])
     asked = symbols([when.condition for when in equations.whens])
     found = []
     for relation in reversed(relations):  # each depends on others before it
@@ -250,7 +263,9 @@ def deciding(equations: EquationsOfMotion) -> list[Node]:
         found += [x for row in part.mass for x in row] if isinstance(part.mass, tuple) else [part.mass]
     for row in equations.rows:
         found += [row.rate, row.gamma]
-    found += formed_of([row.jacobian for row in equations.rows])
+    found += formed_of([row.jacobian for row in (*equations.rows, *equations.contacts)])
+    for contact in equations.contacts:
+        found += contact.nodes
     return [*found, *equations.further_inertia.values()]
 
 
@@ -270,12 +285,19 @@ def _with(equations: EquationsOfMotion, f: _Freezing) -> EquationsOfMotion:
     rows = [replace(row, rate=f.one(row.rate), gamma=f.one(row.gamma)) for row in equations.rows]
     jacobians = with_values([row.jacobian for row in rows], f.all)
     rows = [replace(row, jacobian=own) for row, own in zip(rows, jacobians)]
+    contacts = [
+        replace(contact, gap=f.one(contact.gap), rate=f.one(contact.rate), bias=f.one(contact.bias))
+        for contact in equations.contacts
+    ]
+    normals = with_values([contact.jacobian for contact in contacts], f.all)
+    contacts = [replace(contact, jacobian=own) for contact, own in zip(contacts, normals)]
     loads: dict[Node, Node] = {}
     for velocity, weight in zip(f.all(list(equations.loads)), f.all(list(equations.loads.values()))):
         loads[velocity] = loads[velocity] + weight if velocity in loads else weight
     return replace(
         equations,
         qdot=tuple(f.all(equations.qdot)), inertias=tuple(inertias), rows=tuple(rows), loads=loads,
+        contacts=tuple(contacts),
         further_inertia=dict(zip(equations.further_inertia, f.all(list(equations.further_inertia.values())))),
         bias_forces=tuple(f.all(equations.bias_forces)), given_forces=tuple(f.all(equations.given_forces)),
         power=f.one(equations.power),

@@ -12,7 +12,7 @@ from lagc.diagnostics.faults import Fault, Span
 from lagc.diagnostics.suggest import moments as moments_remedy
 from lagc.host import cache
 from lagc.lowering.event_relations import EventRelation
-from lagc.lowering.program import Clause, Field, Function, Interface
+from lagc.lowering.program import Clause, Contact, Field, Function, Interface
 from lagc.lowering.series import counts
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.semantics.model import Discrete, Input, Lagrangian, Limit, Model, Parameter
@@ -31,6 +31,7 @@ _UNHASHED = (
     "initial_places", "relations", "timed", "flowing", "driven", "doubtful", "derivatives",
     "part_ends", "part_columns", "pieces", "row_pieces", "written", "conservative", "series", "methods",
 )  # fmt: skip
+_OF_DISCRETES = ("discretes", "booleans")
 
 
 def used_parameters(equations: EquationsOfMotion, roots: Iterable[Node]) -> tuple[Parameter, ...]:
@@ -71,6 +72,9 @@ def interface(
         whens=_clauses(equations, int(work)),
         discretes=tuple([discrete_field(variable) for variable in model.discretes]),
         booleans=tuple([int(variable.boolean) for variable in model.discretes]),
+        contacts=tuple([
+            Contact(c.label, c.contact.unit, place(c.contact.span)) for c in equations.contacts
+        ]),
         **_of_equations(equations),
         **_of_functions(functions, slopes),
         parameters=tuple([parameter_field(p) for p in parameters]),
@@ -126,7 +130,9 @@ def _of_equations(equations: EquationsOfMotion) -> dict[str, Any]:
         "row_places": tuple([place(row.span) for row in equations.rows]),
         "initial_places": tuple([place(span) for _, span in equations.initial_conditions]),
         "warnings": tuple([_warning(fault) for fault in equations.warnings]),
-        "conservative": equations.power.is_zero and all([row.holonomic for row in equations.rows]),
+        "conservative": equations.power.is_zero
+        and not equations.contacts
+        and all([row.holonomic for row in equations.rows]),
         "balance": equations.balance,
         "driven": bool(depends([row.rate for row in equations.rows], [equations.time])),
     }
@@ -248,10 +254,13 @@ def _digest(interface: Interface, functions: Mapping[str, Function]) -> str:
     """A hash of all that makes a result: no file names, no places."""
     texts = []
     for name in names(Interface):
-        if name not in _UNHASHED and (interface.discretes or name not in ("discretes", "booleans")):
+        absent = name == "contacts" and not interface.contacts
+        if name not in _UNHASHED and not absent and (interface.discretes or name not in _OF_DISCRETES):
             value = getattr(interface, name)
             if name in ("parameters", "inputs", "outputs", "limits", "discretes"):
                 value = [(x.name, x.value, x.minimum, x.maximum, x.unit) for x in value]
+            elif name == "contacts":
+                value = [x.name for x in value]
             elif name == "simulate":
                 value = sorted(value.items())
             texts.append(f"{name}={value!r}")

@@ -8,6 +8,7 @@ from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.lowering import program_functions
 from lagc.lowering.event_relations import EventRelation, frozen
+from lagc.lowering.hybrid.contact_functions import contact_functions
 from lagc.lowering.hybrid.event_functions import changing, in_boxes, relation_functions, whens
 from lagc.lowering.hybrid.narrow_terms import features, poles
 from lagc.lowering.implicit import implicit
@@ -29,7 +30,7 @@ from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.derivative import Slopes
 from lagc.symbolic.graph import Node
 
-OFTEN = ("rhs", "watch", "system", "residual")  # are called at every stage of a step
+OFTEN = ("rhs", "watch", "system", "residual", "contact_rows")  # are called at every stage of a step
 
 
 def optimize(
@@ -46,7 +47,7 @@ def optimize(
     moving, relations = frozen(equations)
     equations, moving = changing(equations, moving, relations)
     jumps = any(when.changes for when in equations.whens)
-    work = work and (jumps or not equations.power.is_zero)
+    work = work and (jumps or bool(equations.contacts) or not equations.power.is_zero)
     parameters = used_parameters(equations, _roots(equations))
     at = places(equations, parameters, nz=int(work))
     along = places(moving, parameters, [relation.mode for relation in relations], int(work))
@@ -55,7 +56,7 @@ def optimize(
     preparation = Preparation(len(parameters), len(parameters) + len(equations.model.inputs))
     dense = solver is None or forms_matrix(equations)
     made, slopes = _functions(at, along, relations, solver, solving, work, dense, preparation)
-    factored = solver if equations.rows or differentiate or sensitive else None
+    factored = solver if equations.rows or equations.contacts or differentiate or sensitive else None
     differentiated = derivatives(along, relations) if differentiate else None
     more = [*(differentiated.functions if differentiated else ()), *(tangents(along) if sensitive else ())]
     if more and solver and not equations.rows:
@@ -140,6 +141,8 @@ def _functions(
     if solver is not None and constrained:
         made += _factored(along, solver, not dense)
         made += [kkt.refiner(solver)] if dense else [kkt.rest(solver), program_functions.forces(along)]
+    if solver is not None and not constrained and at.equations.contacts:
+        made += _factored(along, solver, False)
     made.append(program_functions.displace(at))
     if constrained:
         made += [program_functions.position(at), program_functions.velocity(at), program_functions.scales(at)]
@@ -151,7 +154,7 @@ def _functions(
     slopes = condition_slopes(at.equations)
     made += [program_functions.conditions(at, slopes), program_functions.measures(at)]
     made += [program_functions.limits(at), *relation_functions(at, along, relations)]
-    made += whens(at, along)
+    made += [*whens(at, along), *contact_functions(at, along)]
     made += in_boxes(along, features(along.equations), "feature", "terms that may be narrow")
     made += in_boxes(along, poles(along.equations), "pole", "divisors that may come near zero")
     found = {f.name: preparation.separated(f) for f in made if f is not None}

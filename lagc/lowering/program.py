@@ -151,6 +151,15 @@ class Clause:
         return self.marks or (f"when {self.words}",)
 
 
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """A one-sided constraint as a run needs it."""
+
+    name: str
+    unit: str  # of its gap
+    place: str  # "ball.lag:9"
+
+
 def _ranges(sizes: Mapping[str, int]) -> dict[str, range]:
     """One part behind the other."""
     found, first = dict[str, range](), 0
@@ -213,6 +222,7 @@ class Interface:
     discretes: tuple[Field, ...] = ()  # variables that clauses `when` alone change: the last of x
     booleans: tuple[int, ...] = ()  # 1: a truth value, stored as 0 or 1
     features: int = 0  # terms that may be narrow
+    contacts: tuple[Contact, ...] = ()  # one-sided constraints: the last of `discretes` and of `relations`
     poles: int = 0  # divisors that may come near zero
     timed_relations: int = 0  # the first ones, which time alone changes, when is known
     timed: bool = False  # the rates, or when they change, depend on time itself
@@ -357,6 +367,10 @@ class Program:
                                      where there are sums by their parts (`part_ends`, `part_columns`);
                                      `sizes` those of the terms
       limits      (p)             -> b[]   those of `limits`
+      gaps        (p,t,x)         -> g[]    gap of each contact
+      contact_rows (p,t,x,modes)  -> R[], u[], bias[]   of each row: gradient by v, rate, acceleration for v' = 0
+      contact_sizes (p,t,x,c)     -> s[]    change of each gap for states that change by the size c of their kind
+      restitutions (p,t,x)        -> r[]    of each contact
       features    (p,t,x)         -> e[]    terms that may be narrow
       feature_bounds (p,box)      -> e[]    least and largest value of each, in a box
       poles       (p,t,x)         -> e[]    divisors that may come near zero
@@ -394,7 +408,8 @@ class Program:
     @property
     def shipped(self) -> Program:
         """Without the factors that derivatives alone are made with, in runs of lagc."""
-        if self.interface.nc or not self.interface.work_size or self.interface.follows:
+        interface = self.interface
+        if interface.nc or not interface.work_size or interface.follows or interface.contacts:
             return self
         kept = {name: f for name, f in self.functions.items() if name not in ("assemble", "factor", "solve")}
-        return Program(replace(self.interface, work_size=0, functions=tuple(kept)), kept)
+        return Program(replace(interface, work_size=0, functions=tuple(kept)), kept)

@@ -269,11 +269,12 @@ def outputs(places: Places) -> Function | None:
     if not found:
         return None
     names = [o.name for o in places.equations.outputs]
-    inputs: tuple[str, ...] = (*STATE, "a", "lam")
+    late = ("a", "lam", "contact_forces") if places.equations.contacts else ("a", "lam")
+    inputs: tuple[str, ...] = (*STATE, *late)
     shared = _energies_in(places, found)
     if shared:
         known = {node: places.graph.symbol("shared", str(k)) for node, k in shared.items()}
-        found, inputs = substitute(places.graph, found, known), (*STATE, "e", "a", "lam")
+        found, inputs = substitute(places.graph, found, known), (*STATE, "e", *late)
         arrays = {known[node]: ("e", k) for node, k in shared.items()}
         places = replace(places, arrays={**places.arrays, **arrays})
     return made(places, "outputs", inputs, (("y", found),), "outputs of the model", names, rare=True)

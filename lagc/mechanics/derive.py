@@ -10,6 +10,7 @@ from lagc.mechanics.balance.energy import energies
 from lagc.mechanics.balance.generalized_forces import Acting, act
 from lagc.mechanics.balance.outputs import output_equations
 from lagc.mechanics.formulation.constraints import Classified, classify
+from lagc.mechanics.formulation.contacts import contact_rows
 from lagc.mechanics.formulation.equations import Contribution, EquationsOfMotion, Row, WhenEquations
 from lagc.mechanics.formulation.euler_lagrange import free_terms, with_rates
 from lagc.mechanics.formulation.inertia import inertial_loads, moving_parts
@@ -73,6 +74,7 @@ def derive(model: Model) -> EquationsOfMotion:
         initial_conditions=tuple(zip(states.in_speeds(initial), [c.span for c in model.initial_conditions])),
         whens=(*when_equations(states), *stops),
         outputs=output_equations(states, parts, acting, free, totals, [x.label for x in dropped]),
+        contacts=contact_rows(states),
         rates=states.rates,
         dropped=tuple([x.reason for x in dropped]),
         warnings=(

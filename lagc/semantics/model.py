@@ -279,6 +279,27 @@ class Constraint:
 
 
 @dataclass(frozen=True, slots=True)
+class Contact:
+    """A one-sided constraint gap >= 0, in coordinates, parameters and time. `state` is a discrete variable: 0
+    open, 1 touching."""
+
+    name: str
+    label: str  # the name of the constraint, or `name[1]` ... for a vector
+    gap: Node
+    unit: str
+    state: Node
+    restitution: Node
+    span: Span
+    effect: str | None = None
+
+    @property
+    def mode(self) -> Discrete:
+        """The discrete variable that tells whether it touches; a run finds out at its beginning."""
+        start = self.state.graph.zero
+        return Discrete(self.label, self.state, "", "", start, False, self.span, "1: touches")
+
+
+@dataclass(frozen=True, slots=True)
 class InitialCondition:
     """A scalar initial equation: residual(q, rates, parameters) = 0."""
 
@@ -363,6 +384,7 @@ ModelObject: TypeAlias = (
     | Body
     | Action
     | Constraint
+    | Contact
     | Output
     | Limit
     | Joint
@@ -401,7 +423,8 @@ class Model:
     simulate: dict[str, float] = field(default_factory=dict)  # stop, accuracy, ... of the scene
     whens: tuple[When, ...] = ()
     joints: tuple[Joint, ...] = ()
-    discretes: tuple[Discrete, ...] = ()
+    discretes: tuple[Discrete, ...] = ()  # the last are the modes of contacts
+    contacts: tuple[Contact, ...] = ()
     tables: tuple[Table, ...] = ()
     limits: tuple[Limit, ...] = ()  # of computed parameters
     built_in: tuple[str, ...] = ()  # parameters that a run cannot change: structural, or dependent on others

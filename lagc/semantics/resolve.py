@@ -122,6 +122,10 @@ def _resolve(
         from lagc.semantics.declarations.discrete import refuse_in_constraints  # where there are some
 
         refuse_in_constraints(context, _of(found, objects.Constraint), conditions, _of(found, objects.Speed))
+    if _of(found, objects.Contact):
+        from lagc.semantics.declarations.contacts import refuse_beside  # where there are some
+
+        refuse_beside(context, whens)
     look_at_uncalled(context, instance.in_order())
     _check_given(context, instance)
     if not context.faults and not _of(found, objects.Coordinate) and not _of(found, objects.Orientation):
@@ -280,7 +284,8 @@ def _model(
         constraints=_of(found, objects.Constraint),
         initial_conditions=tuple(conditions),
         whens=tuple(whens),
-        discretes=_of(found, objects.Discrete),
+        discretes=(*_of(found, objects.Discrete), *(c.mode for c in _of(found, objects.Contact))),
+        contacts=_of(found, objects.Contact),
         tables=tuple(context.curves.values()),
         outputs=_of(found, objects.Output),
         effects=effects,

@@ -21,6 +21,7 @@ from lagc.kernels.language.statuses import (
     NOT_CONVERGED,
     NOT_FINITE,
     OK,
+    PARADOX,
     REDUNDANT,
     SINGULAR_MASS,
     STEP_UNDERFLOW,
@@ -42,6 +43,7 @@ __all__ = [
     "NOT_CONVERGED",
     "NOT_FINITE",
     "OK",
+    "PARADOX",
     "REDUNDANT",
     "RUN",
     "SCENE",
@@ -139,6 +141,8 @@ class System(Protocol):
         ...
 
     def energies(self, t: float, x: Vector) -> list[float]: ...
+
+    def gaps(self, t: float, x: Vector) -> list[float]: ...
 
     def outputs(self, t: float, x: Vector) -> list[float]: ...
 

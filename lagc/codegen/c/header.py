@@ -122,6 +122,10 @@ _DISCRETE = {
     "NINT": "integrated states q, v, z, the first of x",
     "NDISC": "discrete variables d, the last of x: only when clauses change them",
 }  # fmt: skip
+_CONTACTS = {
+    "NCON": "contacts, whose states are the last of d: 0 open, 1 touches",
+    "NSLIP": "slip rows of contacts",
+}
 _PREPARED = {"NPREPARED": "numbers that lagc_bind computes from the parameters"}
 _LIMITED = {"NLIMITS": "bounded values computed from parameters"}
 _NEWTON = {
@@ -144,6 +148,7 @@ def sizes(interface: Interface) -> list[tuple[str, int, str]]:
     notes = {
         **_SIZES,
         **discrete,
+        **(_CONTACTS if interface.contacts else {}),
         **prepared,
         **limited,
         **newton,

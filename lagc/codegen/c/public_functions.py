@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from lagc.base.records import dataclass
 from lagc.codegen.c.header import members
+from lagc.codegen.heading import rates
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.statements import loads
 from lagc.lowering.program import Interface, Program
@@ -97,6 +98,7 @@ _DIRECT = {
         f"void lagc_displace({_POINT}, const lagc_real *d, lagc_real *dq)",
         "    lagc_fn_displace(p, t, x, d, dq);\n",
     ),
+    "gaps": _direct("gaps", "g[NCON]: gaps of the contacts.", "g"),
     "limits": PublicFunction(
         "b[NLIMITS]: bounded values computed from parameters; see lagc_check.",
         "void lagc_limits(const lagc_params *p, lagc_real *b)",
@@ -159,7 +161,7 @@ def _rhs(interface: Interface) -> PublicFunction:
         + ("  Rates of discrete variables\n * are 0." if interface.discretes else ""),
         f"lagc_status lagc_rhs({_POINT}, lagc_real *xdot, lagc_real *lambda, lagc_work *w)",
         (_HOLD if interface.discretes else "") + _forget(interface)
-        + "    return lagc_rhs_at(p, t, x, xdot, lambda ? lambda : w->lam, w);\n")  # fmt: skip
+        + f"    return lagc_{rates(interface)}(p, t, x, xdot, lambda ? lambda : w->lam, w);\n")  # fmt: skip
 
 
 def _forget(interface: Interface) -> str:
@@ -206,17 +208,17 @@ def _of_accelerations(program: Program, name: str, comment: str, output: str) ->
     """A function that may need energies, accelerations or multipliers."""
     function = program.functions[name]
     given = {"p": "p", "t": "t", "x": "x", "modes": "w->modes", "e": "e", "a": "w->xdot + LAGC_NQ",
-             "lam": "w->lam"}  # fmt: skip
+             "lam": "w->lam", "contact_forces": "w->contact_forces"}  # fmt: skip
     call = f"    lagc_fn_{function.spelled}({', '.join(given[i] for i in function.inputs)}, {output});\n"
     if "e" in function.inputs:
         call = f"    lagc_fn_energies(p, t, x, e);\n{call}"
     head = f"lagc_status lagc_{name}({_POINT}, lagc_real *{output}, lagc_work *w)"
     room = "    lagc_real e[3];\n" if "e" in function.inputs else ""
-    if not {"a", "lam", "modes"} & {array for array, _ in loads(function)}:
+    if not {"a", "lam", "modes", "contact_forces"} & {array for array, _ in loads(function)}:
         unused = "" if "w->" in call else "    (void)w;\n"
         return PublicFunction(comment, head, room + call + unused + "    return LAGC_OK;\n")
     room += "    lagc_status status;\n"
-    solved = "    status = lagc_rhs_at(p, t, x, w->xdot, w->lam, w);\n"
+    solved = f"    status = lagc_{rates(program.interface)}(p, t, x, w->xdot, w->lam, w);\n"
     return PublicFunction(
         comment, head, room + _forget(program.interface) + solved + call + "    return status;\n"
     )

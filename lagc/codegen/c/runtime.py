@@ -10,7 +10,7 @@ from typing import Any
 
 from lagc.codegen.c import header
 from lagc.codegen.c.convolution import convolution
-from lagc.codegen.heading import status_texts
+from lagc.codegen.heading import rates, status_texts, statuses
 from lagc.codegen.kernel_compiler.c import CPrinter
 from lagc.codegen.kernel_compiler.layout import block_comment, snake
 from lagc.codegen.kernel_compiler.linker import (
@@ -27,7 +27,7 @@ from lagc.codegen.kernel_compiler.linker import (
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.kernel_compiler.shipped import Parts, parts
 from lagc.codegen.python.support.base import Options
-from lagc.lowering.program import Program
+from lagc.lowering.program import Interface, Program
 
 # Public kernels of every model; a run of lagc does the last ones itself.
 ROOTS = ("begin", "step", "dense", "advance", "record", "check")
@@ -53,7 +53,8 @@ class Runtime:
         roots += ["bind"] if interface.prepared else []
         roots += ["hold"] if interface.relations else []
         roots += ["consistent"] if self.searches else []
-        roots += [name for name in CALLED[:2] if name != "system_at" or "system" in functions]
+        called = (rates(interface), *CALLED[1:])
+        roots += [name for name in called[:2] if name != "system_at" or "system" in functions]
         roots += [
             name for name in FOLLOWING if interface.follows and (name != "event_facts" or interface.relations)
         ]
@@ -109,7 +110,7 @@ class Runtime:
         found.append(_default_options(options, self.real, methods_of(self.program.interface)))
         sized = ("work", "state", *(("tangent_work",) if self.program.interface.follows else ()))
         found += [f"size_t lagc_{n}_size(void) {{ return sizeof(lagc_{n}); }}\n" for n in sized]
-        found += [_status_text()] if self.complete else []
+        found += [_status_text(self.program.interface)] if self.complete else []
         return [part for part in found if part]
 
     def _records(self) -> dict[str, str]:
@@ -129,6 +130,8 @@ class Runtime:
 
     def _enumeration(self, kind: str) -> str:
         found = [part for part in self.parts if part["kind"] == kind]
+        if kind == "Status":
+            found = statuses(self.program.interface)
         if kind == "Method":
             carried = [name.upper() for name in methods_of(self.program.interface)]
             found = [part for part in found if part["name"] in carried]
@@ -257,10 +260,10 @@ def _default_options(members: Sequence[Sequence[Any]], real: Arithmetic, methods
     return f"lagc_options lagc_default_options(void)\n{{\n    lagc_options o;\n{lines}    return o;\n}}\n"
 
 
-def _status_text() -> str:
-    meanings = ",\n        ".join(f'"{text}"' for text in status_texts())
+def _status_text(interface: Interface) -> str:
+    meanings = ",\n        ".join(f'"{text}"' for text in status_texts(interface))
     return (
         "const char *lagc_status_text(int status)\n{\n    static const char *const texts[] = {\n"
         f"        {meanings}\n    }};\n"
-        f'    return status >= 0 && status < {len(status_texts())} ? texts[status] : "No such status.";\n}}\n'
+        f'    return status >= 0 && status < {len(status_texts(interface))} ? texts[status] : "No such status.";\n}}\n'
     )

@@ -15,8 +15,11 @@ from typing import Any
 from lagc.codegen.kernel_compiler.kernel_syntax import Outside, clone, exact, identifier
 
 FLAGS = ("STRAIGHT", "HAS_DISPLACE", "COMPLETE")
-# Sizes that are another one in models without a size: name -> (that size, the other name).
-SAME_WITHOUT = {"NINT": ("NDISC", "NX")}
+# Sizes and kernels that are another one in models without a size: name -> (that size, the other name).
+SAME_WITHOUT = {
+    "NINT": ("NDISC", "NX"), "rates_at": ("NCON", "rhs_at"), "put_on_constraints": ("NCON", "project"),
+    "pass_event": ("NCON", "handle_event"),
+}  # fmt: skip
 Flags = Mapping[str, bool]
 
 

@@ -159,7 +159,7 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
     states = [[0.0] * NX for _ in times]
     work, fallbacks, events = problem.work, problem.work.fallbacks, []
     jumps, corners = [], []
-
+@BEGIN@
     def record_steps(steps, max_steps):
         """Call the kernel `record`; an exception leaves everything as it was before."""
         names = ("t", "x", "t_old", "culprit", "steps", "rejected", "rhs", "position_drift", "velocity_drift")
@@ -167,16 +167,16 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
         run.x, kernel_options.max_steps = run.x[:], max_steps
         try:
             seen = run.changes if NMODE else 0
-            status = record(problem.p, run, kernel_options, times, len(times), states, done, steps, work)
+@SEEN@            status = record(problem.p, run, kernel_options, times, len(times), states, done, steps, work)
             if NMODE and kernel_options.report and run.changes > seen:
                 events.extend((run.t, k) for k in NOTED if run.changed[k])
                 if len(corners) < MOST_CORNERS:
-                    jumped = NWHEN and run.jumps > len(jumps)
+                    jumped = NWHEN and run.jumps > len(jumps)@STRUCK@
                     corners.append((run.t, run.x_before_event[:] if jumped else run.x[:], run.x[:]))
                 if NWHEN:
                     events.extend((run.t, NMODE + k) for k in run.acted[: run.acts])
                     jumps.extend([run.t] * (run.jumps - len(jumps)))
-                kernel_options.report = len(events) < MOST_EVENTS
+@TOLD@                kernel_options.report = len(events) < MOST_EVENTS
             return status
         except BaseException:
             for name, value in zip(names, before):
@@ -185,15 +185,38 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
             raise
 
     def result(status):
-        return Trajectory(
+        return @TRAJECTORY@(
             times=list(times[: done[0]]), states=states[: done[0]], t=run.t, x=run.x[:], status=status,
             culprit=-1 if status == OK else run.culprit, steps=run.steps, rejected=run.rejected, rhs=run.rhs,
             stiff=run.stiff, step=run.t - run.t_old, fallbacks=work.fallbacks - fallbacks,
             redundant_rows=problem.redundant_rows, position_drift=run.position_drift,
             velocity_drift=run.velocity_drift, sizes=run.sizes[:],
             event_roundoff=run.event_roundoff[:] if NMODE else (), events=events,
-            jumps=jumps, corners=corners, changes=run.changes if NMODE else 0,
+            jumps=jumps, corners=corners, changes=run.changes if NMODE else 0,@CONTACTS@
         )  # fmt: skip
 
     return record_in_slices(run, options, record_steps, result, progress, clock)
 '''
+
+_OF_CONTACTS = {  # places of STATES
+    "@BEGIN@": "    contacts = []\n",
+    "@SEEN@": "            settled = run.settlements\n",
+    "@STRUCK@": " or run.settlements > settled",
+    "@TOLD@": """\
+                if run.settlements > settled:
+                    contacts.extend(contact_events(run))
+                if len(contacts) >= MOST_EVENTS:
+                    kernel_options.report = False
+""",
+    "@CONTACTS@": "\n            contacts=contacts,",
+    "@TRAJECTORY@": "ContactTrajectory",
+}
+_OF_OTHERS = {**dict.fromkeys(_OF_CONTACTS, ""), "@TRAJECTORY@": "Trajectory"}
+
+
+def states(contacts: bool) -> str:
+    """Return the class and the function that integrate."""
+    found = STATES
+    for place, text in (_OF_CONTACTS if contacts else _OF_OTHERS).items():
+        found = found.replace(place, text)
+    return found

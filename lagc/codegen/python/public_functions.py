@@ -149,7 +149,7 @@ def outputs(t, x, p=None):
     """Return the outputs y[NY], in the order of Y_NAMES."""
     model, xdot, lam = _solved(t, x, p)
     y = [0.0] * NY
-@ENERGIES@    fn_outputs(model.p, float(t), _state(x), @E@xdot[NQ : NQ + NV], lam, y)
+@ENERGIES@    fn_outputs(model.p, float(t), _state(x), @E@xdot[NQ : NQ + NV], lam, @C@y)
     return y
 '''
 
@@ -234,7 +234,7 @@ def rhs_many(t, x, p=None):
             if NC:
                 sound = sound & (health[1] <= REFINED_RESIDUAL * NMANY * NMANY)
             sound = sound & numpy.isfinite(xdot).all(axis=1)
-        rest = numpy.flatnonzero(~sound)
+@OPEN@        rest = numpy.flatnonzero(~sound)
     for i in rest:
         row = [0.0] * NX
         failed = equations(p[i]).rhs(float(t[i]), x[i].tolist(), row, [0.0] * NC) in FAILED
@@ -270,6 +270,7 @@ _WATCH = """\
             if not numpy.all(health[0] >= TRUSTED_PIVOT):
                 _vectorised(fn_watch)(given, health)
 """
+_OPEN = "            sound = sound & (x[:, NX - NCON :] == 0.0).all(axis=1)\n"
 _PLAIN = "_vectorised(fn_rhs)(given, t, list(x.T), "
 _ON_BRANCHES = """\
 modes = [0.0] * NMODE
@@ -279,7 +280,7 @@ modes = [0.0] * NMODE
 
 def public_functions(program: Program, complete: bool) -> list[str]:
     """Return the functions that apply to the model; `complete` adds those that no run of lagc calls."""
-    found = [_ALWAYS.replace("@STATUSES@", _statuses())]
+    found = [_ALWAYS.replace("@STATUSES@", _statuses(program.interface))]
     for name, text in (
         ("start", _START),
         ("system", _SYSTEM),
@@ -300,6 +301,7 @@ def public_functions(program: Program, complete: bool) -> list[str]:
     watch = _WATCH if "watch" in program.functions else ""
     many = _MANY.replace("@RHS@", rhs).replace("@WATCH@", watch)
     many = many.replace("@HEALTH@", str(max(program.interface.health, 2) - 1))
+    many = many.replace("@OPEN@", _OPEN if program.interface.contacts else "")
     many, last, end = many.rpartition("    return type")
     return [*found, many + (_LOOKED_UP if tables(program.functions.values()) else "") + last + end]
 
@@ -307,6 +309,7 @@ def public_functions(program: Program, complete: bool) -> list[str]:
 def _outputs(program: Program) -> str:
     shared = "outputs" in program.functions and "e" in program.functions["outputs"].inputs
     found = _OUTPUTS.replace("@ENERGIES@", _ENERGIES_FIRST if shared else "")
+    found = found.replace("@C@", "model.work.contact_forces, " if program.interface.contacts else "")
     return found.replace("@E@", "e, " if shared else "")
 
 
@@ -330,5 +333,5 @@ def _by_groups(patterns: Mapping[str, Sequence[tuple[int, int]]]) -> str:
     return "".join([*text, "}\n", _BY_GROUPS.replace("@FUNCTIONS@", functions)])
 
 
-def _statuses() -> str:
-    return "".join(["(\n", *(f"    {text!r},\n" for text in status_texts()), ")"])
+def _statuses(interface: Interface) -> str:
+    return "".join(["(\n", *(f"    {text!r},\n" for text in status_texts(interface)), ")"])

@@ -18,14 +18,16 @@ from lagc.codegen.kernel_compiler.linker import (
     tables_of,
 )
 from lagc.codegen.kernel_compiler.shipped import parts
-from lagc.codegen.python.classes import EQUATIONS, STATES
+from lagc.codegen.heading import rates, statuses
+from lagc.codegen.python.classes import EQUATIONS, states
 from lagc.kernels import DEFAULT_METHOD, METHODS
 from lagc.lowering.program import Interface, Program
 
 MARK = "# -- what follows is part of generated modules --\n"
 SUPPORT = ("base.py", "slices.py")  # runs of lagc use them too
+OF_CONTACTS = ("contacts.py",)
 # Kernels of every model, and of models with constraints.
-ROOTS = ("begin", "step", "dense", "advance", "record", "rhs_at", "factor_safely", "system_at")
+ROOTS = ("begin", "step", "dense", "advance", "record", "factor_safely", "system_at")
 OF_SYSTEM = ("system_at",)  # if the program has the dense system
 OF_ANY_RANK = ("factor_safely",)  # if it has the dense system or constraints
 OF_ROWS = ("assemble_at", "solve_at")
@@ -61,10 +63,16 @@ def definitions(program: Program, complete: bool, given: frozenset[str]) -> list
     search = SEARCH if complete and program.interface.needs_consistency else ()
     checks = ("is_bound",) if complete and program.interface.prepared else ()
     use = _needed(program.interface, (*ROOTS, *search, *checks), complete)
-    return [_constants(program.interface, use, given), *_support(program.interface), _work(program),
-            *kernels(use),
+    interface = program.interface
+    more = support(OF_CONTACTS) if interface.contacts else ()
+    return [_constants(interface, use, given), *_support(interface), *more, _work(program), *kernels(use),
             *([_CONVOLVE] if "fn_convolve" in use.names else ()),
-            *([_COPY_STATE] if "fn_copy_state" in use.names else ()), EQUATIONS, STATES]  # fmt: skip
+            *([_COPY_STATE] if "fn_copy_state" in use.names else ()), _equations(interface),
+            states(bool(interface.contacts))]  # fmt: skip
+
+
+def _equations(interface: Interface) -> str:
+    return EQUATIONS.replace("rhs_at(", f"{rates(interface)}(")
 
 
 def _support(interface: Interface) -> tuple[str, ...]:
@@ -78,9 +86,9 @@ def _support(interface: Interface) -> tuple[str, ...]:
 
 def evaluation(program: Program, given: frozenset[str]) -> list[str]:
     """Return the constants of the model, and the kernels that evaluate one state."""
-    use = _needed(program.interface, ("rhs_at", "factor_safely", "system_at"), False)
+    use = _needed(program.interface, ("factor_safely", "system_at"), False)
     own = "\n\n".join([_constants(program.interface, use, given), _work(program)])
-    return [own, *kernels(use), EQUATIONS]
+    return [own, *kernels(use), _equations(program.interface)]
 
 
 def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chosen:
@@ -90,6 +98,7 @@ def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chose
     more += ("hold",) if interface.relations else ()
     more += ("assemble_slopes",) if interface.part_ends else ()
     dense = "system" in interface.functions
+    more += (rates(interface),)
     without = {*(() if dense else OF_SYSTEM), *(() if dense or interface.nc else OF_ANY_RANK)}
     there = [root for root in roots if root not in without]
     return chosen(parts(), flags_of(interface, complete), (*there, *more), methods_of(interface))
@@ -111,14 +120,15 @@ def _constants(interface: Interface, use: Chosen, given: frozenset[str]) -> str:
     text += f"NOTED = {interface.noted!r}\n" if interface.relations else ""
     text += "".join(f"{name} = {tuple(v)!r}\n" for name, v in tables_of(interface).items() if name in used)
     methods = {name: METHODS.index(name) for name in methods_of(interface)}
+    used |= {part["name"] for part in statuses(interface)}
     return text + f"METHODS = {methods!r}\n" + numbers(used)
 
 
 def numbers(used: Collection[str]) -> str:
-    """Return the statuses, and the constants in `used`."""
+    """Return the statuses and constants in `used`."""
     text = ""
     for part in parts():
-        if part["kind"] == "Status" or (part["kind"] in NUMBERS and part["name"] in used):
+        if (part["kind"] == "Status" and part["name"] in used) or (part["kind"] in NUMBERS and part["name"] in used):
             text += f"{part['name']} = {part['python']}" + (f"  # {part['note']}\n" if part["note"] else "\n")
     return text
 

@@ -9,7 +9,7 @@ ODEs, ACM Trans. Math. Software 17 (1991) 11-25.
 
 from math import fabs, inf, sqrt
 
-from lagc.kernels.dynamics.rhs import rhs_at
+from lagc.kernels.contact.touching import find_touching, forget_forces, rates_at
 from lagc.kernels.events.modes import margin
 from lagc.kernels.integrators.dispatch import (
     end_rate_row,
@@ -106,9 +106,22 @@ def trial_dense_output(p: Params, s: State, method: int, a: Trial, w: Work) -> S
     return status
 
 
+def indicate_forces(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
+    """Set w.indicators of contacts that touch to their forces at (t, x), and to -1 if there are none."""
+    if not find_touching(x, w):
+        return
+    found = not failed(rates_at(p, t, x, w.contact_rates, w.contact_lam, w))
+    find_touching(x, w)
+    for i in range(NCON):
+        if w.touched[i] > 0:
+            w.indicators[NMODE - NCON + i] = w.contact_forces[contact_first[i]] if found else -1.0
+
+
 def update_margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
     """Compute w.margins, for the indicators that depend on the state."""
     fn_indicators_on(p, t, x, w.modes, w.indicators)
+    if NCON > 0:
+        indicate_forces(p, t, x, w)
     for j in range(NFREE):
         k = NTIMED + j
         w.margins[j] = margin(k, w.indicators[k], s.slack[k], w)
@@ -145,9 +158,29 @@ def within_mode(k: int, low: Real, high: Real, w: Work) -> bool:
     return low > 0.0 if w.modes[k] > 0.0 else high < 0.0
 
 
+def enclose_forces(s: State, w: Work) -> None:
+    """Set w.enclosures of contacts that touch to the range of their forces, widened by a quarter."""
+    for i in range(NCON):
+        if s.x[NX - NCON + i] != 0.0:
+            j = NFREE - NCON + i
+            more = ENCLOSURE_MARGIN * (w.force_high[i] - w.force_low[i])
+            w.enclosures[2 * j] = w.force_low[i] - more
+            w.enclosures[2 * j + 1] = w.force_high[i] + more
+
+
+def force_range(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
+    """Add the forces at (t, x) to the ranges of forces."""
+    if find_touching(x, w):
+        if failed(rates_at(p, t, x, w.contact_rates, w.contact_lam, w)):
+            for i in range(NCON):
+                w.force_low[i] = -UNKNOWN
+
+
 def excludes_crossings(p: Params, s: State, w: Work) -> bool:
     """Return whether no indicator crosses in w.box."""
     fn_enclosure_on(p, w.modes, w.box, w.enclosures)
+    if NCON > 0:
+        enclose_forces(s, w)
     for j in range(NFREE):
         k = NTIMED + j
         low = w.enclosures[2 * j] + s.slack[k]
@@ -209,6 +242,8 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     """Return the part of the step from s.x to s.x_new after which the first indicator crosses, NO_EVENT,
     or a negative number if the dense output failed."""
     enclose_step(s, method, a, w)
+    if NCON > 0:
+        force_range(p, s.t, s.x, w)
     if excludes_crossings(p, s, w):
         return NO_EVENT
     if failed(trial_dense_output(p, s, method, a, w)):
@@ -220,6 +255,11 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     while left < 1.0:
         right = left + width if left + width < 1.0 else 1.0
         enclose_dense_output(s, method, a, left, right, w)
+        if NCON > 0:
+            forget_forces(w)
+            force_range(p, s.t + left * a.h, w.x_part_begin, w)
+            force_range(p, s.t + 0.5 * (left + right) * a.h, w.x_part_middle, w)
+            force_range(p, s.t + right * a.h, w.x_part_end, w)
         if excludes_crossings(p, s, w):
             if width < LONGEST_PART:
                 width *= 2.0
@@ -258,18 +298,29 @@ def all_move_away(direction: Real, w: Work) -> bool:
     return True
 
 
+def force_crosses(s: State, w: Work) -> bool:
+    """Return whether a contact in w.crossed touches."""
+    for i in range(NCON):
+        if w.crossed[NMODE - NCON + i] > 0 and s.x[NX - NCON + i] != 0.0:
+            return True
+    return False
+
+
 def crosses_by_roundoff(
     p: Params, s: State, method: int, part: Real, factor: Real, a: Trial, w: Work
 ) -> bool:
     """Return whether the indicators in w.crossed move away from their crossings both at the beginning of the
     step and after this part. They are beyond by round-off then, and `factor` times this is added to their
     slack."""
+    if NCON > 0:
+        if force_crosses(s, w):
+            return False
     fn_indicator_rates_on(p, s.t, s.x, w.modes, s.k[0], w.indicator_rates)
     if not all_move_away(a.direction, w):
         return False
     method_dense_at(method, part, s, w.x_part_middle)
     s.rhs += 1
-    if failed(rhs_at(p, s.t + part * a.h, w.x_part_middle, w.xdot, w.lam, w)):
+    if failed(rates_at(p, s.t + part * a.h, w.x_part_middle, w.xdot, w.lam, w)):
         return False
     fn_indicator_rates_on(p, s.t + part * a.h, w.x_part_middle, w.modes, w.xdot, w.indicator_rates)
     if not all_move_away(a.direction, w):
@@ -307,9 +358,19 @@ def is_crossing(k: int, direction: Real, w: Work) -> bool:
     return not moves_away(k, direction, w)
 
 
+def spare_contacts(s: State, w: Work) -> None:
+    """Set the indicators and rates of contacts that touch to 0: their gaps are not watched."""
+    for i in range(NCON):
+        if s.x[NX - NCON + i] != 0.0:
+            w.indicators[NMODE - NCON + i] = 0.0
+            w.indicator_rates[NMODE - NCON + i] = 0.0
+
+
 def release_slack(p: Params, s: State, w: Work) -> None:
     """Set the slack of an indicator to 0 once its margin is several times the slack."""
     fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
+    if NCON > 0:
+        spare_contacts(s, w)
     for j in range(NFREE):
         k = NTIMED + j
         if margin(k, w.indicators[k], 0.0, w) > SLACK_GROWTH * s.slack[k]:
@@ -360,6 +421,8 @@ def crosses_within_roundoff(p: Params, s: State, direction: Real, w: Work) -> bo
     time = EVENT_TIME_ULPS * SPACING * fabs(s.t)
     fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
     fn_indicator_rates_on(p, s.t, s.x, w.modes, s.k[0], w.indicator_rates)
+    if NCON > 0:
+        spare_contacts(s, w)
     for k in range(NMODE):
         w.crossed[k] = 0
     for j in range(NFREE):

@@ -2,7 +2,7 @@
 
 from math import fabs
 
-from lagc.kernels.dynamics.rhs import rhs_at
+from lagc.kernels.contact.touching import rates_at
 from lagc.kernels.events.location import (
     confirm_crossings,
     estimate_indicator_roundoff,
@@ -236,7 +236,7 @@ def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
         for i in range(NEDGES):
             w.old_edges[i] = w.edges[i]
     s.rhs += 1
-    status = rhs_at(p, s.t, s.x, w.old_rates, w.lam, w)
+    status = rates_at(p, s.t, s.x, w.old_rates, w.lam, w)
     if failed(status):
         return status
     fn_indicator_rates_on(p, s.t, s.x, w.modes, w.old_rates, w.indicator_rates)

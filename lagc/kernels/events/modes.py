@@ -6,7 +6,7 @@ mode. Modes are constant during a step.
 
 from math import fabs, inf
 
-from lagc.kernels.dynamics.rhs import rhs_at
+from lagc.kernels.contact.touching import rates_at
 from lagc.kernels.language.vocabulary import *
 
 
@@ -117,7 +117,7 @@ def choose_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
     moves to."""
     fn_modes(p, s.t, s.x, w.modes)
     update_edges(w)
-    status = rhs_at(p, s.t, s.x, s.k[0], w.lam, w)
+    status = rates_at(p, s.t, s.x, s.k[0], w.lam, w)
     s.rhs += 1
     if failed(status):
         return status
@@ -139,7 +139,7 @@ def choose_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
     w.indicators[:] = w.indicators_before
     if changed:
         propagate_changes(p, s, direction, s.k[0], w)
-        status = rhs_at(p, s.t, s.x, s.k[0], w.lam, w)
+        status = rates_at(p, s.t, s.x, s.k[0], w.lam, w)
         s.rhs += 1
     accept_modes(s, w)
     return status

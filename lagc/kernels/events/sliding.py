@@ -7,7 +7,7 @@ rate vanishes then. Other sliding motions are refused.
 
 from math import fabs
 
-from lagc.kernels.dynamics.rhs import rhs_at
+from lagc.kernels.contact.touching import rates_at
 from lagc.kernels.events.modes import sign_of
 from lagc.kernels.language.vocabulary import *
 
@@ -41,7 +41,7 @@ def time_since_crossing(k: int, direction: Real, w: Work) -> Real:
 def update_indicator_rates(p: Params, s: State, w: Work) -> Status:
     """Compute w.indicator_rates in the modes w.modes."""
     s.rhs += 1
-    status = rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
+    status = rates_at(p, s.t, s.x, w.xdot, w.lam, w)
     if not failed(status):
         fn_indicator_rates_on(p, s.t, s.x, w.modes, w.xdot, w.indicator_rates)
     return status

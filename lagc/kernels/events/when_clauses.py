@@ -7,7 +7,7 @@ left. Conditions that this makes true trigger more clauses.
 from math import fabs, inf
 
 from lagc.kernels.constraints.projection import project
-from lagc.kernels.dynamics.rhs import rhs_at
+from lagc.kernels.contact.touching import rates_at
 from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
 from lagc.kernels.events.mode_change import change_modes, find_contacts, is_first_order
 from lagc.kernels.events.modes import accept_modes, adopt_modes, advance_mode, choose_modes, update_edges
@@ -84,7 +84,7 @@ def slide_after_reinit(p: Params, s: State, direction: Real, w: Work) -> Status:
     if not found:
         return OK
     s.rhs += 1
-    return rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
+    return rates_at(p, s.t, s.x, w.xdot, w.lam, w)
 
 
 def choose_modes_after_reinit(p: Params, s: State, direction: Real, w: Work) -> Status:
@@ -92,7 +92,7 @@ def choose_modes_after_reinit(p: Params, s: State, direction: Real, w: Work) -> 
     indicators before the jump."""
     w.old_indicators[:] = w.indicators_before
     adopt_modes(p, s, w)
-    status = rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
+    status = rates_at(p, s.t, s.x, w.xdot, w.lam, w)
     s.rhs += 1
     if failed(status):
         return status
@@ -114,7 +114,7 @@ def choose_modes_after_reinit(p: Params, s: State, direction: Real, w: Work) -> 
             elif beyond:
                 w.modes[k] = 0.0
     update_edges(w)
-    status = rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
+    status = rates_at(p, s.t, s.x, w.xdot, w.lam, w)
     s.rhs += 1
     if NFREE > 0:
         if not failed(status):
@@ -309,7 +309,7 @@ def update_modes_for_parameters(p: Params, s: State, direction: Real, w: Work) -
     w.old_indicators[:] = w.indicators_before
     adopt_modes(p, s, w)
     s.rhs += 1
-    status = rhs_at(p, s.t, s.x, s.k[0], w.lam, w)
+    status = rates_at(p, s.t, s.x, s.k[0], w.lam, w)
     if failed(status):
         return status
     fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)

@@ -2,7 +2,7 @@
 
 from math import fabs, sqrt
 
-from lagc.kernels.dynamics.rhs import rhs_at
+from lagc.kernels.contact.touching import rates_at
 from lagc.kernels.integrators.dispatch import beta, error_exponent
 from lagc.kernels.integrators.step_size import rational_power
 from lagc.kernels.language.vocabulary import *
@@ -68,7 +68,7 @@ def shortest_time_scale(
     for k in range(NINT):
         s.x_new[k] = s.x[k] + h * direction * s.k[0][k]
     s.rhs += 1
-    if failed(rhs_at(p, s.t + h * direction, s.x_new, s.k[1], w.lam, w)):
+    if failed(rates_at(p, s.t + h * direction, s.x_new, s.k[1], w.lam, w)):
         return 0.0
     for k in range(NINT):
         s.x_new[k] = (s.k[1][k] - s.k[0][k]) / h

@@ -6,7 +6,7 @@ sections II.4 (error), II.6 (dense output), II.10 (DOP853).
 
 from math import fabs, inf, sqrt
 
-from lagc.kernels.dynamics.rhs import rhs_at
+from lagc.kernels.contact.touching import rates_at
 from lagc.kernels.language.vocabulary import *
 
 
@@ -21,7 +21,7 @@ def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status
     for j in static(range(1, len(C))):
         for i in range(NINT):
             s.x_new[i] = own[i] + h * combination(A[j], s.k, i)
-        status = rhs_at(p, t + number(C[j]) * h, s.x_new, s.k[j], w.lam, w)
+        status = rates_at(p, t + number(C[j]) * h, s.x_new, s.k[j], w.lam, w)
         if failed(status):
             return status
     for i in range(NINT):
@@ -98,7 +98,7 @@ def dense_output(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, 
     for j in static(range(len(EXTRA_C))):
         for i in range(NINT):
             s.x_new[i] = x[i] + h * combination(EXTRA_A[j], s.k, i)
-        status = rhs_at(p, t + number(EXTRA_C[j]) * h, s.x_new, s.k[len(C) + 1 + j], w.lam, w)
+        status = rates_at(p, t + number(EXTRA_C[j]) * h, s.x_new, s.k[len(C) + 1 + j], w.lam, w)
         if failed(status):
             return status
     for i in range(NINT):

@@ -8,7 +8,7 @@ Higham, Accuracy and Stability of Numerical Algorithms, SIAM 2002, chapter 1).
 from math import fabs, inf, sqrt
 
 from lagc.kernels.constraints.projection import perturb_off_constraints, project_error
-from lagc.kernels.dynamics.rhs import rhs_at
+from lagc.kernels.contact.touching import rates_at
 from lagc.kernels.integrators.dispatch import (
     has_two_estimates,
     is_implicit,
@@ -54,7 +54,7 @@ def estimate_rate_roundoff(p: Params, s: State, h: Real, w: Work) -> None:
     other = params()
     t = perturb_inputs(p, s, x, other)
     s.rhs += 1
-    if failed(rhs_at(other, t, x, w.xdot, w.lam, w)):
+    if failed(rates_at(other, t, x, w.xdot, w.lam, w)):
         return
     change = vector(NX)
     for i in range(NINT):
@@ -68,8 +68,8 @@ def estimate_rate_roundoff(p: Params, s: State, h: Real, w: Work) -> None:
         x[i] += h * (s.k[0][i] + change[i])
     rates = vector(NX)
     s.rhs += 2
-    if not failed(rhs_at(p, s.t + h, moved, rates, w.lam, w)):
-        if not failed(rhs_at(other, t + h, x, w.xdot, w.lam, w)):
+    if not failed(rates_at(p, s.t + h, moved, rates, w.lam, w)):
+        if not failed(rates_at(other, t + h, x, w.xdot, w.lam, w)):
             enlarge_differences(w.xdot, rates, change)
     for i in range(NINT):
         if change[i] > w.rate_roundoff[i]:

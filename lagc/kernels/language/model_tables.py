@@ -24,3 +24,5 @@ terminates: IVec[NWHEN]  # 1: this clause ends the run
 reinit_clause: IVec[NJUMP]  # the clause that assigns each value
 reinit_target: IVec[NJUMP]  # the state that it is assigned to
 derived_bounds: Mat[NLIMITS, TWO]  # bounds of values computed from parameters
+contact_first: IVec[NCON]  # first row of each contact, that of its gap; its slip rows follow
+contact_slips: IVec[NCON]  # slip rows of each

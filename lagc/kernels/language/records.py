@@ -208,6 +208,40 @@ class Work:
         divisor_end: Vec[NPOLE]
         guards_divisors: bool  # a divisor may come nearer to zero within the step
     if NCON > 0:
+        # Contacts
+        touched: IVec[NCON]  # 1: it touches
+        touching: IVec[NCON]  # the listed contacts
+        touching_rows: IVec[NCROW]  # their rows
+        contact_rows: Vec[NGRADIENTS]  # gradients of the rows by the speeds
+        contact_speeds: Vec[NCROW]  # rates of the rows
+        contact_bias: Vec[NCROW]  # accelerations of the rows where those of the speeds are 0
+        contact_gaps: Vec[NCON]
+        contact_sizes: Vec[NCON]  # change of each gap over the sizes of the states
+        contact_responses: Vec[NRESPONSES]  # accelerations and multipliers for a unit of each listed row
+        contact_rhs: Vec[NR]
+        contact_solution: Vec[NR]
+        contact_shift: Vec[NQ]
+        contact_forces: Vec[NCROW]  # at the last evaluation
+        force_low: Vec[NCON]  # range of the normal forces over the evaluations of a step
+        force_high: Vec[NCON]
+        force_begin: Vec[NCON]  # at the beginning of a part of a step
+        force_middle: Vec[NCON]
+        force_end: Vec[NCON]
+        x_contact: Vec[NX]
+        contact_rates: Vec[NX]
+        contact_lam: Vec[NC]
+        # Contacts at an event
+        contact_hit: IVec[NCON]  # 1: its gap, 2: its force has fallen to zero
+        contact_near: IVec[NCON]
+        contact_leaves: IVec[NCON]
+        contact_closed: IVec[NCON]
+        contact_rests: IVec[NCON]
+        contact_struck: Vec[NCON]  # impulse
+        contact_lost: Vec[NCON]  # energy
+        contact_energies: Vec[THREE]
+        restitutions: Vec[NCON]
+        least_bounce: Real  # height below which a contact rests, over the size of its gap
+        x_settled: Vec[NX]
         # Law of contacts that touch: u = W p + b. First the problem
         law_count: int  # contacts that touch
         law_rows: int  # their rows
@@ -305,8 +339,15 @@ class State:
     if NWHEN > 0:
         acts: int  # clauses `when` that acted at the last event
         acted: IVec[NACTS]  # their numbers, in the order in which they acted
+    if NLEAP > 0:
         jumps: Count  # clauses that changed the state, so far
         x_before_event: Vec[NX]  # end of the last step, before clauses changed it
+    if NCON > 0:
+        settlements: Count  # events of contacts so far
+        contact_kinds: IVec[NCON]  # of each contact at the last one: 1 impact, 2 rest, 3 closes, 4 opens, 0 none
+        contact_impulses: Vec[NCON]
+        contact_losses: Vec[NCON]  # of energy
+        rest_times: Vec[NCON]  # when bounces end that are not followed
     # Private from here on: the library alone reads and writes these fields.
     # The last step
     h_old: Real
@@ -389,6 +430,8 @@ class State:
         conditions_known: bool
         short_bounces: Count  # crossings in a row that return within round-off of the sizes of states
         crossing_times: Vec[NFREE]  # last crossing of each indicator that depends on the state
+    if NCON > 0:
+        bounce_speeds: Vec[NCON]  # after the last impact of each contact; 0: there was none
 
 
 @struct

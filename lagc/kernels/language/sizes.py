@@ -63,12 +63,17 @@ class NROW(metaclass=SizeType): ...  # NU + 1: an equation with its right-hand s
 class NCON(metaclass=SizeType): ...  # contacts
 class NSLIP(metaclass=SizeType): ...  # their slip rows: 0, 1 or 2 each
 class NCROW(metaclass=SizeType): ...  # NCON + NSLIP: their rows
+class NGRADIENTS(metaclass=SizeType): ...  # NCROW NV
+class NRESPONSES(metaclass=SizeType): ...  # NCROW (NV + NC)
+class NLEAP(metaclass=SizeType): ...  # clauses `when` and contacts: what changes the state at an event
 class NDELASSUS(metaclass=SizeType): ...  # NCROW NCROW
 class NDIRECT(metaclass=SizeType): ...  # 2 NCON
 class NLAW(metaclass=SizeType): ...  # NCROW + NCON: unknowns of given contact modes, with slip angles
 class NLAWS(metaclass=SizeType): ...  # NLAW NLAW
 class NLCP(metaclass=SizeType): ...  # NCON + 2 NSLIP + 1: unknowns of the linear complementarity problem
 class NTABLEAU(metaclass=SizeType): ...  # NLCP (NLCP + 1)
+class NLCP(metaclass=SizeType): ...  # NCON + 2 NSLIP: unknowns of the linear complementarity problem
+class NTABLEAU(metaclass=SizeType): ...  # NLCP (NLCP + 2)
 
 
 # The same for every model.

@@ -22,6 +22,8 @@ TERMINATED = Status(10)  # A `when` clause ended the run; call again to continue
 # The new values of a `when` clause are not finite or violate the constraints; culprit: the clause
 MISPLACED = Status(11)
 NOT_CONVERGED = Status(12)  # The equations of an implicit step were not solved; culprit: none
+# The laws of contacts have no solution, or several; culprit: the contact
+PARADOX = Status(13)
 
 
 def failed(status: Status) -> bool:

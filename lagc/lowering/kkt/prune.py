@@ -34,7 +34,7 @@ def _kept(equations: EquationsOfMotion) -> tuple[list[int], list[int]]:
     """Indices of the q and v that stay."""
     reached = symbols(sources(equations))
     moving = set(equations.massive) | {j for at in equations.further_inertia for j in at}
-    moving.update(j for row in equations.rows for j in row.jacobian)
+    moving.update(j for row in (*equations.rows, *equations.contacts) for j in row.jacobian)
     forces = zip(equations.bias_forces, equations.given_forces)
     moving.update(j for j, (h, tau) in enumerate(forces) if not (h.is_zero and tau.is_zero))
     number = {symbol: j for j, symbol in enumerate(equations.v)}
@@ -78,6 +78,8 @@ def sources(equations: EquationsOfMotion) -> list[Node]:
     ]  # fmt: skip
     for row in equations.rows:
         found += [row.residual, row.rate, row.gamma]
+    for contact in equations.contacts:
+        found += contact.nodes
     return found
 
 
@@ -97,6 +99,7 @@ def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]
     gone |= {s for j, s in enumerate(equations.v) if j not in new_v}
 
     jacobians = with_places([row.jacobian for row in equations.rows], new_v, len(v))
+    gradients = with_places([contact.jacobian for contact in equations.contacts], new_v, len(v))
     forces = with_places([c.forces for c in equations.contributions], new_v, len(v))
     return replace(
         equations,
@@ -114,6 +117,7 @@ def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]
         given_forces=tuple([equations.given_forces[j] for j in v]),
         further_inertia={(new_v[i], new_v[j]): node for (i, j), node in equations.further_inertia.items()},
         rows=tuple([replace(row, jacobian=own) for row, own in zip(equations.rows, jacobians)]),
+        contacts=tuple([replace(c, jacobian=own) for c, own in zip(equations.contacts, gradients)]),
         contributions=tuple([replace(c, forces=own) for c, own in zip(equations.contributions, forces)]),
     )
 
@@ -140,6 +144,8 @@ def independent(equations: EquationsOfMotion, system: ArticulatedBody) -> tuple[
         _tie_to(parts, j, [h, tau], number)
     for k, row in enumerate(equations.rows):
         _tie_to(parts, len(equations.v) + k, [row.residual, row.gamma], number)
+    for contact in equations.contacts:
+        _tie_to(parts, min(contact.jacobian), [*contact.nodes, *map(equations.v.__getitem__, contact.jacobian)], number)
     for when in equations.whens:
         for state, value in when.changes:
             if state in number:

@@ -39,6 +39,7 @@ def output_equations(
     asked = sorted(symbols(expressions), key=lambda s: s.index)
     filled: dict[Node, Node] = {}
     labels = {label for c in states.model.constraints for label in c.labels}
+    labels.update(c.label for c in states.model.contacts)
     quantities = Quantities(states, parts, acting, free, totals.kinetic, totals.potential)
     for symbol in asked:
         record = symbol.record

@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.mechanics.balance.generalized_forces import act
 from lagc.mechanics.formulation.constraints import classify
+from lagc.mechanics.formulation.contacts import contact_rows
 from lagc.mechanics.formulation.euler_lagrange import free_terms, with_rates
 from lagc.mechanics.formulation.inertia import inertial_loads, moving_parts
 from lagc.mechanics.formulation.mass_matrix import triples
@@ -67,7 +68,7 @@ def _held(states: States, rates: Sequence[Node]) -> tuple[dict[Node, Node], dict
         for pair in zip(part.velocity, part.momentum(acceleration))
     ]
     inertial = gradient(graph, seeds(graph, [*pairs, *inertial_loads(states, parts).items()]), rates)
-    rows = [x.row for x in classify(states)]
+    rows = [*(x.row for x in classify(states)), *contact_rows(states)]
     pushed = gradient(graph, seeds(graph, [(row.rate, row.multiplier) for row in rows]), rates)
     found: dict[Node, Node] = {}
     for rate in rates:

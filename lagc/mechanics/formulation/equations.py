@@ -17,7 +17,7 @@ from functools import cached_property
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Span
 from lagc.mechanics.formulation.mass_matrix import Inertia, Moving, inertial_forces
-from lagc.semantics.model import FIXED, Model, Statement, When
+from lagc.semantics.model import FIXED, Contact, Model, Statement, When
 from lagc.symbolic.derivative import gradient, seeds
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.walk import symbols
@@ -77,6 +77,29 @@ class Row:
     @property
     def holonomic(self) -> bool:
         return self.level is Level.POSITION
+
+
+@dataclass(frozen=True, slots=True)
+class ContactRow:
+    """The normal row of a contact, in t, q and v. jacobian = {column of v: d(rate)/d(v)}; the acceleration of
+    the gap is jacobian a + bias."""
+
+    contact: Contact
+    multiplier: Node  # a symbol: the force that pushes the gap open
+    gap: Node
+    rate: Node
+    jacobian: Mapping[int, Node]
+    bias: Node
+    restitution: Node
+
+    @property
+    def label(self) -> str:
+        return self.contact.label
+
+    @property
+    def nodes(self) -> list[Node]:
+        """All that it is made of but its gradient."""
+        return [self.gap, self.rate, self.bias, self.restitution]
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,6 +189,7 @@ class EquationsOfMotion:
     initial_conditions: tuple[tuple[Node, Span], ...]  # residual in q, v, parameters
     whens: tuple[WhenEquations, ...]
     outputs: tuple[OutputEquation, ...]
+    contacts: tuple[ContactRow, ...]
     rates: dict[Node, Node]  # rate symbol -> its expression in v (identity for default speeds)
     dropped: tuple[str, ...] = ()  # rows found identically dependent, with the reason
     warnings: tuple[Fault, ...] = ()  # what may not be meant as it is written

@@ -35,11 +35,11 @@ from lagc.syntax import tree
 
 def _written(entry: Entry) -> tree.Construct:
     assert isinstance(entry.source, tree.Construct)
-    _no_modifiers(entry)
+    no_modifiers(entry)
     return entry.source
 
 
-def _no_modifiers(entry: Entry) -> None:
+def no_modifiers(entry: Entry) -> None:
     for modifier in entry.modifiers:
         raise Wrong(
             "LAG0209",
@@ -49,7 +49,7 @@ def _no_modifiers(entry: Entry) -> None:
         )
 
 
-def _timely(context: Context, node: Node, span: Span, what: str) -> None:
+def timely(context: Context, node: Node, span: Span, what: str) -> None:
     if context.clock.mask(node) & LATE:
         raise Wrong(
             "LAG0219",
@@ -72,7 +72,7 @@ def declare_frame(context: Context, entry: Entry) -> Value:
     for row in value.axes:
         for node in row:
             no_rates(context, node, source.value.span, "a frame")
-            _timely(context, node, source.value.span, "a frame")
+            timely(context, node, source.value.span, "a frame")
     frame = replace(value, name=entry.path, span=entry.span, effect=entry.effect)
     entry.objects.append(frame)
     return frame
@@ -85,7 +85,7 @@ def declare_point(context: Context, entry: Entry) -> Value:
     expect(found, M, source.value.span, "a point")
     for node in vector:
         no_rates(context, node, source.value.span, "a point")
-        _timely(context, node, source.value.span, "a point")
+        timely(context, node, source.value.span, "a point")
     entry.objects.append(objects.Point(entry.path, vector, entry.span, entry.effect))
     return vector_value(vector, M)
 
@@ -97,7 +97,7 @@ def _energy_like(context: Context, entry: Entry, meant: Dimension) -> tuple[Node
         evaluate_as(context, source.value, entry.environment, meant), span, f"the {entry.kind} `{entry.name}`"
     )
     expect_of(source.value, scalar.dimension, meant, f"the {entry.kind} `{entry.name}`", describe(meant))
-    _timely(context, scalar.node, span, f"a {entry.kind}")
+    timely(context, scalar.node, span, f"a {entry.kind}")
     return scalar.node, span
 
 
@@ -132,7 +132,7 @@ def declare_load(context: Context, entry: Entry) -> Value:
     """Declare `force F = vector on body at point` or `torque M = vector on body from other`."""
     source = entry.source
     assert isinstance(source, tree.Load)
-    _no_modifiers(entry)
+    no_modifiers(entry)
     is_force = source.kind == "force"
     meant = FORCE if is_force else ENERGY
     context.mentioned_velocities = []
@@ -151,7 +151,7 @@ def declare_load(context: Context, entry: Entry) -> Value:
         named = "Force [N]" if is_force else "Torque [N.m]"
         expect_of(source.value, found, meant, f"the {source.kind} `{entry.name}`", named)
         for node in vector:
-            _timely(context, node, source.value.span, f"a {source.kind}")
+            timely(context, node, source.value.span, f"a {source.kind}")
         return vector
 
     if is_force:
@@ -217,40 +217,25 @@ def _frame_of(value: Value, written: tree.Expression) -> Frame:
     )
 
 
-def _stop(source: tree.Constraint) -> str:
-    """Return what to write until there are inequalities: a stiff spring that acts beyond the bound."""
-    parts = [source.left.span.text, source.right.span.text]
-    beyond, bound = parts if source.relation == "<=" else reversed(parts)
-    bound = f"({bound})" if any(sign in bound for sign in "+-") else bound
-    depth = beyond if bound == "0" else f"{beyond} - {bound}"
-    return (
-        "write a stop that a stiff spring makes: `parameter Stiffness k = 1e5; "
-        f"potential {source.name} = 1/2*k*max({depth}, 0)^2;`"
-    )
-
-
 def declare_constraint(context: Context, entry: Entry) -> Value:
     """Declare the equations lhs - rhs = 0; components that are identically zero are left out."""
     source = entry.source
     assert isinstance(source, tree.Constraint)
-    _no_modifiers(entry)
     if source.relation != "=":
-        raise Wrong(
-            "LAG0220",
-            f"constraints with `{source.relation}` are not yet supported",
-            source.relation_span,
-            _stop(source),
-        )
+        from lagc.semantics.declarations.contacts import declare_contact  # where there are some
+
+        return declare_contact(context, entry)
+    no_modifiers(entry)
     if source.arguments:
         raise Wrong("LAG0209", "a constraint with `=` takes no arguments", source.arguments[0].span)
     left, right = all_values(context, [source.left, source.right], entry.environment)
-    differences = _residuals(left, right, source)
+    differences = residuals(left, right, source)
     entry.size = None if isinstance(left, Scalar) else len(differences)
     labels: list[str] = []
     rows: list[Node] = []
     units: list[str] = []
     for k, (node, found) in enumerate(differences):
-        _timely(context, node, source.left.span.to(source.right.span), "a constraint")
+        timely(context, node, source.left.span.to(source.right.span), "a constraint")
         if not node.is_zero:
             labels.append(entry.path if entry.size is None else f"{entry.path}[{k + 1}]")
             rows.append(node)
@@ -270,7 +255,7 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
     return Reference(entry)
 
 
-def _residuals(
+def residuals(
     left: Value, right: Value, source: tree.Constraint | tree.Condition
 ) -> list[tuple[Node, Dimension | None]]:
     """Return left - right for each component, with its dimension.  Raises Wrong."""
@@ -324,8 +309,8 @@ def condition(
     """Return the scalar initial equations of one line of an `initial` section.  Raises Wrong."""
     left, right = all_values(context, [written.left, written.right], environment)
     found: list[objects.InitialCondition] = []
-    for node, _ in _residuals(left, right, written):
-        _timely(context, node, written.left.span.to(written.right.span), "an initial condition")
+    for node, _ in residuals(left, right, written):
+        timely(context, node, written.left.span.to(written.right.span), "an initial condition")
         if not node.is_zero:
             found.append(objects.InitialCondition(node, written.span))
     return found

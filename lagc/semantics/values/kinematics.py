@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lagc.diagnostics.faults import Span
 from lagc.semantics.context import Context
-from lagc.semantics.model import Body, Constraint, Frame, Orientation, Potential
+from lagc.semantics.model import Body, Constraint, Contact, Frame, Orientation, Potential
 from lagc.semantics.names.scope import (
     Array,
     Reference,
@@ -240,6 +240,8 @@ def _reaction(context: Context, span: Span, of: Argument) -> Value:
         remedy = "write what holds it as `constraint c: left = right;`, then `reaction(c)`"
         raise Wrong("LAG0221", message, of.span, remedy)
     row = entry.objects[0]
+    if isinstance(row, Contact):
+        return _of_contacts(context, entry)
     assert isinstance(row, Constraint)
     found: dict[str, Scalar] = {}
     for label, unit, residual in zip(row.labels, row.units, row.residuals):
@@ -251,6 +253,16 @@ def _reaction(context: Context, span: Span, of: Argument) -> Value:
         return found.get(row.name, Scalar(context.graph.zero, None))
     none = Scalar(context.graph.zero, None)
     return Array(tuple([found.get(f"{row.name}[{k + 1}]", none) for k in range(size)]))
+
+
+def _of_contacts(context: Context, entry: Entry) -> Value:
+    """Return the forces of contacts, positive where they push their gaps open."""
+    graph, contacts = context.graph, [c for c in entry.objects if isinstance(c, Contact)]
+    found = [
+        Scalar(graph.symbol("multiplier", c.label), over(ENERGY, unit_of(c.unit or "1").dimension))
+        for c in contacts
+    ]
+    return found[0] if entry.size is None else Array(tuple(found))
 
 
 def _reaction_on(context: Context, body: Body) -> Value:

@@ -111,6 +111,9 @@ class CompiledSystem(ABC):
     def energies(self, t: float, x: Vector) -> list[float]:
         return self._ask("energies", 3, t, x)
 
+    def gaps(self, t: float, x: Vector) -> list[float]:
+        return self._ask("gaps", len(self.interface.contacts), t, x)
+
     def outputs(self, t: float, x: Vector) -> list[float]:
         return self._ask("outputs", len(self.interface.outputs), t, x)
 

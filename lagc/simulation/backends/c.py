@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 
 from lagc.base.records import once
 from lagc.codegen.python.support.base import MOST_CORNERS, MOST_EVENTS
+from lagc.codegen.python.support.contacts import ContactTrajectory, contact_events
 from lagc.codegen.python.support.slices import record_in_slices
 from lagc.kernels import METHODS, MOST_ACTS
 from lagc.lowering.program import Interface
@@ -33,7 +34,7 @@ _RESULTS: dict[str, Any] = {
     **dict.fromkeys(("rhs", "outputs", "assemble", "record"), c_int),
     **dict.fromkeys(("follow",), c_int),
     **dict.fromkeys(("work_size", "state_size", "tangent_work_size"), c_size_t),
-    **dict.fromkeys(("position", "velocity", "scales", "energies", "start", "displace"), None),
+    **dict.fromkeys(("position", "velocity", "scales", "energies", "start", "displace", "gaps"), None),
     **dict.fromkeys(
         (
             "solve",
@@ -71,7 +72,8 @@ class CModel(Compiled):
     def state(self) -> type[Any]:
         interface = self.interface
         kinds = max(interface.kinds, default=0) + 1
-        return _state_type(interface.nx, kinds, len(interface.relations), MOST_ACTS * len(interface.whens))
+        acts, contacts = MOST_ACTS * len(interface.whens), len(interface.contacts)
+        return _state_type(interface.nx, kinds, len(interface.relations), acts, contacts)
 
     @once
     def head(self) -> type[Any]:
@@ -224,6 +226,8 @@ class CSystem(CompiledSystem):
         events: list[tuple[float, int]] = []
         jumps: list[float] = []
         corners: list[tuple[float, list[float], list[float]]] = []
+        contacts: list[tuple[float, int, int, float, float, float]] = []
+        touching = bool(self.interface.contacts)
         relations, whens, noted = (
             len(self.interface.relations),
             len(self.interface.whens),
@@ -241,6 +245,7 @@ class CSystem(CompiledSystem):
             asked.max_steps = max_steps
             kernel = _rounded(call["record"], next(directions)) if direction else call["record"]
             seen = state.changes if self.interface.relations else 0
+            settled = state.settlements if touching else 0
             status: int = kernel(
                 p, ctypes.byref(state), ctypes.byref(asked), grid, c_size_t(n), states,
                 ctypes.byref(done), c_long(steps), work,
@@ -249,16 +254,21 @@ class CSystem(CompiledSystem):
                 events.extend((state.t, k) for k in noted if state.changed[k])
                 if len(corners) < MOST_CORNERS:
                     x = state.x[:]
-                    jumped = whens and state.jumps > len(jumps)
+                    struck = touching and state.settlements > settled
+                    jumped = struck or (whens and state.jumps > len(jumps))
                     corners.append((state.t, state.x_before_event[:] if jumped else x, x))
                 if whens:
                     events.extend((state.t, relations + k) for k in state.acted[: state.acts])
                     jumps.extend([state.t] * (state.jumps - len(jumps)))
-                asked.report = len(events) < MOST_EVENTS
+                if touching and state.settlements > settled:
+                    contacts.extend(contact_events(state))
+                asked.report = max(len(events), len(contacts)) < MOST_EVENTS
             return status
 
         def result(status: int) -> Trajectory:
-            known = {"events": events, "jumps": jumps, "corners": corners}
+            known: dict[str, Any] = {"events": events, "jumps": jumps, "corners": corners}
+            if touching:
+                known["contacts"] = contacts
             return self._trajectory(
                 status, state, head, times[: done.value], states[: done.value * nx], known
             )
@@ -272,7 +282,8 @@ class CSystem(CompiledSystem):
         """The trajectory with the recorded states `flat`, and its events, jumps and corners `known`."""
         nx, events = self.nx, bool(self.interface.relations)
         rows = head.redundant if self.nc else ()
-        return Trajectory(
+        make = ContactTrajectory if self.interface.contacts else Trajectory
+        return make(
             times=list(times),
             states=[flat[k : k + nx] for k in range(0, len(flat), nx)],
             t=state.t, x=state.x[:], status=status, culprit=-1 if status == OK else state.culprit,
@@ -329,7 +340,7 @@ def _rounded(function: Callable[..., int], direction: int) -> Callable[..., int]
     return call
 
 
-def _state_type(nx: int, kinds: int, relations: int, acts: int) -> type[Any]:
+def _state_type(nx: int, kinds: int, relations: int, acts: int, contacts: int) -> type[Any]:
     """The first members of lagc_state."""
 
     class State(ctypes.Structure):
@@ -343,9 +354,16 @@ def _state_type(nx: int, kinds: int, relations: int, acts: int) -> type[Any]:
                 else ()
             ),
             *(
-                (("acts", c_int), ("acted", c_int * acts), ("jumps", c_long),
-                 ("x_before_event", c_double * nx))
+                (("acts", c_int), ("acted", c_int * acts))
                 if acts
+                else ()
+            ),
+            *((("jumps", c_long), ("x_before_event", c_double * nx)) if acts or contacts else ()),
+            *(
+                (("settlements", c_long), ("contact_kinds", c_int * contacts),
+                 ("contact_impulses", c_double * contacts), ("contact_losses", c_double * contacts),
+                 ("rest_times", c_double * contacts))
+                if contacts
                 else ()
             ),
         )  # fmt: skip

@@ -297,6 +297,8 @@ class NumpySystem(CompiledSystem):
                 given["e"] = self.energies(t, x)
             if "a" in names or "lam" in names:
                 given["a"], given["lam"] = self.accelerations(t, x)
+                if self.interface.contacts:
+                    given["contact_forces"] = workspace.equations.work.contact_forces
             function(*(given[n] for n in names), result)
         return result
 

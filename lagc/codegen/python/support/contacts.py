@@ -1,0 +1,32 @@
+"""Trajectories of models with contacts, in generated Python modules and in runs of lagc."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from lagc.codegen.python.support.base import Trajectory
+
+# -- what follows is part of generated modules --
+
+
+class ContactTrajectory(Trajectory):
+    """A trajectory with what its contacts did, `contacts`: time, contact, kind (1 impact, 2 rest after ever
+    shorter bounces, 3 closes, 4 opens), impulse, loss of energy, and for a rest the time when bounces end."""
+
+    def __init__(self, contacts: Sequence[tuple[float, int, int, float, float, float]] = (), **values: Any):
+        super().__init__(**values)
+        self.contacts = contacts
+
+    def changed(self, **values: Any) -> ContactTrajectory:
+        """Return a copy with other values."""
+        return ContactTrajectory(**{**vars(self), **values})
+
+
+def contact_events(state: Any) -> list[tuple[float, int, int, float, float, float]]:
+    """Return what contacts did at the last event of a state."""
+    return [
+        (state.t, i, kind, state.contact_impulses[i], state.contact_losses[i], state.rest_times[i])
+        for i, kind in enumerate(state.contact_kinds)
+        if kind
+    ]

@@ -1,0 +1,297 @@
+"""What contacts do at one time: impacts, then closed and open contacts by their accelerations.
+
+1. Contacts that are hit, and those that touch, are put on gap = 0.
+2. While touching contacts approach, those that do have an impact (`impact`).
+3. The law of contact decides which of those at rest stay closed (`set_law`).
+4. A contact whose next bounce stays below the least height rests. The bounces that are left take the time of a
+   geometric series: 2 u / |a| / (1 - r), where r is the ratio of two speeds of rebound.
+"""
+
+from math import fabs
+
+from lagc.kernels.contact.enumeration import LAW_FOUND
+from lagc.kernels.contact.frozen_modes import CONTACT_OPEN
+from lagc.kernels.contact.impact import IMPACT_DONE, IMPACT_ENDLESS, IMPACT_NONE, impact
+from lagc.kernels.contact.set_law import set_law
+from lagc.kernels.contact.touching import (
+    add_responses,
+    close,
+    find_touching,
+    list_contacts,
+    rates_at,
+    respond,
+    seat,
+    set_accelerations,
+)
+from lagc.kernels.dynamics.rhs import rhs_at
+from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
+from lagc.kernels.language.vocabulary import *
+
+REACHES = 1  # a gap is closed
+RELEASES = 2  # a force has fallen to zero
+STRIKES = 1  # what a contact did at an event: it had an impact
+RESTS = 2  # it came to rest after ever shorter bounces
+CLOSES = 3
+OPENS = 4
+LONGEST_AFTER_BOUNCE = 64.0  # next step, over the time of flight
+
+
+def find_near_contacts(p: Params, s: State, w: Work) -> None:
+    """Set w.touched to contacts that touch, are hit, or are within round-off of touching."""
+    fn_gaps(p, s.t, s.x, w.contact_gaps)
+    estimate_indicator_roundoff(p, s, s.x, w)
+    for i in range(NCON):
+        near = w.contact_gaps[i] <= SLACK_GROWTH * w.indicator_roundoff[NFREE - NCON + i]
+        touches = s.x[NX - NCON + i] != 0.0 or w.contact_hit[i] > 0
+        w.touched[i] = 1 if touches or near else 0
+
+
+def set_speeds(s: State, w: Work) -> None:
+    """Set w.law_b to the speeds of the listed rows, and w.law_sizes to those that states of their sizes so far
+    have."""
+    for r in range(w.law_rows):
+        row = w.touching_rows[r]
+        own = w.contact_speeds[row]
+        reach = 0.0
+        for j in range(NV):
+            entry = w.contact_rows[row * NV + j]
+            own -= entry * s.x[NQ + j]
+            reach += fabs(entry) * s.sizes[scaling_group[NQ + j]]
+        w.law_b[r] = w.contact_speeds[row]
+        w.law_sizes[r] = reach + fabs(own)
+
+
+def strike_contacts(p: Params, s: State, w: Work) -> Status:
+    """Let the listed contacts that approach have an impact, and set w.contact_leaves: 1 for those that leave
+    then."""
+    fn_contact_rows_on(p, s.t, s.x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
+    status = respond(p, s.t, s.x, w)
+    if failed(status):
+        return status
+    set_speeds(s, w)
+    fn_restitutions(p, s.t, s.x, w.restitutions)
+    for n in range(w.law_count):
+        w.law_restitution[n] = w.restitutions[w.touching[n]]
+        w.law_poisson[n] = 0
+    found = impact(w)
+    if found != IMPACT_NONE:
+        if found != IMPACT_DONE:
+            w.culprit = w.touching[0]
+            if found == IMPACT_ENDLESS:
+                w.culprit += NMODE - NCON
+                return CHATTERING
+            return PARADOX
+        w.law_p[:] = w.law_impulse
+        add_responses(s.x, w)
+        for n in range(w.law_count):
+            w.contact_struck[w.touching[n]] = w.law_impulse[w.law_first[n]]
+            w.contact_lost[w.touching[n]] = w.law_loss[n]
+        fn_contact_rows_on(p, s.t, s.x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
+        set_speeds(s, w)
+    for n in range(w.law_count):
+        r = w.law_first[n]
+        w.contact_leaves[w.touching[n]] = 1 if w.law_b[r] > CONTACT_ROUNDOFF * w.law_sizes[r] else 0
+    return OK
+
+
+def decide(p: Params, s: State, w: Work) -> Status:
+    """Find which of the contacts in w.touched stay closed, w.contact_closed, and the rates w.contact_rates."""
+    for i in range(NCON):
+        w.contact_closed[i] = 0
+    list_contacts(w)
+    status = rhs_at(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
+    s.rhs += 1
+    if failed(status) or w.law_count == 0:
+        return status
+    status = respond(p, s.t, s.x, w)
+    if failed(status):
+        return status
+    set_accelerations(w.contact_rates, w)
+    if set_law(w) > LAW_FOUND:
+        w.culprit = w.touching[w.law_culprit]
+        return PARADOX
+    add_responses(w.contact_rates, w)
+    for n in range(w.law_count):
+        w.contact_closed[w.touching[n]] = 0 if w.law_mode[n] == CONTACT_OPEN else 1
+    return OK
+
+
+def gap_acceleration(i: int, w: Work) -> Real:
+    """Return the acceleration of a gap for the rates w.contact_rates."""
+    row = contact_first[i]
+    total = w.contact_bias[row]
+    for j in range(NV):
+        total += w.contact_rows[row * NV + j] * w.contact_rates[NQ + j]
+    return total
+
+
+def acceleration_roundoff(i: int, w: Work) -> Real:
+    """Return the round-off of this acceleration."""
+    row = contact_first[i]
+    total = fabs(w.contact_bias[row])
+    for j in range(NV):
+        total += fabs(w.contact_rows[row * NV + j] * w.contact_rates[NQ + j])
+    return CONTACT_ROUNDOFF * total
+
+
+def decide_released(p: Params, s: State, w: Work) -> Status:
+    """Decide without contacts whose force has fallen to zero; if one would sink in, decide with them too."""
+    released = False
+    for i in range(NCON):
+        w.contact_near[i] = w.touched[i]
+        if w.contact_hit[i] == RELEASES and w.touched[i] > 0:
+            w.touched[i] = 0
+            released = True
+    status = decide(p, s, w)
+    if failed(status) or not released:
+        return status
+    sinks = False
+    for i in range(NCON):
+        if w.contact_hit[i] == RELEASES and w.contact_near[i] > 0:
+            if gap_acceleration(i, w) < -acceleration_roundoff(i, w):
+                sinks = True
+    if sinks:
+        for i in range(NCON):
+            w.touched[i] = w.contact_near[i]
+        return decide(p, s, w)
+    return status
+
+
+def find_rests(s: State, w: Work) -> bool:
+    """Return whether contacts come to rest: their next bounce, by w.contact_rates, stays below the least
+    height. Set s.rest_times."""
+    found = False
+    for i in range(NCON):
+        w.contact_rests[i] = 0
+        speed = w.contact_speeds[contact_first[i]]
+        if w.contact_struck[i] > 0.0 and w.contact_leaves[i] > 0:
+            falls = -gap_acceleration(i, w)
+            before = s.bounce_speeds[i]
+            s.bounce_speeds[i] = speed
+            if falls > 0.0:
+                flight = 2.0 * speed / falls
+                if speed * flight < 4.0 * w.least_bounce * w.contact_sizes[i]:
+                    ratio = speed / before if before > speed else w.restitutions[i]
+                    if ratio < 1.0:
+                        w.contact_rests[i] = 1
+                        s.rest_times[i] = s.t + flight / (1.0 - ratio)
+                        found = True
+                elif s.h > LONGEST_AFTER_BOUNCE * flight:
+                    s.h = LONGEST_AFTER_BOUNCE * flight
+    return found
+
+
+def bring_to_rest(p: Params, s: State, w: Work) -> Status:
+    """Stop the contacts in w.contact_rests, and decide again."""
+    for i in range(NCON):
+        w.touched[i] = 1 if w.contact_closed[i] > 0 or w.contact_rests[i] > 0 else 0
+        w.contact_near[i] = w.touched[i]
+    list_contacts(w)
+    status = close(p, s.t, s.x, w)
+    if failed(status):
+        return status
+    for i in range(NCON):
+        w.touched[i] = w.contact_near[i]
+    return decide(p, s, w)
+
+
+def settle_states(p: Params, s: State, w: Work) -> Status:
+    """Do what contacts do at (s.t, s.x), with the hits w.contact_hit. Their modes in s.x follow."""
+    find_near_contacts(p, s, w)
+    for i in range(NCON):
+        w.contact_struck[i] = 0.0
+        w.contact_lost[i] = 0.0
+        w.contact_leaves[i] = 0
+        w.contact_rests[i] = 0
+        w.contact_near[i] = w.touched[i]
+    list_contacts(w)
+    if w.law_count > 0:
+        status = seat(p, s.t, s.x, s.sizes, w)
+        if failed(status):
+            return status
+        status = strike_contacts(p, s, w)
+        if failed(status):
+            return status
+    for i in range(NCON):
+        w.touched[i] = 1 if w.contact_near[i] > 0 and w.contact_leaves[i] == 0 else 0
+    status = decide_released(p, s, w)
+    if failed(status):
+        return status
+    if find_rests(s, w):
+        status = bring_to_rest(p, s, w)
+        if failed(status):
+            return status
+    for i in range(NCON):
+        s.x[NX - NCON + i] = 1.0 if w.contact_closed[i] > 0 else 0.0
+        if w.contact_closed[i] > 0:
+            s.bounce_speeds[i] = 0.0
+    if not find_touching(s.x, w):
+        return OK
+    list_contacts(w)
+    return close(p, s.t, s.x, w)
+
+
+def report_contacts(s: State, begins: bool, w: Work) -> bool:
+    """Store what each contact did; return whether any did something. w.x_settled is the state before."""
+    found = False
+    for i in range(NCON):
+        before = w.x_settled[NX - NCON + i]
+        now = s.x[NX - NCON + i]
+        kind = 0
+        if w.contact_rests[i] > 0:
+            kind = RESTS
+        elif w.contact_struck[i] > 0.0:
+            kind = STRIKES
+        elif before != now and not begins:
+            kind = CLOSES if now != 0.0 else OPENS
+        s.contact_kinds[i] = kind
+        s.contact_impulses[i] = w.contact_struck[i]
+        s.contact_losses[i] = w.contact_lost[i]
+        if kind > 0:
+            found = True
+    return found
+
+
+def settle(p: Params, s: State, begins: bool, w: Work) -> Status:
+    """Do what contacts do at (s.t, s.x), with the hits w.contact_hit, and report it in *s. The work integral
+    gains the change of the energy. After a failure s.x is as before."""
+    w.x_settled[:] = s.x
+    if NZ > 0:
+        fn_energies(p, s.t, s.x, w.contact_energies)
+        before = w.contact_energies[2]
+    status = settle_states(p, s, w)
+    if failed(status):
+        s.x[:] = w.x_settled
+        return status
+    enlarge_sizes(s.x, s.sizes)
+    if NZ > 0:
+        fn_energies(p, s.t, s.x, w.contact_energies)
+        s.x[NINT - 1] += w.contact_energies[2] - before
+    if report_contacts(s, begins, w):
+        s.settlements += 1
+        s.changes += 1
+        s.after_event = True
+    return OK
+
+
+def set_contact_slack(p: Params, s: State, w: Work) -> None:
+    """Set the slack of contacts: of open ones by the round-off of their gaps, of those that touch by the
+    round-off of their forces, w.contact_forces at (s.t, s.x)."""
+    for i in range(NQ + NV):
+        w.x_part_middle[i] = s.sizes[scaling_group[i]]
+    estimate_indicator_roundoff(p, s, w.x_part_middle, w)
+    fn_gaps(p, s.t, s.x, w.contact_gaps)
+    for i in range(NCON):
+        beyond = -w.contact_gaps[i] if w.contact_gaps[i] < 0.0 else 0.0
+        if w.contact_leaves[i] == 0:
+            beyond += SLACK_GROWTH * w.indicator_roundoff[NFREE - NCON + i]
+        s.slack[NMODE - NCON + i] = beyond
+    if find_touching(s.x, w):
+        status = rates_at(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
+        s.rhs += 1
+        if not failed(status):
+            for n in range(w.law_count):
+                r = w.law_first[n]
+                least = CONTACT_ROUNDOFF * w.law_sizes[r] / w.law_w[r * w.law_rows + r]
+                beyond = -2.0 * w.law_p[r] if w.law_p[r] < 0.0 else 0.0
+                s.slack[NMODE - NCON + w.touching[n]] = least + beyond

@@ -1,0 +1,259 @@
+"""Motion with contacts that touch: rates, forces and projection.
+
+The rows R of contacts that touch stay out of the compiled elimination. For K = [M G^T; G 0],
+
+    X = K^-1 R^T      W = R X      0 = W p + R a0 + bias      a = a0 + X p
+
+where a0 is the acceleration without them: the matrix W of G. Delassus, Memoire sur la theorie des liaisons finies
+unilaterales, Ann. Sci. Ecole Norm. Sup. 34 (1917) 95-179. An open contact costs its gap alone.
+"""
+
+from math import fabs
+
+from lagc.kernels.arithmetic.quaternions import normalise
+from lagc.kernels.constraints.projection import assemble_at, project, solve_at
+from lagc.kernels.contact.frozen_modes import CONTACT_SLIPS, solve_frozen
+from lagc.kernels.dynamics.rhs import assemble_entries, factor_safely, rhs_at, store_rates
+from lagc.kernels.language.vocabulary import *
+from lagc.kernels.linear_algebra.cholesky import solve_lower, solve_upper
+
+MOST_SEATINGS = 4  # Newton iterations of the gaps of contacts that touch
+
+
+def find_touching(x: Vec[NX], w: Work) -> bool:
+    """Set w.touched to the contacts that touch by their modes; return whether there are any."""
+    found = False
+    for i in range(NCON):
+        w.touched[i] = 1 if x[NX - NCON + i] != 0.0 else 0
+        if w.touched[i] > 0:
+            found = True
+    return found
+
+
+def list_contacts(w: Work) -> None:
+    """List the contacts in w.touched for the law, as closed ones."""
+    n = 0
+    m = 0
+    for i in range(NCON):
+        if w.touched[i] > 0:
+            w.touching[n] = i
+            w.law_first[n] = m
+            w.law_slips[n] = 0
+            w.law_two_sided[n] = 0
+            w.law_friction[n] = 0.0
+            w.law_static[n] = 0.0
+            w.law_moves[n] = 0
+            w.law_mode[n] = CONTACT_SLIPS
+            w.touching_rows[m] = contact_first[i]
+            n += 1
+            m += 1
+    w.law_count = n
+    w.law_rows = m
+
+
+def factor_motion(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
+    """Factor K at (t, x)."""
+    if NC > 0:
+        return assemble_at(p, t, x, w)
+    if STRAIGHT:
+        assemble_entries(p, t, x, w)
+        fn_factor(w.kkt_entries, w.health)
+        if w.health[0] >= SINGULAR:
+            return OK
+        w.culprit = size(NV)
+        return SINGULAR_MASS
+    return factor_safely(p, t, x, w)
+
+
+def solve_motion(w: Work) -> None:
+    """Solve K w.contact_solution = w.contact_rhs."""
+    if NC > 0:
+        solve_at(w.contact_rhs, w.contact_solution, w)
+    elif STRAIGHT:
+        fn_solve(w.kkt_entries, w.contact_rhs, w.contact_solution)
+    else:
+        w.contact_solution[:] = w.contact_rhs
+        w.a[:] = part(w.contact_rhs, 0, NV)
+        solve_lower(w, w.a)
+        solve_upper(w, w.a)
+        w.contact_solution[:NV] = w.a
+
+
+def respond(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
+    """Compute w.contact_responses, X by rows, and w.law_w for the rows w.contact_rows of listed contacts."""
+    status = factor_motion(p, t, x, w)
+    if failed(status):
+        return status
+    for r in range(w.law_rows):
+        row = w.touching_rows[r]
+        for k in range(NR):
+            w.contact_rhs[k] = 0.0
+        for j in range(NV):
+            w.contact_rhs[j] = w.contact_rows[row * NV + j]
+        solve_motion(w)
+        for k in range(NR):
+            w.contact_responses[r * NR + k] = w.contact_solution[k]
+        for q in range(w.law_rows):
+            total = 0.0
+            other = w.touching_rows[q]
+            for j in range(NV):
+                total += w.contact_rows[other * NV + j] * w.contact_solution[j]
+            w.law_w[q * w.law_rows + r] = total
+    return OK
+
+
+def set_accelerations(a: Vec[NX], w: Work) -> None:
+    """Set w.law_b to the accelerations of the listed rows for the rates `a`, and w.law_sizes."""
+    for r in range(w.law_rows):
+        row = w.touching_rows[r]
+        total = w.contact_bias[row]
+        magnitude = fabs(total)
+        for j in range(NV):
+            each = w.contact_rows[row * NV + j] * a[NQ + j]
+            total += each
+            magnitude += fabs(each)
+        w.law_b[r] = total
+        w.law_sizes[r] = magnitude
+
+
+def add_responses(values: Vec[NX], w: Work) -> None:
+    """Add X p to the speeds, or accelerations, of `values`."""
+    for r in range(w.law_rows):
+        for j in range(NV):
+            values[NQ + j] += w.contact_responses[r * NR + j] * w.law_p[r]
+
+
+def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
+    """Add the forces w.law_p to rates and multipliers, and store them in w.contact_forces with their range in
+    w.force_low and w.force_high."""
+    add_responses(xdot, w)
+    for i in range(NC):
+        for r in range(w.law_rows):
+            lam[i] += w.contact_responses[r * NR + NV + i] * w.law_p[r]
+    if NZ > 0:
+        w.a[:] = part(xdot, NQ, NQ + NV)
+        w.qdot[:] = part(xdot, 0, NQ)
+        store_rates(p, t, x, xdot, lam, w)
+    for r in range(w.law_rows):
+        row = w.touching_rows[r]
+        w.contact_forces[row] = w.law_p[r]
+        if NZ > 0:
+            for j in range(NV):
+                xdot[NQ + NV] += w.law_p[r] * w.contact_rows[row * NV + j] * x[NQ + j]
+    for n in range(w.law_count):
+        contact = w.touching[n]
+        force = w.law_p[w.law_first[n]]
+        if force < w.force_low[contact]:
+            w.force_low[contact] = force
+        if force > w.force_high[contact]:
+            w.force_high[contact] = force
+
+
+def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
+    """Compute xdot and lam at (t, x) with the contacts that touch by the modes in x, and their forces."""
+    for r in range(NCROW):
+        w.contact_forces[r] = 0.0
+    status = rhs_at(p, t, x, xdot, lam, w)
+    if failed(status) or not find_touching(x, w):
+        return status
+    fn_contact_rows_on(p, t, x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
+    list_contacts(w)
+    status = respond(p, t, x, w)
+    if failed(status):
+        return status
+    set_accelerations(xdot, w)
+    if not solve_frozen(w):
+        w.culprit = w.touching[w.law_culprit]
+        return PARADOX
+    take_forces(p, t, x, xdot, lam, w)
+    return OK
+
+
+def forget_forces(w: Work) -> None:
+    """Begin the ranges of forces anew."""
+    for i in range(NCON):
+        w.force_low[i] = UNKNOWN
+        w.force_high[i] = -UNKNOWN
+
+
+def displace_contacts(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
+    """Move the coordinates by the displacement X w.law_p."""
+    for j in range(NV):
+        w.contact_solution[j] = 0.0
+    for r in range(w.law_rows):
+        for j in range(NV):
+            w.contact_solution[j] += w.contact_responses[r * NR + j] * w.law_p[r]
+    if HAS_DISPLACE:
+        fn_displace(p, t, x, w.contact_solution, w.contact_shift)
+        for i in range(NQ):
+            x[i] += w.contact_shift[i]
+    else:
+        for i in range(NQ):
+            x[i] += w.contact_solution[i]
+    if NQUAT > 0:
+        normalise(x)
+
+
+def largest_gap(w: Work) -> Real:
+    """Return the largest distance of a listed contact from touching, over the size of its gap."""
+    worst = 0.0
+    for n in range(w.law_count):
+        own = fabs(w.contact_gaps[w.touching[n]]) / (w.contact_sizes[w.touching[n]] + TINY)
+        if not own <= worst:
+            worst = own
+    return worst
+
+
+def seat(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> Status:
+    """Move the coordinates so that the gaps of the listed contacts are zero, by Newton's method with the
+    shortest displacements in the metric of the mass matrix."""
+    fn_contact_sizes(p, t, x, sizes, w.contact_sizes)
+    fn_gaps(p, t, x, w.contact_gaps)
+    before = largest_gap(w)
+    for n in range(MOST_SEATINGS):
+        if before == 0.0:
+            break
+        fn_contact_rows_on(p, t, x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
+        status = respond(p, t, x, w)
+        if failed(status):
+            return status
+        for k in range(w.law_count):
+            w.law_b[w.law_first[k]] = w.contact_gaps[w.touching[k]]
+            w.law_sizes[w.law_first[k]] = 0.0
+        solve_frozen(w)
+        w.x_contact[:] = x
+        displace_contacts(p, t, x, w)
+        fn_gaps(p, t, x, w.contact_gaps)
+        now = largest_gap(w)
+        if not now < before:
+            x[:] = w.x_contact
+            break
+        before = now
+    return OK
+
+
+def close(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
+    """Change the speeds so that the gaps of the listed contacts keep their lengths, by the least change in
+    the metric of the mass matrix."""
+    fn_contact_rows_on(p, t, x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
+    status = respond(p, t, x, w)
+    if failed(status):
+        return status
+    for r in range(w.law_rows):
+        w.law_b[r] = w.contact_speeds[w.touching_rows[r]]
+        w.law_sizes[r] = 0.0
+    solve_frozen(w)
+    add_responses(x, w)
+    return OK
+
+
+def put_on_constraints(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> Status:
+    """Project x onto the constraints and onto the contacts that touch by the modes in x."""
+    status = project(p, t, x, sizes, w)
+    if failed(status) or not find_touching(x, w):
+        return status
+    list_contacts(w)
+    status = seat(p, t, x, sizes, w)
+    if failed(status):
+        return status
+    return close(p, t, x, w)

@@ -1,0 +1,100 @@
+"""Events of contacts: gaps that close and forces that fall to zero."""
+
+from lagc.kernels.contact.settle import REACHES, RELEASES, set_contact_slack, settle
+from lagc.kernels.events.mode_change import MOST_CHANGES, change_modes
+from lagc.kernels.events.modes import choose_modes, update_edges
+from lagc.kernels.events.when_clauses import act_on_conditions, handle_event, start_modes
+from lagc.kernels.language.vocabulary import *
+
+BOUNCE_OF_TOLERANCE = 0.1  # least height of a bounce over the tolerance
+
+
+def set_least_bounce(o: Options, w: Work) -> None:
+    """Set w.least_bounce for the tolerance of a run."""
+    w.least_bounce = LOWEST_BOUNCE
+    if o.step == 0.0 and BOUNCE_OF_TOLERANCE * o.rtol > LOWEST_BOUNCE:
+        w.least_bounce = BOUNCE_OF_TOLERANCE * o.rtol
+
+
+def take_hits(s: State, w: Work) -> bool:
+    """Move contacts from w.crossed to w.contact_hit; return whether there are any."""
+    found = False
+    for i in range(NCON):
+        k = NMODE - NCON + i
+        w.contact_hit[i] = 0
+        if w.crossed[k] > 0:
+            w.crossed[k] = 0
+            w.contact_hit[i] = RELEASES if s.x[NX - NCON + i] != 0.0 else REACHES
+            w.culprit = k
+            found = True
+    return found
+
+
+def others_cross(w: Work) -> bool:
+    """Return whether relations cross that are no contacts."""
+    for k in range(NMODE):
+        if w.crossed[k] > 0:
+            return True
+    return False
+
+
+def contacts_chatter(s: State) -> bool:
+    """Return whether contacts act without end at one time."""
+    if s.t != s.t_changed:
+        s.t_changed = s.t
+        s.changes_at_time = 0
+    s.changes_at_time += 1
+    return s.changes_at_time > MOST_CHANGES + 2 * NMODE
+
+
+def settle_event(p: Params, s: State, direction: Real, w: Work) -> Status:
+    """Let contacts act, then find the modes of relations, and let clauses `when` act."""
+    status = settle(p, s, False, w)
+    if failed(status):
+        return status
+    status = choose_modes(p, s, direction, w)
+    if failed(status):
+        return status
+    s.rate_place = ABSENT
+    for k in range(NMODE):
+        s.changed[k] = 0
+        w.crossed[k] = 0
+    set_contact_slack(p, s, w)
+    if NWHEN > 0:
+        w.xdot[:] = s.k[0]
+        return act_on_conditions(p, s, direction, 0.0, w)
+    return OK
+
+
+def pass_event(p: Params, s: State, direction: Real, w: Work) -> Status:
+    """Do what happens where relations or contacts in w.crossed cross, at (s.t, s.x)."""
+    if not take_hits(s, w):
+        return handle_event(p, s, direction, w)
+    if contacts_chatter(s):
+        return CHATTERING
+    if NWHEN > 0:
+        s.acts = 0
+    if others_cross(w):
+        status = change_modes(p, s, direction, w)
+        if failed(status):
+            return status
+        w.modes[:] = s.modes
+    return settle_event(p, s, direction, w)
+
+
+def start_contacts(p: Params, s: State, direction: Real, elsewhere: bool, w: Work) -> Status:
+    """Let contacts act at the beginning of a call, then find the modes of relations and the rates."""
+    w.modes[:] = s.modes
+    if elsewhere:
+        fn_modes(p, s.t, s.x, w.modes)
+    update_edges(w)
+    for i in range(NCON):
+        w.contact_hit[i] = 0
+    begins = not s.parameters_known
+    status = settle(p, s, begins, w)
+    if failed(status):
+        return status
+    status = start_modes(p, s, direction, elsewhere, w)
+    if not failed(status):
+        set_contact_slack(p, s, w)
+    return status

@@ -1,0 +1,55 @@
+"""The functions of contacts: gaps, their rows, their sizes, and the numbers of their laws."""
+
+from __future__ import annotations
+
+from lagc.base.records import replace
+from lagc.lowering.interface import kinds
+from lagc.lowering.program import Function
+from lagc.lowering.program_functions import made
+from lagc.lowering.storage import STATE, Places
+from lagc.symbolic.derivative import gradient
+from lagc.symbolic.graph import Node
+
+
+def contact_functions(at: Places, along: Places) -> list[Function]:
+    """Return `gaps`, `contact_rows`, `contact_sizes` and `restitutions`, none without contacts. `at` is the
+    state alone, `along` the branches of a run."""
+    contacts = at.equations.contacts
+    if not contacts:
+        return []
+    labels = [contact.label for contact in contacts]
+    gaps = [contact.gap for contact in contacts]
+    laws = [contact.restitution for contact in contacts]
+    return [
+        made(at, "gaps", STATE, (("g", gaps),), "gap of each contact", labels, rare=True),
+        _rows(along),
+        _sizes(at),
+        made(at, "restitutions", STATE, (("r", laws),), "restitution of each contact", labels, rare=True),
+    ]
+
+
+def _rows(along: Places) -> Function:
+    """Return the gradient of each row by the speeds, its rate, and its acceleration where v' = 0."""
+    equations, zero = along.equations, along.graph.zero
+    contacts, columns = equations.contacts, range(len(equations.v))
+    gradients = [contact.jacobian.get(j, zero) for contact in contacts for j in columns]
+    parts = (
+        ("R", gradients),
+        ("u", [contact.rate for contact in contacts]),
+        ("bias", [contact.bias for contact in contacts]),
+    )
+    return made(along, "contact_rows", along.state, parts, "rows of the contacts")
+
+
+def _sizes(at: Places) -> Function:
+    """Return the change of each gap if every coordinate changes by the size c[k] of its scaling group."""
+    equations, graph = at.equations, at.graph
+    groups = kinds(equations.q_units, equations.v_units)
+    sizes = [graph.symbol("size", str(k)) for k in range(max(groups) + 1)]
+    weights = {q: sizes[k] for q, k in zip(equations.q, groups)}
+    found: list[Node] = []
+    for contact in equations.contacts:
+        slopes = gradient(graph, {contact.gap: graph.one}, equations.q)
+        found.append(graph.sum([graph.unary("abs", slope) * weights[q] for q, slope in slopes.items()]))
+    more = replace(at, arrays={**at.arrays, **{node: ("c", k) for k, node in enumerate(sizes)}})
+    return made(more, "contact_sizes", (*STATE, "c"), (("s", found),), "size of each gap", rare=True)
