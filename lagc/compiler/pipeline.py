@@ -318,11 +318,13 @@ class _Variant(Compilation):
     @once
     def model(self) -> Model:
         found = self.base.model
+        refuse_contacts(found, self.variant)
         return with_held(found) if self._holds else found
 
     @once
     def equations(self) -> EquationsOfMotion:
-        return derive(self.model) if self._holds else self.base.equations
+        model = self.model
+        return derive(model) if self._holds else self.base.equations
 
     @property
     def _holds(self) -> bool:
@@ -332,6 +334,18 @@ class _Variant(Compilation):
     @once
     def differentiated(self) -> Compilation:
         return self.base.differentiated
+
+
+def refuse_contacts(model: Model, variant: str) -> None:
+    """Raise Refused (LAG0623) if a model has one-sided constraints, which no variant follows."""
+    if model.contacts:
+        asked = {"derivatives": "linear models and derivatives", "sensitivities": "sensitivities"}
+        what = asked.get(variant, "implicit methods, such as radau5,")
+        message = f"{what} do not follow the one-sided constraint `{model.contacts[0].name}` yet"
+        remedy = "take an explicit method, or write it with `=` where it always touches"
+        if variant != "implicit":
+            remedy = "compare runs with values that differ a little, or write it with `=` where it always touches"
+        raise Refused([Fault("LAG0623", message, model.contacts[0].span, remedy=remedy)])
 
 
 def with_held(model: Model) -> Model:

@@ -20,7 +20,7 @@ from lagc.kernels.events.location import (
     release_slack,
 )
 from lagc.kernels.events.step_guards import find_hidden_event
-from lagc.kernels.events.contact_events import pass_event, set_least_bounce
+from lagc.kernels.events.contact_events import pass_event
 from lagc.kernels.integrators.dispatch import (
     end_rate_row,
     has_series,
@@ -361,8 +361,6 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     a.direction = 1.0 if t1 >= s.t else -1.0
     if o.step > 0.0:
         a.direction = 1.0 if s.grid_step > 0.0 else -1.0
-    if NCON > 0:
-        set_least_bounce(o, w)
     if NLEAP > 0:
         changes = s.changes
     status = evaluate_start(p, s, a.direction, w)
@@ -404,7 +402,6 @@ def begin_trajectory(p: Params, s: State, direction: Real, o: Options, w: Work) 
     """Let contacts act at the beginning of a trajectory, before its first state is recorded. Return
     INTERRUPTED after an impact that is to be reported."""
     changes = s.changes
-    set_least_bounce(o, w)
     status = evaluate_start(p, s, direction, w)
     if failed(status):
         return report_culprit(s, status, w)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from math import ceil, inf, isfinite
 from operator import sub
 
+from lagc.codegen.python.support.contacts import RESTS
 from lagc.lowering.program import Interface
 from lagc.simulation.system import TERMINATED, Trajectory
 
@@ -50,24 +51,54 @@ def discrete_sizes(trajectory: Trajectory, interface: Interface) -> list[tuple[S
     ]
 
 
+def jump_times(run: Trajectory) -> dict[object, list[float]]:
+    """Return the times of jumps by what makes them: clauses `when`, and each contact between two rests. The
+    end of ever shorter bounces is one of its own; runs of different tolerance follow more or fewer of them."""
+    found: dict[object, list[float]] = {"when": [*run.jumps]}
+    rests: dict[int, int] = {}
+    for t, contact, kind, _, _, end in getattr(run, "contacts", ()):
+        key = (contact, rests.get(contact, 0))
+        if kind == RESTS:
+            found[(*key, kind)] = [end]
+            rests[contact] = key[1] + 1
+        else:
+            found.setdefault(key, []).append(t)
+    return found
+
+
+def last_bounces(run: Trajectory) -> list[tuple[float, float]]:
+    """The times between which a contact rests that would still bounce."""
+    return [(t, end) for t, _, kind, _, _, end in getattr(run, "contacts", ()) if kind == RESTS]
+
+
 def between(a: Trajectory, b: Trajectory) -> frozenset[int]:
-    """The indices of recorded times at which one run has passed a jump that the other reaches a moment later.
-    States are not compared there."""
-    if not (a.jumps or b.jumps):
-        return frozenset()
-    both, last, found = min(len(a.jumps), len(b.jumps)), min(len(a.times), len(b.times)) - 1, []
-    for k, (t, u) in enumerate(zip(a.times, b.times)):
-        i, j = bisect_right(a.jumps, t), bisect_right(b.jumps, u)
-        if i != j and (max(i, j) <= both or (k == last and _at_the_end(a, b))):
-            found.append(k)
+    """The indices of recorded times at which one run has passed a jump that the other reaches a moment later,
+    or rests where the other still bounces. States are not compared there."""
+    one, other = jump_times(a), jump_times(b)
+    found: set[int] = set()
+    for key in one.keys() | other.keys():
+        found.update(_between(a, b, one.get(key, []), other.get(key, [])))
+    bounces = [*last_bounces(a), *last_bounces(b)]
+    found.update(k for k, t in enumerate(a.times) if any(begin <= t <= end for begin, end in bounces))
     return frozenset(found)
 
 
-def _at_the_end(a: Trajectory, b: Trajectory) -> bool:
-    """Whether the jumps that only one of the runs has are near the end."""
-    more, both = (a if len(a.jumps) > len(b.jumps) else b), min(len(a.jumps), len(b.jumps))
-    near = NEAR_THE_END * abs(more.times[-1] - more.times[0])
-    return all(abs(more.times[-1] - t) <= near for t in more.jumps[both:])
+def _between(a: Trajectory, b: Trajectory, one: Sequence[float], other: Sequence[float]) -> Iterator[int]:
+    if not (one or other):
+        return
+    both, last = min(len(one), len(other)), min(len(a.times), len(b.times)) - 1
+    more = (one if len(one) > len(other) else other)[both:]
+    at_the_end = _near_the_end(a if len(one) > len(other) else b, more)
+    for k, (t, u) in enumerate(zip(a.times, b.times)):
+        i, j = bisect_right(one, t), bisect_right(other, u)
+        if i != j and (max(i, j) <= both or (k == last and at_the_end)):
+            yield k
+
+
+def _near_the_end(run: Trajectory, jumps: Sequence[float]) -> bool:
+    """Whether jumps that only this run has are near its end."""
+    near = NEAR_THE_END * abs(run.times[-1] - run.times[0])
+    return all(abs(run.times[-1] - t) <= near for t in jumps)
 
 
 def difference(
@@ -122,7 +153,8 @@ def spread(a: Trajectory, b: Trajectory, of_a: Sizes, of_b: Sizes) -> float:
 
 def _apart_in_time(a: Trajectory, b: Trajectory) -> float:
     """The largest difference between the times of jumps, and of termination, relative to the whole time."""
-    pairs = [*zip(a.jumps, b.jumps)]
+    other = jump_times(b)
+    pairs = [pair for key, own in jump_times(a).items() for pair in zip(own, other.get(key, ()))]
     if TERMINATED in (a.status, b.status):
         pairs.append((a.times[-1], b.times[-1]))
     span = max((abs(run.times[-1] - run.times[0]) for run in (a, b)), default=0.0)

@@ -9,6 +9,7 @@ from time import perf_counter
 from typing import Any
 
 from lagc.base.records import dataclass
+from lagc.codegen.python.support.contacts import CLOSES, OPENS, RESTS, STRIKES
 from lagc.diagnostics.faults import Refused
 from lagc.kernels import IMPLICIT, SERIES
 from lagc.lowering.program import Interface
@@ -36,6 +37,7 @@ from lagc.simulation.system import (
 from lagc.simulation.verdict import Verdict, fixed_step_verdict, redundancy, verdict, verified_verdict
 
 Progress = Callable[[float], None]
+KINDS = {RESTS: "rests", CLOSES: "closes", OPENS: "opens"}
 MOST_EXACT = 1e-7  # coarsest accuracy for which a Taylor series may take less work
 LARGEST_SERIES = 600  # operations of a right-hand side
 LEAST_GAIN = 1.2  # work of the usual method over that of a series
@@ -45,7 +47,7 @@ SMOOTH = f"the motion is smooth and long: {SERIES[0]} takes"
 FEWER = 0.2  # steps of an implicit run over those of the explicit one, at most
 RTOL = 1e-9  # relative tolerance of a manual run without one
 ROUNDING = 2.0**-49  # relative: round-off of a coordinate at rest, several rounding units
-RESTS = ("the initial state is an equilibrium, to round-off, and the system stays there; whether "
+AT_REST = ("the initial state is an equilibrium, to round-off, and the system stays there; whether "
          "the equilibrium is stable was not examined")  # fmt: skip
 LOCKED = "the constraints leave no motion from the initial state: the system stays there"
 
@@ -99,7 +101,7 @@ def simulate(
         position_drift=trajectory.position_drift, velocity_drift=trajectory.velocity_drift,
         energy=energy(system, trajectory), notes=tuple(notes),
         open_reactions=open_reactions, error_bars=done.errors,
-        events=tuple([Event(t, name) for t, k in trajectory.events for name in event_names(system, k)]),
+        events=_events(system, trajectory),
         corners=tuple(trajectory.corners), interrupted=trajectory.status == INTERRUPTED, end=times[-1],
         cost=Cost(
             steps=sum(r.steps for r in runs), rejected=sum(r.rejected for r in runs),
@@ -108,6 +110,20 @@ def simulate(
             alone=trajectory.rhs,
         ),
     )  # fmt: skip
+
+
+def _events(system: System, trajectory: Trajectory) -> tuple[Event, ...]:
+    """The events of relations and clauses, and those of contacts, in the order of time."""
+    found = [Event(t, name) for t, k in trajectory.events for name in event_names(system, k)]
+    contacts = getattr(trajectory, "contacts", ())
+    for t, k, kind, impulse, loss, end in contacts:
+        name = system.interface.contacts[k].name
+        if kind in (STRIKES, RESTS):
+            found.append(Event(t, f"{name}: impact", name, "impact", impulse, loss))
+        if kind != STRIKES:
+            said = KINDS[kind]
+            found.append(Event(end if kind == RESTS else t, f"{name} {said}", name, said))
+    return tuple(sorted(found, key=lambda event: event.t) if contacts else found)
 
 
 def stability_note(runs: Sequence[Trajectory]) -> list[str]:
@@ -147,7 +163,8 @@ def _integrate(
             fixed_step_verdict(system, run, options.step, end) if options.step else verdict(system, run, end)
         )
         return _Done(Verdict(*outcome, run, None), options, [run], [])
-    rest = None if system.interface.whens and system.interface.timed else _rest(system, x, times)
+    timed = system.interface.whens and system.interface.timed
+    rest = None if timed or system.interface.contacts else _rest(system, x, times)
     if rest is not None:
         run = trajectory_at_rest(rest[0], times)
         return _Done(Verdict(*verdict(system, run, end), run, ROUNDING), Options(), [run], [rest[1]])
@@ -220,7 +237,7 @@ def _verified(
     implicit one takes far fewer steps."""
     assert request.accuracy is not None
     given = (x, times, request.accuracy, progress, request.max_step)
-    if stiff is None or request.method is not None or not system.nz:
+    if stiff is None or request.method is not None or not system.nz or system.interface.contacts:
         return system, verified_run(system, *given, request.method, 0, long), []
     from lagc.simulation.supervision import StabilityLimited, is_limited
 
@@ -249,7 +266,7 @@ def _rest(system: System, x: list[float], times: Sequence[float]) -> tuple[list[
     if locked(system, x, times[0]):
         return [*x[: system.nq], *[0.0] * (system.nv + system.nz), *x[system.nx - discrete :]], LOCKED
     if len(times) > 1 and rests(system, x, times):
-        return x, RESTS
+        return x, AT_REST
     return None
 
 

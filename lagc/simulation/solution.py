@@ -51,10 +51,24 @@ class Cost:
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """An event at the time t, in s."""
+    """An event at the time t, in s. That of a contact has a kind ("impact", "rest", "closes", "opens"), and an
+    impact the normal impulse and the energy that it took (SI units)."""
 
     t: float
     name: str
+    contact: str = ""
+    kind: str = ""
+    impulse: float = 0.0
+    loss: float = 0.0
+
+    def as_data(self) -> dict[str, object]:
+        """The event as plain data."""
+        found: dict[str, object] = {"t": self.t, "name": self.name}
+        if self.contact:
+            found.update(contact=self.contact, kind=self.kind)
+        if self.kind == "impact":
+            found.update(impulse=self.impulse, loss=self.loss)
+        return found
 
 
 @dataclass
@@ -233,7 +247,7 @@ class Solution:
             "units": {"time": "s", **self.units},
             "accuracy": self.accuracy, "errors": self.errors, "drift": self.drift,
             "status": self.status, "message": self.message,
-            "events": [{"t": e.t, "name": e.name} for e in self.events],
+            "events": [e.as_data() for e in self.events],
             **self._varied(),
         }  # fmt: skip
 
@@ -248,7 +262,7 @@ class Solution:
             "status": self.status, "message": self.message, "model": interface.model,
             "scene": interface.scene, "effects": list(interface.effects), "backend": self.system.backend,
             "method": self.method, "t": self.times[-1] if self.times else 0.0, "final": self.final,
-            "events": [{"t": e.t, "name": e.name} for e in self.events],
+            "events": [e.as_data() for e in self.events],
             "accuracy": self.accuracy, "errors": self.errors, **self._varied(), "drift": self.drift,
             "energy": {"of": interface.balance, "start": energy.start, "end": energy.end, "work": energy.work,
                        "imbalance": energy.imbalance},

@@ -20,6 +20,7 @@ from lagc.simulation.system import (
     NOT_CONVERGED,
     NOT_FINITE,
     OK,
+    PARADOX,
     REDUNDANT,
     SINGULAR_MASS,
     STEP_UNDERFLOW,
@@ -90,6 +91,8 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
     if status == TERMINATED:
         clause = system.interface.whens[trajectory.culprit]
         return "failed" if clause.fails else "terminated", f"at {t}: {clause.reason}"
+    if status == PARADOX:
+        return "failed", f"at {t} {_paradox(system, trajectory)}"
     if status in (MISPLACED, CHATTERING) or _accumulates(trajectory):
         return "failed", f"at {t} {_at_event(system, trajectory)}"
     if status == SINGULAR_MASS:
@@ -120,6 +123,10 @@ def _at_event(system: System, run: Trajectory) -> str:
         clause = interface.whens[k]
         return (f"the new values that `when {clause.words}` gives are not finite, or do not "
                 f"meet the constraints{_left_out(system, clause)}")  # fmt: skip
+    first = len(interface.relations) - len(interface.contacts)
+    if run.status == CHATTERING and first <= k < len(interface.relations):
+        return (f"the contact `{interface.contacts[k - first].name}` opens and closes without end: the bodies "
+                "that touch there push each other apart and together again")  # fmt: skip
     if run.status == CHATTERING and interface.drives(k) and not _accumulates(run):
         return (f"{interface.relations[k]}, and the forces on both sides drive the motion back to it: the "
                 "state sticks there, as with dry friction. Use a smooth law, such as tanh(v/v0) instead of "
@@ -128,6 +135,15 @@ def _at_event(system: System, run: Trajectory) -> str:
     return (f"`{what}` occurs again and again in ever shorter intervals, as with bounces that accumulate: "
             "end the run before by a `when` clause with `terminate`, and continue with the contact as a "
             "constraint")  # fmt: skip
+
+
+def _paradox(system: System, run: Trajectory) -> str:
+    """The message of a run in which the laws of contacts have no solution, or several."""
+    names = [contact.name for contact in system.interface.contacts]
+    name = names[run.culprit] if 0 <= run.culprit < len(names) else names[0]
+    posture = ", ".join(f"{n} = {v:.6g}" for n, v in zip(system.interface.q_names[:MOST_NAMED], run.x))
+    return (f"the laws of contact have no solution, or several, where `{name}` touches ({posture}): rigid "
+            "bodies do not decide how the motion goes on")  # fmt: skip
 
 
 def _left_out(system: System, clause: Clause) -> str:

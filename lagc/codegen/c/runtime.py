@@ -52,6 +52,7 @@ class Runtime:
         roots = [name for name in ROOTS if complete or name != "check"]
         roots += ["bind"] if interface.prepared else []
         roots += ["hold"] if interface.relations else []
+        roots += ["seated"] if interface.contacts else []
         roots += ["consistent"] if self.searches else []
         called = (rates(interface), *CALLED[1:])
         roots += [name for name in called[:2] if name != "system_at" or "system" in functions]

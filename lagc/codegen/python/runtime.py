@@ -96,6 +96,7 @@ def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chose
     if interface.follows:
         more += ("follow",)
     more += ("hold",) if interface.relations else ()
+    more += ("seated",) if interface.contacts else ()
     more += ("assemble_slopes",) if interface.part_ends else ()
     dense = "system" in interface.functions
     more += (rates(interface),)

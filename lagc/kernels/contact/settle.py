@@ -170,7 +170,7 @@ def find_rests(s: State, w: Work) -> bool:
             s.bounce_speeds[i] = speed
             if falls > 0.0:
                 flight = 2.0 * speed / falls
-                if speed * flight < 4.0 * w.least_bounce * w.contact_sizes[i]:
+                if speed * flight < 4.0 * LOWEST_BOUNCE * w.contact_sizes[i]:
                     ratio = speed / before if before > speed else w.restitutions[i]
                     if ratio < 1.0:
                         w.contact_rests[i] = 1

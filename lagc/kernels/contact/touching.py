@@ -257,3 +257,14 @@ def put_on_constraints(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Wo
     if failed(status):
         return status
     return close(p, t, x, w)
+
+
+@public
+def seated(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
+    """Project x, which is near them, onto the constraints and onto the contacts that touch by x."""
+    sizes = vector(NGROUP)
+    for i in range(NGROUP):
+        sizes[i] = 0.0
+    enlarge_sizes(x, sizes)
+    fn_modes(p, t, x, w.modes)
+    return put_on_constraints(p, t, x, sizes, w)

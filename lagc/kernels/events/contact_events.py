@@ -6,15 +6,6 @@ from lagc.kernels.events.modes import choose_modes, update_edges
 from lagc.kernels.events.when_clauses import act_on_conditions, handle_event, start_modes
 from lagc.kernels.language.vocabulary import *
 
-BOUNCE_OF_TOLERANCE = 0.1  # least height of a bounce over the tolerance
-
-
-def set_least_bounce(o: Options, w: Work) -> None:
-    """Set w.least_bounce for the tolerance of a run."""
-    w.least_bounce = LOWEST_BOUNCE
-    if o.step == 0.0 and BOUNCE_OF_TOLERANCE * o.rtol > LOWEST_BOUNCE:
-        w.least_bounce = BOUNCE_OF_TOLERANCE * o.rtol
-
 
 def take_hits(s: State, w: Work) -> bool:
     """Move contacts from w.crossed to w.contact_hit; return whether there are any."""
@@ -52,16 +43,20 @@ def settle_event(p: Params, s: State, direction: Real, w: Work) -> Status:
     status = settle(p, s, False, w)
     if failed(status):
         return status
+    w.rates_settled[:] = s.k[0]
     status = choose_modes(p, s, direction, w)
+    w.contact_rates[:] = s.k[0]
+    s.k[0][:] = w.rates_settled  # the dense output of the step before needs it
+    s.rate_place = ABSENT
     if failed(status):
         return status
-    s.rate_place = ABSENT
     for k in range(NMODE):
         s.changed[k] = 0
         w.crossed[k] = 0
+    if NWHEN > 0:
+        w.xdot[:] = w.contact_rates
     set_contact_slack(p, s, w)
     if NWHEN > 0:
-        w.xdot[:] = s.k[0]
         return act_on_conditions(p, s, direction, 0.0, w)
     return OK
 

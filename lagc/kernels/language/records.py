@@ -224,9 +224,6 @@ class Work:
         contact_forces: Vec[NCROW]  # at the last evaluation
         force_low: Vec[NCON]  # range of the normal forces over the evaluations of a step
         force_high: Vec[NCON]
-        force_begin: Vec[NCON]  # at the beginning of a part of a step
-        force_middle: Vec[NCON]
-        force_end: Vec[NCON]
         x_contact: Vec[NX]
         contact_rates: Vec[NX]
         contact_lam: Vec[NC]
@@ -240,8 +237,8 @@ class Work:
         contact_lost: Vec[NCON]  # energy
         contact_energies: Vec[THREE]
         restitutions: Vec[NCON]
-        least_bounce: Real  # height below which a contact rests, over the size of its gap
         x_settled: Vec[NX]
+        rates_settled: Vec[NX]
         # Law of contacts that touch: u = W p + b. First the problem
         law_count: int  # contacts that touch
         law_rows: int  # their rows

@@ -56,7 +56,7 @@ def _check(context: Context, source: tree.Constraint, gap: Node) -> None:
     mask = context.clock.mask(gap)
     if mask & VELOCITY:
         raise Wrong(
-            "LAG0230",
+            "LAG0235",
             f"`{source.relation}` restricts positions; this one restricts velocities",
             span,
             "write the bound of a position, or a load that acts beyond the bound of the velocity",
@@ -64,14 +64,14 @@ def _check(context: Context, source: tree.Constraint, gap: Node) -> None:
     for kind, named in (("input", "an input"), ("discrete", "a discrete variable")):
         if mask & BIT[kind]:
             raise Wrong(
-                "LAG0230",
+                "LAG0235",
                 f"the bound `{source.name}` depends on {named}, whose time derivative is not known",
                 span,
                 "write the bound in coordinates, parameters and time",
             )
     if not mask & BIT["coordinate"]:
         raise Wrong(
-            "LAG0230",
+            "LAG0235",
             f"the bound `{source.name}` depends on no coordinate, so it restricts nothing",
             span,
             "compare an expression of coordinates: `constraint floor: ball.z >= 0;`",
@@ -101,7 +101,7 @@ def _number(context: Context, entry: Entry, name: str, written: tree.Expression)
     timely(context, scalar.node, written.span, f"the {name}")
     if scalar.node.is_const and not 0.0 <= scalar.node.value <= 1.0:
         raise Wrong(
-            "LAG0230",
+            "LAG0235",
             f"the {name} is {scalar.node.value:g}, and not from 0 to 1",
             written.span,
             "0 is an impact without rebound, 1 one without loss of energy",
@@ -115,7 +115,7 @@ def refuse_beside(context: Context, whens: Sequence[objects.When]) -> None:
         if clause.changes:
             context.report(
                 Wrong(
-                    "LAG0231",
+                    "LAG0236",
                     "`reinit` and one-sided constraints do not act in one model yet",
                     clause.span,
                     "let a one-sided constraint make the impact, or write all impacts as clauses `when`",

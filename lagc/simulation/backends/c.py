@@ -31,7 +31,7 @@ class _Options(ctypes.Structure):
 
 # The functions of the header and their result types; a model may lack some.
 _RESULTS: dict[str, Any] = {
-    **dict.fromkeys(("rhs", "outputs", "assemble", "record"), c_int),
+    **dict.fromkeys(("rhs", "outputs", "assemble", "record", "seated"), c_int),
     **dict.fromkeys(("follow",), c_int),
     **dict.fromkeys(("work_size", "state_size", "tangent_work_size"), c_size_t),
     **dict.fromkeys(("position", "velocity", "scales", "energies", "start", "displace", "gaps"), None),
@@ -196,6 +196,11 @@ class CSystem(CompiledSystem):
         moved, workspace = (c_double * self.nq)(), self._at(x)
         workspace.call["displace"](self._p, c_double(t), workspace.x, (c_double * self.nv)(*d), moved)
         return moved[:]
+
+    def seated(self, t: float, x: Vector) -> list[float]:
+        workspace = self._at(x)
+        workspace.call["seated"](self._p, c_double(t), workspace.x, workspace.work)
+        return workspace.x[:]
 
     def assemble(self, t: float, x: Vector) -> int:
         workspace = self._at(x)

@@ -120,6 +120,11 @@ class NumpySystem(CompiledSystem):
     def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], direction: int) -> int | None:
         return None
 
+    def seated(self, t: float, x: Vector) -> list[float]:
+        found = [*x]
+        self.model.module["seated"](self._p, t, found, self._thread.workspace.equations.work)
+        return found
+
     def assemble(self, t: float, x: Vector) -> int:
         work = self._thread.workspace.equations.work
         work.rank_deficient = False

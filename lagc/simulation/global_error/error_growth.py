@@ -171,7 +171,10 @@ class Rounding:
         x = list(self.run.states[0])
         for i, _ in parts if largest > 0.0 else ():
             x[i] += by * (self.direction[i] / largest)
-        return self.integrate(tol, _consistent(self.system, self.run.times[0], x), 0)
+        x = _consistent(self.system, self.run.times[0], x)
+        if self.system.interface.contacts:
+            x = self.system.seated(self.run.times[0], x)
+        return self.integrate(tol, x, 0)
 
     def _apart(self, run: Trajectory, other: Trajectory) -> float:
         """The distance relative to the sizes; infinite if a run did not reach its end."""

@@ -27,6 +27,8 @@ from lagc.simulation.system import (
     state_name,
 )
 
+PENETRATION = 1e-9  # of the largest coordinate: a gap that is negative by more is refused
+TOUCHES = 1e-13  # of the same: round-off of a gap
 MOST_NAMED = 12  # conditions of a conflict
 
 
@@ -47,7 +49,7 @@ class NoStart(Refused):
 
 def begin(system: System, request: Request) -> Start:
     """Return the consistent start. Raises NoStart with the conditions that cannot be met (LAG0610) or the
-    start value that is not finite (LAG0611), and as `_energies`."""
+    start value that is not finite (LAG0611), and as `_energies` and `_touching`."""
     keep_limits(system)
     doing("finding the start")
     began = perf_counter()
@@ -61,7 +63,28 @@ def begin(system: System, request: Request) -> Start:
             anchors = [("start", name) for name in system.interface.state_names[i : i + 1]]
             raise NoStart(fault, anchors, start.x, system)
     _energies(system, start.x)
+    if system.interface.contacts:
+        start = replace(start, x=_touching(system, start.x))
     return replace(start, seconds=perf_counter() - began)
+
+
+def _touching(system: System, x: Sequence[float]) -> list[float]:
+    """Return x with the modes of the contacts that touch. Raises NoStart (LAG0624) if a gap is negative, by
+    more than round-off of lengths as those of the coordinates, or else of the parameters."""
+    interface, found = system.interface, list(x)
+    first = system.nx - len(interface.contacts)
+    for i, (contact, gap) in enumerate(zip(interface.contacts, system.gaps(0.0, x))):
+        size = max((abs(v) for v in x[: system.nq]), default=0.0)
+        if size == 0.0:
+            own = zip((*interface.parameters, *interface.inputs), system.parameters)
+            size = max((abs(v) for f, v in own if f.unit == contact.unit), default=0.0)
+        if gap < -PENETRATION * size:
+            depth = f"{-gap:.6g} {contact.unit}".rstrip()
+            message = f"the start is {depth} beyond the bound `{contact.name}`"
+            fault = Fault("LAG0624", message, remedy="begin with a gap that is zero or positive")
+            raise NoStart(fault, [("contact", contact.name)], x, system)
+        found[first + i] = 1.0 if gap <= TOUCHES * size else 0.0
+    return found
 
 
 def _energies(system: System, x: Sequence[float]) -> None:

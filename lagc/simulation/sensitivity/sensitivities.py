@@ -39,6 +39,9 @@ def directions(
 ) -> tuple[Direction, ...]:
     """The directions named `l`, `start(theta)` or `start(der(theta))`, each once; all entries of an array.
     Raises Refused: LAG0601, LAG0606 for an unknown name, LAG0607 for a parameter that is part of the code."""
+    if interface.contacts:
+        message = f"sensitivities do not follow the one-sided constraint `{interface.contacts[0].name}` yet"
+        raise Refused([Fault("LAG0623", message, remedy="compare runs with values that differ a little")])
     if interface.discretes:
         message = (
             f"`{interface.discretes[0].name}` is a discrete variable: its jumps are not differentiated, so "
