@@ -61,6 +61,8 @@ def _spans(equations: EquationsOfMotion, anchor: Anchor) -> Iterator[tuple[Span,
     kind, name = anchor
     if kind == "row":
         yield from ((row.span, f"constraint `{name}`") for row in equations.rows if row.label == name)
+    elif kind == "contact":
+        yield from ((c.contact.span, f"constraint `{name}`") for c in equations.contacts if c.label == name)
     elif kind == "initial":
         yield equations.initial_conditions[int(name)][1], "a condition of the start"
     else:
