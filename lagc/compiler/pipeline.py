@@ -339,12 +339,13 @@ class _Variant(Compilation):
 def refuse_contacts(model: Model, variant: str) -> None:
     """Raise Refused (LAG0623) if a model has one-sided constraints, which no variant follows."""
     if model.contacts:
-        asked = {"derivatives": "linear models and derivatives", "sensitivities": "sensitivities"}
-        what = asked.get(variant, "implicit methods, such as radau5,")
+        asked = {"derivatives": "linear models and derivatives", "sensitivities": "sensitivities",
+                 "implicit": "implicit methods, such as radau5,"}  # fmt: skip
+        what = asked.get(variant, "methods by power series, such as taylor,")
         message = f"{what} do not follow the one-sided constraint `{model.contacts[0].name}` yet"
-        remedy = "take an explicit method, or write it with `=` where it always touches"
-        if variant != "implicit":
-            remedy = "compare runs with values that differ a little, or write it with `=` where it always touches"
+        runs = variant in ("implicit", "series")
+        other = "take dop853" if runs else "compare runs with values that differ a little"
+        remedy = f"{other}, or write it with `=` where it always touches"
         raise Refused([Fault("LAG0623", message, model.contacts[0].span, remedy=remedy)])
 
 

@@ -8,6 +8,7 @@ from math import fabs
 
 from lagc.kernels.call_boundary import evaluate_start, keep_parameters, report_culprit
 from lagc.kernels.contact.touching import forget_forces, put_on_constraints, rates_at
+from lagc.kernels.events.contact_events import pass_event
 from lagc.kernels.events.location import (
     LEAST_SLACK,
     MOST_SLACK,
@@ -20,7 +21,6 @@ from lagc.kernels.events.location import (
     release_slack,
 )
 from lagc.kernels.events.step_guards import find_hidden_event
-from lagc.kernels.events.contact_events import pass_event
 from lagc.kernels.integrators.dispatch import (
     end_rate_row,
     has_series,

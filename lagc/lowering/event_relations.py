@@ -10,7 +10,7 @@ its branch, as in max(0, x)^1.5, therefore uses the absolute value of the base.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from lagc.base.records import dataclass, replace
 from lagc.lowering.kkt.prune import sources
@@ -81,8 +81,7 @@ def _touching(equations: EquationsOfMotion, count: int) -> list[EventRelation]:
 def _used(equations: EquationsOfMotion, relations: Sequence[EventRelation]) -> list[EventRelation]:
     """Those that `equations` depend on: what loads on bodies depend on may cancel in the forces on speeds."""
     moving = [*equations.qdot, *sources(replace(equations, whens=()))]
-    rows = [row.jacobian for row in (*equations.rows, *equations.contacts)]
-    reached = symbols([*moving, *formed_of(rows)])
+    reached = symbols([*moving, *formed_of(_gradients(equations))])
     asked = symbols([when.condition for when in equations.whens])
     found = []
     for relation in reversed(relations):  # each depends on others before it
@@ -263,10 +262,15 @@ def deciding(equations: EquationsOfMotion) -> list[Node]:
         found += [x for row in part.mass for x in row] if isinstance(part.mass, tuple) else [part.mass]
     for row in equations.rows:
         found += [row.rate, row.gamma]
-    found += formed_of([row.jacobian for row in (*equations.rows, *equations.contacts)])
+    found += formed_of(_gradients(equations))
     for contact in equations.contacts:
         found += contact.nodes
     return [*found, *equations.further_inertia.values()]
+
+
+def _gradients(equations: EquationsOfMotion) -> list[Mapping[int, Node]]:
+    """Return the gradients of all rows by the speeds."""
+    return [row.jacobian for row in equations.rows] + [contact.jacobian for contact in equations.contacts]
 
 
 def _with(equations: EquationsOfMotion, f: _Freezing) -> EquationsOfMotion:

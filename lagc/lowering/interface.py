@@ -72,9 +72,7 @@ def interface(
         whens=_clauses(equations, int(work)),
         discretes=tuple([discrete_field(variable) for variable in model.discretes]),
         booleans=tuple([int(variable.boolean) for variable in model.discretes]),
-        contacts=tuple([
-            Contact(c.label, c.contact.unit, place(c.contact.span)) for c in equations.contacts
-        ]),
+        contacts=tuple([Contact(c.label, c.contact.unit, place(c.contact.span)) for c in equations.contacts]),
         **_of_equations(equations),
         **_of_functions(functions, slopes),
         parameters=tuple([parameter_field(p) for p in parameters]),

@@ -368,8 +368,8 @@ class Program:
                                      `sizes` those of the terms
       limits      (p)             -> b[]   those of `limits`
       gaps        (p,t,x)         -> g[]    gap of each contact
-      contact_rows (p,t,x,modes)  -> R[], u[], bias[]   of each row: gradient by v, rate, acceleration for v' = 0
-      contact_sizes (p,t,x,c)     -> s[]    change of each gap for states that change by the size c of their kind
+      contact_rows (p,t,x,modes)  -> R[], u[], bias[]   gradient by v, rate, acceleration for v' = 0
+      contact_sizes (p,t,x,c)     -> s[]    the same of gaps
       restitutions (p,t,x)        -> r[]    of each contact
       features    (p,t,x)         -> e[]    terms that may be narrow
       feature_bounds (p,box)      -> e[]    least and largest value of each, in a box

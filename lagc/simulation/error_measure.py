@@ -53,7 +53,7 @@ def discrete_sizes(trajectory: Trajectory, interface: Interface) -> list[tuple[S
 
 def jump_times(run: Trajectory) -> dict[object, list[float]]:
     """Return the times of jumps by what makes them: clauses `when`, and each contact between two rests. The
-    end of ever shorter bounces is one of its own; runs of different tolerance follow more or fewer of them."""
+    end of ever shorter bounces is a jump of its own, since runs may follow more or fewer of them."""
     found: dict[object, list[float]] = {"when": [*run.jumps]}
     rests: dict[int, int] = {}
     for t, contact, kind, _, _, end in getattr(run, "contacts", ()):

@@ -13,7 +13,7 @@ from lagc.codegen.python.support.contacts import CLOSES, OPENS, RESTS, STRIKES
 from lagc.diagnostics.faults import Refused
 from lagc.kernels import IMPLICIT, SERIES
 from lagc.lowering.program import Interface
-from lagc.simulation.error_measure import ComparisonGrid
+from lagc.simulation.error_measure import ComparisonGrid, last_bounces
 from lagc.simulation.global_error.equilibrium_start import locked, rests, trajectory_at_rest
 from lagc.simulation.global_error.verified_run import Verified, verified_run
 from lagc.simulation.initialization.initialize import begin, demand, strange_outputs
@@ -88,6 +88,7 @@ def simulate(
     for k in strange_outputs(system, start.x):
         notes.append(f"output `{system.interface.outputs[k].name}` has no finite initial value")
     notes += stability_note(runs)
+    notes += rest_note(system, trajectory)
     open_reactions: tuple[str, ...] = ()
     if result.status == "ok" and (trajectory.redundant_rows or _depend(system, trajectory)):
         note, open_reactions = redundancy(system, trajectory)
@@ -124,6 +125,17 @@ def _events(system: System, trajectory: Trajectory) -> tuple[Event, ...]:
             said = KINDS[kind]
             found.append(Event(end if kind == RESTS else t, f"{name} {said}", name, said))
     return tuple(sorted(found, key=lambda event: event.t) if contacts else found)
+
+
+def rest_note(system: System, run: Trajectory) -> list[str]:
+    """A note if recorded times are among bounces that are not followed."""
+    within = [t for t in run.times if any(begin < t < end for begin, end in last_bounces(run))]
+    if not within:
+        return []
+    return [
+        f"at t = {within[0]:.9g} s bounces are not followed any more that are lower than 1e-10 of the size of "
+        "a gap: speeds there have the error of such a bounce"
+    ]
 
 
 def stability_note(runs: Sequence[Trajectory]) -> list[str]:

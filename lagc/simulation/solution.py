@@ -51,8 +51,8 @@ class Cost:
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """An event at the time t, in s. That of a contact has a kind ("impact", "rest", "closes", "opens"), and an
-    impact the normal impulse and the energy that it took (SI units)."""
+    """An event at the time t, in s. That of a contact has a kind ("impact", "rests", "closes", "opens"), an
+    impact also the normal impulse and the energy that it took (SI units)."""
 
     t: float
     name: str

@@ -125,8 +125,8 @@ def _at_event(system: System, run: Trajectory) -> str:
                 f"meet the constraints{_left_out(system, clause)}")  # fmt: skip
     first = len(interface.relations) - len(interface.contacts)
     if run.status == CHATTERING and first <= k < len(interface.relations):
-        return (f"the contact `{interface.contacts[k - first].name}` opens and closes without end: the bodies "
-                "that touch there push each other apart and together again")  # fmt: skip
+        name = interface.contacts[k - first].name
+        return f"the contact `{name}` opens and closes without end"
     if run.status == CHATTERING and interface.drives(k) and not _accumulates(run):
         return (f"{interface.relations[k]}, and the forces on both sides drive the motion back to it: the "
                 "state sticks there, as with dry friction. Use a smooth law, such as tanh(v/v0) instead of "

@@ -100,4 +100,4 @@ def test_scripts_without_events_have_no_list_of_them() -> None:
 
 
 def test_library_has_events() -> None:
-    assert {Path(name).name for name in WITH_EVENTS} >= {"bouncing_ball", "clock"}
+    assert {Path(name).name for name in WITH_EVENTS} >= {"thermostat", "clock"}

@@ -107,7 +107,9 @@ def test_a_run_in_a_notebook_is_its_picture() -> None:
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 def test_curves_bend_and_jump_at_events_that_are_not_recorded(backend: str) -> None:
-    run = lagc.load(str(MODELS / "classic/bouncing_ball.lag")).compile(backend=backend).simulate(points=20)
+    run = (
+        lagc.load(str(MODELS / "contact/bouncing_ball.lag")).compile(backend=backend).simulate(1.8, points=20)
+    )
     height, energy = (axis.lines[0].get_xydata() for axis in plot(run).axes)
     assert len(run.times) == 20 and len(height) == 20 + 2 * len(run.events)
     for event in run.events:
@@ -118,7 +120,7 @@ def test_curves_bend_and_jump_at_events_that_are_not_recorded(backend: str) -> N
 
 
 def test_corners_are_the_same_in_c() -> None:
-    system = lagc.load(str(MODELS / "classic/bouncing_ball.lag"))
+    system = lagc.load(str(MODELS / "contact/bouncing_ball.lag"))
     one, other = (system.compile(backend=name).simulate(rtol=1e-8) for name in ("numpy", "c"))
     assert one.corners and one.corners == other.corners
 

@@ -316,15 +316,6 @@ def test_c_stops_where_clauses_act(tmp_path: Path) -> None:
     assert acts[0] == (pytest.approx(1.0), 0) and acts[-1] == (pytest.approx(2.0), 1)
 
 
-def test_the_flights_of_a_ball() -> None:
-    """t1 = sqrt(2h/g), then 2 e^n t1 each."""
-    run = lagc.load("classic/bouncing_ball").compile(backend="numpy").simulate(3.0, accuracy=1e-9)
-    first = math.sqrt(2.0 / 9.81)
-    known = [first * (1.0 + 2.0 * sum(0.8**j for j in range(1, n + 1))) for n in range(6)]
-    assert [e.t for e in run.events] == pytest.approx(known, rel=1e-9)
-    assert {e.name for e in run.events} == {"impact"}
-
-
 @pytest.mark.full
 def test_a_clock_comes_to_its_own_amplitude() -> None:
     """Its speed after a tick tends to k/(1 - exp(-2 pi d/sqrt(1 - d^2))), as fast as that power of it."""

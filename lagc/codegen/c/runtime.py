@@ -132,7 +132,8 @@ class Runtime:
     def _enumeration(self, kind: str) -> str:
         found = [part for part in self.parts if part["kind"] == kind]
         if kind == "Status":
-            found = statuses(self.program.interface)
+            known = [part["name"] for part in statuses(self.program.interface)]
+            found = [part for part in found if part["name"] in known]
         if kind == "Method":
             carried = [name.upper() for name in methods_of(self.program.interface)]
             found = [part for part in found if part["name"] in carried]
@@ -266,5 +267,6 @@ def _status_text(interface: Interface) -> str:
     return (
         "const char *lagc_status_text(int status)\n{\n    static const char *const texts[] = {\n"
         f"        {meanings}\n    }};\n"
-        f'    return status >= 0 && status < {len(status_texts(interface))} ? texts[status] : "No such status.";\n}}\n'
+        f"    return status >= 0 && status < {len(status_texts(interface))} "
+        '? texts[status] : "No such status.";\n}\n'
     )

@@ -166,8 +166,8 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
         before, reached = [getattr(run, name) for name in names], done[0]
         run.x, kernel_options.max_steps = run.x[:], max_steps
         try:
-            seen = run.changes if NMODE else 0
-@SEEN@            status = record(problem.p, run, kernel_options, times, len(times), states, done, steps, work)
+            seen = run.changes if NMODE else 0@SEEN@
+            status = record(problem.p, run, kernel_options, times, len(times), states, done, steps, work)
             if NMODE and kernel_options.report and run.changes > seen:
                 events.extend((run.t, k) for k in NOTED if run.changed[k])
                 if len(corners) < MOST_CORNERS:
@@ -200,7 +200,7 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
 
 _OF_CONTACTS = {  # places of STATES
     "@BEGIN@": "    contacts = []\n",
-    "@SEEN@": "            settled = run.settlements\n",
+    "@SEEN@": "\n            settled = run.settlements",
     "@STRUCK@": " or run.settlements > settled",
     "@TOLD@": """\
                 if run.settlements > settled:

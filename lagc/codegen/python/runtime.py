@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterable, Sequence
 from functools import cache
 from typing import Any
 
+from lagc.codegen.heading import rates, statuses
 from lagc.codegen.kernel_compiler.linker import (
     Chosen,
     Part,
@@ -18,7 +19,6 @@ from lagc.codegen.kernel_compiler.linker import (
     tables_of,
 )
 from lagc.codegen.kernel_compiler.shipped import parts
-from lagc.codegen.heading import rates, statuses
 from lagc.codegen.python.classes import EQUATIONS, states
 from lagc.kernels import DEFAULT_METHOD, METHODS
 from lagc.lowering.program import Interface, Program
@@ -129,7 +129,9 @@ def numbers(used: Collection[str]) -> str:
     """Return the statuses and constants in `used`."""
     text = ""
     for part in parts():
-        if (part["kind"] == "Status" and part["name"] in used) or (part["kind"] in NUMBERS and part["name"] in used):
+        if (part["kind"] == "Status" and part["name"] in used) or (
+            part["kind"] in NUMBERS and part["name"] in used
+        ):
             text += f"{part['name']} = {part['python']}" + (f"  # {part['note']}\n" if part["note"] else "\n")
     return text
 

@@ -165,9 +165,9 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0220": Entry(
         "a language feature that is not yet supported",
-        "This version reads inequality constraints and friction, but cannot compile them yet.",
-        _body("constraint c: x >= 0;"),
-        _body("constraint c: x = 0;"),
+        "The message says what to write until then.",
+        _body("friction f = Coulomb(mu = 0.3);"),
+        _body("force f = -0.3 [N]*tanh(der(x)/(1e-3 [m/s]))*world.x at b;"),
     ),
     "LAG0221": Entry(
         "the wrong kind of object",
@@ -262,6 +262,20 @@ ENTRIES: dict[str, Entry] = {
             "coordinate Angle a;\n  joint j = Revolute(world, b, axis = world.y, at = {a*(1 [m]), 0, 0});"
         ),
         _drawn("joint j = Revolute(world, b, axis = world.y, at = {0, 0, 0});"),
+    ),
+    "LAG0235": Entry(
+        "a one-sided constraint that bounds no position",
+        "`constraint c: a >= b (restitution = e);` bounds an expression of coordinates, parameters and "
+        "time. The restitution is from 0 to 1.",
+        _body("constraint c: der(x) <= 1;"),
+        _body("constraint c: x <= 1;"),
+    ),
+    "LAG0236": Entry(
+        "`reinit` in a model with one-sided constraints",
+        "A one-sided constraint makes its impacts itself. Clauses `when` may `mark` and `terminate` beside "
+        "it.",
+        _body("constraint c: x >= 0;\n  when x > 1 then reinit(der(x), 0); end when;"),
+        _body('constraint c: x >= 0;\n  when x > 1 then mark("far"); end when;'),
     ),
     "LAG0301": Entry(
         "different dimensions where one is needed",

@@ -193,4 +193,14 @@ end Pendulum;
         "computed. A motion without discrete variables has sensitivities, also across `when` clauses that "
         "change coordinates and speeds.",
     ),
+    "LAG0623": Entry(
+        "a question that does not combine with one-sided constraints",
+        "Sensitivities, linear models, derivatives, implicit methods and methods by power series do not follow "
+        "contacts yet.",
+    ),
+    "LAG0624": Entry(
+        "a start beyond the bound of a one-sided constraint",
+        "Its gap is negative at the initial state, by the depth in the message. Give initial values with a "
+        "gap that is zero or positive.",
+    ),
 }

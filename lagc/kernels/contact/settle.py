@@ -3,8 +3,8 @@
 1. Contacts that are hit, and those that touch, are put on gap = 0.
 2. While touching contacts approach, those that do have an impact (`impact`).
 3. The law of contact decides which of those at rest stay closed (`set_law`).
-4. A contact whose next bounce stays below the least height rests. The bounces that are left take the time of a
-   geometric series: 2 u / |a| / (1 - r), where r is the ratio of two speeds of rebound.
+4. A contact whose next bounce stays below the least height rests. The bounces that are left take the time of
+   a geometric series: 2 u / |a| / (1 - r), where r is the ratio of two speeds of rebound.
 """
 
 from math import fabs
@@ -47,8 +47,8 @@ def find_near_contacts(p: Params, s: State, w: Work) -> None:
 
 
 def set_speeds(s: State, w: Work) -> None:
-    """Set w.law_b to the speeds of the listed rows, and w.law_sizes to those that states of their sizes so far
-    have."""
+    """Set w.law_b to the speeds of the listed rows, and w.law_sizes to those that states of their sizes so
+    far have."""
     for r in range(w.law_rows):
         row = w.touching_rows[r]
         own = w.contact_speeds[row]
@@ -95,7 +95,7 @@ def strike_contacts(p: Params, s: State, w: Work) -> Status:
 
 
 def decide(p: Params, s: State, w: Work) -> Status:
-    """Find which of the contacts in w.touched stay closed, w.contact_closed, and the rates w.contact_rates."""
+    """Find which contacts in w.touched stay closed, w.contact_closed, and the rates w.contact_rates."""
     for i in range(NCON):
         w.contact_closed[i] = 0
     list_contacts(w)

@@ -4,8 +4,8 @@ The rows R of contacts that touch stay out of the compiled elimination. For K = 
 
     X = K^-1 R^T      W = R X      0 = W p + R a0 + bias      a = a0 + X p
 
-where a0 is the acceleration without them: the matrix W of G. Delassus, Memoire sur la theorie des liaisons finies
-unilaterales, Ann. Sci. Ecole Norm. Sup. 34 (1917) 95-179. An open contact costs its gap alone.
+where a0 is the acceleration without them: the matrix W of G. Delassus, Memoire sur la theorie des liaisons
+finies unilaterales, Ann. Sci. Ecole Norm. Sup. 34 (1917) 95-179. An open contact costs its gap alone.
 """
 
 from math import fabs

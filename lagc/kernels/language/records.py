@@ -341,7 +341,7 @@ class State:
         x_before_event: Vec[NX]  # end of the last step, before clauses changed it
     if NCON > 0:
         settlements: Count  # events of contacts so far
-        contact_kinds: IVec[NCON]  # of each contact at the last one: 1 impact, 2 rest, 3 closes, 4 opens, 0 none
+        contact_kinds: IVec[NCON]  # at the last one: 1 impact, 2 rest, 3 closes, 4 opens, 0 nothing
         contact_impulses: Vec[NCON]
         contact_losses: Vec[NCON]  # of energy
         rest_times: Vec[NCON]  # when bounces end that are not followed

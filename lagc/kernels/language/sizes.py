@@ -72,8 +72,6 @@ class NLAW(metaclass=SizeType): ...  # NCROW + NCON: unknowns of given contact m
 class NLAWS(metaclass=SizeType): ...  # NLAW NLAW
 class NLCP(metaclass=SizeType): ...  # NCON + 2 NSLIP + 1: unknowns of the linear complementarity problem
 class NTABLEAU(metaclass=SizeType): ...  # NLCP (NLCP + 1)
-class NLCP(metaclass=SizeType): ...  # NCON + 2 NSLIP: unknowns of the linear complementarity problem
-class NTABLEAU(metaclass=SizeType): ...  # NLCP (NLCP + 2)
 
 
 # The same for every model.

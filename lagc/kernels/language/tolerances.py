@@ -49,7 +49,7 @@ TRACE = by_type(3e-3, 1e-6, "1e-13")
 UNKNOWN = by_type(1e38, 1e75, "1e75")  # end of an enclosure without a bound, as in `symbolic`
 FARTHEST = by_type(3e3, 1e8, "1e17")  # from a guess, in its sizes: derivatives are looked at
 NO_EDGE = by_type(3.2e38, 1.7e308, "1.7e308")  # edge of an outermost mode
-# Contacts, of the sizes of what is compared: a speed, acceleration or force that is round-off; height of bounces
-# that count as rest.
+# Contacts, of the sizes of what is compared: a speed, acceleration or force that is round-off; height of
+# bounces that count as rest.
 CONTACT_ROUNDOFF = by_type(1e-5, 1e-12, "1e-29")
 LOWEST_BOUNCE = by_type(1e-4, 1e-10, "1e-20")

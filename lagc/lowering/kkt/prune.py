@@ -34,7 +34,8 @@ def _kept(equations: EquationsOfMotion) -> tuple[list[int], list[int]]:
     """Indices of the q and v that stay."""
     reached = symbols(sources(equations))
     moving = set(equations.massive) | {j for at in equations.further_inertia for j in at}
-    moving.update(j for row in (*equations.rows, *equations.contacts) for j in row.jacobian)
+    moving.update(j for row in equations.rows for j in row.jacobian)
+    moving.update(j for contact in equations.contacts for j in contact.jacobian)
     forces = zip(equations.bias_forces, equations.given_forces)
     moving.update(j for j, (h, tau) in enumerate(forces) if not (h.is_zero and tau.is_zero))
     number = {symbol: j for j, symbol in enumerate(equations.v)}
@@ -145,7 +146,8 @@ def independent(equations: EquationsOfMotion, system: ArticulatedBody) -> tuple[
     for k, row in enumerate(equations.rows):
         _tie_to(parts, len(equations.v) + k, [row.residual, row.gamma], number)
     for contact in equations.contacts:
-        _tie_to(parts, min(contact.jacobian), [*contact.nodes, *map(equations.v.__getitem__, contact.jacobian)], number)
+        speeds = [equations.v[j] for j in contact.jacobian]
+        _tie_to(parts, min(contact.jacobian), [*contact.nodes, *speeds], number)
     for when in equations.whens:
         for state, value in when.changes:
             if state in number:

@@ -68,8 +68,9 @@ def _held(states: States, rates: Sequence[Node]) -> tuple[dict[Node, Node], dict
         for pair in zip(part.velocity, part.momentum(acceleration))
     ]
     inertial = gradient(graph, seeds(graph, [*pairs, *inertial_loads(states, parts).items()]), rates)
-    rows = [*(x.row for x in classify(states)), *contact_rows(states)]
-    pushed = gradient(graph, seeds(graph, [(row.rate, row.multiplier) for row in rows]), rates)
+    weights = [(x.row.rate, x.row.multiplier) for x in classify(states)]
+    weights += [(contact.rate, contact.multiplier) for contact in contact_rows(states)]
+    pushed = gradient(graph, seeds(graph, weights), rates)
     found: dict[Node, Node] = {}
     for rate in rates:
         i = states.place_of_v[rate]

@@ -85,7 +85,9 @@ def _arguments(context: Context, entry: Entry, source: tree.Constraint) -> dict[
         name, span = argument.name, argument.name_span or argument.span
         if name not in _ARGUMENTS:
             remedy = (name and did_you_mean(name, _ARGUMENTS)) or f"the arguments are {', '.join(_ARGUMENTS)}"
-            raise Wrong("LAG0209", f"a one-sided constraint has no `{name or argument.span.text}`", span, remedy)
+            raise Wrong(
+                "LAG0209", f"a one-sided constraint has no `{name or argument.span.text}`", span, remedy
+            )
         if name in found:
             raise Wrong("LAG0209", f"`{name}` is given twice", span)
         if argument.value is None or argument.arguments:

@@ -7,6 +7,7 @@ from lagc.semantics.context import Context
 from lagc.semantics.model import Body, Constraint, Contact, Frame, Orientation, Potential
 from lagc.semantics.names.scope import (
     Array,
+    Entry,
     Reference,
     Scalar,
     Value,

@@ -200,7 +200,8 @@ class CSystem(CompiledSystem):
     def seated(self, t: float, x: Vector) -> list[float]:
         workspace = self._at(x)
         workspace.call["seated"](self._p, c_double(t), workspace.x, workspace.work)
-        return workspace.x[:]
+        found: list[float] = workspace.x[:]
+        return found
 
     def assemble(self, t: float, x: Vector) -> int:
         workspace = self._at(x)
