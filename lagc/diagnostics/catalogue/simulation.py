@@ -195,8 +195,8 @@ end Pendulum;
     ),
     "LAG0623": Entry(
         "a question that does not combine with one-sided constraints",
-        "Sensitivities, linear models, derivatives, implicit methods and methods by power series do not follow "
-        "contacts yet.",
+        "Sensitivities, linear models, derivatives, implicit methods and methods by power series do not "
+        "follow contacts yet.",
     ),
     "LAG0624": Entry(
         "a start beyond the bound of a one-sided constraint",

@@ -164,7 +164,7 @@ def find_rests(s: State, w: Work) -> bool:
     for i in range(NCON):
         w.contact_rests[i] = 0
         speed = w.contact_speeds[contact_first[i]]
-        if w.contact_struck[i] > 0.0 and w.contact_leaves[i] > 0:
+        if w.contact_leaves[i] > 0:
             falls = -gap_acceleration(i, w)
             before = s.bounce_speeds[i]
             s.bounce_speeds[i] = speed

@@ -9,7 +9,14 @@ ODEs, ACM Trans. Math. Software 17 (1991) 11-25.
 
 from math import fabs, inf, sqrt
 
-from lagc.kernels.contact.touching import find_touching, forget_forces, rates_at
+from lagc.kernels.contact.indicators import (
+    enclose_forces,
+    force_crosses,
+    force_range,
+    indicate_forces,
+    spare_contacts,
+)
+from lagc.kernels.contact.touching import forget_forces, rates_at
 from lagc.kernels.events.modes import margin
 from lagc.kernels.integrators.dispatch import (
     end_rate_row,
@@ -106,17 +113,6 @@ def trial_dense_output(p: Params, s: State, method: int, a: Trial, w: Work) -> S
     return status
 
 
-def indicate_forces(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    """Set w.indicators of contacts that touch to their forces at (t, x), and to -1 if there are none."""
-    if not find_touching(x, w):
-        return
-    found = not failed(rates_at(p, t, x, w.contact_rates, w.contact_lam, w))
-    find_touching(x, w)
-    for i in range(NCON):
-        if w.touched[i] > 0:
-            w.indicators[NMODE - NCON + i] = w.contact_forces[contact_first[i]] if found else -1.0
-
-
 def update_margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
     """Compute w.margins, for the indicators that depend on the state."""
     fn_indicators_on(p, t, x, w.modes, w.indicators)
@@ -156,24 +152,6 @@ def within_mode(k: int, low: Real, high: Real, w: Work) -> bool:
     if w.modes[k] == 0.0:
         return low >= 0.0 and high <= 0.0
     return low > 0.0 if w.modes[k] > 0.0 else high < 0.0
-
-
-def enclose_forces(s: State, w: Work) -> None:
-    """Set w.enclosures of contacts that touch to the range of their forces, widened by a quarter."""
-    for i in range(NCON):
-        if s.x[NX - NCON + i] != 0.0:
-            j = NFREE - NCON + i
-            more = ENCLOSURE_MARGIN * (w.force_high[i] - w.force_low[i])
-            w.enclosures[2 * j] = w.force_low[i] - more
-            w.enclosures[2 * j + 1] = w.force_high[i] + more
-
-
-def force_range(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    """Add the forces at (t, x) to the ranges of forces."""
-    if find_touching(x, w):
-        if failed(rates_at(p, t, x, w.contact_rates, w.contact_lam, w)):
-            for i in range(NCON):
-                w.force_low[i] = -UNKNOWN
 
 
 def excludes_crossings(p: Params, s: State, w: Work) -> bool:
@@ -298,14 +276,6 @@ def all_move_away(direction: Real, w: Work) -> bool:
     return True
 
 
-def force_crosses(s: State, w: Work) -> bool:
-    """Return whether a contact in w.crossed touches."""
-    for i in range(NCON):
-        if w.crossed[NMODE - NCON + i] > 0 and s.x[NX - NCON + i] != 0.0:
-            return True
-    return False
-
-
 def crosses_by_roundoff(
     p: Params, s: State, method: int, part: Real, factor: Real, a: Trial, w: Work
 ) -> bool:
@@ -356,14 +326,6 @@ def is_crossing(k: int, direction: Real, w: Work) -> bool:
         ahead = w.indicator_rates[k] * direction
         return ahead * w.indicators_before[k] >= 0.0 and (w.indicators_before[k] != 0.0 or ahead != 0.0)
     return not moves_away(k, direction, w)
-
-
-def spare_contacts(s: State, w: Work) -> None:
-    """Set the indicators and rates of contacts that touch to 0: their gaps are not watched."""
-    for i in range(NCON):
-        if s.x[NX - NCON + i] != 0.0:
-            w.indicators[NMODE - NCON + i] = 0.0
-            w.indicator_rates[NMODE - NCON + i] = 0.0
 
 
 def release_slack(p: Params, s: State, w: Work) -> None:

@@ -25,23 +25,6 @@ OPEN = 3  # a dense output that the stages determine with the rate at the end, w
 
 
 @struct
-class Options:
-    """How to integrate.  All numbers are finite and not negative."""
-
-    method: int  # lagc_method
-    project: bool  # 1: project onto the constraints after each step; 0: let the constraints drift
-    max_steps: Count  # limit of accepted and rejected steps of one call; 0: no limit
-    rtol: Real  # below 1; relative to the largest magnitude so far in the scaling group of a state
-    atol: Real  # added for every state; if it is 0, rtol is at least 1e-15
-    step: Real  # > 0: fixed step size, rtol and atol are not used
-    first_step: Real  # 0: chosen
-    max_step: Real  # 0: no limit
-    if NMODE > 0:
-        report: int  # 1: advance and record return INTERRUPTED after each event, see s->changed
-        halves: bool  # 1: the last step before an event, or before the end of a call, is split in two
-
-
-@struct
 class Work:
     """Workspace of the functions below.  Fill it with zeros before the first use.  It may serve any states
     in any order: between calls it keeps nothing, except from lagc_assemble to lagc_solve."""
@@ -429,53 +412,3 @@ class State:
         crossing_times: Vec[NFREE]  # last crossing of each indicator that depends on the state
     if NCON > 0:
         bounce_speeds: Vec[NCON]  # after the last impact of each contact; 0: there was none
-
-
-@struct
-class Trial:
-    """One attempt of a step from (s.t, s.x)."""
-
-    direction: Real  # 1 or -1
-    size: Real  # |h|
-    h: Real
-    t_new: Real
-    error: Real  # scaled; at most 1: the step is accepted
-    is_accepted: bool
-    ends_on_target: bool  # it ends at the given time exactly
-    ends_on_grid: bool  # a fixed step: it ends at the next point of the grid
-    leaves_end_rate: bool  # the rate at its end is not evaluated: the caller may change inputs there
-    roundoff_estimated: bool  # the error was compared with its round-off
-    if NMODE > 0:
-        ends_at_event: bool
-        is_split: bool  # it is the first half of a step
-        size_before_event: Real  # accepted size before the step was shortened to end at an event
-    rejected: int  # attempts before this one
-
-
-@struct
-class TangentWork:
-    """Workspace of sensitivities. Fill it with zeros before the first use."""
-
-    stepped: bool  # the motion made a step
-    reason: int  # why S ended: 1: it has no finite value, 2: its derivatives grow without bound
-    steps: Count  # accepted
-    rejected: Count  # because of S
-    pace: Real  # the longest step for S; 0: no limit
-    error: Real  # scaled, of S in the last step
-    extra_known: bool  # the stages of the dense output exist
-    dense: bool  # the factors are those of the dense matrix
-    k: Mat[NK, NX]  # rates of S at the stages, in one direction
-    own: Vec[NX]
-    x: Vec[NX]
-    there: Vec[NX]  # the state at a recorded time
-    xdot: Vec[NX]
-    a: Vec[NV]
-    lam: Vec[NC]
-    seeds: Vec[NP]  # the direction in the parameters
-    dqdot: Vec[NQ]
-    dr: Vec[NR]
-    solution: Vec[NR]
-    tied: Vec[NTIED]
-    weights: Vec[NX]  # of the error of S
-    terms: Vec[NGROUP]  # that cancel in the change of S over the step
-    longest: Real  # longest attempt of a step so far

@@ -3,6 +3,7 @@
 from lagc.kernels.language.discrete import *
 from lagc.kernels.language.model_functions import *
 from lagc.kernels.language.model_tables import *
+from lagc.kernels.language.options import *
 from lagc.kernels.language.parameters import *
 from lagc.kernels.language.records import *
 from lagc.kernels.language.scaling_groups import *
@@ -10,4 +11,5 @@ from lagc.kernels.language.sizes import *
 from lagc.kernels.language.statuses import *
 from lagc.kernels.language.tableau import *
 from lagc.kernels.language.tolerances import *
+from lagc.kernels.language.trial import *
 from lagc.kernels.language.words import *
