@@ -328,6 +328,15 @@ def _joint(context: Context, entry: Entry) -> Value:
     return declare_joint(context, entry)
 
 
+def _constraint(context: Context, entry: Entry) -> Value:
+    assert isinstance(entry.source, tree.Constraint)
+    if entry.source.relation == "=":
+        return declare_constraint(context, entry)
+    from lagc.semantics.declarations.contacts import declare_contact  # where there are some
+
+    return declare_contact(context, entry)
+
+
 DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
     "constant": declare_quantity, "parameter": declare_quantity, "structural": declare_quantity,
     "input": declare_quantity,
@@ -337,7 +346,7 @@ DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
     "frame": declare_frame, "point": declare_point, "body": declare_body, "gravity": declare_gravity,
     "potential": declare_potential, "kinetic": declare_free_term, "lagrangian": declare_free_term,
     "dissipation": declare_dissipation, "force": declare_load, "torque": declare_load,
-    "constraint": declare_constraint, "joint": _joint, "placeholder": _placeholder,
+    "constraint": _constraint, "joint": _joint, "placeholder": _placeholder,
 }  # fmt: skip
 
 

@@ -267,15 +267,15 @@ ENTRIES: dict[str, Entry] = {
         "a one-sided constraint that bounds no position",
         "`constraint c: a >= b (restitution = e);` bounds an expression of coordinates, parameters and "
         "time. The restitution is from 0 to 1.",
-        _body("constraint c: der(x) <= 1;"),
-        _body("constraint c: x <= 1;"),
+        _body("constraint c: der(x) <= 0;"),
+        _body("constraint c: x <= 0;"),
     ),
     "LAG0236": Entry(
-        "`reinit` in a model with one-sided constraints",
+        "new values by `reinit` beside one-sided constraints",
         "A one-sided constraint makes its impacts itself. Clauses `when` may `mark` and `terminate` beside "
         "it.",
-        _body("constraint c: x >= 0;\n  when x > 1 then reinit(der(x), 0); end when;"),
-        _body('constraint c: x >= 0;\n  when x > 1 then mark("far"); end when;'),
+        _body("constraint c: x >= 0;\n  when x > 1 [m] then reinit(der(x), 0); end when;"),
+        _body('constraint c: x >= 0;\n  when x > 1 [m] then mark("far"); end when;'),
     ),
     "LAG0301": Entry(
         "different dimensions where one is needed",

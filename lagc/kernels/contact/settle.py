@@ -1,4 +1,4 @@
-"""What contacts do at one time: impacts, then closed and open contacts by their accelerations.
+"""The settling of contacts at one time: impacts, then closed and open contacts by their accelerations.
 
 1. Contacts that are hit, and those that touch, are put on gap = 0.
 2. While touching contacts approach, those that do have an impact (`impact`).
@@ -158,7 +158,7 @@ def decide_released(p: Params, s: State, w: Work) -> Status:
 
 
 def find_rests(s: State, w: Work) -> bool:
-    """Return whether contacts come to rest: their next bounce, by w.contact_rates, stays below the least
+    """Return whether contacts rest: their next bounce, by w.contact_rates, stays below the least
     height. Set s.rest_times."""
     found = False
     for i in range(NCON):

@@ -221,10 +221,6 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
     """Declare the equations lhs - rhs = 0; components that are identically zero are left out."""
     source = entry.source
     assert isinstance(source, tree.Constraint)
-    if source.relation != "=":
-        from lagc.semantics.declarations.contacts import declare_contact  # where there are some
-
-        return declare_contact(context, entry)
     no_modifiers(entry)
     if source.arguments:
         raise Wrong("LAG0209", "a constraint with `=` takes no arguments", source.arguments[0].span)
