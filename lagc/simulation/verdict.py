@@ -141,8 +141,8 @@ def _paradox(system: System, run: Trajectory) -> str:
     """The message of a run in which the laws of contacts have no solution, or several."""
     names = [contact.name for contact in system.interface.contacts]
     name = names[run.culprit] if 0 <= run.culprit < len(names) else names[0]
-    configuration = ", ".join(f"{n} = {v:.6g}" for n, v in zip(system.interface.q_names[:MOST_NAMED], run.x))
-    return (f"the laws of contact have no solution, or several, where `{name}` touches ({configuration}): rigid "
+    at = ", ".join(f"{n} = {v:.6g}" for n, v in zip(system.interface.q_names[:MOST_NAMED], run.x))
+    return (f"the laws of contact have no solution, or several, where `{name}` touches ({at}): rigid "
             "bodies do not decide how the motion goes on")  # fmt: skip
 
 

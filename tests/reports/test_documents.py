@@ -33,6 +33,7 @@ SAVED = {  # under the names that the text around gives them
     "ladder.lag": ("docs/how-to/initial-conditions.md", "Ladder"),
     "servo.lag": ("docs/how-to/inputs-and-tables.md", "Servo"),
     "bounce.lag": ("docs/how-to/events.md", "Bounce"),
+    "hoist.lag": ("docs/how-to/contacts.md", "Hoist"),
     "drive.lag": ("docs/how-to/discrete-variables.md", "OnOffDrive"),
     "sampled.lag": ("docs/how-to/discrete-variables.md", "SampledPd"),
 }
