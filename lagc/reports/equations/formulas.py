@@ -164,6 +164,7 @@ def everything(
             for name, p in zip(equations.v_names, motion)
         ],
         *_rows(equations, collector),
+        *_contacts(equations, collector),
         *_events(equations, collector),
     ]
 
@@ -274,6 +275,15 @@ def _rows(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
     return formulas
 
 
+def _contacts(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
+    """Return the gaps of contacts, which are not negative."""
+    algebra, contacts = collector.algebra, equations.contacts
+    return [
+        Formula("contact", contact.label, collector.collect(tidy(equations, algebra, p)), ZERO)
+        for contact, p in zip(contacts, algebra.polynomials([contact.gap for contact in contacts]))
+    ]
+
+
 def _events(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
     """Return the new values of states at the moment that the conditions of clauses `when` become true."""
     algebra, formulas = collector.algebra, []
@@ -304,7 +314,8 @@ def _roots(equations: EquationsOfMotion) -> list[Node]:
 def conditions(equations: EquationsOfMotion) -> list[Node]:
     """Of what the formulas of constraints and events are made."""
     events = [node for when in equations.whens for pair in when.changes for node in pair]
-    return [*[row.residual for row in equations.rows], *events]
+    gaps = [contact.gap for contact in equations.contacts]
+    return [*[row.residual for row in equations.rows], *gaps, *events]
 
 
 def shared(roots: Sequence[Node]) -> set[Node]:

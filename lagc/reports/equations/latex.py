@@ -52,6 +52,8 @@ def _rows(found: Page, writer: LatexWriter) -> str:
     for _, kind in found.by_kind():
         for line in kind:
             relation, when = "=", ""
+            if line.kind == "contact":
+                relation = r"\ge"
             if line.condition is not None:
                 relation, when = r"\mathrel{:=}", rf" \quad \text{{when }} {writer.total(line.condition)}"
             sides = f"{writer.total(line.left)} &{relation} {writer.total(line.right)}"

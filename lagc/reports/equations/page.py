@@ -40,7 +40,7 @@ TERMS = 60_000  # of all equations, where they are written as sums that are long
 LOCAL = 30  # terms of what is not long, as where only neighbours act on each other
 ONE, ALL, EACH = 20_000, 2_000_000, 1_000  # products: at most for one of them, for all, or for each
 SHORT = 8  # terms and series of such an equation
-KINDS = ("shared", "kinematic", "motion", "position", "velocity", "event")
+KINDS = ("shared", "kinematic", "motion", "position", "velocity", "contact", "event")
 
 
 @dataclass(frozen=True)

@@ -46,6 +46,8 @@ class TextWriter:
 
     def line(self, line: Line) -> str:
         relation, when = "=", ""
+        if line.kind == "contact":
+            relation = ">="
         if line.condition is not None:
             relation, when = ":=", f"  when {self.total(line.condition)}"
         return (

@@ -64,8 +64,15 @@ def _body(found: Page, writer: ScriptWriter) -> list[str]:
     else:
         lines += [f"{line.label} = {writer.total(line.right)}" for line in shared]
     lines.append("equations = [")
-    lines += [writer.equation(line) for line in found.lines if line.kind not in ("shared", "event")]
+    lines += [
+        writer.equation(line) for line in found.lines if line.kind not in ("shared", "contact", "event")
+    ]
     lines.append("]")
+    gaps = [line for line in found.lines if line.kind == "contact"]
+    if gaps:
+        lines.append("gaps = [  # are not negative; the equations are those of open contacts")
+        lines += [f"    {writer.total(line.left)}," for each in gaps for line in all_of(each)]
+        lines.append("]")
     events = [line for line in found.lines if line.kind == "event"]
     if events:
         lines += ["events = [", *[writer.event(clause) for clause in _clauses(events)], "]"]

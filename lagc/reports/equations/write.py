@@ -28,6 +28,7 @@ TITLES = {
     "motion": "equations of motion",
     "position": "constraints on positions",
     "velocity": "constraints on velocities",
+    "contact": "one-sided constraints (the equations of motion are those of open contacts)",
     "event": "at events",
 }
 
