@@ -104,6 +104,7 @@ def verify_leaves(equations: EquationsOfMotion) -> None:
     assert symbols([s.value for s in equations.starts]) <= parameters
     assert symbols([*phi, equations.potential]) <= position
     assert symbols([*forces, *rows, *balance, *conditions, *rates]) <= state
+    late = late | {contact.multiplier for contact in equations.contacts}
     assert symbols([equations.power, *(o.expression for o in equations.outputs)]) <= late
 
 

@@ -27,6 +27,7 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
     model, analysis = equations.model, analyse(equations)
     written = Expressions(equations, whole)
     jumps = any(when.changes for when in equations.whens)
+    until = ", between events" if jumps else ", while contacts are open" if equations.contacts else ""
     interface = program.interface
     parts = analysis.kinetic_parts or ()
     (*texts, potential), energy_parts = written.texts([*parts, equations.potential])
@@ -64,7 +65,7 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
                 "expression": written.short(c.expression)
                 or _energy(equations, c.expression, kinetic, potential)
                 or written.text(c.expression),
-                "reason": c.reason + (", between events" if jumps else ""),
+                "reason": c.reason + until,
                 "proved": c.proved,
             }
             for c in analysis.conserved

@@ -30,11 +30,19 @@ DOCS = Path(__file__).parents[2] / "docs"
 TYPES: dict[str, Any] = {"int": c_int, "bool": c_int, "Count": c_long, "Real": c_double}
 
 
-def described(name: str, rows: bool = True, modes: bool = True, whens: bool = True) -> list[tuple[str, Any]]:
+def described(
+    name: str, rows: bool = True, modes: bool = True, whens: bool = True, contacts: bool = False
+) -> list[tuple[str, Any]]:
     """Names and types of the members of a record; of an array that of its entries."""
     (record,) = [part for part in parts() if part["kind"] == "record" and part["name"] == name]
     switches = {switch for *_, when, _, _ in record["members"] for switch, _ in when}
-    left_out = {"NC": not rows, "NMODE": not modes, "NWHEN": not whens}
+    left_out = {
+        "NC": not rows,
+        "NMODE": not modes,
+        "NWHEN": not whens,
+        "NCON": not contacts,
+        "NLEAP": not (whens or contacts),
+    }
     found = members(record, {switch: not left_out.get(switch, False) for switch in switches})
     kinds = {**TYPES, "Vec": c_double, "IVec": c_int}
     return [(member, kinds.get(kind[0])) for member, kind, *_ in found]
@@ -47,9 +55,10 @@ def mirrored(structure: type[Structure]) -> list[tuple[str, Any]]:
 
 def test_mirrored_structs_have_the_same_members() -> None:
     assert mirrored(_Options) == described("Options")
-    for rows, n, (modes, whens) in product((False, True), (1, 5), ((0, 0), (2, 0), (2, 3))):
-        state = mirrored(_state_type(n, 3, modes, whens))
-        assert state == described("State", rows, modes > 0, whens > 0)[: len(state)]
+    events = ((0, 0, 0), (2, 0, 0), (2, 3, 0), (2, 0, 2), (2, 3, 2))
+    for rows, n, (modes, whens, contacts) in product((False, True), (1, 5), events):
+        state = mirrored(_state_type(n, 3, modes, whens, contacts))
+        assert state == described("State", rows, modes > 0, whens > 0, contacts > 0)[: len(state)]
     head = mirrored(_head_type(3))
     assert head == described("Work")[: len(head)]
     assert head[:2] == described("Work", rows=False)[:2]  # without rows the third has no room

@@ -100,7 +100,7 @@ def test_balls_that_touch_fall_and_part(
 def test_the_end_of_a_rod_hits_a_floor(backend: str) -> None:
     """J = (1 + e) v/(1/m + d^2/J0), d = l/2 cos(angle) (W. J. Stronge, Impact Mechanics, 2000). The impact is
     the first event, at the start."""
-    run = _run("rod_impact", backend, 0.1)
+    run = lagc.load("rod_impact").compile(backend=backend, scene="hit").simulate(0.1, accuracy=1e-9)
     hit = run.events[0]
     assert (hit.t, hit.contact) == (0.0, "left_end")
     assert hit.impulse == pytest.approx(1.08894870037899138989, rel=1e-12)
