@@ -208,7 +208,9 @@ def _chosen(
 
     accuracy, interface = request.accuracy, system.interface
     assert accuracy is not None
-    small = interface.operations <= LARGEST_SERIES and interface.solve == "straight"
+    small = (
+        interface.operations <= LARGEST_SERIES and interface.solve == "straight" and not interface.contacts
+    )
     asked = series is not None and request.method is None and accuracy <= MOST_EXACT
     given = (system, x, times, request, progress, stiff)
     try:
