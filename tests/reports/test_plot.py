@@ -110,7 +110,7 @@ def test_curves_bend_and_jump_at_events_that_are_not_recorded(backend: str) -> N
     run = (
         lagc.load(str(MODELS / "contact/bouncing_ball.lag")).compile(backend=backend).simulate(1.8, points=20)
     )
-    height, energy = (axis.lines[0].get_xydata() for axis in plot(run).axes)
+    height, _, energy = (axis.lines[0].get_xydata() for axis in plot(run).axes)
     assert len(run.times) == 20 and len(height) == 20 + 2 * len(run.events)
     for event in run.events:
         there = [k for k, (t, _) in enumerate(height) if t == event.t]
