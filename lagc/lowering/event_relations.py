@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 from lagc.base.records import dataclass, replace
 from lagc.lowering.kkt.prune import sources
 from lagc.lowering.program import FARTHEST
-from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion, SlipRow, with_jacobians
 from lagc.mechanics.formulation.jacobian import formed_of, with_values
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.enclosures import extended
@@ -68,14 +68,16 @@ def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[Event
 
 
 def _touching(equations: EquationsOfMotion, count: int) -> list[EventRelation]:
-    """Return the relation of each contact, whose indicator is the gap. Its mode is always 1: contacts that
-    touch are watched by their forces."""
+    """Return the relations of slips, whose indicator is the velocity of slip, then that of each contact,
+    whose indicator is the gap. Their mode is always 1: kernels turn and replace the indicators of contacts
+    that touch."""
     graph, one = equations.graph, equations.graph.one
+    sides = [(c.slip.rate, f"{c.label} sticks or slips") for c in equations.contacts if c.slip is not None]
+    sides += [(contact.gap, f"{contact.label} touches") for contact in equations.contacts]
     return [
-        EventRelation(graph.symbol("mode", str(count + k)), contact.gap, one, one, None, None,
-                      f"{contact.label} touches", True)
-        for k, contact in enumerate(equations.contacts)
-    ]  # fmt: skip
+        EventRelation(graph.symbol("mode", str(count + k)), side, one, one, None, None, text, True)
+        for k, (side, text) in enumerate(sides)
+    ]
 
 
 def _used(equations: EquationsOfMotion, relations: Sequence[EventRelation]) -> list[EventRelation]:
@@ -270,7 +272,13 @@ def deciding(equations: EquationsOfMotion) -> list[Node]:
 
 def _gradients(equations: EquationsOfMotion) -> list[Mapping[int, Node]]:
     """Return the gradients of all rows by the speeds."""
-    return [row.jacobian for row in equations.rows] + [contact.jacobian for contact in equations.contacts]
+    found = [row.jacobian for row in equations.rows]
+    return found + [row for contact in equations.contacts for row in contact.jacobians]
+
+
+def _slip_with(slip: SlipRow, f: _Freezing) -> SlipRow:
+    rate, bias, friction, static = f.all([slip.rate, slip.bias, slip.friction, slip.static])
+    return replace(slip, rate=rate, bias=bias, friction=friction, static=static)
 
 
 def _with(equations: EquationsOfMotion, f: _Freezing) -> EquationsOfMotion:
@@ -289,12 +297,14 @@ def _with(equations: EquationsOfMotion, f: _Freezing) -> EquationsOfMotion:
     rows = [replace(row, rate=f.one(row.rate), gamma=f.one(row.gamma)) for row in equations.rows]
     jacobians = with_values([row.jacobian for row in rows], f.all)
     rows = [replace(row, jacobian=own) for row, own in zip(rows, jacobians)]
+    gradients = with_values([row for contact in equations.contacts for row in contact.jacobians], f.all)
     contacts = [
-        replace(contact, gap=f.one(contact.gap), rate=f.one(contact.rate), bias=f.one(contact.bias))
-        for contact in equations.contacts
-    ]
-    normals = with_values([contact.jacobian for contact in contacts], f.all)
-    contacts = [replace(contact, jacobian=own) for contact, own in zip(contacts, normals)]
+        replace(
+            contact, gap=f.one(contact.gap), rate=f.one(contact.rate), bias=f.one(contact.bias),
+            slip=None if contact.slip is None else _slip_with(contact.slip, f),
+        )
+        for contact in with_jacobians(equations.contacts, gradients)
+    ]  # fmt: skip
     loads: dict[Node, Node] = {}
     for velocity, weight in zip(f.all(list(equations.loads)), f.all(list(equations.loads.values()))):
         loads[velocity] = loads[velocity] + weight if velocity in loads else weight

@@ -72,7 +72,12 @@ def interface(
         whens=_clauses(equations, int(work)),
         discretes=tuple([discrete_field(variable) for variable in model.discretes]),
         booleans=tuple([int(variable.boolean) for variable in model.discretes]),
-        contacts=tuple([Contact(c.label, c.contact.unit, place(c.contact.span)) for c in equations.contacts]),
+        contacts=tuple(
+            [
+                Contact(c.label, c.contact.unit, place(c.contact.span), len(c.jacobians) - 1)
+                for c in equations.contacts
+            ]
+        ),
         **_of_equations(equations),
         **_of_functions(functions, slopes),
         parameters=tuple([parameter_field(p) for p in parameters]),
@@ -258,7 +263,7 @@ def _digest(interface: Interface, functions: Mapping[str, Function]) -> str:
             if name in ("parameters", "inputs", "outputs", "limits", "discretes"):
                 value = [(x.name, x.value, x.minimum, x.maximum, x.unit) for x in value]
             elif name == "contacts":
-                value = [x.name for x in value]
+                value = [(x.name, x.slips) for x in value]
             elif name == "simulate":
                 value = sorted(value.items())
             texts.append(f"{name}={value!r}")

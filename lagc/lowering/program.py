@@ -158,6 +158,7 @@ class Contact:
     name: str
     unit: str  # of its gap
     place: str  # "ball.lag:9"
+    slips: int = 0  # slip rows
 
 
 def _ranges(sizes: Mapping[str, int]) -> dict[str, range]:
@@ -371,6 +372,7 @@ class Program:
       contact_rows (p,t,x,modes)  -> R[], u[], bias[]   gradient by v, rate, acceleration for v' = 0
       contact_sizes (p,t,x,c)     -> s[]    the same of gaps
       restitutions (p,t,x)        -> r[]    of each contact
+      frictions   (p,t,x,modes)   -> f[]    friction of slip and of sticking of each contact
       features    (p,t,x)         -> e[]    terms that may be narrow
       feature_bounds (p,box)      -> e[]    least and largest value of each, in a box
       poles       (p,t,x)         -> e[]    divisors that may come near zero

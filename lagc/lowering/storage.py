@@ -57,8 +57,10 @@ def places(
     first = len(equations.q) + len(equations.v) + nz
     for k, variable in enumerate(equations.model.discretes):
         found[variable.symbol] = ("x", first + k)
-    for k, contact in enumerate(equations.contacts):
-        found[contact.multiplier] = ("contact_forces", k)
+    row = 0
+    for contact in equations.contacts:
+        found[contact.multiplier] = ("contact_forces", row)
+        row += len(contact.jacobians)
     state = (*STATE, "modes") if modes else STATE
     return Places(equations, found, tuple([p.symbol for p in parameters]), state)
 

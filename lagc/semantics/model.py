@@ -281,7 +281,7 @@ class Constraint:
 @dataclass(frozen=True, slots=True)
 class Contact:
     """A one-sided constraint gap >= 0, in coordinates, parameters and time. `state` is a discrete variable: 0
-    open, 1 touching."""
+    open, 1 touching; with friction 1 or -1 slipping forwards or backwards, 2 sticking."""
 
     name: str
     label: str  # the name of the constraint, or `name[1]` ... for a vector
@@ -291,12 +291,20 @@ class Contact:
     restitution: Node
     span: Span
     effect: str | None = None
+    slip: Node | None = None  # the velocity with which it slides; none: it has no friction
+    friction: Node | None = None  # its coefficient
+    static: Node | None = None  # that of a contact that sticks
+
+    @property
+    def states(self) -> str:
+        """The meaning of its state."""
+        return "1: touches" if self.slip is None else "1, -1: slips forwards, backwards; 2: sticks"
 
     @property
     def mode(self) -> Discrete:
         """The discrete variable that tells whether it touches; a run finds out at its beginning."""
         start = self.state.graph.zero
-        return Discrete(self.label, self.state, "", "", start, False, self.span, "1: touches")
+        return Discrete(self.label, self.state, "", "", start, False, self.span, self.states)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import Any
 
 from lagc.base.records import dataclass
-from lagc.codegen.python.support.contacts import CLOSES, OPENS, RESTS, STRIKES
+from lagc.codegen.python.support.contacts import CLOSES, OPENS, RESTS, SLIPS, STICKS, STRIKES
 from lagc.diagnostics.faults import Refused
 from lagc.kernels import IMPLICIT, SERIES
 from lagc.lowering.program import Interface
@@ -37,7 +37,7 @@ from lagc.simulation.system import (
 from lagc.simulation.verdict import Verdict, fixed_step_verdict, redundancy, verdict, verified_verdict
 
 Progress = Callable[[float], None]
-KINDS = {RESTS: "rests", CLOSES: "closes", OPENS: "opens"}
+KINDS = {RESTS: "rests", CLOSES: "closes", OPENS: "opens", STICKS: "sticks", SLIPS: "slips"}
 MOST_EXACT = 1e-7  # coarsest accuracy for which a Taylor series may take less work
 LARGEST_SERIES = 600  # operations of a right-hand side
 LEAST_GAIN = 1.2  # work of the usual method over that of a series

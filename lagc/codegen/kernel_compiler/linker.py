@@ -195,7 +195,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NGUARD": interface.features + interface.poles,
         "NSEARCH": free + interface.features + interface.poles,
         "NEDGES": 2 * relations if "edges" in interface.functions else 0,
-        "NCON": len(interface.contacts), "NSLIP": 0,
+        "NCON": len(interface.contacts), "NSLIP": sum(c.slips for c in interface.contacts),
         "NLEAP": len(interface.whens) + len(interface.contacts),
         "NBOX": 2 * (1 + nq + nv) + len(interface.discretes),
         "NLIMITS": len(interface.limits), "NPREPARED": interface.prepared, "NREAD": len(interface.read),
@@ -274,7 +274,10 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "clauses_only": [int(aside) for aside in interface.relations_aside],
         "terminates": [int(c.reason is not None) for c in interface.whens],
         "reinit_clause": [k for k, c in enumerate(interface.whens) for _ in c.states],
-        "contact_first": list(range(len(interface.contacts))), "contact_slips": [0] * len(interface.contacts),
+        "contact_first": [
+            k + sum(c.slips for c in interface.contacts[:k]) for k in range(len(interface.contacts))
+        ],
+        "contact_slips": [c.slips for c in interface.contacts],
         "reinit_target": [state for c in interface.whens for state in c.states],
         "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],
         "derived_bounds": [(f.minimum, f.maximum) for f in interface.limits],

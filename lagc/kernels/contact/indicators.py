@@ -1,24 +1,54 @@
-"""Event indicators of contacts that touch: their forces, which fall to zero where a contact opens.
+"""Indicators of contacts: forces instead of gaps where they touch, and slips.
 
-A force needs a solve and has no enclosure. The values at the stages of a step, and on parts of its dense
-output, tell its range.
+A force needs a solve, so its range over a step is that of the evaluations of the step, widened. It is
+sampled, unlike the enclosures of other indicators.
 """
 
-from lagc.kernels.contact.touching import find_touching, rates_at
+from math import fabs
+
+from lagc.kernels.contact.touching import cone_margin, find_touching, rates_at, slip_relation
 from lagc.kernels.language.vocabulary import *
 
-FORCE_MARGIN = 0.25  # of a range of forces: what is added to it
+FORCE_MARGIN = 0.25  # of the range of forces: what is added to it
 
 
 def indicate_forces(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    """Set w.indicators of contacts that touch to their forces at (t, x), and to -1 if there are none."""
-    if not find_touching(x, w):
-        return
-    found = not failed(rates_at(p, t, x, w.contact_rates, w.contact_lam, w))
+    """Set w.indicators of contacts that touch to their forces at (t, x), and to -1 if there are none. That of
+    a slip becomes its speed along its direction, the friction that a contact which sticks could bear beside
+    its own, and 1 for an open contact."""
+    found = True
+    if find_touching(x, w):
+        found = not failed(rates_at(p, t, x, w.contact_rates, w.contact_lam, w))
     find_touching(x, w)
     for i in range(NCON):
         if w.touched[i] > 0:
             w.indicators[NMODE - NCON + i] = w.contact_forces[contact_first[i]] if found else -1.0
+        if contact_slips[i] > 0:
+            k = slip_relation(i)
+            if w.touched[i] == 0:
+                w.indicators[k] = 1.0
+            elif w.contact_modes[i] == 2:
+                w.indicators[k] = cone_margin(i, w) if found else -1.0
+            elif w.contact_modes[i] < 0:
+                w.indicators[k] = -w.indicators[k]
+
+
+def enclose_slip(i: int, mode: Real, w: Work) -> None:
+    """Set w.enclosures of the slip of a contact, as its indicator."""
+    j = slip_relation(i) - NTIMED
+    low = w.enclosures[2 * j]
+    high = w.enclosures[2 * j + 1]
+    if mode < 0.0:
+        w.enclosures[2 * j] = -high
+        w.enclosures[2 * j + 1] = -low
+    if mode == 0.0:
+        w.enclosures[2 * j] = 1.0
+        w.enclosures[2 * j + 1] = 1.0
+    if NSLIP > 0:
+        if mode == 2.0:
+            more = FORCE_MARGIN * (w.cone_high[i] - w.cone_low[i])
+            w.enclosures[2 * j] = w.cone_low[i] - more
+            w.enclosures[2 * j + 1] = w.cone_high[i] + more
 
 
 def enclose_forces(s: State, w: Work) -> None:
@@ -29,6 +59,8 @@ def enclose_forces(s: State, w: Work) -> None:
             more = FORCE_MARGIN * (w.force_high[i] - w.force_low[i])
             w.enclosures[2 * j] = w.force_low[i] - more
             w.enclosures[2 * j + 1] = w.force_high[i] + more
+        if contact_slips[i] > 0:
+            enclose_slip(i, s.x[NX - NCON + i], w)
 
 
 def force_range(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
@@ -37,19 +69,31 @@ def force_range(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
         if failed(rates_at(p, t, x, w.contact_rates, w.contact_lam, w)):
             for i in range(NCON):
                 w.force_low[i] = -UNKNOWN
-
-
-def force_crosses(s: State, w: Work) -> bool:
-    """Return whether a contact in w.crossed touches."""
-    for i in range(NCON):
-        if w.crossed[NMODE - NCON + i] > 0 and s.x[NX - NCON + i] != 0.0:
-            return True
-    return False
+                if NSLIP > 0:
+                    w.cone_low[i] = -UNKNOWN
 
 
 def spare_contacts(s: State, w: Work) -> None:
-    """Set the indicators and rates of contacts that touch to 0: their gaps are not watched."""
+    """Set the indicators and rates of contacts that touch to 0: their gaps are not watched. Those of slips
+    are taken along the direction of slip."""
     for i in range(NCON):
+        if contact_slips[i] > 0:
+            k = slip_relation(i)
+            mode = s.x[NX - NCON + i]
+            along = mode if fabs(mode) == 1.0 else 0.0
+            w.indicators[k] *= along
+            w.indicator_rates[k] *= along
         if s.x[NX - NCON + i] != 0.0:
             w.indicators[NMODE - NCON + i] = 0.0
             w.indicator_rates[NMODE - NCON + i] = 0.0
+
+
+def force_crosses(s: State, w: Work) -> bool:
+    """Return whether a contact in w.crossed touches, or a slip is in it."""
+    for i in range(NCON):
+        if w.crossed[NMODE - NCON + i] > 0 and s.x[NX - NCON + i] != 0.0:
+            return True
+        if contact_slips[i] > 0:
+            if w.crossed[slip_relation(i)] > 0:
+                return True
+    return False

@@ -10,18 +10,21 @@
 from math import fabs
 
 from lagc.kernels.contact.enumeration import LAW_FOUND
-from lagc.kernels.contact.frozen_modes import CONTACT_OPEN
+from lagc.kernels.contact.frozen_modes import CONTACT_OPEN, CONTACT_SLIPS, CONTACT_STICKS
 from lagc.kernels.contact.impact import IMPACT_DONE, IMPACT_ENDLESS, IMPACT_NONE, impact
 from lagc.kernels.contact.set_law import set_law
 from lagc.kernels.contact.touching import (
     add_responses,
     close,
+    cone_margin,
     find_touching,
     list_contacts,
     rates_at,
     respond,
     seat,
     set_accelerations,
+    set_frictions,
+    slip_relation,
 )
 from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
@@ -29,10 +32,14 @@ from lagc.kernels.language.vocabulary import *
 
 REACHES = 1  # a gap is closed
 RELEASES = 2  # a force has fallen to zero
+STOPS = 3  # a slip has ended
+SLIDES = 4  # static friction no longer holds
 STRIKES = 1  # what a contact did at an event: it had an impact
 RESTS = 2  # it came to rest after ever shorter bounces
 CLOSES = 3
 OPENS = 4
+STICKS = 5
+SLIPS = 6  # it begins to slip, or slips the other way
 LONGEST_AFTER_BOUNCE = 64.0  # next step, over the time of flight
 
 
@@ -44,21 +51,26 @@ def find_near_contacts(p: Params, s: State, w: Work) -> None:
         near = w.contact_gaps[i] <= SLACK_GROWTH * w.indicator_roundoff[NFREE - NCON + i]
         touches = s.x[NX - NCON + i] != 0.0 or w.contact_hit[i] > 0
         w.touched[i] = 1 if touches or near else 0
+        w.contact_modes[i] = 1
+
+
+def speed_size(row: int, s: State, w: Work) -> Real:
+    """Return the speed of a row that states of their sizes so far have."""
+    own = w.contact_speeds[row]
+    reach = 0.0
+    for j in range(NV):
+        entry = w.contact_rows[row * NV + j]
+        own -= entry * s.x[NQ + j]
+        reach += fabs(entry) * s.sizes[scaling_group[NQ + j]]
+    return reach + fabs(own)
 
 
 def set_speeds(s: State, w: Work) -> None:
-    """Set w.law_b to the speeds of the listed rows, and w.law_sizes to those that states of their sizes so
-    far have."""
+    """Set w.law_b to the speeds of the listed rows, and w.law_sizes to their sizes."""
     for r in range(w.law_rows):
         row = w.touching_rows[r]
-        own = w.contact_speeds[row]
-        reach = 0.0
-        for j in range(NV):
-            entry = w.contact_rows[row * NV + j]
-            own -= entry * s.x[NQ + j]
-            reach += fabs(entry) * s.sizes[scaling_group[NQ + j]]
         w.law_b[r] = w.contact_speeds[row]
-        w.law_sizes[r] = reach + fabs(own)
+        w.law_sizes[r] = speed_size(row, s, w)
 
 
 def strike_contacts(p: Params, s: State, w: Work) -> Status:
@@ -69,6 +81,7 @@ def strike_contacts(p: Params, s: State, w: Work) -> Status:
     if failed(status):
         return status
     set_speeds(s, w)
+    set_frictions(p, s.t, s.x, w)
     fn_restitutions(p, s.t, s.x, w.restitutions)
     for n in range(w.law_count):
         w.law_restitution[n] = w.restitutions[w.touching[n]]
@@ -94,11 +107,55 @@ def strike_contacts(p: Params, s: State, w: Work) -> Status:
     return OK
 
 
+def find_slips(s: State, w: Work) -> None:
+    """Set the listed contacts that move along their slip rows, and those whose static friction no longer
+    holds, to slip."""
+    for n in range(w.law_count):
+        if w.law_slips[n] > 0:
+            i = w.touching[n]
+            row = contact_first[i] + 1
+            speed = w.contact_speeds[row]
+            if fabs(speed) > CONTACT_ROUNDOFF * speed_size(row, s, w):
+                w.law_moves[n] = 1
+                w.law_direction[2 * n] = 1.0 if speed > 0.0 else -1.0
+            elif NSLIP > 0:
+                if w.contact_hit[i] == SLIDES and w.contact_slides[i] != 0.0:
+                    w.law_moves[n] = 1
+                    w.law_direction[2 * n] = w.contact_slides[i]
+
+
+def slides_back(w: Work) -> bool:
+    """Return whether a contact that was set to slip would do so against its direction; it is not set then."""
+    found = False
+    if NSLIP > 0:
+        for n in range(w.law_count):
+            i = w.touching[n]
+            if w.law_slips[n] > 0 and w.contact_hit[i] == SLIDES and w.contact_slides[i] != 0.0:
+                r = w.law_first[n] + 1
+                slips = w.law_mode[n] == CONTACT_SLIPS and w.law_moves[n] > 0
+                if slips and w.law_u[r] * w.contact_slides[i] < -CONTACT_ROUNDOFF * w.law_sizes[r]:
+                    w.contact_slides[i] = 0.0
+                    w.law_moves[n] = 0
+                    found = True
+    return found
+
+
+def closed_mode(n: int, w: Work) -> int:
+    """Return the mode of a listed contact that the law has found."""
+    if w.law_mode[n] == CONTACT_OPEN:
+        return 0
+    if w.law_slips[n] == 0:
+        return 1
+    if w.law_mode[n] == CONTACT_STICKS:
+        return 2
+    return -1 if w.law_direction[2 * n] < 0.0 else 1
+
+
 def decide(p: Params, s: State, w: Work) -> Status:
     """Find which contacts in w.touched stay closed, w.contact_closed, and the rates w.contact_rates."""
     for i in range(NCON):
         w.contact_closed[i] = 0
-    list_contacts(w)
+    list_contacts(True, w)
     status = rhs_at(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
     s.rhs += 1
     if failed(status) or w.law_count == 0:
@@ -107,12 +164,17 @@ def decide(p: Params, s: State, w: Work) -> Status:
     if failed(status):
         return status
     set_accelerations(w.contact_rates, w)
-    if set_law(w) > LAW_FOUND:
+    set_frictions(p, s.t, s.x, w)
+    find_slips(s, w)
+    found = set_law(w)
+    if found <= LAW_FOUND and slides_back(w):
+        found = set_law(w)
+    if found > LAW_FOUND:
         w.culprit = w.touching[w.law_culprit]
         return PARADOX
     add_responses(w.contact_rates, w)
     for n in range(w.law_count):
-        w.contact_closed[w.touching[n]] = 0 if w.law_mode[n] == CONTACT_OPEN else 1
+        w.contact_closed[w.touching[n]] = closed_mode(n, w)
     return OK
 
 
@@ -158,13 +220,12 @@ def decide_released(p: Params, s: State, w: Work) -> Status:
 
 
 def find_rests(s: State, w: Work) -> bool:
-    """Return whether contacts rest: their next bounce, by w.contact_rates, stays below the least
+    """Return whether further contacts rest: their next bounce, by w.contact_rates, stays below the least
     height. Set s.rest_times."""
     found = False
     for i in range(NCON):
-        w.contact_rests[i] = 0
-        speed = w.contact_speeds[contact_first[i]]
-        if w.contact_leaves[i] > 0:
+        speed = fabs(w.contact_speeds[contact_first[i]])
+        if w.contact_leaves[i] > 0 and w.contact_rests[i] == 0:
             falls = -gap_acceleration(i, w)
             before = s.bounce_speeds[i]
             s.bounce_speeds[i] = speed
@@ -184,15 +245,49 @@ def find_rests(s: State, w: Work) -> bool:
 def bring_to_rest(p: Params, s: State, w: Work) -> Status:
     """Stop the contacts in w.contact_rests, and decide again."""
     for i in range(NCON):
-        w.touched[i] = 1 if w.contact_closed[i] > 0 or w.contact_rests[i] > 0 else 0
+        w.touched[i] = 1 if w.contact_closed[i] != 0 or w.contact_rests[i] > 0 else 0
         w.contact_near[i] = w.touched[i]
-    list_contacts(w)
+        w.contact_modes[i] = w.contact_closed[i] if w.contact_closed[i] != 0 else 1
+    list_contacts(True, w)
     status = close(p, s.t, s.x, w)
     if failed(status):
         return status
+    fn_contact_rows_on(p, s.t, s.x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
     for i in range(NCON):
         w.touched[i] = w.contact_near[i]
     return decide(p, s, w)
+
+
+def stop_slips(p: Params, s: State, w: Work) -> Status:
+    """Stop the contacts in w.touched whose slip has ended, and set w.contact_slides of those whose static
+    friction no longer holds."""
+    stops = False
+    slides = False
+    for i in range(NCON):
+        if w.contact_hit[i] == STOPS:
+            stops = True
+        if w.contact_hit[i] == SLIDES:
+            slides = True
+    if not stops and not slides:
+        return OK
+    status = rates_at(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
+    s.rhs += 1
+    if failed(status):
+        return status
+    find_touching(s.x, w)
+    for i in range(NCON):
+        if NSLIP > 0:
+            w.contact_slides[i] = 0.0
+            if w.contact_hit[i] == SLIDES:
+                w.contact_slides[i] = -1.0 if w.contact_forces[contact_first[i] + 1] > 0.0 else 1.0
+        if w.contact_hit[i] == STOPS:
+            w.contact_modes[i] = 2
+    if stops:
+        list_contacts(True, w)
+        status = close(p, s.t, s.x, w)
+    for i in range(NCON):
+        w.touched[i] = w.contact_near[i]
+    return status
 
 
 def settle_states(p: Params, s: State, w: Work) -> Status:
@@ -204,11 +299,16 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
         w.contact_leaves[i] = 0
         w.contact_rests[i] = 0
         w.contact_near[i] = w.touched[i]
-    list_contacts(w)
+    list_contacts(False, w)
     if w.law_count > 0:
         status = seat(p, s.t, s.x, s.sizes, w)
         if failed(status):
             return status
+        if NSLIP > 0:
+            status = stop_slips(p, s, w)
+            if failed(status):
+                return status
+        list_contacts(True, w)
         status = strike_contacts(p, s, w)
         if failed(status):
             return status
@@ -217,17 +317,17 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
     status = decide_released(p, s, w)
     if failed(status):
         return status
-    if find_rests(s, w):
+    while find_rests(s, w):  # one that rests may press on others
         status = bring_to_rest(p, s, w)
         if failed(status):
             return status
     for i in range(NCON):
-        s.x[NX - NCON + i] = 1.0 if w.contact_closed[i] > 0 else 0.0
-        if w.contact_closed[i] > 0:
+        s.x[NX - NCON + i] = float(w.contact_closed[i])
+        if w.contact_closed[i] != 0:
             s.bounce_speeds[i] = 0.0
     if not find_touching(s.x, w):
         return OK
-    list_contacts(w)
+    list_contacts(True, w)
     return close(p, s.t, s.x, w)
 
 
@@ -243,7 +343,9 @@ def report_contacts(s: State, begins: bool, w: Work) -> bool:
         elif w.contact_struck[i] > 0.0:
             kind = STRIKES
         elif before != now and not begins:
-            kind = CLOSES if now != 0.0 else OPENS
+            kind = CLOSES if before == 0.0 else OPENS
+            if before != 0.0 and now != 0.0:
+                kind = STICKS if now == 2.0 else SLIPS
         s.contact_kinds[i] = kind
         s.contact_impulses[i] = w.contact_struck[i]
         s.contact_losses[i] = w.contact_lost[i]
@@ -281,11 +383,17 @@ def set_contact_slack(p: Params, s: State, w: Work) -> None:
         w.x_part_middle[i] = s.sizes[scaling_group[i]]
     estimate_indicator_roundoff(p, s, w.x_part_middle, w)
     fn_gaps(p, s.t, s.x, w.contact_gaps)
+    fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
     for i in range(NCON):
         beyond = -w.contact_gaps[i] if w.contact_gaps[i] < 0.0 else 0.0
         if w.contact_leaves[i] == 0:
             beyond += SLACK_GROWTH * w.indicator_roundoff[NFREE - NCON + i]
         s.slack[NMODE - NCON + i] = beyond
+        if contact_slips[i] > 0:
+            k = slip_relation(i)
+            speed = s.x[NX - NCON + i] * w.indicators[k]
+            least = SLACK_GROWTH * w.indicator_roundoff[k - NTIMED]
+            s.slack[k] = least - (2.0 * speed if speed < 0.0 else 0.0)
     if find_touching(s.x, w):
         status = rates_at(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
         s.rhs += 1
@@ -295,3 +403,7 @@ def set_contact_slack(p: Params, s: State, w: Work) -> None:
                 least = CONTACT_ROUNDOFF * w.law_sizes[r] / w.law_w[r * w.law_rows + r]
                 beyond = -2.0 * w.law_p[r] if w.law_p[r] < 0.0 else 0.0
                 s.slack[NMODE - NCON + w.touching[n]] = least + beyond
+                if w.law_mode[n] == CONTACT_STICKS:
+                    least += CONTACT_ROUNDOFF * w.law_sizes[r + 1] / w.law_w[(r + 1) * w.law_rows + r + 1]
+                    beyond = cone_margin(w.touching[n], w)
+                    s.slack[slip_relation(w.touching[n])] = least - (2.0 * beyond if beyond < 0.0 else 0.0)

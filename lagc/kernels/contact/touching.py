@@ -12,7 +12,7 @@ from math import fabs
 
 from lagc.kernels.arithmetic.quaternions import normalise
 from lagc.kernels.constraints.projection import assemble_at, project, solve_at
-from lagc.kernels.contact.frozen_modes import CONTACT_SLIPS, solve_frozen
+from lagc.kernels.contact.frozen_modes import CONTACT_SLIPS, CONTACT_STICKS, solve_frozen
 from lagc.kernels.dynamics.rhs import assemble_entries, factor_safely, rhs_at, store_rates
 from lagc.kernels.language.vocabulary import *
 from lagc.kernels.linear_algebra.cholesky import solve_lower, solve_upper
@@ -21,34 +21,66 @@ MOST_SEATINGS = 4  # Newton iterations of the gaps of contacts that touch
 
 
 def find_touching(x: Vec[NX], w: Work) -> bool:
-    """Set w.touched to the contacts that touch by their modes; return whether there are any."""
+    """Set w.touched and w.contact_modes by the modes in x; return whether any contact touches."""
     found = False
     for i in range(NCON):
-        w.touched[i] = 1 if x[NX - NCON + i] != 0.0 else 0
+        mode = x[NX - NCON + i]
+        w.touched[i] = 1 if mode != 0.0 else 0
+        w.contact_modes[i] = -1 if mode < 0.0 else 1
+        if mode == 0.0 or mode == 2.0:
+            w.contact_modes[i] = 2 * w.touched[i]
         if w.touched[i] > 0:
             found = True
     return found
 
 
-def list_contacts(w: Work) -> None:
-    """List the contacts in w.touched for the law, as closed ones."""
+def list_contacts(sliding: bool, w: Work) -> None:
+    """List the contacts in w.touched for the law, closed in the modes w.contact_modes and without friction,
+    and with slip rows if `sliding`."""
     n = 0
     m = 0
     for i in range(NCON):
         if w.touched[i] > 0:
             w.touching[n] = i
             w.law_first[n] = m
-            w.law_slips[n] = 0
+            w.law_slips[n] = contact_slips[i] if sliding else 0
             w.law_two_sided[n] = 0
             w.law_friction[n] = 0.0
             w.law_static[n] = 0.0
             w.law_moves[n] = 0
-            w.law_mode[n] = CONTACT_SLIPS
-            w.touching_rows[m] = contact_first[i]
+            sticks = w.contact_modes[i] == 2 and w.law_slips[n] > 0
+            w.law_mode[n] = CONTACT_STICKS if sticks else CONTACT_SLIPS
+            w.law_direction[2 * n] = -1.0 if w.contact_modes[i] < 0 else 1.0
+            w.law_direction[2 * n + 1] = 0.0
+            for k in range(w.law_slips[n] + 1):
+                w.touching_rows[m] = contact_first[i] + k
+                m += 1
             n += 1
-            m += 1
     w.law_count = n
     w.law_rows = m
+
+
+def slip_relation(i: int) -> int:
+    """Return the relation of the slip of a contact with friction."""
+    return NMODE - NCON - NSLIP + contact_first[i] - i
+
+
+def set_frictions(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
+    """Set the friction of the listed contacts at (t, x)."""
+    if NSLIP > 0:
+        fn_frictions_on(p, t, x, w.modes, w.frictions)
+        for n in range(w.law_count):
+            w.law_friction[n] = w.frictions[2 * w.touching[n]]
+            w.law_static[n] = w.frictions[2 * w.touching[n] + 1]
+
+
+def cone_margin(i: int, w: Work) -> Real:
+    """Return how much more friction a contact that sticks could bear, by w.contact_forces."""
+    margin = 0.0
+    if NSLIP > 0:
+        row = contact_first[i]
+        margin = w.frictions[2 * i + 1] * w.contact_forces[row] - fabs(w.contact_forces[row + 1])
+    return margin
 
 
 def factor_motion(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
@@ -147,6 +179,13 @@ def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
             w.force_low[contact] = force
         if force > w.force_high[contact]:
             w.force_high[contact] = force
+        if NSLIP > 0:
+            if w.law_mode[n] == CONTACT_STICKS:
+                margin = cone_margin(contact, w)
+                if margin < w.cone_low[contact]:
+                    w.cone_low[contact] = margin
+                if margin > w.cone_high[contact]:
+                    w.cone_high[contact] = margin
 
 
 def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
@@ -157,7 +196,8 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
     if failed(status) or not find_touching(x, w):
         return status
     fn_contact_rows_on(p, t, x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
-    list_contacts(w)
+    list_contacts(True, w)
+    set_frictions(p, t, x, w)
     status = respond(p, t, x, w)
     if failed(status):
         return status
@@ -174,6 +214,9 @@ def forget_forces(w: Work) -> None:
     for i in range(NCON):
         w.force_low[i] = UNKNOWN
         w.force_high[i] = -UNKNOWN
+        if NSLIP > 0:
+            w.cone_low[i] = UNKNOWN
+            w.cone_high[i] = -UNKNOWN
 
 
 def displace_contacts(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
@@ -233,8 +276,8 @@ def seat(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> Status:
 
 
 def close(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
-    """Change the speeds so that the gaps of the listed contacts keep their lengths, by the least change in
-    the metric of the mass matrix."""
+    """Change the speeds so that the gaps of the listed contacts keep their lengths, and those that stick do
+    not slip, by the least change in the metric of the mass matrix."""
     fn_contact_rows_on(p, t, x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
     status = respond(p, t, x, w)
     if failed(status):
@@ -252,10 +295,11 @@ def put_on_constraints(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Wo
     status = project(p, t, x, sizes, w)
     if failed(status) or not find_touching(x, w):
         return status
-    list_contacts(w)
+    list_contacts(False, w)
     status = seat(p, t, x, sizes, w)
     if failed(status):
         return status
+    list_contacts(True, w)
     return close(p, t, x, w)
 
 

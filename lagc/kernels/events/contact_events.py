@@ -1,6 +1,7 @@
 """Events of contacts: gaps that close and forces that fall to zero."""
 
-from lagc.kernels.contact.settle import REACHES, RELEASES, set_contact_slack, settle
+from lagc.kernels.contact.settle import REACHES, RELEASES, SLIDES, STOPS, set_contact_slack, settle
+from lagc.kernels.contact.touching import slip_relation
 from lagc.kernels.events.mode_change import MOST_CHANGES, change_modes
 from lagc.kernels.events.modes import choose_modes, update_edges
 from lagc.kernels.events.when_clauses import act_on_conditions, handle_event, start_modes
@@ -13,9 +14,16 @@ def take_hits(s: State, w: Work) -> bool:
     for i in range(NCON):
         k = NMODE - NCON + i
         w.contact_hit[i] = 0
+        mode = s.x[NX - NCON + i]
+        if contact_slips[i] > 0:
+            if w.crossed[slip_relation(i)] > 0:
+                w.crossed[slip_relation(i)] = 0
+                w.contact_hit[i] = SLIDES if mode == 2.0 else STOPS
+                w.culprit = k
+                found = True
         if w.crossed[k] > 0:
             w.crossed[k] = 0
-            w.contact_hit[i] = RELEASES if s.x[NX - NCON + i] != 0.0 else REACHES
+            w.contact_hit[i] = RELEASES if mode != 0.0 else REACHES
             w.culprit = k
             found = True
     return found

@@ -99,6 +99,10 @@ def accept_modes(s: State, w: Work) -> None:
     """Make w.modes the modes of the next step. The slack of an indicator becomes its distance beyond a
     crossing, which is that of its location; an indicator in sliding mode keeps at least its slack."""
     for k in range(NMODE):
+        if NCON > 0:
+            if k >= NMODE - NCON - NSLIP:  # their slack is set by `set_contact_slack`
+                s.modes[k] = w.modes[k]
+                continue
         beyond = -margin(k, w.indicators[k], 0.0, w)
         least = s.slack[k] if w.modes[k] == 0.0 and s.modes[k] == 0.0 else 0.0
         s.slack[k] = beyond if beyond > least else least

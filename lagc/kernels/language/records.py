@@ -193,6 +193,7 @@ class Work:
     if NCON > 0:
         # Contacts
         touched: IVec[NCON]  # 1: it touches
+        contact_modes: IVec[NCON]  # 0 open, 1 or -1 slips forwards or backwards, 2 sticks; 1 without friction
         touching: IVec[NCON]  # the listed contacts
         touching_rows: IVec[NCROW]  # their rows
         contact_rows: Vec[NGRADIENTS]  # gradients of the rows by the speeds
@@ -214,12 +215,18 @@ class Work:
         contact_hit: IVec[NCON]  # 1: its gap, 2: its force has fallen to zero
         contact_near: IVec[NCON]
         contact_leaves: IVec[NCON]
-        contact_closed: IVec[NCON]
+        contact_closed: IVec[NCON]  # as contact_modes
         contact_rests: IVec[NCON]
         contact_struck: Vec[NCON]  # impulse
         contact_lost: Vec[NCON]  # energy
         contact_energies: Vec[THREE]
         restitutions: Vec[NCON]
+        if NSLIP > 0:
+            # Friction
+            frictions: Vec[NDIRECT]  # of slip and of sticking, of each contact
+            contact_slides: Vec[NCON]  # direction in which a contact begins to slip, by its force
+            cone_low: Vec[NCON]  # range of static friction less force over the evaluations of a step
+            cone_high: Vec[NCON]
         x_settled: Vec[NX]
         rates_settled: Vec[NX]
         # Law of contacts that touch: u = W p + b. First the problem
@@ -324,7 +331,7 @@ class State:
         x_before_event: Vec[NX]  # end of the last step, before clauses changed it
     if NCON > 0:
         settlements: Count  # events of contacts so far
-        contact_kinds: IVec[NCON]  # at the last one: 1 impact, 2 rest, 3 closes, 4 opens, 0 nothing
+        contact_kinds: IVec[NCON]  # 1 impact, 2 rest, 3 closes, 4 opens, 5 sticks, 6 slips, 0 nothing
         contact_impulses: Vec[NCON]
         contact_losses: Vec[NCON]  # of energy
         rest_times: Vec[NCON]  # when bounces end that are not followed

@@ -12,15 +12,27 @@ from lagc.symbolic.graph import Node
 
 
 def contact_functions(at: Places, along: Places) -> list[Function]:
-    """Return `gaps`, `contact_rows`, `contact_sizes` and `restitutions`, none without contacts. `at` is the
-    state alone, `along` the branches of a run."""
+    """Return `gaps`, `contact_rows`, `contact_sizes`, `restitutions` and `frictions`, none without contacts.
+    `at` is the state alone, `along` the branches of a run."""
     contacts = at.equations.contacts
     if not contacts:
         return []
     labels = [contact.label for contact in contacts]
     gaps = [contact.gap for contact in contacts]
     laws = [contact.restitution for contact in contacts]
+    frictions = [
+        node
+        for contact in along.equations.contacts
+        for node in ((contact.slip.friction, contact.slip.static) if contact.slip else (at.graph.zero,) * 2)
+    ]
+    made_of = (("f", frictions),)
+    with_friction = any(contact.slip for contact in contacts)
     return [
+        *(
+            [made(along, "frictions", along.state, made_of, "friction of each contact")]
+            if with_friction
+            else []
+        ),
         made(at, "gaps", STATE, (("g", gaps),), "gap of each contact", labels, rare=True),
         _rows(along),
         _sizes(at),
@@ -32,12 +44,12 @@ def _rows(along: Places) -> Function:
     """Return the gradient of each row by the speeds, its rate, and its acceleration where v' = 0."""
     equations, zero = along.equations, along.graph.zero
     contacts, columns = equations.contacts, range(len(equations.v))
-    gradients = [contact.jacobian.get(j, zero) for contact in contacts for j in columns]
-    parts = (
-        ("R", gradients),
-        ("u", [contact.rate for contact in contacts]),
-        ("bias", [contact.bias for contact in contacts]),
-    )
+    gradients = [own.get(j, zero) for contact in contacts for own in contact.jacobians for j in columns]
+    rates, biases = list[Node](), list[Node]()
+    for contact in contacts:
+        rates += [contact.rate] if contact.slip is None else [contact.rate, contact.slip.rate]
+        biases += [contact.bias] if contact.slip is None else [contact.bias, contact.slip.bias]
+    parts = (("R", gradients), ("u", rates), ("bias", biases))
     return made(along, "contact_rows", along.state, parts, "rows of the contacts")
 
 

@@ -9,7 +9,7 @@ from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Refused, Span
 from lagc.lowering.kkt.articulated_body import ArticulatedBody, plain
 from lagc.lowering.kkt.fill_ordering import eliminate
-from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion, with_jacobians
 from lagc.mechanics.formulation.jacobian import with_places
 from lagc.mechanics.formulation.states import position_symbols, rate_symbols
 from lagc.symbolic.graph import Node
@@ -35,7 +35,7 @@ def _kept(equations: EquationsOfMotion) -> tuple[list[int], list[int]]:
     reached = symbols(sources(equations))
     moving = set(equations.massive) | {j for at in equations.further_inertia for j in at}
     moving.update(j for row in equations.rows for j in row.jacobian)
-    moving.update(j for contact in equations.contacts for j in contact.jacobian)
+    moving.update(j for contact in equations.contacts for row in contact.jacobians for j in row)
     forces = zip(equations.bias_forces, equations.given_forces)
     moving.update(j for j, (h, tau) in enumerate(forces) if not (h.is_zero and tau.is_zero))
     number = {symbol: j for j, symbol in enumerate(equations.v)}
@@ -100,7 +100,8 @@ def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]
     gone |= {s for j, s in enumerate(equations.v) if j not in new_v}
 
     jacobians = with_places([row.jacobian for row in equations.rows], new_v, len(v))
-    gradients = with_places([contact.jacobian for contact in equations.contacts], new_v, len(v))
+    rows = [row for contact in equations.contacts for row in contact.jacobians]
+    gradients = with_places(rows, new_v, len(v))
     forces = with_places([c.forces for c in equations.contributions], new_v, len(v))
     return replace(
         equations,
@@ -118,7 +119,7 @@ def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]
         given_forces=tuple([equations.given_forces[j] for j in v]),
         further_inertia={(new_v[i], new_v[j]): node for (i, j), node in equations.further_inertia.items()},
         rows=tuple([replace(row, jacobian=own) for row, own in zip(equations.rows, jacobians)]),
-        contacts=tuple([replace(c, jacobian=own) for c, own in zip(equations.contacts, gradients)]),
+        contacts=with_jacobians(equations.contacts, gradients),
         contributions=tuple([replace(c, forces=own) for c, own in zip(equations.contributions, forces)]),
     )
 
@@ -146,8 +147,8 @@ def independent(equations: EquationsOfMotion, system: ArticulatedBody) -> tuple[
     for k, row in enumerate(equations.rows):
         _tie_to(parts, len(equations.v) + k, [row.residual, row.gamma], number)
     for contact in equations.contacts:
-        speeds = [equations.v[j] for j in contact.jacobian]
-        _tie_to(parts, min(contact.jacobian), [*contact.nodes, *speeds], number)
+        reached = [equations.v[j] for row in contact.jacobians for j in row]
+        _tie_to(parts, min(contact.jacobian), [*contact.nodes, *reached], number)
     for when in equations.whens:
         for state, value in when.changes:
             if state in number:

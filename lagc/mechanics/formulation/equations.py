@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from enum import Enum
 from functools import cached_property
 
-from lagc.base.records import dataclass
+from lagc.base.records import dataclass, replace
 from lagc.diagnostics.faults import Fault, Span
 from lagc.mechanics.formulation.mass_matrix import Inertia, Moving, inertial_forces
 from lagc.semantics.model import FIXED, Contact, Model, Statement, When
@@ -80,6 +80,18 @@ class Row:
 
 
 @dataclass(frozen=True, slots=True)
+class SlipRow:
+    """The slip row of a contact with friction, in t, q and v. The acceleration of the slip is
+    jacobian a + bias."""
+
+    rate: Node
+    jacobian: Mapping[int, Node]
+    bias: Node
+    friction: Node
+    static: Node
+
+
+@dataclass(frozen=True, slots=True)
 class ContactRow:
     """The normal row of a contact, in t, q and v. jacobian = {column of v: d(rate)/d(v)}; the acceleration of
     the gap is jacobian a + bias."""
@@ -91,6 +103,7 @@ class ContactRow:
     jacobian: Mapping[int, Node]
     bias: Node
     restitution: Node
+    slip: SlipRow | None = None
 
     @property
     def label(self) -> str:
@@ -99,7 +112,26 @@ class ContactRow:
     @property
     def nodes(self) -> list[Node]:
         """All that it is made of but its gradient."""
-        return [self.gap, self.rate, self.bias, self.restitution]
+        found = [self.gap, self.rate, self.bias, self.restitution]
+        slip = self.slip
+        return found if slip is None else [*found, slip.rate, slip.bias, slip.friction, slip.static]
+
+    @property
+    def jacobians(self) -> list[Mapping[int, Node]]:
+        """The gradient of its normal row, then that of its slip row."""
+        return [self.jacobian] if self.slip is None else [self.jacobian, self.slip.jacobian]
+
+
+def with_jacobians(
+    contacts: Sequence[ContactRow], jacobians: Sequence[Mapping[int, Node]]
+) -> tuple[ContactRow, ...]:
+    """Return contacts with other gradients of their rows, in the order of `ContactRow.jacobians`."""
+    given, found = iter(jacobians), list[ContactRow]()
+    for contact in contacts:
+        normal, slip = next(given), contact.slip
+        slip = slip if slip is None else replace(slip, jacobian=next(given))
+        found.append(replace(contact, jacobian=normal, slip=slip))
+    return tuple(found)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,23 +6,24 @@ is zero; then it may push its gap open, and never pulls.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from math import inf
 
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as objects
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.actions import no_modifiers, residuals, timely
-from lagc.semantics.names.scope import Entry, Reference, Scalar, Value, scalar_of
+from lagc.semantics.names.scope import Array, Entry, Reference, Scalar, Value, scalar_of
 from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import BIT, VELOCITY
-from lagc.semantics.units import NONE, si_text
+from lagc.semantics.units import NONE, Dimension, describe, dimension, over, si_text
 from lagc.semantics.values.evaluate import all_values, evaluate_as
 from lagc.semantics.values.unit_hints import expect_of
 from lagc.symbolic.graph import Node
 from lagc.syntax import tree
 
-_ARGUMENTS = ("restitution",)
-_MOVED = BIT["coordinate"] | BIT["time"]
+_ARGUMENTS = ("restitution", "friction", "static", "slip")
+SECOND = dimension(s=1)
 
 
 def declare_contact(context: Context, entry: Entry) -> Value:
@@ -30,7 +31,7 @@ def declare_contact(context: Context, entry: Entry) -> Value:
     source = entry.source
     assert isinstance(source, tree.Constraint)
     no_modifiers(entry)
-    given = _arguments(context, entry, source)
+    written = _arguments(entry, source)
     left, right = all_values(context, [source.left, source.right], entry.environment)
     differences = residuals(left, right, source)
     entry.size = None if isinstance(left, Scalar) else len(differences)
@@ -40,13 +41,67 @@ def declare_contact(context: Context, entry: Entry) -> Value:
         label = entry.path if entry.size is None else f"{entry.path}[{k + 1}]"
         symbol = context.graph.symbol("discrete", label)
         context.clock.set_rate(symbol, context.graph.zero)
-        restitution = given.get("restitution", context.graph.zero)
+        restitution = context.graph.zero
+        if "restitution" in written:
+            restitution = _number(context, entry, "restitution", written["restitution"], 1.0)
         entry.objects.append(
             objects.Contact(
-                entry.path, label, gap, si_text(found or NONE), symbol, restitution, entry.span, entry.effect
+                entry.path, label, gap, si_text(found or NONE), symbol, restitution, entry.span, entry.effect,
+                *_friction(context, entry, written, found),
             )
-        )
+        )  # fmt: skip
     return Reference(entry)
+
+
+def _friction(
+    context: Context, entry: Entry, written: Mapping[str, tree.Expression], found: Dimension | None
+) -> tuple[Node | None, Node | None, Node | None]:
+    """Return slip, friction and static friction of a contact whose gap has this dimension."""
+    for name, other, why in (
+        ("friction", "slip", "write the velocity with which the contact slides: `slip = der(x)`"),
+        ("slip", "friction", "write the coefficient of friction: `friction = 0.3`"),
+        (
+            "static",
+            "friction",
+            "write the coefficient of friction of a contact that slides: `friction = 0.3`",
+        ),
+    ):
+        if name in written and other not in written:
+            raise Wrong("LAG0235", f"`{name}` needs `{other}` beside it", written[name].span, why)
+    if "friction" not in written:
+        return None, None, None
+    if entry.size is not None:
+        raise Wrong(
+            "LAG0235",
+            "a vector of one-sided constraints has no friction",
+            written["friction"].span,
+            "write a constraint for each component, with its own slip",
+        )
+    slip, meant = written["slip"], over(found or NONE, SECOND)
+    found_slip = evaluate_as(context, slip, entry.environment, meant)
+    if isinstance(found_slip, Array):
+        raise Wrong(
+            "LAG0235",
+            "the slip is a vector: friction acts along one direction, as in a plane motion",
+            slip.span,
+            "write the velocity along that direction, or a smooth force law for sliding in any direction",
+        )
+    value = scalar_of(found_slip, slip.span, "the slip")
+    expect_of(slip, value.dimension, meant, "the slip", describe(meant))
+    timely(context, value.node, slip.span, "the slip")
+    if not context.clock.mask(value.node) & VELOCITY:
+        message = "the slip is no velocity: it depends on no rate of a coordinate"
+        raise Wrong("LAG0235", message, slip.span, "write a velocity: `slip = der(x)`")
+    friction = _number(context, entry, "friction", written["friction"])
+    static = _number(context, entry, "static", written["static"]) if "static" in written else None
+    if static is not None and static.is_const and friction.is_const and static.value < friction.value:
+        raise Wrong(
+            "LAG0235",
+            f"the static friction, {static.value:g}, is less than the friction of a contact that slides",
+            written["static"].span,
+            "exchange both, or leave out `static`",
+        )
+    return value.node, friction, static
 
 
 def _check(context: Context, source: tree.Constraint, gap: Node) -> None:
@@ -78,9 +133,9 @@ def _check(context: Context, source: tree.Constraint, gap: Node) -> None:
         )
 
 
-def _arguments(context: Context, entry: Entry, source: tree.Constraint) -> dict[str, Node]:
-    """Return the value of each argument of a contact by name."""
-    found: dict[str, Node] = {}
+def _arguments(entry: Entry, source: tree.Constraint) -> dict[str, tree.Expression]:
+    """Return the arguments of a contact by name."""
+    found: dict[str, tree.Expression] = {}
     for argument in source.arguments:
         name, span = argument.name, argument.name_span or argument.span
         if name not in _ARGUMENTS:
@@ -92,16 +147,20 @@ def _arguments(context: Context, entry: Entry, source: tree.Constraint) -> dict[
             raise Wrong("LAG0209", f"`{name}` is given twice", span)
         if argument.value is None or argument.arguments:
             raise Wrong("LAG0210", f"`{name}` needs a value", argument.span)
-        found[name] = _number(context, entry, name, argument.value)
+        found[name] = argument.value
     return found
 
 
-def _number(context: Context, entry: Entry, name: str, written: tree.Expression) -> Node:
+def _number(context: Context, entry: Entry, name: str, written: tree.Expression, most: float = inf) -> Node:
+    """Return a number that is not negative and, if it is constant, at most `most`."""
     value = evaluate_as(context, written, entry.environment, NONE)
     scalar = scalar_of(value, written.span, f"the {name}")
     expect_of(written, scalar.dimension, NONE, f"the {name}", "a number")
     timely(context, scalar.node, written.span, f"the {name}")
-    if scalar.node.is_const and not 0.0 <= scalar.node.value <= 1.0:
+    if scalar.node.is_const and scalar.node.value < 0.0 and most == inf:
+        message = f"the {name} is {scalar.node.value:g}, and not from 0"
+        raise Wrong("LAG0235", message, written.span, "friction opposes the slip by itself: write its size")
+    if scalar.node.is_const and not 0.0 <= scalar.node.value <= most:
         raise Wrong(
             "LAG0235",
             f"the {name} is {scalar.node.value:g}, and not from 0 to 1",

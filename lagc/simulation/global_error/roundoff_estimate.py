@@ -193,6 +193,8 @@ def find_noise_groups(system: System, run: Trajectory, groups: Sizes, estimate: 
     changes, direction = estimate
     if len(run.states) < 2 or not all(map(isfinite, changes)):
         return {}
+    if system.interface.contacts:  # their friction moves states that no load moves
+        return {}
     span, first, nq = abs(run.times[-1] - run.times[0]), run.states[0], system.nq
     fresh = [k for k, (group, _) in enumerate(groups) if not any(first[i] for i in group)]
     amounts = [span * max(changes[i] for i in group) for group, _ in groups]

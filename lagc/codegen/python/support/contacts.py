@@ -9,12 +9,13 @@ from lagc.codegen.python.support.base import Trajectory
 
 # -- what follows is part of generated modules --
 
-STRIKES, RESTS, CLOSES, OPENS = range(1, 5)  # kinds of events of contacts
+STRIKES, RESTS, CLOSES, OPENS, STICKS, SLIPS = range(1, 7)  # kinds of events of contacts
 
 
 class ContactTrajectory(Trajectory):
     """A trajectory with what its contacts did, `contacts`: time, contact, kind (STRIKES, RESTS after ever
-    shorter bounces, CLOSES, OPENS), impulse, loss of energy, and for a rest the time when bounces end."""
+    shorter bounces, CLOSES, OPENS, STICKS, SLIPS), impulse, loss of energy, and for a rest the time when
+    bounces end."""
 
     def __init__(self, contacts: Sequence[tuple[float, int, int, float, float, float]] = (), **values: Any):
         super().__init__(**values)
