@@ -23,14 +23,15 @@ def indicate_forces(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     for i in range(NCON):
         if w.touched[i] > 0:
             w.indicators[NMODE - NCON + i] = w.contact_forces[contact_first[i]] if found else -1.0
-        if contact_slips[i] > 0:
-            k = slip_relation(i)
-            if w.touched[i] == 0:
-                w.indicators[k] = 1.0
-            elif w.contact_modes[i] == 2:
-                w.indicators[k] = cone_margin(i, w) if found else -1.0
-            elif w.contact_modes[i] < 0:
-                w.indicators[k] = -w.indicators[k]
+        if NSLIP > 0:
+            if contact_slips[i] > 0:
+                k = slip_relation(i)
+                if w.touched[i] == 0:
+                    w.indicators[k] = 1.0
+                elif w.contact_modes[i] == 2:
+                    w.indicators[k] = cone_margin(i, w) if found else -1.0
+                elif w.contact_modes[i] < 0:
+                    w.indicators[k] = -w.indicators[k]
 
 
 def enclose_slip(i: int, mode: Real, w: Work) -> None:
@@ -59,8 +60,9 @@ def enclose_forces(s: State, w: Work) -> None:
             more = FORCE_MARGIN * (w.force_high[i] - w.force_low[i])
             w.enclosures[2 * j] = w.force_low[i] - more
             w.enclosures[2 * j + 1] = w.force_high[i] + more
-        if contact_slips[i] > 0:
-            enclose_slip(i, s.x[NX - NCON + i], w)
+        if NSLIP > 0:
+            if contact_slips[i] > 0:
+                enclose_slip(i, s.x[NX - NCON + i], w)
 
 
 def force_range(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
@@ -77,12 +79,13 @@ def spare_contacts(s: State, w: Work) -> None:
     """Set the indicators and rates of contacts that touch to 0: their gaps are not watched. Those of slips
     are taken along the direction of slip."""
     for i in range(NCON):
-        if contact_slips[i] > 0:
-            k = slip_relation(i)
-            mode = s.x[NX - NCON + i]
-            along = mode if fabs(mode) == 1.0 else 0.0
-            w.indicators[k] *= along
-            w.indicator_rates[k] *= along
+        if NSLIP > 0:
+            if contact_slips[i] > 0:
+                k = slip_relation(i)
+                mode = s.x[NX - NCON + i]
+                along = mode if fabs(mode) == 1.0 else 0.0
+                w.indicators[k] *= along
+                w.indicator_rates[k] *= along
         if s.x[NX - NCON + i] != 0.0:
             w.indicators[NMODE - NCON + i] = 0.0
             w.indicator_rates[NMODE - NCON + i] = 0.0
@@ -93,7 +96,8 @@ def force_crosses(s: State, w: Work) -> bool:
     for i in range(NCON):
         if w.crossed[NMODE - NCON + i] > 0 and s.x[NX - NCON + i] != 0.0:
             return True
-        if contact_slips[i] > 0:
-            if w.crossed[slip_relation(i)] > 0:
-                return True
+        if NSLIP > 0:
+            if contact_slips[i] > 0:
+                if w.crossed[slip_relation(i)] > 0:
+                    return True
     return False

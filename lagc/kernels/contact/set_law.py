@@ -85,10 +85,9 @@ def solve_planar(w: Work) -> int:
     return LAW_FOUND if is_admissible(w) else LAW_FAILED
 
 
-def search_modes(w: Work) -> int:
+def search_with_friction(w: Work) -> int:
     """Return the result of `set_law` for given w.law_slides and w.law_mu."""
-    frictionless = is_frictionless(w)
-    if not frictionless and is_enumerable(w):
+    if is_enumerable(w):
         listed = enumerate_modes(w)
         if listed != LAW_NONE or not is_spatial(w):
             return listed
@@ -99,11 +98,23 @@ def search_modes(w: Work) -> int:
     found = LAW_FOUND if holds_as_before(w) else LAW_FAILED
     if found == LAW_FAILED and is_planar(w):
         found = solve_planar(w)
-    if found != LAW_FOUND and not frictionless:
+    if found != LAW_FOUND:
         found = LAW_FOUND if sweep_to_solution(w) else LAW_FAILED
     if found == LAW_FOUND:
         read_modes(w)
-    return LAW_ONE if found == LAW_FOUND and frictionless else found
+    return found
+
+
+def search_modes(w: Work) -> int:
+    """Return the result of `set_law` for given w.law_slides and w.law_mu."""
+    if NSLIP > 0:
+        if not is_frictionless(w):
+            return search_with_friction(w)
+    found = LAW_FOUND if holds_as_before(w) else solve_planar(w)
+    if found != LAW_FOUND:
+        return found
+    read_modes(w)
+    return LAW_ONE
 
 
 def start_slips(w: Work) -> bool:
@@ -127,6 +138,7 @@ def set_law(w: Work) -> int:
         w.law_mu[i] = w.law_friction[i] if w.law_moves[i] > 0 else w.law_static[i]
     set_law_scales(w)
     found = search_modes(w)
-    while found <= LAW_FOUND and start_slips(w):
-        found = search_modes(w)
+    if NSLIP > 0:
+        while found <= LAW_FOUND and start_slips(w):
+            found = search_modes(w)
     return found

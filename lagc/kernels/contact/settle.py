@@ -389,11 +389,12 @@ def set_contact_slack(p: Params, s: State, w: Work) -> None:
         if w.contact_leaves[i] == 0:
             beyond += SLACK_GROWTH * w.indicator_roundoff[NFREE - NCON + i]
         s.slack[NMODE - NCON + i] = beyond
-        if contact_slips[i] > 0:
-            k = slip_relation(i)
-            speed = s.x[NX - NCON + i] * w.indicators[k]
-            least = SLACK_GROWTH * w.indicator_roundoff[k - NTIMED]
-            s.slack[k] = least - (2.0 * speed if speed < 0.0 else 0.0)
+        if NSLIP > 0:
+            if contact_slips[i] > 0:
+                k = slip_relation(i)
+                speed = s.x[NX - NCON + i] * w.indicators[k]
+                least = SLACK_GROWTH * w.indicator_roundoff[k - NTIMED]
+                s.slack[k] = least - (2.0 * speed if speed < 0.0 else 0.0)
     if find_touching(s.x, w):
         status = rates_at(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
         s.rhs += 1

@@ -15,12 +15,13 @@ def take_hits(s: State, w: Work) -> bool:
         k = NMODE - NCON + i
         w.contact_hit[i] = 0
         mode = s.x[NX - NCON + i]
-        if contact_slips[i] > 0:
-            if w.crossed[slip_relation(i)] > 0:
-                w.crossed[slip_relation(i)] = 0
-                w.contact_hit[i] = SLIDES if mode == 2.0 else STOPS
-                w.culprit = k
-                found = True
+        if NSLIP > 0:
+            if contact_slips[i] > 0:
+                if w.crossed[slip_relation(i)] > 0:
+                    w.crossed[slip_relation(i)] = 0
+                    w.contact_hit[i] = SLIDES if mode == 2.0 else STOPS
+                    w.culprit = k
+                    found = True
         if w.crossed[k] > 0:
             w.crossed[k] = 0
             w.contact_hit[i] = RELEASES if mode != 0.0 else REACHES
