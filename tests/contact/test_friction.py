@@ -77,6 +77,39 @@ def test_a_ball_slips_and_then_rolls(backend: str) -> None:
     )
 
 
+@pytest.mark.full
+@pytest.mark.parametrize("name", ["incline", "block_on_belt", "bowling_ball", "tumbling_box"])
+def test_both_backends_give_the_same_bits(name: str) -> None:
+    one, other = (
+        lagc.load(name).compile(backend=backend).simulate(1.5, rtol=1e-8, points=9)
+        for backend in ("numpy", "c")
+    )
+    assert one.states == other.states and one.events == other.events
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_friction_acts_beside_two_sided_constraints(backend: str) -> None:
+    """A block on a slope in x and y, tied to a mass of 1 g that moves along the slope without weight."""
+    text = """model Tied
+  coordinate Length x(rate = 3*cos(30 [deg])*1 [m/s]), y(rate = 1.5 [m/s]), w(rate = 3 [m/s]);
+  Gravity field(g = 9.81 [m/s2], direction = {0, -1, 0});
+  body block = Particle(mass = 1 [kg], at = {x, y, 0});
+  body tag = Particle(mass = 1e-3 [kg], at = {0, 0, w});
+  constraint tie: w = x*cos(30 [deg]) + y*sin(30 [deg]);
+  constraint slope: y*cos(30 [deg]) - x*sin(30 [deg]) >= 0 (friction = 0.3, slip = der(w));
+  scene s
+    simulate(stop = 1 [s]);
+  end s;
+end Tied;
+"""
+    run = lagc.loads(text).compile(backend=backend).simulate(accuracy=1e-8)
+    slows = G * (0.5 + 0.3 * math.cos(math.radians(30.0))) / 1.001
+    back = G * (0.5 - 0.3 * math.cos(math.radians(30.0))) / 1.001
+    (turns,) = run.events
+    assert turns.kind == "slips" and turns.t == pytest.approx(3.0 / slows, abs=1e-8)
+    assert run.final["der(w)"] == pytest.approx(-back * (1.0 - 3.0 / slows), abs=1e-7)
+
+
 @pytest.mark.parametrize(("pull", "sticks"), [(0.2999, True), (0.3001, False)])
 def test_static_friction_holds_up_to_its_coefficient(pull: float, sticks: bool) -> None:
     text = f"""  force F = {{{pull * 2.0 * G}, 0, 0}} on block at {{x, y, 0}};
