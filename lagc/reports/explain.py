@@ -12,7 +12,7 @@ from lagc.mechanics.analysis.analysis import RowKind, Seems, analyse
 from lagc.mechanics.formulation.equations import Contribution, EquationsOfMotion, StartValue, WhenEquations
 from lagc.reports.equations.write import Expressions
 from lagc.reports.names import ranged, where
-from lagc.semantics.model import UNSTATED, Joint, Lagrangian
+from lagc.semantics.model import UNSTATED, Contact, Joint, Lagrangian
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import derived
@@ -49,6 +49,11 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
         **_discretes(equations, written),
         **({"joints": [_joint(joint) for joint in model.joints]} if model.joints else {}),
         "constraints": [_constraint(equations, kind) for kind in analysis.constraints],
+        **(
+            {"contacts": [_contact(c.contact, written) for c in equations.contacts]}
+            if equations.contacts
+            else {}
+        ),
         "redundant": list(analysis.redundant),
         "open_reactions": list(analysis.open_reactions),
         "unseen": list(analysis.unseen),
@@ -230,6 +235,7 @@ def text(facts: Facts, verbose: bool = False) -> str:
         _section("discrete variables", map(_discrete_line, facts.get("discretes", ())), verbose),
         _section("joints", map(_joint_line, facts.get("joints", ())), verbose),
         _section("constraints", map(_constraint_line, facts["constraints"]), verbose),
+        _section("one-sided constraints", map(_contact_line, facts.get("contacts", ())), verbose),
         _section("actions", map(_action_line, facts["actions"]), verbose),
         _count_text(facts),
         _section("cyclic coordinates", _cyclic_lines(facts) or ["none"], verbose),
@@ -276,13 +282,33 @@ def _coordinate_line(fact: Facts) -> str:
 
 
 def _discretes(equations: EquationsOfMotion, written: Expressions) -> Facts:
-    """The discrete variables, in models that have some."""
+    """The discrete variables, in models that have some; not the states of contacts."""
+    states = {contact.state for contact in equations.model.contacts}
     found = [
         {"name": x.name, "unit": x.unit, "type": "Boolean" if x.boolean else "Real",
          "start": written.text(x.start), "description": x.description}
         for x in equations.model.discretes
+        if x.symbol not in states
     ]  # fmt: skip
     return {"discretes": found} if found else {}
+
+
+def _contact(contact: Contact, written: Expressions) -> Facts:
+    given = {"slip": contact.slip, "friction": contact.friction, "static": contact.static}
+    return {
+        "name": contact.label,
+        "line": contact.span.line,
+        "gap": written.text(contact.gap),
+        "unit": contact.unit,
+        "restitution": written.text(contact.restitution),
+        **{name: written.text(node) for name, node in given.items() if node is not None},
+        "states": contact.states,
+    }
+
+
+def _contact_line(fact: Facts) -> str:
+    laws = [f"{name} {fact[name]}" for name in ("restitution", "friction", "static", "slip") if name in fact]
+    return f"{fact['name']} (line {fact['line']}): {fact['gap']} >= 0, {', '.join(laws)}"
 
 
 def _discrete_line(fact: Facts) -> str:

@@ -313,3 +313,10 @@ def test_a_table_that_shakes(tmp_path: Path) -> None:
     assert leaves.kind == "opens"
     assert leaves.t == pytest.approx(math.acos(-G / (0.02 * 625.0)) / 25.0, abs=2e-9)
     assert abs(run.energy.imbalance) < 1e-6
+
+
+def test_explain_lists_contacts_with_their_laws(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["explain", "incline"]) == 0
+    incline = capsys.readouterr().out
+    assert "slope (line 16): n >= 0, restitution 0, friction mu, slip s'" in incline
+    assert "discrete variables" not in incline and "while contacts are open" in incline
