@@ -297,7 +297,7 @@ def test_c_refuses_what_is_not_valid(name: str, compiler_: str, tmp_path: Path) 
     assert found["state"] == [i for i in range(nx) for _ in range(4)] and found["dense"] == [*range(nx)]
     assert found["rhs"] == [*range(program(name).interface.nq)]
     told = [line[5:] for line in ran.stdout.splitlines() if line.startswith("text")]
-    texts = list(status_texts())
+    texts = list(status_texts(program(name).interface))
     end = 3 + len(texts)
     assert told[3:end] == texts and set(told[:3] + told[end:]) == {"No such status."}
 

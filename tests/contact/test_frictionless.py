@@ -54,7 +54,7 @@ def test_a_ball_bounces_and_comes_to_rest(backend: str) -> None:
 def test_a_bead_leaves_a_sphere(backend: str) -> None:
     """cos(theta) = 2/3 cos(theta0); times by quadrature of the energy (D. T. Greenwood, Principles of
     Dynamics, 1988)."""
-    run = _run("slide_off_sphere", backend)
+    run = _run("slide_off_sphere", backend, 2.0)
     leaves = run.events[0]
     assert leaves.kind == "opens" and leaves.t == pytest.approx(0.9071101110462694341024, abs=2e-9)
     assert run.status == "terminated" and run.t[-1] == pytest.approx(1.32650346437198793838, abs=2e-9)
@@ -209,7 +209,7 @@ def test_true_errors_stay_below_the_estimate() -> None:
     """A bead that leaves a sphere, at accuracies from 1e-4 to 1e-10."""
     system = lagc.load("slide_off_sphere").compile(backend="numpy")
     for accuracy in (1e-4, 1e-7, 1e-10):
-        run = system.simulate(accuracy=accuracy)
+        run = system.simulate(2.0, accuracy=accuracy)
         assert run.estimated is not None and run.estimated <= accuracy
         assert abs(run.final["x"] - 1.457991690006746788408) <= run.estimated * 1.46
         assert abs(run.final["der(y)"] + 6.023177023826448103612) <= run.estimated * 6.1
