@@ -142,8 +142,8 @@ def _paradox(system: System, run: Trajectory) -> str:
     names = [contact.name for contact in system.interface.contacts]
     name = names[run.culprit] if 0 <= run.culprit < len(names) else names[0]
     at = ", ".join(f"{n} = {v:.6g}" for n, v in zip(system.interface.q_names[:MOST_NAMED], run.x))
-    return (f"the laws of contact have no solution, or several, where `{name}` touches ({at}): rigid "
-            "bodies do not decide how the motion goes on")  # fmt: skip
+    return (f"the laws of contact have no solution, or several, where `{name}` touches ({at}): rigid bodies "
+            "do not decide how the motion goes on, or a restitution is not between 0 and 1")  # fmt: skip
 
 
 def _left_out(system: System, clause: Clause) -> str:

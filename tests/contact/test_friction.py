@@ -219,3 +219,27 @@ end Rod;
 """)
     run = model.compile(backend="numpy").simulate(rtol=1e-8)
     assert (run.status == "failed") == (angle < 1.27)
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_bounces_that_end_in_rest_rub_as_all_of_them(backend: str) -> None:
+    """A block is thrown and bounces: friction takes mu of what the floor gives, m g t + m v of the first
+    impact, as long as it slips. Then der(x) = v0 - mu g t: the fall before gains what the impacts give."""
+    model = lagc.loads("""model Throw
+  coordinate Length x(rate = 3 [m/s]), y(start = 0.5 [m]);
+  Gravity field(g = 9.81 [m/s2], direction = {0, -1, 0});
+  body block = Particle(mass = 1 [kg], at = {x, y, 0});
+  constraint floor: y >= 0 (restitution = 0.4, friction = 0.2, slip = der(x));
+end Throw;
+""")
+    run = model.compile(backend=backend).simulate(1.0, accuracy=1e-9)
+    fall, e, mu, g = math.sqrt(2 * 0.5 / 9.81), 0.4, 0.2, 9.81
+    x, v, t, up = 3.0 * fall, 3.0, fall, g * fall
+    while up > 1e-14:
+        v -= mu * (1 + e) * up
+        up *= e
+        x, t = x + v * 2 * up / g, t + 2 * up / g
+    x += v * (1.0 - t) - mu * g * (1.0 - t) ** 2 / 2
+    assert run.final["der(x)"] == pytest.approx(3.0 - mu * g, abs=1e-10)
+    assert run.final["der(x)"] == pytest.approx(v - mu * g * (1.0 - t), abs=1e-10)
+    assert run.final["x"] == pytest.approx(x, abs=1e-9)

@@ -123,7 +123,7 @@ def test_claims_over_random_systems_that_keep_their_energy(seed: int) -> None:
 
 @pytest.mark.full
 def test_nothing_in_the_library_only_seems_so() -> None:
-    """But for the rows of Bennett's linkage, whose rank follows from its lengths, rolling wheels, the brackets
+    """But for the rows of Bennett's linkage, whose rank is that of its lengths, rolling wheels, the brackets
     of whose rows are too long to be formed, and the momentum of two shafts about the axis across both,
     which the input shaft alone brings."""
     for path in FILES:

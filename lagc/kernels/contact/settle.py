@@ -242,6 +242,23 @@ def find_rests(s: State, w: Work) -> bool:
     return found
 
 
+def let_slip(p: Params, s: State, w: Work) -> None:
+    """Set the friction of the listed contacts that stop to bounce and go on slipping. To take the speed of a
+    gap away at once is a pull; it takes away the friction that is too much afterwards."""
+    if NSLIP > 0:
+        set_frictions(p, s.t, s.x, w)
+        for n in range(w.law_count):
+            i = w.touching[n]
+            first = contact_first[i]
+            slips = False
+            if w.law_slips[n] > 0 and w.contact_closed[i] == 0:
+                slip = w.contact_speeds[first + 1]
+                slips = fabs(slip) > w.law_friction[n] * fabs(w.contact_speeds[first])
+                w.law_direction[2 * n] = 1.0 if slip > 0.0 else -1.0
+            if not slips:
+                w.law_friction[n] = 0.0
+
+
 def bring_to_rest(p: Params, s: State, w: Work) -> Status:
     """Stop the contacts in w.contact_rests, and decide again."""
     for i in range(NCON):
@@ -249,6 +266,7 @@ def bring_to_rest(p: Params, s: State, w: Work) -> Status:
         w.contact_near[i] = w.touched[i]
         w.contact_modes[i] = w.contact_closed[i] if w.contact_closed[i] != 0 else 1
     list_contacts(True, w)
+    let_slip(p, s, w)
     status = close(p, s.t, s.x, w)
     if failed(status):
         return status
