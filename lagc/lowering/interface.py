@@ -30,7 +30,6 @@ _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
     "initial_places", "relations", "timed", "flowing", "driven", "doubtful", "derivatives",
     "part_ends", "part_columns", "pieces", "row_pieces", "written", "conservative", "series", "methods",
-    "scales",
 )  # fmt: skip
 _OF_DISCRETES = ("discretes", "booleans")
 
@@ -92,7 +91,6 @@ def interface(
         read=read,
         effects=tuple([e.name for e in model.effects if e.used]),
         simulate=dict(model.simulate),
-        scales=dict(model.scales),
         notes=(*model.notes, *notes, *equations.dropped, *remarks),
         dropped=dropped,
         relations=tuple([relation.words for relation in relations]),

@@ -32,9 +32,8 @@ MOMENT = 1e-5  # of the elapsed time: a speed that doubles in less becomes infin
 SLOWER = 100.0  # ratio of the fastest rate to that of the motion, for a stiff system
 UNSTABLE = 1.0  # step size times the fastest rate
 DIFFERENCE = 1e-7  # of the sizes of states
-LINEAR = 1e-2  # of the sizes: smaller differences grow in proportion
 TENFOLD = log(10.0)
-LATE = (0.32, 0.8)  # share of exponential growth in its second half; a power of the time has 0.26
+LATE = (0.38, 0.8)  # share of exponential growth in its second half; a power of the time has 0.26
 CHECKED = 40  # recorded states
 ROUNDING = 1e-11  # own share of a constraint's gradient that round-off may cause
 OWN = 1e-3  # own share that the solver never treats as dependent
@@ -172,15 +171,14 @@ def _state_sizes(system: System, run: Trajectory) -> list[float]:
 
 
 def tenfold_time(system: System, run: Trajectory, other: Trajectory, until: float) -> float | None:
-    """The time in which differences of two runs grow tenfold; None unless they grow exponentially `until`
-    that time, or until they are LINEAR of the sizes.  Growth by two decades or more counts as exponential if
-    the second half of the time has its share."""
+    """The time in which differences of two runs grow tenfold; None unless they grow exponentially. Growth by
+    two decades or more counts as exponential if the second half of the time has its share."""
     found: list[tuple[float, float]] = []
     largest, begin = 0.0, run.times[0]
     groups = [(group, size) for group, size in sizes(run, system.interface) if size > 0.0]
     for t, x, y in zip(run.times, run.states, other.states):
         largest = max([largest, *(abs(x[i] - y[i]) / size for group, size in groups for i in group)])
-        if largest > 0.0 and begin + 0.1 * (until - begin) <= t and (t <= until or largest <= LINEAR):
+        if largest > 0.0 and begin + 0.1 * (until - begin) <= t <= until:
             found.append((t, log(largest)))
     if len(found) < 8 or found[-1][1] - found[0][1] < 2.0 * TENFOLD:
         return None

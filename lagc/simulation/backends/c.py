@@ -23,7 +23,7 @@ class _Options(ctypes.Structure):
     """lagc_options"""
 
     _fields_ = (
-        ("method", c_int), ("project", c_int), ("alone", c_int), ("max_steps", c_long), ("rtol", c_double),
+        ("method", c_int), ("project", c_int), ("max_steps", c_long), ("rtol", c_double),
         ("atol", c_double), ("step", c_double), ("first_step", c_double), ("max_step", c_double),
         ("report", c_int), ("halves", c_int),
     )  # fmt: skip
@@ -88,8 +88,8 @@ class CModel(Compiled):
 
     def options(self, o: Options) -> Any:
         """Return the struct lagc_options."""
-        return _Options(METHODS.index(o.method), o.project, o.alone, o.max_steps, o.rtol, o.atol, o.step,
-                        o.first_step, o.max_step, o.report, o.halves)  # fmt: skip
+        return _Options(METHODS.index(o.method), o.project, o.max_steps, o.rtol, o.atol, o.step, o.first_step,
+                        o.max_step, o.report, o.halves)  # fmt: skip
 
     def work(self) -> Any:
         """Return a new workspace."""
@@ -297,8 +297,7 @@ class CSystem(CompiledSystem):
             step=state.t - state.t_old, fallbacks=head.fallbacks,
             redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
             position_drift=state.position_drift, velocity_drift=state.velocity_drift,
-            sizes=state.sizes[:], lowest=state.lowest[:], highest=state.highest[:],
-            event_roundoff=state.event_roundoff[:] if events else (),
+            sizes=state.sizes[:], event_roundoff=state.event_roundoff[:] if events else (),
             changes=state.changes if events else 0, **known,
         )  # fmt: skip
 
@@ -355,7 +354,6 @@ def _state_type(nx: int, kinds: int, relations: int, acts: int, contacts: int) -
             ("t", c_double), ("x", c_double * nx), ("t_old", c_double), ("position_drift", c_double),
             ("velocity_drift", c_double), ("steps", c_long), ("rejected", c_long), ("rhs", c_long),
             ("stiff", c_long), ("culprit", c_int), ("sizes", c_double * kinds),
-            ("lowest", c_double * nx), ("highest", c_double * nx),
             *(
                 (("changes", c_long), ("changed", c_int * relations), ("event_roundoff", c_double * nx))
                 if relations
