@@ -192,7 +192,7 @@ class _Variant:
             raise KeyboardInterrupt
         found = {name: np.array(run.column(name)) for name in self.names}
         failed = run.status == "failed"
-        cut = failed and run.estimated == accuracy and len(run.times) > 1  # at its horizon
+        cut = run.cut and len(run.times) > 1
         inexact = failed and len(run.times) == len(self.times) and bool(run.errors)
         ends = run.message if failed and not cut and not inexact else ""
         events = tuple([(event.t, event.name) for event in run.events])

@@ -23,9 +23,7 @@ if TYPE_CHECKING:
     from lagc.lowering.program import Interface
 
 
-def deliver(
-    found: Run, options: argparse.Namespace, more: Mapping[str, object] | None = None
-) -> int:  # fmt: skip
+def deliver(found: Run, options: argparse.Namespace, more: Mapping[str, object] | None = None) -> int:
     """Write, draw and print the result, also of a failed run, and return the exit code.  `more` is a part of
     the JSON object.
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from lagc.cli.options import add_general_options, add_limit_options
 from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, show
-from lagc.cli.study_report import Report, check_endings
+from lagc.cli.study_report import Report, add_output_option, check_endings
 from lagc.host.budgets import reached, rest
 
 if TYPE_CHECKING:
@@ -26,10 +26,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--backend", choices=("both", "c", "numpy"), default="both", help="where to run; default: both"
     )
     parser.add_argument("--markdown", action="store_true", help="print the table for a document")
-    parser.add_argument(
-        "-o", "--output", metavar="FILE", action="append", default=[],
-        help="write the report: .html (one stand-alone page), .json, or the picture: .png .svg .pdf",
-    )  # fmt: skip
+    add_output_option(parser)
     add_limit_options(parser)
     parser.set_defaults(max_time="none")  # the models are known; a busy machine is slow
     add_general_options(parser)

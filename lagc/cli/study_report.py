@@ -15,11 +15,16 @@ FORMATS = (".html", ".json", ".png", ".svg", ".pdf")
 
 
 def add_report_options(parser: argparse.ArgumentParser, points: int) -> None:
-    """`--stop --points -o`."""
+    """`--stop --points`, and that of `add_output_option`."""
     parser.add_argument("--stop", metavar="T", help="the end time; default: that of the scene, or 10 s")
     parser.add_argument(
         "--points", metavar="N", type=int, default=points, help=f"recorded times; default: {points}"
     )
+    add_output_option(parser)
+
+
+def add_output_option(parser: argparse.ArgumentParser) -> None:
+    """`-o`."""
     parser.add_argument(
         "-o", "--output", metavar="FILE", action="append", default=[],
         help="write the report: .html (one stand-alone page), .json, or the picture: .png .svg .pdf",

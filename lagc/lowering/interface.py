@@ -299,19 +299,22 @@ FLAT = 1.0 + 1e-9  # round-off of a flat body's moments: one is the sum of the o
 
 
 def bounded(model: Model) -> Model:
-    """Return `model` with the bounds that its bodies need, unless declared bounds imply them: masses and
-    moments of inertia are not negative, and no moment exceeds the sum of the two others."""
-    asked = list(_inertias(model))
-    direct = {limit.value for limit in asked}
+    """Return `model` with the bounds that its bodies and contacts need, unless declared bounds imply them:
+    masses and moments of inertia are not negative, and no moment exceeds the sum of the two others; friction
+    is not negative, and a restitution is from 0 to 1."""
+    asked = [*_inertias(model), *_laws(model)]
+    direct = {limit.value: limit for limit in asked}
     parameters = tuple([
-        replace(p, minimum=0.0) if p.symbol in direct and p.minimum < 0.0 else p for p in model.parameters
+        replace(p, minimum=max(p.minimum, own.minimum), maximum=min(p.maximum, own.maximum))
+        if (own := direct.get(p.symbol)) is not None else p
+        for p in model.parameters
     ])  # fmt: skip
     known = {p.symbol: (p.minimum, p.maximum) for p in parameters}
     least = intervals([limit.value for limit in asked], known)
     found = [
         limit
         for limit in asked
-        if limit.value not in known and not least[limit.value][0] >= 0.0
+        if limit.value not in known and not _within(least[limit.value], limit)
         and symbols([limit.value]) <= known.keys()
     ]  # fmt: skip
     return replace(model, parameters=parameters, limits=(*model.limits, *found))
@@ -332,6 +335,20 @@ def _inertias(model: Model) -> Iterator[Limit]:
                     name = f"moments of inertia {others} - {k + 1} of {body.name}"
                     remedy = moments_remedy([text(x) for x in moments], k)
                     yield Limit(name, room, "kg.m2", 0.0, inf, body.span, remedy)
+
+
+def _laws(model: Model) -> Iterator[Limit]:
+    for contact in model.contacts:
+        numbers = (("restitution", contact.restitution, 1.0), ("friction", contact.friction, inf),
+                   ("static friction", contact.static, inf))  # fmt: skip
+        for name, node, most in numbers:
+            if node is not None and not node.is_const:
+                yield Limit(f"{name} of {contact.label}", node, "", 0.0, most, contact.span)
+
+
+def _within(values: tuple[float, float], limit: Limit) -> bool:
+    """Return whether an interval is within the bounds of a limit."""
+    return values[0] >= limit.minimum and values[1] <= limit.maximum
 
 
 def _part(x: Node) -> Node:

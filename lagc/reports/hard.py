@@ -98,7 +98,7 @@ def markdown(found: Hard, made: str) -> str:
 
 
 def _worst(own: list[Row], backend: str) -> str:
-    """The largest share of the figure among the rows of a group, and which rows failed or unmet."""
+    """The largest share of the figure among the rows of a group, and the cases that miss theirs."""
     rows = [row for row in own if row.backend == backend]
     shares = [
         v / f.most for row in rows if row.found for v, f in zip(row.found.values, row.case.figures) if v

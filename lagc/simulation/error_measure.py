@@ -51,12 +51,18 @@ def discrete_sizes(trajectory: Trajectory, interface: Interface) -> list[tuple[S
     ]
 
 
+def contacts_of(run: Trajectory) -> Sequence[tuple[float, int, int, float, float, float]]:
+    """Return what contacts did, as `ContactTrajectory` has it; nothing without contacts."""
+    found: Sequence[tuple[float, int, int, float, float, float]] = getattr(run, "contacts", ())
+    return found
+
+
 def jump_times(run: Trajectory) -> dict[object, list[float]]:
     """Return the times of jumps by what makes them: clauses `when`, and each contact between two rests. The
     end of ever shorter bounces is a jump of its own, since runs may follow more or fewer of them."""
     found: dict[object, list[float]] = {"when": [*run.jumps]}
     rests: dict[int, int] = {}
-    for t, contact, kind, _, _, end in getattr(run, "contacts", ()):
+    for t, contact, kind, _, _, end in contacts_of(run):
         key = (contact, rests.get(contact, 0))
         if kind == RESTS:
             found[(*key, kind)] = [end]
@@ -68,7 +74,7 @@ def jump_times(run: Trajectory) -> dict[object, list[float]]:
 
 def last_bounces(run: Trajectory) -> list[tuple[float, float]]:
     """The times between which a contact rests that would still bounce."""
-    return [(t, end) for t, _, kind, _, _, end in getattr(run, "contacts", ()) if kind == RESTS]
+    return [(t, end) for t, _, kind, _, _, end in contacts_of(run) if kind == RESTS]
 
 
 def between(a: Trajectory, b: Trajectory) -> frozenset[int]:

@@ -8,12 +8,12 @@ from math import log
 from time import perf_counter
 from typing import Any
 
-from lagc.base.records import dataclass
+from lagc.base.records import dataclass, replace
 from lagc.codegen.python.support.contacts import CLOSES, OPENS, RESTS, SLIPS, STICKS, STRIKES
 from lagc.diagnostics.faults import Refused
 from lagc.kernels import IMPLICIT, SERIES
 from lagc.lowering.program import Interface
-from lagc.simulation.error_measure import ComparisonGrid, last_bounces
+from lagc.simulation.error_measure import ComparisonGrid, contacts_of, last_bounces
 from lagc.simulation.global_error.equilibrium_start import locked, rests, trajectory_at_rest
 from lagc.simulation.global_error.verified_run import Verified, verified_run
 from lagc.simulation.initialization.initialize import begin, demand, strange_outputs
@@ -38,7 +38,7 @@ from lagc.simulation.verdict import Verdict, fixed_step_verdict, redundancy, ver
 
 Progress = Callable[[float], None]
 KINDS = {RESTS: "rests", CLOSES: "closes", OPENS: "opens", STICKS: "sticks", SLIPS: "slips"}
-MOST_EXACT = 1e-7  # coarsest accuracy for which a Taylor series may take less work
+COARSEST_SERIES = 1e-7  # accuracy for which a Taylor series may take less work
 LARGEST_SERIES = 600  # operations of a right-hand side
 LEAST_GAIN = 1.2  # work of the usual method over that of a series
 LANE = 0.5  # work of a term of a sum, in additions
@@ -71,11 +71,10 @@ def simulate(
     """Return the motion that `request` asks for, with the parameters of `system`.
 
     `start` is the initial state if it is known already; `spent` the wall time in s that the run has taken
-    so far.  `stiff` and `series` return the system with the
-    implicit methods and with those by power series, if they may be taken.  `progress` is called
-    with the time reached.  KeyboardInterrupt, raised in it or in a run, ends
-    the run with the results so far.  Raises Refused (LAG0604) if the request is invalid, NoStart if there
-    is no consistent initial state or no rate there."""
+    so far.  `stiff` and `series` return the system with the implicit methods and with those by power series,
+    if they may be taken.  `progress` is called with the time reached.  KeyboardInterrupt, raised in it or in
+    a run, ends the run with the results so far.  Raises Refused (LAG0604) if the request is invalid, NoStart
+    if there is no consistent initial state or no rate there."""
     began = perf_counter() - spent
     counted: Any = Counted(system)
     request = request.completed(system.interface.simulate)
@@ -98,7 +97,7 @@ def simulate(
         times=trajectory.times, states=trajectory.states, status=result.status, message=result.message,
         method=options.method, rtol=0.0 if options.step else options.rtol,
         atol=0.0 if options.step else options.atol, step=options.step,
-        asked=request.accuracy, estimated=result.estimated,
+        asked=request.accuracy, estimated=result.estimated, cut=result.cut,
         position_drift=trajectory.position_drift, velocity_drift=trajectory.velocity_drift,
         energy=energy(system, trajectory), notes=tuple(notes),
         open_reactions=open_reactions, error_bars=done.errors,
@@ -116,7 +115,7 @@ def simulate(
 def _events(system: System, trajectory: Trajectory) -> tuple[Event, ...]:
     """The events of relations and clauses, and those of contacts, in the order of time."""
     found = [Event(t, name) for t, k in trajectory.events for name in event_names(system, k)]
-    contacts = getattr(trajectory, "contacts", ())
+    contacts = contacts_of(trajectory)
     for t, k, kind, impulse, loss, end in contacts:
         name = system.interface.contacts[k].name
         if kind in (STRIKES, RESTS):
@@ -194,7 +193,7 @@ def _integrate(
         from lagc.simulation.global_error.quantity_errors import poorly_known
 
         notes += poorly_known(system, run, found.errors, request.accuracy)
-    verdict_ = Verdict(result.status, result.message, run, result.estimated)
+    verdict_ = replace(result, trajectory=run)
     return _Done(verdict_, found.options, found.tried, notes, tuple(found.errors))
 
 
@@ -211,7 +210,7 @@ def _chosen(
     small = (
         interface.operations <= LARGEST_SERIES and interface.solve == "straight" and not interface.contacts
     )
-    asked = series is not None and request.method is None and accuracy <= MOST_EXACT
+    asked = series is not None and request.method is None and accuracy <= COARSEST_SERIES
     given = (system, x, times, request, progress, stiff)
     try:
         return _verified(*given, LONG_RUN if asked and small else 0)

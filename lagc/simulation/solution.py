@@ -104,6 +104,7 @@ class Solution:
     events: tuple[Event, ...] = ()
     corners: tuple[tuple[float, list[float], list[float]], ...] = ()
     interrupted: bool = False
+    cut: bool = False  # the motion is not predictable beyond the last time
     backend_reason: str = ""  # why `auto` chose this backend
     sensitivities: Sensitivities | None = None
     _columns: dict[str, list[float]] = field(default_factory=dict, repr=False)

@@ -52,12 +52,14 @@ UNKNOWN = "the cause is not known"
 @dataclass(frozen=True, slots=True)
 class Verdict:
     """The result of a run. `status` is "ok", "terminated" or "failed"; `trajectory` is returned, and may be a
-    part of the one computed; `estimated` is its relative global error, None if it was not verified."""
+    part of the one computed; `estimated` is its relative global error, None if it was not verified. `cut`:
+    the motion is not predictable beyond its end."""
 
     status: str
     message: str
     trajectory: Trajectory
     estimated: float | None
+    cut: bool = False
 
 
 def verified_verdict(system: System, found: Verified, asked: float, stop: float) -> Verdict:
@@ -142,8 +144,8 @@ def _paradox(system: System, run: Trajectory) -> str:
     names = [contact.name for contact in system.interface.contacts]
     name = names[run.culprit] if 0 <= run.culprit < len(names) else names[0]
     at = ", ".join(f"{n} = {v:.6g}" for n, v in zip(system.interface.q_names[:MOST_NAMED], run.x))
-    return (f"the laws of contact have no solution, or several, where `{name}` touches ({at}): rigid bodies "
-            "do not decide how the motion goes on, or a restitution is not between 0 and 1")  # fmt: skip
+    return (f"the laws of contact have no solution, or several, where `{name}` touches ({at}): rigid "
+            "bodies do not decide how the motion goes on")  # fmt: skip
 
 
 def _left_out(system: System, clause: Clause) -> str:
@@ -249,7 +251,7 @@ def _until_horizon(
     message = f"the motion is predictable to {asked:g} only until t = {horizon:.6g} s: beyond it, {beyond}"
     events, corners = ([e for e in own if e[0] <= times[-1]] for own in (run.events, run.corners))
     cut = run.changed(times=times, states=states, t=times[-1], x=states[-1], events=events, corners=corners)
-    return Verdict("failed", message, cut, asked)
+    return Verdict("failed", message, cut, asked, cut=True)
 
 
 def _roundoff(found: Verified, asked: float) -> str:

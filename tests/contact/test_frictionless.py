@@ -320,3 +320,10 @@ def test_explain_lists_contacts_with_their_laws(capsys: pytest.CaptureFixture[st
     incline = capsys.readouterr().out
     assert "slope (line 16): n >= 0, restitution 0, friction mu, slip s'" in incline
     assert "discrete variables" not in incline and "while contacts are open" in incline
+
+
+@pytest.mark.parametrize("given, named", [("k", "`k`"), ("k/2", "restitution of floor")])
+def test_a_restitution_by_parameters_is_from_0_to_1(given: str, named: str) -> None:
+    model = _model(f"  parameter Real k = 3;\n  constraint floor: z >= 0 (restitution = {given});")
+    with pytest.raises(Refused, match=f"{named}.* above its maximum, 1"):
+        model.compile(backend="numpy").simulate(1.0)

@@ -4,23 +4,9 @@ from __future__ import annotations
 
 from math import asin, cos, inf, log, pi, sin, sqrt
 
-import numpy as np
-
 from lagc.simulation.system import Options
 from lagc.study.hard.case import Case, Figure, Found, Lab, how
-from lagc.study.hard.exact import double_pendulum
-
-
-def _kepler(t: np.ndarray, e: float) -> list[np.ndarray]:
-    """x, y, x', y' of the orbit with mu = a = 1 from the pericentre, by Newton on Kepler's equation."""
-    mean = np.remainder(t, 2.0 * pi)
-    anomaly = mean + e * np.sin(mean) / (1.0 - e + e * abs(mean - pi))  # any guess serves
-    for _ in range(200):
-        step = (anomaly - e * np.sin(anomaly) - mean) / (1.0 - e * np.cos(anomaly))
-        anomaly = anomaly - np.clip(step, -0.5, 0.5)
-    root, rate = sqrt(1.0 - e * e), 1.0 / (1.0 - e * np.cos(anomaly))
-    return [np.cos(anomaly) - e, root * np.sin(anomaly), -np.sin(anomaly) * rate,
-            root * np.cos(anomaly) * rate]  # fmt: skip
+from lagc.study.hard.exact import double_pendulum, kepler_orbit
 
 
 def kepler(lab: Lab) -> Found:
@@ -29,7 +15,7 @@ def kepler(lab: Lab) -> Found:
         run = lab.run(model, 20.0 * pi, accuracy=asked)
         found = [run[name] for name in ("x", "y", "der(x)", "der(y)")]
         sizes = [max(abs(found[k]).max(), abs(found[k + 1]).max()) for k in (0, 0, 2, 2)]
-        apart = [abs(f - x).max() for f, x in zip(found, _kepler(run.t, 0.9))]
+        apart = [abs(f - x).max() for f, x in zip(found, kepler_orbit(run.t, 0.9))]
         true = float(max(d / s for d, s in zip(apart, sizes)))
         below, above = max(below, true / run.estimated), max(above, run.estimated / true)
         truth = max(truth, true / asked)
