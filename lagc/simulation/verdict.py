@@ -103,6 +103,9 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
     if status == INCONSISTENT:
         return "failed", f"at {t} {_inconsistent(system, trajectory)}"
     if status == NOT_CONVERGED:
+        if "series" in system.interface.functions:
+            return "failed", (f"at {t} constraint equations depend on each other, which a power series does "
+                              "not follow: take dop853")  # fmt: skip
         return "failed", f"at {t} the equations of a step were not solved: ask for a shorter step"
     return "failed", _unfinished(system, trajectory, stop)
 

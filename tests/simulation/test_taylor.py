@@ -310,3 +310,10 @@ def test_a_default_run_takes_it_where_it_pays(
     )
     if method == "dop853":
         assert run.states == model.simulate(400.0, accuracy=accuracy, points=5, method="dop853").states
+
+
+def test_dependent_constraints_end_a_run_by_name() -> None:
+    """A ring of bars that is closed twice: the equations of all orders have no single solution."""
+    system = lagc.load("hard/four_bar_again").compile("closed_twice", backend="numpy")
+    run = system.simulate(1.0, method="taylor", rtol=1e-8)
+    assert run.status == "failed" and "depend on each other" in run.message and "dop853" in run.message

@@ -139,6 +139,9 @@ def begin_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
         scale *= SHORTENED
         status = expand(p, s.t, s.x, scale * a.direction, s, w)
         turns += 1
+    if NC > 0 or NM > 0:
+        if status == NOT_FINITE:
+            return NOT_CONVERGED
     if failed(status):
         return status
     if NC > 0 or NM > 0:
