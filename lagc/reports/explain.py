@@ -274,7 +274,7 @@ def _named(fact: Facts) -> str:
 def _coordinate_line(fact: Facts) -> str:
     line = str(fact["name"]) + (f" [{fact['unit']}]" if fact["unit"] else "")
     if fact["start"] is not None:
-        starts = "is looked for from" if fact["found"] else "starts at"
+        starts = "is computed, from the guess" if fact["found"] else "starts at"
         line += f" {starts} {quantity(fact['start'], fact['unit'])}{', held' if fact['fixed'] else ''}"
     if fact["kind"] != "scalar":
         line += f", {fact['kind']}"
@@ -386,7 +386,7 @@ def _count_text(facts: Facts) -> list[str]:
         lines.append(f"reactions that the equations leave open: {', '.join(facts['open_reactions'])}")
     if facts["unseen"]:
         rows = ", ".join(facts["unseen"])
-        lines.append(f"rows that a run in double precision cannot tell from others: {rows}")
+        lines.append(f"rows that double precision cannot distinguish from others: {rows}")
     return _section("count", lines)
 
 
@@ -433,9 +433,9 @@ def _operations_text(facts: Facts, verbose: bool) -> list[str]:
     how = {"straight": "with its linear solve", "looped": "before its linear solve"}[operations["solve"]]
     lines = [f"one right-hand side: {operations['right_hand_side']}, {how}"]
     if operations["watching"]:
-        lines.append(f"{operations['watching']} more, to see what the solve leaves, where a pivot is small")
+        lines.append(f"{operations['watching']} more where a pivot is small, for the residual of the solve")
     if operations["lifted"]:
-        unknowns = f"{operations['lifted']} velocities that others are made of are unknowns of the solve"
+        unknowns = f"{operations['lifted']} intermediate velocities are unknowns of the solve"
         lines.append(f"{unknowns}: fewer operations than with the mass matrix")
     if operations["preparation"]:
         lines.append(f"once, of the parameters alone: {operations['preparation']}")

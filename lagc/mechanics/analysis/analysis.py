@@ -155,7 +155,7 @@ def _kinds(equations: EquationsOfMotion, integrable: Integrable) -> list[RowKind
         closed = holonomic or not row.linear or row.label in integrable.open
         answer: bool | None = None if closed else row.label in integrable.rows
         if holonomic:
-            why = "it is about positions"
+            why = "a relation between positions"
         elif not row.linear:
             why = "it is not affine in the rates"
         elif row.label in integrable.open:
