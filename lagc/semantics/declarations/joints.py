@@ -93,10 +93,10 @@ def _pair(context: Context, joint: Joint, a: Pose, b: Pose) -> list[Row]:
     drawn = joint.axes()
     one, other = ({axis: pose.along(e) for axis, e in drawn.items()} for pose in (a, b))
     apart = sub(b.attached(at), a.attached(at))
-    held = [axis for axis in "xyz" if axis not in kind.slides and (axis != "z" or joint.name != "Screw")]
+    held = [axis for axis in "xyz" if axis not in kind.slides and not (kind.helical and axis == "z")]
     rows = [(dot(one[axis], apart), "m") for axis in held]
     rows += [(dot(one[pair[0]], other[pair[1]]), "") for pair in _SQUARE.get(kind.turns, ())]
-    if joint.name == "Screw":  # the sine of the turn that the advance means, less the turn
+    if kind.helical:  # the sine of the turn that the advance means, less the turn
         turn = TWO_PI * dot(one["z"], apart) / joint.number("pitch", M)
         sine, cosine = context.graph.sin(turn), context.graph.cos(turn)
         rows.append((sine * dot(one["x"], other["x"]) - cosine * dot(one["y"], other["x"]), ""))

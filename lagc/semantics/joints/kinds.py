@@ -17,13 +17,15 @@ NO_TURN, ABOUT_Z, ABOUT_Z_AND_X, ANY_TURN = range(4)
 
 @dataclass(frozen=True, slots=True)
 class Pair:
-    """A pair of bodies: `slides` are coordinates by axis, `turns` those of the rotation."""
+    """A pair of bodies: `slides` are coordinates by axis, `turns` those of the rotation. In a `helical` pair
+    the turn about z slides the body along z, by the pitch each time round."""
 
     parameters: tuple[str, ...]
     required: int
     slides: Mapping[str, str] = field(default_factory=dict)
     turns: int = NO_TURN
     angles: tuple[str, ...] = ()
+    helical: bool = False
 
     @property
     def coordinates(self) -> dict[str, str]:
@@ -52,7 +54,7 @@ KINDS: dict[str, Pair | Condition] = {
     "Revolute": Pair(_AXIS, 4, turns=ABOUT_Z, angles=("angle",)),
     "Prismatic": Pair(_AXIS, 3, _SLIDE),
     "Cylindrical": Pair(_AXIS, 4, _SLIDE, ABOUT_Z, ("angle",)),
-    "Screw": Pair((*ENDS, "axis", "at", "pitch", "along"), 5, turns=ABOUT_Z, angles=("angle",)),
+    "Screw": Pair((*ENDS, "axis", "at", "pitch", "along"), 5, turns=ABOUT_Z, angles=("angle",), helical=True),
     "Spherical": Pair(_POINT, 3, turns=ANY_TURN),
     "Universal": Pair(_AXIS, 5, turns=ABOUT_Z_AND_X, angles=("angle1", "angle2")),
     "Planar": Pair(_AXIS, 4, _XY, ABOUT_Z, ("angle",)),

@@ -255,7 +255,7 @@ class Linkage:
             orientation = joint.coordinate("orientation")
             assert isinstance(orientation, Orientation)
             frame = oriented(self.context, frame, orientation)
-        if joint.name == "Screw":
+        if kind.helical:
             advance = joint.number("pitch", M) / TWO_PI * (sense * joint.scalar("angle"))
             now = add(now, scale(advance, pose.along(axes["z"])))
         moved = Pose(frame, at, now)
