@@ -29,6 +29,7 @@ SAVED = {  # under the names that the text around gives them
     "pendulum.lag": ("README.md", "SimplePendulum"),
     "swing.lag": ("docs/tutorial.md", "Swing"),
     "arm.lag": ("docs/tutorial.md", "Arm"),
+    "thrown.lag": ("docs/tutorial.md", "Thrown"),
     "cart_pole.lag": (EMBEDDED, "CartPole"),
     "ladder.lag": ("docs/how-to/initial-conditions.md", "Ladder"),
     "servo.lag": ("docs/how-to/inputs-and-tables.md", "Servo"),
@@ -95,7 +96,8 @@ def test_commands_run_as_printed_there(saved: Path, document: str) -> None:
             assert main([*shlex.split(line, comments=True)[1:], "--no-color"]) == 0, line
 
 
-COMMANDS = ["check", "fmt", "explain", "equations", "sim", "linearize", "build", "new", "cache"]
+COMMANDS = ["check", "fmt", "explain", "equations", "sim", "cost", "compare", "effects", "hard", "linearize"]
+COMMANDS += ["build", "new", "cache"]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
