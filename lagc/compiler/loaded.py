@@ -11,7 +11,7 @@ from lagc.base.records import RLock, once
 from lagc.compiler.pipeline import Compilation
 from lagc.diagnostics.faults import Refused
 from lagc.host.budgets import running
-from lagc.kernels import IMPLICIT, SERIES
+from lagc.kernels import DEFAULT_METHOD, IMPLICIT, SERIES
 from lagc.simulation.system import System
 
 if TYPE_CHECKING:
@@ -27,15 +27,16 @@ FOLLOWING = 50.0  # runs that a second run of a model lets expect
 
 class Loaded:
     """The code of a model, compiled and loaded, for all systems with different parameters. `artifact` is that
-    of the backend `first`; `seconds` is the time of compilation so far.  Pickles without the loaded code: on
-    another machine, another backend may come first."""
+    of the backend `first`; `seconds` is the time of compilation so far.  It has one method of integration;
+    `root` is that with the default method.  Pickles without the loaded code: on another machine, another
+    backend may come first."""
 
-    def __init__(self, compilation: Compilation, backend: str):
+    def __init__(self, compilation: Compilation, backend: str, root: Loaded | None = None):
         self.compilation, self.asked = compilation, backend
         self.lock = RLock()
         self.systems: dict[str, System] = {}
-        self.implicit: Loaded | None = None  # with the implicit methods
-        self.expanded: Loaded | None = None  # with those by power series
+        self.root = root or self
+        self.others: dict[str, Loaded] = {}  # of a root, by method
         self.followers: dict[str, System] = {}  # with what sensitivities need
         self.numpy_s = 0.0  # the longest run of `auto` in NumPy so far
         began = perf_counter()
@@ -44,13 +45,11 @@ class Loaded:
         self.seconds = perf_counter() - began
 
     def __getstate__(self) -> dict[str, object]:
-        kept = ("compilation", "asked", "first", "artifact", "seconds")
+        kept = ("compilation", "asked", "first", "artifact", "seconds", "root")
         return {name: getattr(self, name) for name in kept}
 
     def __setstate__(self, state: dict[str, object]) -> None:
-        vars(self).update(
-            state, lock=RLock(), systems={}, numpy_s=0.0, followers={}, implicit=None, expanded=None
-        )
+        vars(self).update(state, lock=RLock(), systems={}, numpy_s=0.0, followers={}, others={})
         self.preferred = self._preferred()
 
     @property
@@ -71,7 +70,8 @@ class Loaded:
 
                 began = perf_counter()
                 artifact = self.artifact if backend == self.first else self.compilation.artifact(backend)
-                self.systems[backend] = load(artifact.interface, artifact.sources, backend, artifact.code)
+                found = load(artifact.interface, artifact.sources, backend, artifact.code, self._another)
+                self.systems[backend] = found
                 self.seconds += perf_counter() - began
             return self.systems[backend]
 
@@ -100,27 +100,19 @@ class Loaded:
                     self.followers[wanted] = Loaded(self.compilation.sensitive, "numpy").system("numpy")
             return self.followers[wanted]
 
-    def with_implicit(self) -> Loaded:
-        """The same model with the implicit methods."""
-        with self.lock:
-            if self.implicit is None:
-                self.implicit = Loaded(self.compilation.implicit, self.asked)
-            return self.implicit
+    def taking(self, method: str) -> Loaded:
+        """The same model with this method of integration."""
+        root = self.root
+        if method == DEFAULT_METHOD:
+            return root
+        with root.lock:
+            if method not in root.others:
+                root.others[method] = Loaded(self.compilation.taking(method), self.asked, root)
+            return root.others[method]
 
-    def with_series(self) -> Loaded:
-        """The same model with the methods by power series."""
-        with self.lock:
-            if self.expanded is None:
-                self.expanded = Loaded(self.compilation.expanded, self.asked)
-            return self.expanded
-
-    def implicit_system(self, backend: str) -> System:
-        """The system of `backend` with the implicit methods."""
-        return self.with_implicit().system(backend)
-
-    def series_system(self, backend: str) -> System:
-        """The system of `backend` with the methods by power series."""
-        return self.with_series().system(backend)
+    def _another(self, backend: str, method: str) -> System:
+        """The system of `backend` with this method."""
+        return self.taking(method).system(backend)
 
     def simulate(
         self, request: Request, parameters: Sequence[float], progress: Progress | None = None
@@ -129,10 +121,9 @@ class Loaded:
         before in this process and compiling takes less time than fifty such runs.  Otherwise the run starts
         in NumPy, and changes to C when it has taken as long as compiling would."""
         request.completed(self.artifact.interface.simulate)  # refuses before anything is compiled
-        if request.method in IMPLICIT and not self.artifact.interface.stiff:
-            return self.with_implicit().simulate(request, parameters, progress)
-        if request.method in SERIES and not self.artifact.interface.expands:
-            return self.with_series().simulate(request, parameters, progress)
+        own = self.taking(request.method or DEFAULT_METHOD)
+        if own is not self:
+            return own.simulate(request, parameters, progress)
         if self.asked != "auto":
             return self._run(self.asked, request, parameters, progress)
         from lagc.simulation.backends.compile import CannotCompile
@@ -185,8 +176,8 @@ class Loaded:
 
         system = self.system(backend).bind(parameters)
         try:
-            implicit = None if request.sensitivity else partial(self.implicit_system, backend)
-            series = None if request.sensitivity else partial(self.series_system, backend)
+            implicit, series = [None if request.sensitivity else partial(self._another, backend, method)
+                                for method in (IMPLICIT[0], SERIES[0])]  # fmt: skip
             found = simulate(system, request, self.seconds, running(progress), start, spent, implicit, series)
         except NoStart as error:
             raise self._with_places(error) from None

@@ -28,7 +28,7 @@ from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host import cache
 from lagc.host.budgets import stage
 from lagc.host.model_library import folder_of
-from lagc.kernels import EXPLICIT, IMPLICIT, METHODS, SERIES
+from lagc.kernels import DEFAULT_METHOD, EXPLICIT, IMPLICIT, METHODS, SERIES
 from lagc.lowering.program import Field
 from lagc.simulation.request import Given, Quantity
 
@@ -189,7 +189,7 @@ class Compilation:
     threads.  Pickles as source and choice, with what was `read` of other files.  `look` is called with the
     resolved model and may refuse it."""
 
-    variant = ""  # of the program: "derivatives"; what "sensitivities", "implicit" methods or "series" need
+    variant = ""  # of the program: "derivatives", "sensitivities", or a method besides the default one
 
     def __init__(
         self, source: Source, choice: Choice, roots: tuple[str, ...] = (), read: Head | None = None,
@@ -197,6 +197,7 @@ class Compilation:
     ):  # fmt: skip
         self.source, self.choice, self.roots, self.read, self.look = source, choice, roots, read, look
         self.lock = RLock()
+        self.others: dict[str, Compilation] = {}  # by method
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.source, self.choice, self.roots, self.read)
@@ -229,8 +230,9 @@ class Compilation:
     @once
     def program(self) -> Program:
         """The program for a run, which also integrates the work of non-conservative forces."""
-        differentiate, sensitive, stiff, expand = (self.variant == name for name in VARIANTS)
-        work = stiff or expand or not self.variant
+        differentiate, sensitive = (self.variant == name for name in DERIVED)
+        stiff, expand = self.variant in IMPLICIT, self.variant in SERIES
+        work = not (differentiate or sensitive)
         return optimize(self.equations, work, differentiate, sensitive, stiff, expand)
 
     @once
@@ -243,15 +245,12 @@ class Compilation:
         """The same choice with what sensitivities of a run need."""
         return _Variant(self, "sensitivities")
 
-    @once
-    def implicit(self) -> Compilation:
-        """The same choice with what implicit methods need."""
-        return _Variant(self, "implicit")
-
-    @once
-    def expanded(self) -> Compilation:
-        """The same choice with what methods by power series need."""
-        return _Variant(self, "series")
+    def taking(self, method: str) -> Compilation:
+        """The same choice with code for this method of integration."""
+        if method == DEFAULT_METHOD:
+            return self
+        with self.lock:
+            return self.others.setdefault(method, _Variant(self, method))
 
     def artifact(self, target: str) -> Artifact:
         """The compiled model for `target`, from the cache, or compiled now and stored."""
@@ -285,7 +284,8 @@ class Compilation:
 
     @_uncollected
     def _compiled(self, target: str) -> Artifact:
-        program = self.program
+        methods = () if self.variant in DERIVED else (self.variant or DEFAULT_METHOD,)
+        program = replace(self.program, interface=replace(self.program.interface, methods=methods))
         sources = render(program, target, complete=False)
         artifact = Artifact(
             interface=program.interface,
@@ -299,7 +299,7 @@ class Compilation:
         return artifact
 
 
-VARIANTS = ("derivatives", "sensitivities", "implicit", "series")
+DERIVED = ("derivatives", "sensitivities")
 
 
 class _Variant(Compilation):
@@ -318,7 +318,8 @@ class _Variant(Compilation):
     @once
     def model(self) -> Model:
         found = self.base.model
-        refuse_contacts(found, self.variant)
+        if self.variant not in EXPLICIT:
+            refuse_contacts(found, self.variant)
         return with_held(found) if self._holds else found
 
     @once
@@ -329,22 +330,28 @@ class _Variant(Compilation):
     @property
     def _holds(self) -> bool:
         """Whether discrete variables are inputs: a run by another method changes them."""
-        return bool(self.base.model.discretes) and self.variant not in ("implicit", "series")
+        return bool(self.base.model.discretes) and self.variant in DERIVED
+
+    @once
+    def program(self) -> Program:
+        return self.base.program if self.variant in EXPLICIT else super().program
 
     @once
     def differentiated(self) -> Compilation:
         return self.base.differentiated
+
+    def taking(self, method: str) -> Compilation:
+        return self.base.taking(method)
 
 
 def refuse_contacts(model: Model, variant: str) -> None:
     """Raise Refused (LAG0623) if a model has one-sided constraints, which no variant follows."""
     if model.contacts:
         asked = {"derivatives": "linear models and derivatives", "sensitivities": "sensitivities",
-                 "implicit": "implicit methods, such as radau5,"}  # fmt: skip
-        what = asked.get(variant, "methods by power series, such as taylor,")
-        message = f"{what} do not follow the one-sided constraint `{model.contacts[0].name}` yet"
-        runs = variant in ("implicit", "series")
-        other = "take dop853" if runs else "compare runs with values that differ a little"
+                 **dict.fromkeys(IMPLICIT, "implicit methods, such as radau5,"),
+                 **dict.fromkeys(SERIES, "methods by power series, such as taylor,")}  # fmt: skip
+        message = f"{asked[variant]} do not follow the one-sided constraint `{model.contacts[0].name}` yet"
+        other = "compare runs with values that differ a little" if variant in DERIVED else "take dop853"
         remedy = f"{other}, or write it with `=` where it always touches"
         raise Refused([Fault("LAG0623", message, model.contacts[0].span, remedy=remedy)])
 

@@ -11,7 +11,7 @@ from typing import Any
 from lagc.base.records import dataclass, replace
 from lagc.codegen.python.support.contacts import CLOSES, OPENS, RESTS, SLIPS, STICKS, STRIKES
 from lagc.diagnostics.faults import Refused
-from lagc.kernels import IMPLICIT, SERIES
+from lagc.kernels import DEFAULT_METHOD, IMPLICIT, SERIES
 from lagc.lowering.program import Interface
 from lagc.simulation.error_measure import ComparisonGrid, contacts_of, last_bounces
 from lagc.simulation.global_error.equilibrium_start import locked, rests, trajectory_at_rest
@@ -251,12 +251,12 @@ def _verified(
     assert request.accuracy is not None
     given = (x, times, request.accuracy, progress, request.max_step)
     if stiff is None or request.method is not None or not system.nz or system.interface.contacts:
-        return system, verified_run(system, *given, request.method, 0, long), []
+        return system, verified_run(system, *given, request.method or DEFAULT_METHOD, 0, long), []
     from lagc.simulation.supervision import StabilityLimited, is_limited
 
     explicit = None
     try:
-        explicit = verified_run(system, *given, None, -1, long)
+        explicit = verified_run(system, *given, DEFAULT_METHOD, -1, long)
         run = next((run for run in explicit.tried if is_limited(run)), None)
         reached = explicit.estimated <= request.accuracy or explicit.trajectory.status == INTERRUPTED
         if run is None or reached or run.t == times[0]:
@@ -285,7 +285,7 @@ def _rest(system: System, x: list[float], times: Sequence[float]) -> tuple[list[
 
 def by_hand(request: Request) -> Options:
     """The options of a manual run: a fixed step, or tolerances."""
-    method = request.method or "dop853"
+    method = request.method or DEFAULT_METHOD
     if request.step is not None:
         return Options(method=method, step=request.step, max_steps=0, report=True)
     rtol = RTOL if request.rtol is None else request.rtol

@@ -66,10 +66,16 @@ def consistent(name: str, system: System) -> list[float]:
     return x + [0.0] * (system.nx - len(x))
 
 
+def taking(system: Any, options: Options) -> Any:
+    """The system whose code has the method of `options`."""
+    return system.compiled.other(options.method, system.parameters) or system
+
+
 class InPython:
     """The generated module's equations; `work` is the equations that several states may share."""
 
     def __init__(self, system: Any, options: Options, t: float, x: list[float], work: Any = None):
+        system = taking(system, options)
         self.work = system.equations() if work is None else work
         self.p: list[float] = list(system.parameters)
         self.nc = system.nc
@@ -113,6 +119,7 @@ class InC:
     """The functions of the header."""
 
     def __init__(self, system: Any, options: Options, t: float, x: list[float], work: Any = None):
+        system = taking(system, options)
         self.library = library(system.model.sources)
         self.prefix, self.nx, self.nc = prefix(system.interface.model), system.nx, system.nc
         self.work = system.model.work() if work is None else work

@@ -10,6 +10,7 @@ import pytest
 from lagc.simulation.system import MAX_STEPS, OK, STEP_UNDERFLOW, Options
 from tests.simulation.driven import MODELS, consistent, model, stepper, stepper_of
 from tests.simulation.linkages import four_bar
+from tests.simulation.scaled import system
 from tests.simulation.test_generated import BACKENDS, build, needs_compiler
 
 pytestmark = pytest.mark.usefixtures("own_cache")
@@ -299,7 +300,8 @@ def test_options_may_change_too(name: str, backend: str) -> None:
 
 @needs_compiler
 def test_the_method_may_change_too() -> None:
-    run = stepper("Cart", "c", Options(rtol=1e-9, atol=1e-9))
+    both = system(model("Cart", "c").program, "c")  # with all explicit methods
+    run = stepper_of(both, Options(rtol=1e-9, atol=1e-9), consistent("Cart", both))
     for k in range(1, 21):
         run.options.method = k % 2
         assert run.advance(0.05 * k) == OK

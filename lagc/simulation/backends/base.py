@@ -12,15 +12,27 @@ from lagc.lowering.program import Interface
 from lagc.simulation.system import System, Vector
 
 Branch: TypeAlias = Any  # the modes of all relations, in the form of the backend
+Another: TypeAlias = "Callable[[str, str], System]"  # from a backend and a method
 
 
 class Compiled(ABC):
     """A compiled model; immutable, for any number of threads. Pickles as its interface and its text.  The
-    code is loaded when it is first needed."""
+    code is loaded when it is first needed.  It may have a few methods of integration only: `another` returns
+    the system with another one."""
+
+    backend: str
 
     def __init__(self, interface: Interface, sources: Mapping[str, str]):
         self.interface, self.sources = interface, sources
+        self.another: Another | None = None
         self.lock = RLock()
+
+    def other(self, method: str, values: Sequence[float]) -> System | None:
+        """The system with the array p = `values` and a method that this code lacks; None if it has it."""
+        methods = self.interface.methods
+        if self.another is None or not methods or method in methods:
+            return None
+        return self.another(self.backend, method).bind(values)
 
     @abstractmethod
     def bind(self, values: Sequence[float], branch: Branch | None = None) -> System:
@@ -32,7 +44,7 @@ class Compiled(ABC):
         return [float("nan") if f.value is None else f.value for f in fields]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.interface, dict(self.sources))
+        return _restored, (type(self), self.interface, dict(self.sources), self.another)
 
     def __copy__(self) -> Compiled:
         return self
@@ -159,6 +171,14 @@ class CompiledSystem(ABC):
 
     def __deepcopy__(self, _: object) -> CompiledSystem:
         return self
+
+
+def _restored(
+    kind: type[Compiled], interface: Interface, sources: Mapping[str, str], another: Another | None
+) -> Compiled:
+    found = kind(interface, sources)
+    found.another = another
+    return found
 
 
 def _bound(compiled: Compiled, values: Sequence[float], branch: Branch | None) -> System:

@@ -55,6 +55,8 @@ _RESULTS: dict[str, Any] = {
 class CModel(Compiled):
     """The shared library; compiled when it is first needed, unless it is in the cache."""
 
+    backend = "c"
+
     @once
     def functions(self) -> dict[str, Any]:
         """The functions by their names in the header, without the prefix.  Raises CannotCompile."""
@@ -224,6 +226,9 @@ class CSystem(CompiledSystem):
         direction: int = 0,
     ) -> Trajectory:
         options.check()
+        other = self.compiled.other(options.method, self._values)
+        if other is not None:
+            return other.integrate(options, t0, x0, times, progress, direction)
         nx, n, call, work = self.nx, len(times), self.model.functions, self.model.work()
         room = ctypes.create_string_buffer(call["state_size"]())
         state = self.model.state.from_buffer(room)

@@ -47,6 +47,8 @@ ROOM = (
 class NumpyModel(Compiled):
     """The generated module; `code` is its compiled text, if it is known."""
 
+    backend = "numpy"
+
     def __init__(self, interface: Interface, sources: Mapping[str, str], code: Sequence[CodeType] = ()):
         super().__init__(interface, sources)
         self.code = code
@@ -274,6 +276,10 @@ class NumpySystem(CompiledSystem):
         progress: Callable[[float], None] | None = None,
         direction: int = 0,
     ) -> Trajectory:
+        other = self.compiled.other(options.method, self._values)
+        if other is not None:
+            return other.integrate(options, t0, x0, times, progress, direction)
+
         def run(tell: Callable[[float], None] | None, clock: Callable[[], float] | None = None) -> Trajectory:
             integrate = self.model.module["_integrate"]
             done: Trajectory = integrate(self.equations(), options, t0, list(x0), list(times), tell, clock)

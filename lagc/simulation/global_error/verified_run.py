@@ -21,6 +21,7 @@ from lagc.base.records import dataclass, field, names
 from lagc.base.text import FINEST
 from lagc.host import cache
 from lagc.host.cache import tool_fingerprint
+from lagc.kernels import DEFAULT_METHOD
 from lagc.kernels.integrators.tableaus import order
 from lagc.simulation.error_measure import Sizes, difference, discrete_sizes, moving, sizes
 from lagc.simulation.global_error.truncation import SAFETY, Truncation, is_tied, plain
@@ -108,10 +109,6 @@ class Verified:
     errors: list[float] = field(default_factory=list)
 
 
-def method_for(accuracy: float) -> str:
-    return "dopri5" if accuracy >= 1e-5 else "dop853"
-
-
 def verified_run(
     system: System,
     x0: Sequence[float],
@@ -119,7 +116,7 @@ def verified_run(
     accuracy: float,
     progress: Progress | None = None,
     max_step: float | None = None,
-    method: str | None = None,
+    method: str = DEFAULT_METHOD,
     most: int = 0,
     long: float = 0.0,
 ) -> Verified:
@@ -128,7 +125,7 @@ def verified_run(
     StabilityLimited where `most` is negative and stability limits the steps of a long run, and LongRun where
     the first run would be smooth and have `long` steps or more (0: never).  A remembered run
     is repeated with its tolerance, and accepted if it ends at the same state."""
-    given = (system, x0, times, accuracy, progress, max_step, method or method_for(accuracy), most, long)
+    given = (system, x0, times, accuracy, progress, max_step, method, most, long)
     search = _Search(*given)
     chosen_among = f"{search.method} below {long} steps" if long else search.method
     name = name_of(system, x0, times, accuracy, chosen_among, max_step)
