@@ -44,6 +44,7 @@ FILES = (
     "integrators/stiffness",
     "integrators/error_weights",
     "integrators/roundoff",
+    "events/late_indicators",
     "events/modes",
     "contact/indicators",
     "events/location",

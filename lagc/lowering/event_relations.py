@@ -29,7 +29,8 @@ from lagc.symbolic.walk import depends, missing, symbols, union
 _RELATIONS = smooth_as(CORNER, STEP)
 _COUNTING = ("floor", "piece")
 _POWERS = ("pow", "sqrt")  # undefined below zero
-_TIME, _MOVES, _MODES = 1, 2, 4  # time; what states move; modes of relations without a slope
+# Time; what states move; modes of relations without a slope; accelerations and reactions
+_TIME, _MOVES, _MODES, _LATE = 1, 2, 4, 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,25 +47,32 @@ class EventRelation:
     slope: Node | None
     words: str
     aside: bool = False  # clauses `when` alone ask for it
+    late: bool = False  # accelerations or reactions decide it
 
 
 def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[EventRelation, ...]]:
     """Return the equations along a step and their relations, those with a slope first. A relation depends on
     the modes of relations before it."""
-    changing = [equations.time, *equations.q, *equations.v]
     conditions = [when.condition for when in equations.whens]
-    moved = depends([*deciding(equations), *conditions], changing)
+    late = frozenset(symbols(conditions) & {*equations.a, *equations.lam, *_forces(equations)})
+    changing = [equations.time, *equations.q, *equations.v]
+    moved = depends([*deciding(equations), *conditions], [*changing, *late])
     relation_functions = sorted(
         (node for node in moved if node.op in _RELATIONS), key=lambda node: node.index
     )
     if not relation_functions and not equations.contacts:
         return equations, ()
-    made = _Freezing(equations.graph, frozenset(changing), equations.time, relation_functions)
+    made = _Freezing(equations.graph, frozenset(changing), late, equations.time, relation_functions)
     found = _with(equations, made)
     whens = [replace(x, condition=node) for x, node in zip(equations.whens, made.all(conditions))]
     found = replace(found, whens=tuple(whens))
-    ordered = sorted(_used(found, made.relations), key=lambda relation: relation.slope is None)
+    ordered = sorted(_used(found, made.relations), key=lambda one: (one.slope is None, one.late))
     return found, (*ordered, *_touching(found, len(made.relations)))
+
+
+def _forces(equations: EquationsOfMotion) -> list[Node]:
+    """Return the symbols of the forces of contacts."""
+    return [contact.multiplier for contact in equations.contacts]
 
 
 def _touching(equations: EquationsOfMotion, count: int) -> list[EventRelation]:
@@ -98,13 +106,19 @@ def _used(equations: EquationsOfMotion, relations: Sequence[EventRelation]) -> l
 
 class _Freezing:
     def __init__(
-        self, graph: Graph, changing: frozenset[Node], time: Node, relation_functions: Sequence[Node]
+        self,
+        graph: Graph,
+        changing: frozenset[Node],
+        late: frozenset[Node],
+        time: Node,
+        relation_functions: Sequence[Node],
     ) -> None:
         self.graph = graph
         self.known: dict[Node, Node] = {}
         self.modes: dict[Node, Node] = {}  # by what they stand for
         self.relations: list[EventRelation] = []
         self._kinds = dict.fromkeys(changing, _MOVES)  # of what nodes are made of
+        self._kinds.update(dict.fromkeys(late, _MOVES | _LATE))
         self._kinds[time] = _TIME
         self._time = time
         self._ranges: dict[Node, Interval] = {}
@@ -127,7 +141,7 @@ class _Freezing:
         return [known[node] for node in nodes]
 
     def _kind(self, node: Node) -> int:
-        """Which of _TIME, _MOVES and _LOOSE it is made of."""
+        """Which of _TIME, _MOVES, _MODES and _LATE it is made of."""
         kinds = self._kinds
         for below in missing([node], kinds):
             kinds[below] = union(kinds[a] for a in below.args)
@@ -224,9 +238,10 @@ class _Freezing:
         return self.graph.symbol("mode", str(len(self.relations)))
 
     def _found(self, relation: EventRelation) -> None:
+        late = self._kind(relation.side) & _LATE
         self.modes[relation.own] = relation.mode
-        self.relations.append(relation)
-        self._kinds[relation.mode] = _MODES if relation.slope is None else 0
+        self.relations.append(replace(relation, late=late > 0))
+        self._kinds[relation.mode] = late | _MODES if relation.slope is None else 0
 
     def _slope(self, side: Node) -> Node | None:
         """Return the slope of an indicator that is affine in time and depends on nothing else that varies but

@@ -95,6 +95,7 @@ def interface(
         dropped=dropped,
         relations=tuple([relation.words for relation in relations]),
         counted_relations=tuple([int(relation.edges is not None) for relation in relations]),
+        late_relations=sum(relation.late for relation in relations),
         timed_relations=sum(1 for relation in relations if relation.slope is not None),
         relations_aside=tuple([int(relation.aside) for relation in relations]),
         timed=flowing or ("indicators" in functions and _timed(functions["indicators"])),
@@ -257,7 +258,7 @@ def _digest(interface: Interface, functions: Mapping[str, Function]) -> str:
     """A hash of all that makes a result: no file names, no places."""
     texts = []
     for name in names(Interface):
-        absent = name == "contacts" and not interface.contacts
+        absent = name in ("contacts", "late_relations") and not getattr(interface, name)
         if name not in _UNHASHED and not absent and (interface.discretes or name not in _OF_DISCRETES):
             value = getattr(interface, name)
             if name in ("parameters", "inputs", "outputs", "limits", "discretes"):

@@ -225,6 +225,7 @@ class Interface:
     features: int = 0  # terms that may be narrow
     contacts: tuple[Contact, ...] = ()  # one-sided constraints: the last of `discretes` and of `relations`
     poles: int = 0  # divisors that may come near zero
+    late_relations: int = 0  # those that accelerations or reactions decide, before those of contacts
     timed_relations: int = 0  # the first ones, which time alone changes, when is known
     timed: bool = False  # the rates, or when they change, depend on time itself
     flowing: bool = False  # the rates do between changes

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.mechanics.balance.energy import energies
 from lagc.mechanics.balance.generalized_forces import Acting, act
-from lagc.mechanics.balance.outputs import output_equations
+from lagc.mechanics.balance.outputs import of_motion, output_equations
 from lagc.mechanics.formulation.constraints import Classified, classify
 from lagc.mechanics.formulation.contacts import contact_rows
 from lagc.mechanics.formulation.equations import Contribution, EquationsOfMotion, Row, WhenEquations
@@ -19,13 +19,15 @@ from lagc.mechanics.formulation.states import States, build_states
 from lagc.semantics.model import Model, Potential
 from lagc.symbolic.derivative import seeds
 from lagc.symbolic.graph import Node
+from lagc.symbolic.leaves import QUANTITIES
 from lagc.symbolic.operators import CORNER, STEP, smooth_as
-from lagc.symbolic.walk import depends
+from lagc.symbolic.walk import depends, symbols
 
 if TYPE_CHECKING:
     from lagc.mechanics.redundancy.redundancy import Dropped
 
 _RELATIONS = smooth_as(STEP, CORNER)
+_OF_MOTION = ("acceleration", "multiplier", *QUANTITIES)
 
 
 def derive(model: Model) -> EquationsOfMotion:
@@ -42,7 +44,10 @@ def derive(model: Model) -> EquationsOfMotion:
     bias = added(graph, [states.to_speeds(inertial), free.bias])
     given = added(graph, [x.contribution.forces for x in acting])
     initial = [c.residual for c in model.initial_conditions]
-    zero = graph.zero
+    zero, labels = graph.zero, [x.label for x in dropped]
+    conditions = [when.condition for when in model.whens]
+    if any(symbol.record.kind in _OF_MOTION for symbol in symbols(conditions)):
+        conditions = of_motion(conditions, states, parts, acting, free, totals, labels)
     kept = tuple([x.row for x in classified])
     contributions = tuple([x.contribution for x in acting])
     return EquationsOfMotion(
@@ -72,8 +77,8 @@ def derive(model: Model) -> EquationsOfMotion:
         starts_v=states.starts_v,
         stated_rates=states.stated_rates,
         initial_conditions=tuple(zip(states.in_speeds(initial), [c.span for c in model.initial_conditions])),
-        whens=(*when_equations(states), *stops),
-        outputs=output_equations(states, parts, acting, free, totals, [x.label for x in dropped]),
+        whens=(*when_equations(states, conditions), *stops),
+        outputs=output_equations(states, parts, acting, free, totals, labels),
         contacts=contact_rows(states),
         rates=states.rates,
         dropped=tuple([x.reason for x in dropped]),
@@ -147,11 +152,12 @@ def _loads(
     return {node: weight for node, weight in found.items() if node in moving}
 
 
-def when_equations(states: States) -> tuple[WhenEquations, ...]:
-    """Raises Refused (LAG0427) where a new value is given to what is no state."""
+def when_equations(states: States, conditions: Sequence[Node]) -> tuple[WhenEquations, ...]:
+    """Return the clauses with these conditions, in t, q, v, a, lam. Raises Refused (LAG0427) where a new
+    value is given to what is no state."""
     discretes = [variable.symbol for variable in states.model.discretes]
     known, faults, found = {*states.q, *states.v, *discretes}, [], []
-    for clause in states.model.whens:
+    for clause, asked in zip(states.model.whens, conditions):
         for symbol, _ in clause.changes:
             if symbol not in known:
                 given = ", ".join([f"`{v.record.name}`" for v in states.v])
@@ -163,7 +169,7 @@ def when_equations(states: States) -> tuple[WhenEquations, ...]:
                         remedy=f"give new values to the speeds: {given}",
                     )
                 )
-        (condition,) = states.in_speeds([clause.condition])
+        (condition,) = states.in_speeds([asked])
         values = states.in_speeds([value for _, value in clause.changes])
         changes = tuple(zip([symbol for symbol, _ in clause.changes], values))
         found.append(WhenEquations(clause, condition, changes))

@@ -42,7 +42,7 @@ from lagc.semantics.scenes.choice import (
     scenes_of,
 )
 from lagc.semantics.scenes.left_out import ignored_annotations, unused_effects
-from lagc.semantics.time_derivatives import MOVING
+from lagc.semantics.time_derivatives import LATE, MOVING
 from lagc.semantics.values.calls import look_at_uncalled
 from lagc.semantics.values.expressions import EVALUATORS
 from lagc.semantics.values.unit_hints import whole_radians
@@ -188,7 +188,7 @@ def _whens(context: Context) -> list[objects.When]:
 
     def one(written: tree.When, environment: Environment, effect: str | None) -> None:
         clause = when_clause(context, written, environment, effect)
-        if context.clock.mask(clause.condition) & MOVING:
+        if context.clock.mask(clause.condition) & (MOVING | LATE):
             found.append(clause)
 
     for given in context.whens:

@@ -35,7 +35,8 @@ class Symbol:
     @property
     def base(self) -> str:
         """Return the name without time derivatives."""
-        owner = f"{self.kind}({self.owner})" if self.kind in QUANTITIES else self.owner
+        kind = "reaction" if self.kind == "multiplier" else self.kind
+        owner = f"{kind}({self.owner})" if kind in QUANTITIES else self.owner
         part = f"rate.{self.component}" if self.is_body_rate else self.component
         return f"{owner}.{part}" if part else owner
 

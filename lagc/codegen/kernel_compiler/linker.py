@@ -195,6 +195,8 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NGUARD": interface.features + interface.poles,
         "NSEARCH": free + interface.features + interface.poles,
         "NEDGES": 2 * relations if "edges" in interface.functions else 0,
+        "NLATE": interface.late_relations,
+        "NKNOWN": nv + interface.nc + sum(1 + c.slips for c in interface.contacts),
         "NCON": len(interface.contacts), "NSLIP": sum(c.slips for c in interface.contacts),
         "NLEAP": len(interface.whens) + len(interface.contacts),
         "NBOX": 2 * (1 + nq + nv) + len(interface.discretes),

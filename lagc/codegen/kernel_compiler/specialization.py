@@ -20,6 +20,11 @@ SAME_WITHOUT = {
     "NINT": ("NDISC", "NX"), "rates_at": ("NCON", "rhs_at"), "put_on_constraints": ("NCON", "project"),
     "pass_event": ("NCON", "handle_event"),
 }  # fmt: skip
+# Kernels that are another one, of fewer arguments: name -> (size, other name, its arguments).
+FEWER_WITHOUT = {
+    "indicators_at": ("NLATE", "fn_indicators_on", 5),
+    "indicator_rates_at": ("NLATE", "fn_indicator_rates_on", 6),
+}
 Flags = Mapping[str, bool]
 
 
@@ -135,6 +140,14 @@ class Statics:
     # -- expressions --
 
     def expression(self, node: ast.expr) -> ast.expr:
+        if isinstance(node, ast.Call) and identifier(node.func) in FEWER_WITHOUT:
+            flag, other, count = FEWER_WITHOUT[identifier(node.func)]
+            if flag not in self.flags:
+                raise Undecided(flag)
+            if not self.flags[flag]:
+                function = ast.copy_location(ast.Name(other, ast.Load()), node)
+                plain = ast.Call(function, node.args[:count], [])
+                return self.expression(ast.copy_location(plain, node))
         if isinstance(node, ast.Name) and node.id in SAME_WITHOUT:
             flag, other = SAME_WITHOUT[node.id]
             if flag not in self.flags:

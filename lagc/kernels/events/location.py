@@ -17,6 +17,15 @@ from lagc.kernels.contact.indicators import (
     spare_contacts,
 )
 from lagc.kernels.contact.touching import forget_forces, rates_at
+from lagc.kernels.events.late_indicators import (
+    add_late_range,
+    enclose_late,
+    estimate_late_roundoff,
+    forget_late_range,
+    indicator_rates_at,
+    indicators_at,
+    sample_late_step,
+)
 from lagc.kernels.events.modes import margin
 from lagc.kernels.integrators.dispatch import (
     end_rate_row,
@@ -115,7 +124,7 @@ def trial_dense_output(p: Params, s: State, method: int, a: Trial, w: Work) -> S
 
 def update_margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
     """Compute w.margins, for the indicators that depend on the state."""
-    fn_indicators_on(p, t, x, w.modes, w.indicators)
+    indicators_at(p, t, x, w.modes, w.indicators, s, w)
     if NCON > 0:
         indicate_forces(p, t, x, w)
     for j in range(NFREE):
@@ -157,6 +166,8 @@ def within_mode(k: int, low: Real, high: Real, w: Work) -> bool:
 def excludes_crossings(p: Params, s: State, w: Work) -> bool:
     """Return whether no indicator crosses in w.box."""
     fn_enclosure_on(p, w.modes, w.box, w.enclosures)
+    if NLATE > 0:
+        enclose_late(w)
     if NCON > 0:
         enclose_forces(s, w)
     for j in range(NFREE):
@@ -220,6 +231,8 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     """Return the part of the step from s.x to s.x_new after which the first indicator crosses, NO_EVENT,
     or a negative number if the dense output failed."""
     enclose_step(s, method, a, w)
+    if NLATE > 0:
+        sample_late_step(p, s, method, a, w)
     if NCON > 0:
         force_range(p, s.t, s.x, w)
     if excludes_crossings(p, s, w):
@@ -233,6 +246,11 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     while left < 1.0:
         right = left + width if left + width < 1.0 else 1.0
         enclose_dense_output(s, method, a, left, right, w)
+        if NLATE > 0:
+            forget_late_range(w)
+            add_late_range(p, s.t + left * a.h, w.x_part_begin, s, w)
+            add_late_range(p, s.t + 0.5 * (left + right) * a.h, w.x_part_middle, s, w)
+            add_late_range(p, s.t + right * a.h, w.x_part_end, s, w)
         if NCON > 0:
             forget_forces(w)
             force_range(p, s.t + left * a.h, w.x_part_begin, w)
@@ -285,14 +303,14 @@ def crosses_by_roundoff(
     if NCON > 0:
         if force_crosses(s, w):
             return False
-    fn_indicator_rates_on(p, s.t, s.x, w.modes, s.k[0], w.indicator_rates)
+    indicator_rates_at(p, s.t, s.x, w.modes, s.k[0], w.indicator_rates, s, w)
     if not all_move_away(a.direction, w):
         return False
     method_dense_at(method, part, s, w.x_part_middle)
     s.rhs += 1
     if failed(rates_at(p, s.t + part * a.h, w.x_part_middle, w.xdot, w.lam, w)):
         return False
-    fn_indicator_rates_on(p, s.t + part * a.h, w.x_part_middle, w.modes, w.xdot, w.indicator_rates)
+    indicator_rates_at(p, s.t + part * a.h, w.x_part_middle, w.modes, w.xdot, w.indicator_rates, s, w)
     if not all_move_away(a.direction, w):
         return False
     for j in range(NFREE):
@@ -312,6 +330,8 @@ def estimate_indicator_roundoff(p: Params, s: State, reach: Vec[NX], w: Work) ->
     for j in range(NFREE):
         far = w.enclosures[2 * j + 1] - w.enclosures[2 * j]
         w.indicator_roundoff[j] = far if far >= 0.0 and far < inf else 0.0
+    if NLATE > 0:
+        estimate_late_roundoff(p, s, reach, w)
 
 
 def is_within_slack(k: int, s: State, w: Work) -> bool:
@@ -330,7 +350,7 @@ def is_crossing(k: int, direction: Real, w: Work) -> bool:
 
 def release_slack(p: Params, s: State, w: Work) -> None:
     """Set the slack of an indicator to 0 once its margin is several times the slack."""
-    fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
+    indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
     if NCON > 0:
         spare_contacts(s, w)
     for j in range(NFREE):
@@ -381,8 +401,8 @@ def crosses_within_roundoff(p: Params, s: State, direction: Real, w: Work) -> bo
     nearer if the equations end at the crossing, as sqrt(x) at 0."""
     found = False
     time = EVENT_TIME_ULPS * SPACING * fabs(s.t)
-    fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
-    fn_indicator_rates_on(p, s.t, s.x, w.modes, s.k[0], w.indicator_rates)
+    indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
+    indicator_rates_at(p, s.t, s.x, w.modes, s.k[0], w.indicator_rates, s, w)
     if NCON > 0:
         spare_contacts(s, w)
     for k in range(NMODE):

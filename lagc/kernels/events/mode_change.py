@@ -3,6 +3,7 @@
 from math import fabs
 
 from lagc.kernels.contact.touching import rates_at
+from lagc.kernels.events.late_indicators import indicator_rates_at, indicators_at, late_span
 from lagc.kernels.events.location import (
     confirm_crossings,
     estimate_indicator_roundoff,
@@ -38,6 +39,8 @@ def find_contacts(p: Params, s: State, w: Work) -> None:
         k = NTIMED + j
         w.size_roundoff[j] = w.indicator_roundoff[j]
         distance = fabs(w.indicator_rates[k]) * s.longest_step
+        if NLATE > 0:
+            distance = late_span(k, distance, w)
         near = distance <= CONTACT_MOTION * w.indicator_roundoff[j] and s.longest_step > 0.0
         known = is_known(w.enclosures[2 * j], w.enclosures[2 * j + 1])
         w.in_contact[j] = 1 if near and known and clauses_only[k] > 0 and has_edges[k] == 0 else 0
@@ -86,7 +89,7 @@ def cancel_grazing(p: Params, s: State, direction: Real, w: Work) -> bool:
             found = True
     if found:
         update_edges(w)
-        fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
+        indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
     return found
 
 
@@ -107,7 +110,7 @@ def correct_state(p: Params, s: State, direction: Real, w: Work) -> None:
                     s.x[i] += since * apart
                     if k < NTIMED:
                         s.event_roundoff[i] += SPACING * fabs(s.t * apart)
-                fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
+                indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
             return
 
 
@@ -188,7 +191,7 @@ def find_clauses_first(p: Params, s: State, direction: Real, w: Work) -> Status:
             if w.conditions[k] > s.conditions[k]:
                 w.clauses_first = True
         if w.clauses_first:
-            fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
+            indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
         else:
             w.modes[:] = w.candidate_modes
     return status
@@ -239,8 +242,8 @@ def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
     status = rates_at(p, s.t, s.x, w.old_rates, w.lam, w)
     if failed(status):
         return status
-    fn_indicator_rates_on(p, s.t, s.x, w.modes, w.old_rates, w.indicator_rates)
-    fn_indicators_on(p, s.t, s.x, w.modes, w.indicators_before)
+    indicator_rates_at(p, s.t, s.x, w.modes, w.old_rates, w.indicator_rates, s, w)
+    indicators_at(p, s.t, s.x, w.modes, w.indicators_before, s, w)
     w.indicators[:] = w.indicators_before
     if NFREE > 0:
         if not confirm_crossings(p, s, direction, w):
@@ -258,7 +261,7 @@ def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
     if NFREE > 1:
         if slide_together(p, s, direction, w):
             update_edges(w)
-            fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
+            indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
     status = update_indicator_rates(p, s, w)
     if failed(status):
         return status

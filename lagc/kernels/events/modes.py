@@ -7,6 +7,12 @@ mode. Modes are constant during a step.
 from math import fabs, inf
 
 from lagc.kernels.contact.touching import rates_at
+from lagc.kernels.events.late_indicators import (
+    adopt_late_modes,
+    indicator_rates_at,
+    indicators_at,
+    set_late_modes,
+)
 from lagc.kernels.language.vocabulary import *
 
 
@@ -69,8 +75,10 @@ def adopt_modes(p: Params, s: State, w: Work) -> None:
         w.indicator_jumped[k] = 0
     for turn in range(NMODE):
         done = True
-        fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
+        indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
         fn_own_modes_on(p, s.t, s.x, w.modes, w.candidate_modes)
+        if NLATE > 0:
+            adopt_late_modes(w)
         for k in range(NMODE):
             if w.indicators[k] != w.indicators_before[k]:
                 w.indicator_jumped[k] = 1
@@ -88,7 +96,7 @@ def propagate_changes(p: Params, s: State, direction: Real, rates: Vec[NX], w: W
     w.indicators_before are the indicators before; `rates` are the rates of the state there."""
     w.old_indicators[:] = w.indicators_before
     adopt_modes(p, s, w)
-    fn_indicator_rates_on(p, s.t, s.x, w.modes, rates, w.indicator_rates)
+    indicator_rates_at(p, s.t, s.x, w.modes, rates, w.indicator_rates, s, w)
     for k in range(NMODE):
         if w.indicator_jumped[k] > 0:
             advance_mode(k, direction, 0.0, w, s.t)
@@ -120,13 +128,15 @@ def choose_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Find the modes of a new state, and compute its rates. An indicator at zero gets the mode that it
     moves to."""
     fn_modes(p, s.t, s.x, w.modes)
+    if NLATE > 0:
+        set_late_modes(p, s.t, s.x, s, w)
     update_edges(w)
     status = rates_at(p, s.t, s.x, s.k[0], w.lam, w)
     s.rhs += 1
     if failed(status):
         return status
-    fn_indicators_on(p, s.t, s.x, w.modes, w.indicators_before)
-    fn_indicator_rates_on(p, s.t, s.x, w.modes, s.k[0], w.indicator_rates)
+    indicators_at(p, s.t, s.x, w.modes, w.indicators_before, s, w)
+    indicator_rates_at(p, s.t, s.x, w.modes, s.k[0], w.indicator_rates, s, w)
     changed = False
     for k in range(NMODE):
         ahead = sign_of(w.indicator_rates[k] * direction)

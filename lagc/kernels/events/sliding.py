@@ -8,6 +8,7 @@ rate vanishes then. Other sliding motions are refused.
 from math import fabs
 
 from lagc.kernels.contact.touching import rates_at
+from lagc.kernels.events.late_indicators import indicator_rates_at
 from lagc.kernels.events.modes import sign_of
 from lagc.kernels.language.vocabulary import *
 
@@ -43,7 +44,7 @@ def update_indicator_rates(p: Params, s: State, w: Work) -> Status:
     s.rhs += 1
     status = rates_at(p, s.t, s.x, w.xdot, w.lam, w)
     if not failed(status):
-        fn_indicator_rates_on(p, s.t, s.x, w.modes, w.xdot, w.indicator_rates)
+        indicator_rates_at(p, s.t, s.x, w.modes, w.xdot, w.indicator_rates, s, w)
     return status
 
 

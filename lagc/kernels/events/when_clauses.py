@@ -8,6 +8,7 @@ from math import fabs, inf
 
 from lagc.kernels.constraints.projection import project
 from lagc.kernels.contact.touching import rates_at
+from lagc.kernels.events.late_indicators import indicator_rates_at, indicators_at, set_late_modes
 from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
 from lagc.kernels.events.mode_change import change_modes, find_contacts, is_first_order
 from lagc.kernels.events.modes import accept_modes, adopt_modes, advance_mode, choose_modes, update_edges
@@ -71,7 +72,7 @@ def meets_constraints(p: Params, s: State, w: Work) -> bool:
 
 def slide_after_reinit(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Set indicators to mode zero that new values leave at zero, to which both sides drive them back."""
-    fn_indicator_rates_on(p, s.t, s.x, w.modes, w.xdot, w.indicator_rates)
+    indicator_rates_at(p, s.t, s.x, w.modes, w.xdot, w.indicator_rates, s, w)
     found = False
     for j in range(NFREE):
         k = NTIMED + j
@@ -96,8 +97,8 @@ def choose_modes_after_reinit(p: Params, s: State, direction: Real, w: Work) -> 
     s.rhs += 1
     if failed(status):
         return status
-    fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
-    fn_indicator_rates_on(p, s.t, s.x, w.modes, w.xdot, w.indicator_rates)
+    indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
+    indicator_rates_at(p, s.t, s.x, w.modes, w.xdot, w.indicator_rates, s, w)
     for i in range(NTIMED):
         if w.indicator_jumped[i] > 0:
             advance_mode(i, direction, 0.0, w, s.t)
@@ -144,7 +145,7 @@ def reset_conditions(p: Params, s: State, direction: Real, w: Work) -> Status:
 def reinitialize(p: Params, s: State, giver: int, direction: Real, w: Work) -> Status:
     """Assign the new values of the clauses in w.triggered up to `giver`, the last one that has any. The
     work integral gains the change of the energy."""
-    fn_indicators_on(p, s.t, s.x, w.modes, w.indicators_before)
+    indicators_at(p, s.t, s.x, w.modes, w.indicators_before, s, w)
     if NZ > 0:
         fn_energies(p, s.t, s.x, w.energies)
         before = w.energies[2]
@@ -243,7 +244,7 @@ def act_on_conditions(p: Params, s: State, direction: Real, since: Real, w: Work
     s.t = now
     if w.at_event_time and (status == TERMINATED or not failed(status)):
         extrapolate_state(s, since, w)
-        fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
+        indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
         accept_modes(s, w)
         s.rate_place = ABSENT
     return status
@@ -305,14 +306,14 @@ def update_modes_for_parameters(p: Params, s: State, direction: Real, w: Work) -
     moves get the modes of their values."""
     w.modes[:] = s.modes
     update_edges(w)
-    fn_indicators_on(s.p, s.t, s.x, w.modes, w.indicators_before)
+    indicators_at(s.p, s.t, s.x, w.modes, w.indicators_before, s, w)
     w.old_indicators[:] = w.indicators_before
     adopt_modes(p, s, w)
     s.rhs += 1
     status = rates_at(p, s.t, s.x, s.k[0], w.lam, w)
     if failed(status):
         return status
-    fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
+    indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
     accept_modes(s, w)
     return status
 
@@ -323,6 +324,8 @@ def start_modes(p: Params, s: State, direction: Real, elsewhere: bool, w: Work) 
     if NWHEN > 0:
         if not s.conditions_known:
             fn_modes(p, s.t, s.x, w.modes)
+            if NLATE > 0:
+                set_late_modes(p, s.t, s.x, s, w)
             update_edges(w)
             fn_holds_on(p, s.t, s.x, w.modes, s.conditions)
             s.conditions_known = True

@@ -146,6 +146,17 @@ class Work:
         old_indicators: Vec[NMODE]
         old_indicator_rates: Vec[NMODE]
         old_rates: Vec[NX]  # of the state
+    if NLATE > 0:
+        # Relations that accelerations or reactions decide
+        late_values: Vec[NLATE]  # their indicators
+        late_modes: Vec[NLATE]  # modes that these give
+        late_here: Vec[NLATE]
+        late_low: Vec[NLATE]  # range over the samples of a part of a step
+        late_high: Vec[NLATE]
+        late_known: Vec[NKNOWN]
+        late_x: Vec[NX]
+        late_rates: Vec[NX]
+        late_lam: Vec[NC]
     if NEDGES > 0:
         edges: Vec[NEDGES]  # lower and upper edge of the mode of each stepwise relation
         old_edges: Vec[NEDGES]

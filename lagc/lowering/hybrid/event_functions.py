@@ -19,9 +19,13 @@ from lagc.symbolic.walk import symbols
 def relation_functions(natural: Places, along: Places, relations: Sequence[EventRelation]) -> list[Function]:
     """Return the functions of the relations, None if there are none: `modes` of the state alone;
     `indicators`, `own_modes` and `indicator_rates` on given modes; `edges` of counted relations; `slopes` of
-    those of time alone; `enclosure` of the others."""
+    those of time alone; `enclosure` of the others; `late` of those that accelerations or reactions decide,
+    which are constants in the others."""
     if not relations:
         return []
+    late = [relation for relation in relations if relation.late]
+    one, zero = natural.graph.one, natural.graph.zero
+    relations = [replace(x, side=zero, own=one, natural=one) if x.late else x for x in relations]
     found = [_modes(natural, relations), _indicators(along, relations), _own(along, relations)]
     found.append(_rates(along, relations))
     if any(relation.edges for relation in relations):
@@ -32,7 +36,21 @@ def relation_functions(natural: Places, along: Places, relations: Sequence[Event
         *found,
         *([_slopes(along, timed)] if timed else []),
         *([_enclosure(along, others)] if others else []),
+        *([_late(along, late)] if late else []),
     ]
+
+
+def _late(along: Places, late: Sequence[EventRelation]) -> Function:
+    """Return the function of late indicators, and of the modes that they give, with the accelerations,
+    multipliers and forces of contacts in `known`."""
+    equations = along.equations
+    given = [*equations.a, *equations.lam]
+    arrays = {**along.arrays, **{node: ("known", k) for k, node in enumerate(given)}}
+    for contact in equations.contacts:
+        arrays[contact.multiplier] = ("known", len(given) + arrays[contact.multiplier][1])
+    parts = (("e", [relation.side for relation in late]), ("m", [relation.own for relation in late]))
+    inputs, about = (*along.state, "known"), "event indicators of accelerations and reactions, their modes"
+    return made(replace(along, arrays=arrays), "late", inputs, parts, about, rare=True)
 
 
 def _modes(natural: Places, relations: Sequence[EventRelation]) -> Function:

@@ -28,15 +28,30 @@ def output_equations(
     totals: Energies,
     dropped: Sequence[str],
 ) -> tuple[OutputEquation, ...]:
-    """Return the outputs in t, q, v, a, lam and parameters. `dropped` are the labels of redundant rows, whose
+    """Return the outputs in t, q, v, a, lam and parameters."""
+    outputs = states.model.outputs
+    nodes = of_motion([o.expression for o in outputs], states, parts, acting, free, totals, dropped)
+    return tuple([_equation(o, node) for o, node in zip(outputs, nodes)])
+
+
+def of_motion(
+    expressions: Sequence[Node],
+    states: States,
+    parts: Sequence[Moving],
+    acting: Sequence[Acting],
+    free: FreeTerms,
+    totals: Energies,
+    dropped: Sequence[str],
+) -> list[Node]:
+    """Return expressions in t, q, v, a, lam and parameters. `dropped` are the labels of redundant rows, whose
     multipliers are zero; so are those of rows that only a released model has."""
-    graph, outputs = states.graph, states.model.outputs
-    expressions = [o.expression for o in outputs]
-    if states.model.released is not None:
+    graph = states.graph
+    asked = sorted(symbols(expressions), key=lambda s: s.index)
+    if states.model.released is not None and any(s.record.kind == "reaction" for s in asked):
         from lagc.mechanics.balance.reactions import reactions  # where outputs ask for them
 
         expressions = substitute(graph, expressions, reactions(states.model.released))
-    asked = sorted(symbols(expressions), key=lambda s: s.index)
+        asked = sorted(symbols(expressions), key=lambda s: s.index)
     filled: dict[Node, Node] = {}
     labels = {label for c in states.model.constraints for label in c.labels}
     labels.update(c.label for c in states.model.contacts)
@@ -49,8 +64,7 @@ def output_equations(
             filled[symbol] = graph.zero
     filled.update(_accelerations(states, asked))
     filled.update(() if states.plain else states.rates.items())
-    nodes = substitute(graph, expressions, filled)
-    return tuple([_equation(o, node) for o, node in zip(outputs, nodes)])
+    return substitute(graph, expressions, filled)
 
 
 def _equation(output: Output, node: Node) -> OutputEquation:

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from lagc.base.records import dataclass, replace
-from lagc.diagnostics.faults import Fault, Refused
+from lagc.diagnostics.faults import Fault, Refused, Span
 from lagc.mechanics.formulation.constraints import Classified
 from lagc.mechanics.formulation.equations import Row
 from lagc.mechanics.formulation.states import States
@@ -21,7 +21,6 @@ from lagc.mechanics.numeric.cancellation import VANISHES
 from lagc.mechanics.numeric.dense_linear import RIGHT, Echelon
 from lagc.mechanics.numeric.samples import samples
 from lagc.mechanics.redundancy.row_reduction import Reduced, tables
-from lagc.semantics.model import Output
 from lagc.symbolic.graph import Node
 from lagc.symbolic.operators import CHOICE, CORNER, STEP, smooth_as
 from lagc.symbolic.walk import reachable, symbols
@@ -69,25 +68,27 @@ def drop_idle(states: States, classified: Sequence[Classified]) -> tuple[list[Cl
 
 
 def shared_reactions(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:
-    """Return warnings: LAG0428 of outputs with reactions that rows share, if one of them was left out. The
-    reaction of a repeated row is that of both."""
-    found = []
-    for output in states.model.outputs:
-        asked = {x.record.owner for x in symbols([output.expression]) if x.record.kind == "multiplier"}
+    """Return warnings: LAG0428 of outputs and conditions with reactions that rows share, if one of them was
+    left out. The reaction of a repeated row is that of both."""
+    found, model = [], states.model
+    asking = [(x.name, x.expression, x.span) for x in model.outputs]
+    asking += [(x.words, x.condition, x.span) for x in model.whens]
+    for name, expression, span in asking:
+        asked = {x.record.owner for x in symbols([expression]) if x.record.kind == "multiplier"}
         for row in dropped:
             others = row.others if len(row.others) > 1 else ()
             if row.others and not asked.isdisjoint({row.label, *others}):
-                found.append(_shared(output, row))
+                found.append(_shared(name, span, row))
                 break
     return tuple(found)
 
 
-def _shared(output: Output, row: Dropped) -> Fault:
+def _shared(name: str, span: Span, row: Dropped) -> Fault:
     rows = ", ".join([f"`{label}`" for label in (row.label, *row.others)])
     return Fault(
         "LAG0428",
-        f"`{output.name}` is one of many: {rows} share a reaction, and `{row.label}` is given no part of it",
-        output.span,
+        f"`{name}` is one of many: {rows} share a reaction, and `{row.label}` is given no part of it",
+        span,
         remedy="what they do together is determined: leave one of these rows out",
         severity="warning",
     )

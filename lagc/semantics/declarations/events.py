@@ -86,7 +86,6 @@ def _condition(context: Context, written: tree.Expression, environment: Environm
     if not isinstance(value, Truth):
         raise Wrong("LAG0307", f"`when` needs a condition; this is {kind(value)}", written.span)
     mask = context.clock.mask
-    _early(context, value.node, written, "a condition of `when`")
     moving = MOVING & ~BIT["discrete"]
     if any(node.op == "eq" and mask(node) & moving for node in reachable([value.node])):
         raise Wrong(
@@ -105,7 +104,7 @@ def _early(context: Context, node: Node, written: tree.Expression, what: str) ->
             f"{what} depends on an acceleration, a reaction or an energy of the run, which are only known "
             "after the equations are solved",
             written.span,
-            "record it with an `output`, find the time T there, and write `when time > T`",
+            "compare it in the condition of the clause instead: `when reaction(c) > 5 [N] then ...`",
         )
 
 

@@ -244,16 +244,16 @@ class Point:
         return np.vstack([self.partial("qdot", "parameter"), own])
 
     def total(self, part: str, group: str) -> Array:
-        """The derivatives of qdot, acceleration, multiplier, rate = (qdot, acceleration) or output, along
-        the motion."""
+        """The derivatives of qdot, acceleration, multiplier, rate = (qdot, acceleration), indicator or
+        output, along the motion."""
         nv = self.system.nv
         if part in ("acceleration", "multiplier"):
             return self.motion(group)[:nv] if part == "acceleration" else self.motion(group)[nv:]
         if part == "rate":
             return np.vstack([self.partial("qdot", group), self.motion(group)[:nv]])
         found = self.partial(part, group)
-        if part == "output":
-            found = found + self.partial("output", "acceleration") @ self.motion(group)
+        if part == "output" or (part == "indicator" and self.system.interface.late_relations):
+            found = found + self.partial(part, "acceleration") @ self.motion(group)
         return found
 
 

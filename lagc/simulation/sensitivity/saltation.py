@@ -69,9 +69,9 @@ class Changes:
         """Raise Stopped if the initial state is on an event and a direction moves it off, with different
         derivatives on each side."""
         interface, indicators = self.system.interface, point.value("indicator")
-        by_x, by_t = point.partial("indicator", "state"), point.partial("indicator", "time")[:, 0]
+        by_x, by_t = point.total("indicator", "state"), point.total("indicator", "time")[:, 0]
         terms = np.abs(by_x) @ np.abs(np.array(point.x)) + np.abs(by_t * point.t)
-        terms += np.abs(point.partial("indicator", "parameter")) @ np.abs(np.array(self.system.parameters))
+        terms += np.abs(point.total("indicator", "parameter")) @ np.abs(np.array(self.system.parameters))
         moved, sizes = self._moved(point, now)
         for k, counted in enumerate(interface.counted_relations):
             touches = not counted and abs(indicators[k]) <= ROUNDED * terms[k]
@@ -97,7 +97,7 @@ class Changes:
 
     def _moved(self, point: Point, now: Array) -> tuple[Array, Array]:
         """The changes of the event indicators, and the sums of magnitudes of their terms."""
-        by_x, by_p = point.partial("indicator", "state"), point.partial("indicator", "parameter")
+        by_x, by_p = point.total("indicator", "state"), point.total("indicator", "parameter")
         moved, sizes = by_x @ now, np.abs(by_x) @ np.abs(now)
         if self.columns:
             moved[:, self.by_p] += by_p[:, self.columns]
@@ -107,7 +107,7 @@ class Changes:
     def _shift(self, point: Point, now: Array, rates: Array, causes: Causes, step: float) -> Array:
         """The change of the time of an event."""
         interface = self.system.interface
-        by_x, by_t = point.partial("indicator", "state"), point.partial("indicator", "time")[:, 0]
+        by_x, by_t = point.total("indicator", "state"), point.total("indicator", "time")[:, 0]
         moved, sizes = self._moved(point, now)
         own = self._causes(point, by_x @ rates + by_t, causes, step)
         names, shifts, spans = [interface.relations[k] for k in own], [], []

@@ -1,0 +1,153 @@
+"""Indicators that accelerations and reactions decide, as of `reaction(rope) < 0`.
+
+They are known where the equations of motion are solved: each value costs an evaluation of the rates. They
+have no enclosure. Their range over a part of a step is that of samples, widened by a quarter, and their rates
+are difference quotients.
+"""
+
+from math import fabs
+
+from lagc.kernels.contact.touching import rates_at
+from lagc.kernels.integrators.dispatch import end_rate_row
+from lagc.kernels.language.vocabulary import *
+
+LATE_MARGIN = 0.25  # of the range of samples: what is added to it
+LATE_DIFFERENCE = 0.0009765625  # of the last step: time over which a difference quotient is taken
+STEP_SAMPLES = 4  # parts of a step between its samples
+
+
+def late_relation(j: int) -> int:
+    """Return the relation of a late indicator."""
+    return NMODE - NCON - NSLIP - NLATE + j
+
+
+def late_at(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> bool:
+    """Compute w.late_values, the late indicators at (t, x), and w.late_modes, the modes that they give.
+    Return whether the equations of motion have a solution there."""
+    s.rhs += 1
+    if failed(rates_at(p, t, x, w.late_rates, w.late_lam, w)):
+        return False
+    w.late_known[:NV] = part(w.late_rates, NQ, NQ + NV)
+    for i in range(NC):
+        w.late_known[NV + i] = w.late_lam[i]
+    if NCON > 0:
+        for i in range(NCROW):
+            w.late_known[NV + NC + i] = w.contact_forces[i]
+    fn_late_on(p, t, x, w.modes, w.late_known, w.late_values, w.late_modes)
+    return True
+
+
+def indicators_at(
+    p: Params, t: Real, x: Vec[NX], modes: Vec[NMODE], found: Vec[NMODE], s: State, w: Work
+) -> None:
+    """Compute the event indicators at (t, x) in w.modes; a late one is 0 where it has no value."""
+    fn_indicators_on(p, t, x, modes, found)
+    known = late_at(p, t, x, s, w)
+    for j in range(NLATE):
+        found[late_relation(j)] = w.late_values[j] if known else 0.0
+
+
+def indicator_rates_at(
+    p: Params, t: Real, x: Vec[NX], modes: Vec[NMODE], rates: Vec[NX], found: Vec[NMODE], s: State, w: Work
+) -> None:
+    """Compute the rates of the event indicators for the rates of the state, at (t, x) in w.modes. That of a
+    late one is 0 before the first step, and where it has no value."""
+    fn_indicator_rates_on(p, t, x, modes, rates, found)
+    time = LATE_DIFFERENCE * s.h_old
+    known = time != 0.0 and late_at(p, t, x, s, w)
+    if known:
+        w.late_here[:] = w.late_values
+        w.late_x[:] = x
+        for i in range(NINT):
+            w.late_x[i] -= time * rates[i]
+        known = late_at(p, t - time, w.late_x, s, w)
+    for j in range(NLATE):
+        found[late_relation(j)] = (w.late_here[j] - w.late_values[j]) / time if known else 0.0
+
+
+def adopt_late_modes(w: Work) -> None:
+    """Set w.candidate_modes of late indicators to the modes that their last values give."""
+    for j in range(NLATE):
+        w.candidate_modes[late_relation(j)] = w.late_modes[j]
+
+
+def set_late_modes(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
+    """Set w.modes of late indicators by their values at (t, x). Repeat, since modes change others."""
+    for turn in range(NLATE):
+        done = True
+        if late_at(p, t, x, s, w):
+            for j in range(NLATE):
+                if w.modes[late_relation(j)] != w.late_modes[j]:
+                    w.modes[late_relation(j)] = w.late_modes[j]
+                    done = False
+        if done:
+            break
+
+
+def forget_late_range(w: Work) -> None:
+    """Begin the ranges of late indicators anew."""
+    for j in range(NLATE):
+        w.late_low[j] = UNKNOWN
+        w.late_high[j] = -UNKNOWN
+
+
+def add_late_range(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
+    """Add the late indicators at (t, x) to their ranges."""
+    known = late_at(p, t, x, s, w)
+    for j in range(NLATE):
+        low = w.late_values[j] if known else -UNKNOWN
+        high = w.late_values[j] if known else UNKNOWN
+        if low < w.late_low[j]:
+            w.late_low[j] = low
+        if high > w.late_high[j]:
+            w.late_high[j] = high
+
+
+def sample_late_step(p: Params, s: State, method: int, a: Trial, w: Work) -> None:
+    """Set the ranges of late indicators to those of the cubic through both ends of the step from s.x to
+    s.x_new, (HNW II.6.7)."""
+    forget_late_range(w)
+    for k in range(STEP_SAMPLES + 1):
+        part_of = float(k) / float(STEP_SAMPLES)
+        w.late_x[:] = s.x
+        for i in range(NINT):
+            apart = s.x_new[i] - s.x[i]
+            correction = (1.0 - 2.0 * part_of) * apart
+            correction += a.h * ((part_of - 1.0) * s.k[0][i] + part_of * s.k[end_rate_row(method)][i])
+            w.late_x[i] += part_of * apart + part_of * (part_of - 1.0) * correction
+        add_late_range(p, s.t + part_of * a.h, w.late_x, s, w)
+
+
+def enclose_late(w: Work) -> None:
+    """Set w.enclosures of late indicators to their ranges, widened by a quarter."""
+    for j in range(NLATE):
+        more = LATE_MARGIN * (w.late_high[j] - w.late_low[j])
+        w.enclosures[2 * (late_relation(j) - NTIMED)] = w.late_low[j] - more
+        w.enclosures[2 * (late_relation(j) - NTIMED) + 1] = w.late_high[j] + more
+
+
+def estimate_late_roundoff(p: Params, s: State, reach: Vec[NX], w: Work) -> None:
+    """Compute w.indicator_roundoff of late indicators: their largest change where all states, and where every
+    other one, change by one unit in the last place of their size or `reach`."""
+    known = late_at(p, s.t, s.x, s, w)
+    w.late_here[:] = w.late_values
+    for j in range(NLATE):
+        w.indicator_roundoff[late_relation(j) - NTIMED] = SPACING * fabs(w.late_here[j]) if known else 0.0
+    for turn in range(2):
+        w.late_x[:] = s.x
+        for i in range(NQ + NV):
+            size = fabs(s.x[i]) if fabs(s.x[i]) > fabs(reach[i]) else fabs(reach[i])
+            if turn == 0 or i % 2 == 0:
+                w.late_x[i] += SPACING * size
+        known = known and late_at(p, s.t, w.late_x, s, w)
+        for j in range(NLATE):
+            change = fabs(w.late_values[j] - w.late_here[j])
+            if known and change > w.indicator_roundoff[late_relation(j) - NTIMED]:
+                w.indicator_roundoff[late_relation(j) - NTIMED] = change
+
+
+def late_span(k: int, distance: Real, w: Work) -> Real:
+    """Return how far relation k moved over the samples of the last part of a step if it is late, else
+    `distance`."""
+    j = k - late_relation(0)
+    return w.late_high[j] - w.late_low[j] if j >= 0 and j < NLATE else distance
