@@ -107,7 +107,8 @@ def constants(interface: Interface) -> str:
         "",
     ]
     text += [f"#define LAGC_{name:5s} {value:<4d} /* {note} */" for name, value, note in sizes(interface)]
-    return "\n".join(text) + "\n\n" + "".join(_indices(interface))
+    kinds = _CONTACT_KINDS if interface.contacts else ""
+    return "\n".join(text) + "\n\n" + "".join(_indices(interface)) + kinds
 
 
 _SIZES = {
@@ -123,9 +124,20 @@ _DISCRETE = {
     "NDISC": "discrete variables d, the last of x: only when clauses change them",
 }  # fmt: skip
 _CONTACTS = {
-    "NCON": "contacts, whose states are the last of d: 0 open, 1 touches",
+    "NCON": "contacts; the last of d: 0 open, 1 touches; with friction 1, -1 slips, 2 sticks",
     "NSLIP": "slip rows of contacts",
 }
+_CONTACT_KINDS = """\
+enum { /* what a contact did at an event: contact_kinds of the state; 0: nothing */
+    LAGC_CONTACT_STRIKES = 1,
+    LAGC_CONTACT_RESTS = 2, /* from rest_times on: bounces until then are not followed */
+    LAGC_CONTACT_CLOSES = 3,
+    LAGC_CONTACT_OPENS = 4,
+    LAGC_CONTACT_STICKS = 5,
+    LAGC_CONTACT_SLIPS = 6
+};
+
+"""
 _PREPARED = {"NPREPARED": "numbers that lagc_bind computes from the parameters"}
 _LIMITED = {"NLIMITS": "bounded values computed from parameters"}
 _NEWTON = {

@@ -143,7 +143,7 @@ def leaving_row(w: Work, n: int, column: int) -> int:
 def pivot_to_solution(w: Work, n: int) -> bool:
     """Make the pivots of Lemke's method. Return False at a secondary ray."""
     row = 0
-    for k in range(1, n):
+    for k in range(n):
         if w.law_tableau[k * (n + 2) + n + 1] <= w.law_tableau[row * (n + 2) + n + 1]:
             row = k
     if w.law_tableau[row * (n + 2) + n + 1] >= 0.0:

@@ -110,16 +110,16 @@ def strike_contacts(p: Params, s: State, w: Work) -> Status:
 def find_slips(s: State, w: Work) -> None:
     """Set the listed contacts that move along their slip rows, and those whose static friction no longer
     holds, to slip."""
-    for n in range(w.law_count):
-        if w.law_slips[n] > 0:
-            i = w.touching[n]
-            row = contact_first[i] + 1
-            speed = w.contact_speeds[row]
-            if fabs(speed) > CONTACT_ROUNDOFF * speed_size(row, s, w):
-                w.law_moves[n] = 1
-                w.law_direction[2 * n] = 1.0 if speed > 0.0 else -1.0
-            elif NSLIP > 0:
-                if w.contact_hit[i] == SLIDES and w.contact_slides[i] != 0.0:
+    if NSLIP > 0:
+        for n in range(w.law_count):
+            if w.law_slips[n] > 0:
+                i = w.touching[n]
+                row = contact_first[i] + 1
+                speed = w.contact_speeds[row]
+                if fabs(speed) > CONTACT_ROUNDOFF * speed_size(row, s, w):
+                    w.law_moves[n] = 1
+                    w.law_direction[2 * n] = 1.0 if speed > 0.0 else -1.0
+                elif w.contact_hit[i] == SLIDES and w.contact_slides[i] != 0.0:
                     w.law_moves[n] = 1
                     w.law_direction[2 * n] = w.contact_slides[i]
 

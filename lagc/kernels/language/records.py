@@ -342,8 +342,8 @@ class State:
         x_before_event: Vec[NX]  # end of the last step, before clauses changed it
     if NCON > 0:
         settlements: Count  # events of contacts so far
-        contact_kinds: IVec[NCON]  # 1 impact, 2 rest, 3 closes, 4 opens, 5 sticks, 6 slips, 0 nothing
-        contact_impulses: Vec[NCON]
+        contact_kinds: IVec[NCON]  # what each contact did at the last event
+        contact_impulses: Vec[NCON]  # of impacts at that event
         contact_losses: Vec[NCON]  # of energy
         rest_times: Vec[NCON]  # when bounces end that are not followed
     # Private from here on: the library alone reads and writes these fields.
