@@ -149,7 +149,8 @@ def compile_time(interface: Interface) -> float:
     """Estimate the time of a C compiler in s, within a factor of two on a machine of 2021."""
     projections = 1.2 if interface.nc else 0.0
     events = 0.4 if interface.relations else 0.0
-    return 0.5 + projections + events + 2e-4 * interface.written
+    contacts = 0.8 if interface.contacts else 0.0
+    return 0.5 + projections + events + contacts + 2e-4 * interface.written
 
 
 def has_compiler() -> bool:
