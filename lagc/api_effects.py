@@ -11,10 +11,12 @@ from lagc.base.records import replace
 from lagc.compiler.loaded import Loaded
 from lagc.compiler.pipeline import Compilation
 from lagc.diagnostics.faults import Fault, Refused
+from lagc.kernels import IMPLICIT, SERIES
 from lagc.simulation.request import Request, bound_guesses, bound_parameters, bound_starts
 from lagc.simulation.system import Options, rates_at
 
 if TYPE_CHECKING:
+    from lagc.simulation.works import Works
     from lagc.study.effects import Effects, Motion, Names, Variant
 
 POINTS = 501  # recorded times
@@ -206,9 +208,18 @@ class _Variant:
         return Motion(np.array(run.times), found, run.states, errors, events, run.method, run.rtol,
                       ends, cut)  # fmt: skip
 
+    def _system(self, method: str) -> Any:
+        """The system that has the method."""
+        loaded = self.loaded
+        if method in IMPLICIT:
+            loaded = loaded.with_implicit()
+        elif method in SERIES:
+            loaded = loaded.with_series()
+        return loaded.system("c").bind(self.values)
+
     def plain(self, setting: Motion, repeats: int) -> tuple[float, int]:
         """The CPU time and the evaluations of a run without verification, recorded at its end alone."""
-        system = self.loaded.system("c").bind(self.values)
+        system = self._system(setting.method)
         if not hasattr(self, "x0"):
             self.x0 = self.loaded.initialize(system, Request(stop=self.times[-1], starts=self.starts,
                                                                   guesses=self.guesses)).x  # fmt: skip
@@ -218,6 +229,23 @@ class _Variant:
         for _ in range(repeats):
             done = system.integrate(options, ends[0], self.x0, ends)
         return (process_time() - began) / repeats, done.rhs
+
+    def works(self, motion: Motion) -> tuple[Works | None, dict[str, float]]:
+        from lagc.simulation.works import works
+
+        equations, system = self.loaded.compilation.equations, self._system(motion.method)
+        found = works(equations, system, list(motion.states[0]), float(motion.times[-1]), motion.method)
+        if found is None:
+            return None, {}
+        given = [(c.effect, found.actions[c.name]) for c in equations.contributions]
+        labels = {row.label: row.effect for row in equations.rows}
+        given += [(labels[label], work) for label, work in found.rows.items()]
+        given += [(equations.whens[k].clause.effect, work) for k, work in found.clauses.items()]
+        sums: dict[str, float] = {}
+        for effect, work in given:
+            if effect is not None:
+                sums[effect] = sums.get(effect, 0.0) + work
+        return found, sums
 
     def nearest(self, motion: Motion, other: Variant) -> tuple[tuple[str, float], ...]:
         assert isinstance(other, _Variant)

@@ -10,6 +10,8 @@ from lagc.base.text import printable, table
 from lagc.reports.cost import PAGE
 from lagc.study.effects import AS_LONG, Change, Choice, Effects, Elsewhere, joined
 
+ROUNDOFF = 1e-14  # of the largest work
+
 
 def text(found: Effects, heading: str) -> str:
     """Return the report for a terminal."""
@@ -17,6 +19,11 @@ def text(found: Effects, heading: str) -> str:
     compared = ", ".join(f"{name} ({_scale(found, name)})" for name in found.scales)
     lines = [f"{heading}, 0 to {found.stop:g} s: {count} {'effect' if count == 1 else 'effects'}"]
     lines.append(f"  compared      {compared}")
+    if found.energy is not None:
+        energy = found.energy
+        start, end, rest = (_energy(x, 0.0) for x in (energy.start, energy.end, energy.rest))
+        others = f"; drives and contacts work {rest}" if energy.rest else ""
+        lines.append(f"  energy        start {start}, end {end}{others}")
     if found.horizon is not None:
         lines.append(f"  until         {found.horizon:.4g} s: a run is not predictable beyond")
     if found.not_compared:
@@ -58,6 +65,10 @@ def _time(ratio: float) -> str:
     return "as long" if abs(ratio - 1.0) <= AS_LONG else f"{ratio:.2f} times"
 
 
+def _energy(joules: float, largest: float) -> str:
+    return "0 J" if abs(joules) < ROUNDOFF * largest else f"{joules:.3g} J"
+
+
 def _name(one: Change) -> str:
     return one.effect + (f" (and {', '.join(one.along)})" if one.along else "")
 
@@ -76,7 +87,7 @@ def _change(one: Change) -> tuple[str, str]:
 
 
 def _singles(changes: Sequence[Change], found: Effects, word: str) -> list[str]:
-    rows = []
+    rows, most = [], max((abs(one.work) for one in changes if one.work is not None), default=0.0)
     for one in sorted(changes, key=lambda one: -(one.change if one.change is not None else 1e300)):
         size, of = _change(one)
         time = "" if one.time == float("inf") else _time(one.time)
@@ -85,8 +96,9 @@ def _singles(changes: Sequence[Change], found: Effects, word: str) -> list[str]:
         if word == "without" and 1.0 + AS_LONG < one.time < float("inf"):
             notes.insert(0, "dearer without it")
         note = "; ".join(notes)
-        rows.append([_name(one), size, of, time, f"{found.operations} -> {one.operations}", note])
-    lines = table([word, "changes", "", "a run takes", "operations", ""], rows)
+        work = "" if one.work is None else _energy(one.work, most)
+        rows.append([_name(one), size, of, time, f"{found.operations} -> {one.operations}", work, note])
+    lines = table([word, "changes", "", "a run takes", "operations", "works", ""], rows)
     stronger = [f"{one.effect} with {one.how}" for one in changes if " times " in one.how]
     if stronger:
         lines.append(f"  * below the error bar of two runs; measured stronger: {', '.join(stronger)}")
@@ -137,10 +149,11 @@ def to_dict(found: Effects) -> dict[str, Any]:
             "effect": one.effect, "with": list(one.along), "change": one.change, "bar": one.bar,
             "how": one.how, "per": dict(one.per), "ends": one.ends, "acted": one.acted,
             "nearest": dict(one.nearest), "until": {f"{a:.0e}": t for a, t in one.until.items()},
-            "operations": one.operations, "states": one.states, "rhs": one.rhs,
+            "operations": one.operations, "states": one.states, "rhs": one.rhs, "work": one.work,
             "time": None if one.time == float("inf") else one.time,
         }  # fmt: skip
 
+    energy = found.energy
     return {
         "scene": found.scene, "stop": found.stop,
         "compared": {
@@ -150,6 +163,9 @@ def to_dict(found: Effects) -> dict[str, Any]:
         "not_compared": list(found.not_compared), "horizon": found.horizon,
         "full": {"operations": found.operations, "states": found.states, "rhs": found.rhs,
                  "time_s": found.seconds, "bar": found.bar},
+        "energy": None if energy is None else {
+            "start": energy.start, "end": energy.end, "rest": energy.rest, "bar": energy.bar
+        },
         "effects": [change(one) for one in found.left_out],
         "offered": [change(one) for one in found.added],
         "sets": [

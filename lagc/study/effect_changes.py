@@ -32,10 +32,11 @@ def measure_alone(
             variants[effect] = variant
     comparison.compare_in(variants.values())
     found.operations, found.states = full.operations, full.states
+    found.energy, works = full.works(comparison.base)
     for k, (effect, variant) in enumerate(variants.items()):
         progress(0.4 + 0.2 * k / max(len(variants), 1), f"run without {effect}")
         along = tuple(sorted((units[effect] or frozenset()) - {effect}))
-        one = Change(effect, along, variant.operations, variant.states)
+        one = Change(effect, along, variant.operations, variant.states, work=works.get(effect))
         _compare(comparison, one, variant, variant.motion(comparison.accuracy))
         found.left_out.append(one)
     _time(comparison, found.left_out, variants)

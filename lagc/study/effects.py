@@ -15,6 +15,8 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from lagc.simulation.works import Works
+
 Array = npt.NDArray[np.float64]
 
 FINER = 10.0  # the full run is this much more exact than the finest accuracy asked
@@ -65,6 +67,9 @@ class Variant(Protocol):
     def nearest(self, motion: Motion, other: Variant) -> tuple[tuple[str, float], ...]:
         """Return the relations that `other` lacks, each with the least size of its event indicator."""
 
+    def works(self, motion: Motion) -> tuple[Works | None, dict[str, float]]:
+        """Return the works of a motion, and those of the actions and clauses of each effect, in J."""
+
 
 @dataclass
 class Change:
@@ -83,6 +88,7 @@ class Change:
     ends: str = ""
     per: dict[str, float] = field(default_factory=dict)
     acted: bool = True
+    work: float | None = None  # of its actions and clauses in the full scene, J; None if it has none
     nearest: tuple[tuple[str, float], ...] = ()  # of its conditions to 0, if it did not act
     until: dict[float, float] = field(default_factory=dict)  # s that it stays below an accuracy
     curve: Array | None = None
@@ -141,6 +147,7 @@ class Effects:
     rhs: int = 0
     seconds: float = 0.0
     bar: float = 0.0  # of the full run
+    energy: Works | None = None  # of the full scene
     horizon: float | None = None  # s, the end of what is compared, where a run is chaotic
     left_out: list[Change] = field(default_factory=list)
     added: list[Change] = field(default_factory=list)

@@ -1,6 +1,6 @@
-"""In every model, energy at the start + the work of each action = energy at the end.
+"""In every model, energy at the start + the work of each action, constraint and event = energy at the end.
 
-The power of each action is an output. Its work is summed by Boole's rule, apart from the run's own integral.
+The works are sums of the powers along the motion, apart from the run's own integral and from the energies.
 """
 
 from __future__ import annotations
@@ -8,44 +8,72 @@ from __future__ import annotations
 import pytest
 
 import lagc
-from lagc.compiler.pipeline import Choice, Compilation
-from lagc.host.model_library import read
-from tests.physics.library import scenes
+from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.simulation.works import Works, works
+from lagc.symbolic.walk import symbols
+from tests.physics.library import compiled, fullest, scenes
 
-np = pytest.importorskip("numpy")
-
-POINTS = 801
-SPAN = 0.5  # s, at most
-BOOLE = (7.0, 32.0, 12.0, 32.0, 7.0)  # 4 intervals, of 2/45 (M. Abramowitz, I. Stegun, 1964, eq. 25.4.14)
-
-
-def _integral(values: list[float], step: float) -> float:
-    parts = np.array(values[:-1]).reshape(-1, 4)
-    ends = np.append(parts[1:, 0], values[-1])
-    sums = parts @ np.array(BOOLE[:4]) + BOOLE[4] * ends
-    return float(2.0 / 45.0 * step * sums.sum())
+SPAN = 0.5  # s, of a smooth motion
+EVENTFUL = 1.5  # s, of one with events
+ACCURACY = 1e-6
+TOLERANCE = 1e-6  # of the largest energy or work
 
 
-CASES = scenes()
+def _works(model: lagc.CompiledModel) -> tuple[Works, lagc.api.Run]:
+    equations, system = model.equations, model.system
+    events = equations.whens or equations.contacts or model.interface.relations
+    longest = EVENTFUL if events else SPAN
+    stop = min(longest, float(model.interface.simulate.get("stop", longest)))
+    run = model.simulate(stop, accuracy=ACCURACY, points=2)
+    assert run.status in ("ok", "terminated"), run.message
+    found = works(equations, system, run.states[0], run.times[-1], "dop853")
+    assert found is not None
+    return found, run
 
 
-@pytest.mark.sample(0, 12)
+def _drives(equations: EquationsOfMotion) -> bool:
+    """Whether energies or velocities are given functions of time."""
+    carried = [x for part in equations.inertias for x in part.carried]
+    return equations.time in symbols([equations.energy, equations.potential, *carried])
+
+
+CASES = sorted({*fullest(), *[(n, s) for n, s in scenes() if n.startswith(("contact/", "hard/walls"))]})
+
+
+@pytest.mark.full
 @pytest.mark.parametrize(("name", "scene"), CASES, ids=[f"{n}-{s}" for n, s in CASES])
 def test_energy_changes_by_the_work_of_each_action(name: str, scene: str) -> None:
-    source = read(name)
-    equations = Compilation(source, Choice(scene=scene)).equations
-    actions = [c.name for c in equations.contributions if not c.conservative]
-    if not actions:
-        return
-    asked = [f"  output Power power__{k} = power({action});" for k, action in enumerate(actions)]
-    head, end, tail = source.text.rpartition("\nend ")
-    model = lagc.loads("\n".join([head, *asked]) + end + tail, source.name)
-    system = model.compile(scene, backend="numpy")
-    stop = min(SPAN, float(system.interface.simulate.get("stop", SPAN)))
-    run = system.simulate(stop, accuracy=1e-9, points=POINTS)
-    assert run.status == "ok", run.message
-    if run.events:
-        return  # which change the energy, or let a power jump
-    works = [_integral(run.column(f"power__{k}"), stop / (POINTS - 1)) for k in range(len(actions))]
-    size = max(abs(run.energy.start), abs(run.energy.end), *map(abs, works))
-    assert run.energy.end - run.energy.start == pytest.approx(sum(works), abs=1e-7 * size)
+    model = compiled(name, scene, "numpy")
+    equations = model.equations
+    found, run = _works(model)
+    taken = [found.actions[c.name] for c in equations.contributions if not c.conservative]
+    given = [*taken, *found.rows.values(), *found.clauses.values()]
+    size = max(map(abs, [found.start, found.end, *found.actions.values(), *given]))
+    balance = found.end - found.start - sum(given)
+    if not _drives(equations) and not equations.contacts:
+        assert balance == pytest.approx(0.0, abs=TOLERANCE * size)
+        assert found.rest == pytest.approx(0.0, abs=TOLERANCE * size)
+    assert balance == pytest.approx(found.rest, abs=TOLERANCE * size)
+    if equations.contacts and not any(c.slip for c in equations.contacts):  # they work by impacts alone
+        losses = sum(event.loss for event in run.events if event.t > 0.0)
+        assert found.rest == pytest.approx(-losses, abs=TOLERANCE * size)
+
+
+def test_an_event_and_a_potential_have_their_works() -> None:
+    """A mass falls from 1 m; at z = 0.5 m it gets twice its speed: m g h = 4.905 J more."""
+    model = lagc.loads("""model Kicked
+  coordinate Length z(start = 1 [m]);
+  body b = Particle(mass = 1 [kg], at = {0, 0, z});
+  Gravity field(g = 9.81 [m/s2]);
+  force push = {0, 0, 2 [N]} at b;
+  when z < 0.5 [m] then reinit(der(z), 2*der(z)); end when;
+  scene all simulate(stop = 0.4 [s]); end all;
+end Kicked;
+""").compile(backend="numpy")
+    run = model.simulate(accuracy=1e-9, points=2)
+    found = works(model.equations, model.system, run.states[0], run.times[-1], "dop853")
+    assert found is not None and found.rest == 0.0
+    fall = 1.0 - run["z"][-1]
+    assert found.actions["field"] == pytest.approx(9.81 * fall, rel=1e-8)
+    assert found.actions["push"] == pytest.approx(-2.0 * fall, rel=1e-8)
+    assert found.clauses[0] == pytest.approx(3.0 * (9.81 - 2.0) * 0.5, rel=1e-7)  # 4 - 1 times the energy

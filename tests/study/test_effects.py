@@ -135,6 +135,21 @@ def test_an_effect_that_never_acts_changes_nothing(spring: Effects) -> None:
     assert "x" in condition and size == pytest.approx(5.0 - _span() + 1.0, rel=1e-4)
 
 
+def test_each_effect_has_its_work(spring: Effects) -> None:
+    """That of a constant force f is f times the displacement, the energy that of the spring."""
+    force = 1e-2 + 1e-5 - 9e-3
+    moved = -(1.0 - force) * (1.0 - cos(STOP))
+    works = {one.effect: one.work for one in spring.left_out}
+    assert works["big"] == pytest.approx(1e-2 * moved, rel=1e-8)
+    assert works["against"] == pytest.approx(-9e-3 * moved, rel=1e-8)
+    assert works["tiny"] == pytest.approx(1e-13 * moved, rel=1e-8)
+    assert works["never"] == 0.0
+    energy = spring.energy
+    assert energy is not None and energy.rest == 0.0
+    given = sum(work for work in works.values() if work is not None)
+    assert energy.end - energy.start == pytest.approx(given, abs=1e-9)
+
+
 def test_offered_effects_are_added(spring: Effects) -> None:
     (more,) = spring.added
     assert more.effect == "more"
@@ -249,7 +264,7 @@ def test_an_effect_that_ends_the_run_stays() -> None:
 
 def test_reports(spring: Effects, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     shown = text(spring, "Spring, scene all")
-    assert "Each effect left out alone" in shown and "scene for_1em01" in shown
+    assert "Each effect left out alone" in shown and "-0.0193 J" in shown and "scene for_1em01" in shown
     assert "did not act at the recorded times" in shown
     data = json.loads(json.dumps(to_dict(spring)))
     assert data["compared"]["x"]["of"] == "range" and len(data["effects"]) == 5

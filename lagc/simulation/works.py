@@ -1,0 +1,137 @@
+"""The work of each action along a run.
+
+The power of each action and of each constraint that moves is summed by Gauss's rule between events, with
+twice as many panels until the sums agree.  The work that is left of the run's own integral is that of
+contacts, and of energies and velocities that are given functions of time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from math import ceil
+
+from lagc.base.records import dataclass
+from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.simulation.system import Options, System, Trajectory, work_of
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import reachable
+
+# Gauss-Legendre of 5 points on (0, 1): M. Abramowitz, I. Stegun, 1964, table 25.4
+NODES = (0.04691007703066800, 0.2307653449471585, 0.5, 0.7692346550528415, 0.9530899229693320)
+WEIGHTS = (0.1184634425280945, 0.2393143352496832, 0.2844444444444444, 0.2393143352496832, 0.1184634425280945)
+RTOL = 1e-11  # of the run
+FEWEST = 50  # panels
+MOST = 1_000_000  # evaluated nodes of expressions
+AGREE = 1e-8  # of the largest work or energy
+
+
+@dataclass(frozen=True)
+class Works:
+    """Works and energies in J.  `actions` are those of each action, potentials included, `rows` those of
+    constraints by their label, `clauses` those of `when` clauses by their number; `rest` is that of contacts
+    and drives.  `bar`: how well the sums agree.
+
+    end = start + actions that are not conservative + rows + clauses + rest"""
+
+    actions: Mapping[str, float]
+    rows: Mapping[str, float]
+    clauses: Mapping[int, float]
+    rest: float
+    start: float
+    end: float
+    bar: float
+
+
+def works(
+    equations: EquationsOfMotion, system: System, x: Sequence[float], stop: float, method: str
+) -> Works | None:
+    """Return the works of a run from the state x at 0; None if it does not reach `stop`, or has so many
+    events or so long powers that the sums would take long."""
+    options = Options(method=method, rtol=RTOL, max_steps=0, report=True)
+    graph, rows = equations.graph, [row for row in equations.rows if row.time_dependent or not row.holonomic]
+    moved = [graph.sum(slope * equations.v[j] for j, slope in row.jacobian.items()) for row in rows]
+    powers = [*(c.power for c in equations.contributions), *(r.multiplier * u for r, u in zip(rows, moved))]
+    within = reachable(powers)
+    run, panels = system.integrate(options, 0.0, x, [0.0, stop]), FEWEST
+    if run.t != stop or run.changes > len(run.corners):
+        return None
+    start, end = (system.energies(t, y)[2] for t, y in ((0.0, run.states[0]), (stop, run.states[-1])))
+    times = {0.0, stop, *(t for t, _ in run.events), *(t for t, _, _ in run.corners)}
+    cuts = list(pairwise(sorted(times)))
+    sums: list[float] | None = None
+    bar = 0.0
+    while True:
+        parts = _panels(cuts, stop / panels)
+        if len(parts) * len(NODES) * max(len(within), 1) > MOST:
+            break
+        before, panels = sums, 2 * panels
+        sums = _sums(equations, powers, within, system, options, x, parts)
+        size = max(map(abs, [*sums, start, end]))
+        bar = max((abs(a - b) for a, b in zip(sums, before or [])), default=0.0)
+        if before is not None and bar <= AGREE * size:
+            break
+    if sums is None:
+        return None
+    clauses = _jumps(system, run)
+    count = len(equations.contributions)
+    by_row = dict(zip([row.label for row in rows], sums[count:]))
+    given = sum(work for c, work in zip(equations.contributions, sums) if not c.conservative)
+    given += sum(by_row.values()) + sum(clauses.values())
+    total = work_of(system, run.states[-1]) - work_of(system, run.states[0])
+    known = graph.sum(c.power for c in equations.contributions if not c.conservative)
+    alone = equations.power is known and not equations.contacts
+    named = dict(zip([c.name for c in equations.contributions], sums))
+    return Works(named, by_row, clauses, 0.0 if alone else total - given, start, end, bar)
+
+
+def _panels(cuts: Sequence[tuple[float, float]], longest: float) -> list[tuple[float, float]]:
+    """Return begin and length of each panel."""
+    found = []
+    for begin, end in cuts:
+        count = ceil((end - begin) / longest)
+        length = (end - begin) / count
+        found += [(begin + k * length, length) for k in range(count)]
+    return found
+
+
+def _sums(
+    equations: EquationsOfMotion, powers: Sequence[Node], within: Sequence[Node], system: System,
+    options: Options, x: Sequence[float], panels: Sequence[tuple[float, float]],
+) -> list[float]:  # fmt: skip
+    """Return the integrals of the powers."""
+    interface, model = system.interface, equations.model
+    given = zip((*interface.parameters, *interface.inputs), system.parameters)
+    values = {field.name: value for field, value in given}
+    names = [*((p.symbol, p.name) for p in model.parameters), *((u.symbol, u.name) for u in model.inputs)]
+    fixed = {symbol: values[name] for symbol, name in names if name in values}
+    place = {name: k for k, name in enumerate(interface.state_names)}
+    first = interface.nx - len(interface.discretes)
+    place.update({field.name: first + k for k, field in enumerate(interface.discretes)})
+    symbols = [*equations.q, *equations.v, *(d.symbol for d in model.discretes)]
+    read = [(s, place[s.record.name]) for s in symbols if s.record.name in place]
+    times = [begin + node * length for begin, length in panels for node in NODES]
+    states = system.integrate(options, 0.0, x, [0.0, *times]).states[1:]
+    found = [0.0] * len(powers)
+    for k, (t, y) in enumerate(zip(times, states)):
+        weight = WEIGHTS[k % len(WEIGHTS)] * panels[k // len(WEIGHTS)][1]
+        known = {**fixed, equations.time: t, **{s: y[i] for s, i in read}}
+        if equations.rows:
+            known.update(zip(equations.lam, system.accelerations(t, y)[1]))
+        for i, power in enumerate(evaluate(powers, known, within)):
+            found[i] += weight * power
+    return found
+
+
+def _jumps(system: System, run: Trajectory) -> dict[int, float]:
+    """Return the changes of the energy by `when` clauses."""
+    found: dict[int, float] = {}
+    first = len(system.interface.relations)
+    for t, before, after in run.corners:
+        giving = [k - first for at, k in run.events if at == t and k >= first]
+        giving = [k for k in giving if system.interface.whens[k].states]
+        if giving:
+            change = system.energies(t, after)[2] - system.energies(t, before)[2]
+            found[giving[0]] = found.get(giving[0], 0.0) + change
+    return found
