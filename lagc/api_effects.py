@@ -11,7 +11,6 @@ from lagc.base.records import replace
 from lagc.compiler.loaded import Loaded
 from lagc.compiler.pipeline import Compilation
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.kernels import IMPLICIT, SERIES
 from lagc.simulation.request import Request, bound_guesses, bound_parameters, bound_starts
 from lagc.simulation.system import Options, rates_at
 
@@ -208,18 +207,9 @@ class _Variant:
         return Motion(np.array(run.times), found, run.states, errors, events, run.method, run.rtol,
                       ends, cut)  # fmt: skip
 
-    def _system(self, method: str) -> Any:
-        """The system that has the method."""
-        loaded = self.loaded
-        if method in IMPLICIT:
-            loaded = loaded.with_implicit()
-        elif method in SERIES:
-            loaded = loaded.with_series()
-        return loaded.system("c").bind(self.values)
-
     def plain(self, setting: Motion, repeats: int) -> tuple[float, int]:
         """The CPU time and the evaluations of a run without verification, recorded at its end alone."""
-        system = self._system(setting.method)
+        system = self.loaded.system("c").bind(self.values)
         if not hasattr(self, "x0"):
             self.x0 = self.loaded.initialize(system, Request(stop=self.times[-1], starts=self.starts,
                                                                   guesses=self.guesses)).x  # fmt: skip
@@ -233,7 +223,7 @@ class _Variant:
     def works(self, motion: Motion) -> tuple[Works | None, dict[str, float]]:
         from lagc.simulation.works import works
 
-        equations, system = self.loaded.compilation.equations, self._system(motion.method)
+        equations, system = self.loaded.compilation.equations, self.loaded.system("c").bind(self.values)
         found = works(equations, system, list(motion.states[0]), float(motion.times[-1]), motion.method)
         if found is None:
             return None, {}

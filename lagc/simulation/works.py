@@ -13,7 +13,7 @@ from math import ceil
 
 from lagc.base.records import dataclass
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.simulation.system import Options, System, Trajectory, work_of
+from lagc.simulation.system import Options, System, Trajectory, arrived, work_of
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import reachable
@@ -47,7 +47,7 @@ class Works:
 def works(
     equations: EquationsOfMotion, system: System, x: Sequence[float], stop: float, method: str
 ) -> Works | None:
-    """Return the works of a run from the state x at 0; None if it does not reach `stop`, or has so many
+    """Return the works of a run from the state x at 0; None if it fails before `stop`, or has so many
     events or so long powers that the sums would take long."""
     options = Options(method=method, rtol=RTOL, max_steps=0, report=True)
     graph, rows = equations.graph, [row for row in equations.rows if row.time_dependent or not row.holonomic]
@@ -55,8 +55,9 @@ def works(
     powers = [*(c.power for c in equations.contributions), *(r.multiplier * u for r, u in zip(rows, moved))]
     within = reachable(powers)
     run, panels = system.integrate(options, 0.0, x, [0.0, stop]), FEWEST
-    if run.t != stop or run.changes > len(run.corners):
+    if not arrived(run) or run.changes > len(run.corners):
         return None
+    stop = run.t
     start, end = (system.energies(t, y)[2] for t, y in ((0.0, run.states[0]), (stop, run.states[-1])))
     times = {0.0, stop, *(t for t, _ in run.events), *(t for t, _, _ in run.corners)}
     cuts = list(pairwise(sorted(times)))
