@@ -72,12 +72,7 @@ def interface(
         whens=_clauses(equations, int(work)),
         discretes=tuple([discrete_field(variable) for variable in model.discretes]),
         booleans=tuple([int(variable.boolean) for variable in model.discretes]),
-        contacts=tuple(
-            [
-                Contact(c.label, c.contact.unit, place(c.contact.span), len(c.jacobians) - 1)
-                for c in equations.contacts
-            ]
-        ),
+        contacts=_contacts(equations, int(work)),
         **_of_equations(equations),
         **_of_functions(functions, slopes),
         parameters=tuple([parameter_field(p) for p in parameters]),
@@ -105,6 +100,17 @@ def interface(
     )
     digest = _digest(found, functions)
     return replace(found, model_hash=digest)
+
+
+def _contacts(equations: EquationsOfMotion, nz: int) -> tuple[Contact, ...]:
+    """Return the contacts as a run needs them."""
+    first = len(equations.q) + len(equations.v) + nz
+    states = {variable.name: first + k for k, variable in enumerate(equations.model.discretes)}
+    return tuple([
+        Contact(c.label, c.contact.unit, place(c.contact.span), len(c.jacobians) - 1,
+                states.get(f"impulse({c.label})", -1))
+        for c in equations.contacts
+    ])  # fmt: skip
 
 
 def _of_equations(equations: EquationsOfMotion) -> dict[str, Any]:

@@ -74,6 +74,7 @@ class Context:
             tuple[tree.Name, str]
         ] = []  # effects named by `unless`, with the instance's path
         self.mentioned_velocities: list[tuple[Vector, Span]] = []  # since the last reset
+        self.impulses: dict[str, Any] = {}  # the `Discrete` of each contact whose impulse is asked for
         self.has_joints = False
         self.linkage: Any = None  # the `Linkage` of the joints, once it is asked for
         self.poses: dict[

@@ -118,7 +118,7 @@ def _resolve(
     found = _evaluate(context, instance)
     conditions = _conditions(context)
     whens = _whens(context)
-    if _of(found, objects.Discrete):
+    if _of(found, objects.Discrete) or context.impulses:
         from lagc.semantics.declarations.discrete import refuse_in_constraints  # where there are some
 
         refuse_in_constraints(context, _of(found, objects.Constraint), conditions, _of(found, objects.Speed))
@@ -284,7 +284,11 @@ def _model(
         constraints=_of(found, objects.Constraint),
         initial_conditions=tuple(conditions),
         whens=tuple(whens),
-        discretes=(*_of(found, objects.Discrete), *(c.mode for c in _of(found, objects.Contact))),
+        discretes=(
+            *_of(found, objects.Discrete),
+            *context.impulses.values(),
+            *(c.mode for c in _of(found, objects.Contact)),
+        ),
         contacts=_of(found, objects.Contact),
         tables=tuple(context.curves.values()),
         outputs=_of(found, objects.Output),

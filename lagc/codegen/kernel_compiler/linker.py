@@ -195,7 +195,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NGUARD": interface.features + interface.poles,
         "NSEARCH": free + interface.features + interface.poles,
         "NEDGES": 2 * relations if "edges" in interface.functions else 0,
-        "NLATE": interface.late_relations,
+        "NIMPULSE": sum(c.impulse >= 0 for c in interface.contacts), "NLATE": interface.late_relations,
         "NKNOWN": nv + interface.nc + sum(1 + c.slips for c in interface.contacts),
         "NCON": len(interface.contacts), "NSLIP": sum(c.slips for c in interface.contacts),
         "NLEAP": len(interface.whens) + len(interface.contacts),
@@ -279,6 +279,7 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "contact_first": [
             k + sum(c.slips for c in interface.contacts[:k]) for k in range(len(interface.contacts))
         ],
+        "impulse_state": [c.impulse for c in interface.contacts],
         "contact_slips": [c.slips for c in interface.contacts],
         "reinit_target": [state for c in interface.whens for state in c.states],
         "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],

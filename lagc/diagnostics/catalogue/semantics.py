@@ -272,8 +272,8 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0236": Entry(
         "new values by `reinit` beside one-sided constraints",
-        "A one-sided constraint makes its impacts itself. Clauses `when` may `mark` and `terminate` beside "
-        "it.",
+        "A one-sided constraint makes its impacts itself. Clauses `when` may `mark`, `terminate` and set "
+        "discrete variables beside it.",
         _body("constraint c: x >= 0;\n  when x > 1 [m] then reinit(der(x), 0); end when;"),
         _body('constraint c: x >= 0;\n  when x > 1 [m] then mark("far"); end when;'),
     ),

@@ -366,6 +366,9 @@ def report_contacts(s: State, begins: bool, w: Work) -> bool:
                 kind = STICKS if now == 2.0 else SLIPS
         s.contact_kinds[i] = kind
         s.contact_impulses[i] = w.contact_struck[i]
+        if NIMPULSE > 0:
+            if impulse_state[i] >= 0 and w.contact_struck[i] > 0.0:
+                s.x[impulse_state[i]] = w.contact_struck[i]
         s.contact_losses[i] = w.contact_lost[i]
         if kind > 0:
             found = True

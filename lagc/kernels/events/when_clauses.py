@@ -107,6 +107,9 @@ def choose_modes_after_reinit(p: Params, s: State, direction: Real, w: Work) -> 
         estimate_indicator_roundoff(p, s, s.x, w)
         for j in range(NFREE):
             k = NTIMED + j
+            if NCON > 0:
+                if k >= NMODE - NCON - NSLIP:  # the modes of contacts are in the state
+                    continue
             if w.indicator_jumped[k] > 0:
                 w.indicator_reset[j] = 1
             beyond = w.crossed[k] > 0 and w.indicator_reset[j] == 0 and has_edges[k] == 0

@@ -25,4 +25,5 @@ reinit_clause: IVec[NJUMP]  # the clause that assigns each value
 reinit_target: IVec[NJUMP]  # the state that it is assigned to
 derived_bounds: Mat[NLIMITS, TWO]  # bounds of values computed from parameters
 contact_first: IVec[NCON]  # first row of each contact, that of its gap; its slip rows follow
+impulse_state: IVec[NCON]  # index in x of the impulse of the last impact of each; -1: it is not asked for
 contact_slips: IVec[NCON]  # slip rows of each

@@ -63,6 +63,7 @@ class NJUMP(metaclass=SizeType): ...  # values that they assign
 class NACTS(metaclass=SizeType): ...  # limit of their actions at one event
 class NROW(metaclass=SizeType): ...  # NU + 1: an equation with its right-hand side
 class NCON(metaclass=SizeType): ...  # contacts
+class NIMPULSE(metaclass=SizeType): ...  # contacts whose impulses are asked for
 class NSLIP(metaclass=SizeType): ...  # their slip rows: 0, 1 or 2 each
 class NCROW(metaclass=SizeType): ...  # NCON + NSLIP: their rows
 class NGRADIENTS(metaclass=SizeType): ...  # NCROW NV

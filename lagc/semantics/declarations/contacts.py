@@ -171,13 +171,13 @@ def _number(context: Context, entry: Entry, name: str, written: tree.Expression,
 
 
 def refuse_beside(context: Context, whens: Sequence[objects.When]) -> None:
-    """Report clauses `when` that set states, in a model with contacts."""
+    """Report clauses `when` that set coordinates or rates, in a model with contacts."""
     for clause in whens:
-        if clause.changes:
+        if any(state.record.kind != "discrete" for state, _ in clause.changes):
             context.report(
                 Wrong(
                     "LAG0236",
-                    "`reinit` and one-sided constraints do not act in one model yet",
+                    "`reinit` of a coordinate or rate does not act beside one-sided constraints yet",
                     clause.span,
                     "let a one-sided constraint make the impact, or write all impacts as clauses `when`",
                 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lagc.diagnostics.faults import Span
 from lagc.semantics.context import Context
-from lagc.semantics.model import Body, Constraint, Contact, Frame, Orientation, Potential
+from lagc.semantics.model import Body, Constraint, Contact, Discrete, Frame, Orientation, Potential
 from lagc.semantics.names.scope import (
     Array,
     Entry,
@@ -20,7 +20,7 @@ from lagc.semantics.names.scope import (
 )
 from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import BIT, LATE, VELOCITY
-from lagc.semantics.units import ENERGY, KG, NONE, POWER, Dimension, M, S, dimension, over, times
+from lagc.semantics.units import ENERGY, KG, NONE, POWER, Dimension, M, S, dimension, over, si_text, times
 from lagc.semantics.units import unit as unit_of
 from lagc.semantics.values.builtin_functions import Argument, Table, number
 from lagc.semantics.values.frame_vectors import direction, in_frame, is_constant, known_in_frame
@@ -263,6 +263,26 @@ def _of_contacts(context: Context, entry: Entry) -> Value:
         Scalar(graph.symbol("multiplier", c.label), over(ENERGY, unit_of(c.unit or "1").dimension))
         for c in contacts
     ]
+    return found[0] if entry.size is None else Array(tuple(found))
+
+
+@TABLE.enter("impulse", "of")
+def _impulse(context: Context, span: Span, of: Argument) -> Value:
+    """Return the normal impulse of the last impact of a contact, 0 before the first: a discrete variable."""
+    entry = of.value.entry if isinstance(of.value, Reference) else None
+    contacts = [] if entry is None else [c for c in entry.objects if isinstance(c, Contact)]
+    if entry is None or not contacts:
+        message = f"`impulse` takes a one-sided constraint; this is {kind(of.value)}"
+        remedy = "declare it: `constraint floor: ball.z >= 0;`, then `impulse(floor)`"
+        raise Wrong("LAG0221", message, of.span, remedy)
+    found: list[Value] = []
+    for contact in contacts:
+        meant = times(over(ENERGY, unit_of(contact.unit or "1").dimension), S)
+        symbol = context.graph.symbol("discrete", f"impulse({contact.label})")
+        context.clock.set_rate(symbol, context.graph.zero)
+        unit, name = si_text(meant), symbol.record.owner
+        context.impulses[name] = Discrete(name, symbol, unit, unit, context.graph.zero, False, contact.span)
+        found.append(Scalar(symbol, meant))
     return found[0] if entry.size is None else Array(tuple(found))
 
 
