@@ -8,7 +8,7 @@ from lagc.codegen.kernel_compiler.shipped import parts
 from lagc.lowering.program import Interface
 
 ABI_VERSION = 5
-OF_CONTACTS = ("PARADOX",)  # statuses
+OF_CONTACTS = ("PARADOX", "PENETRATION")  # statuses
 SPDX = "SPDX-License-Identifier: MIT-0"
 LICENCE = (
     "Whoever generated this file may use, change and distribute it without any condition.",

@@ -49,6 +49,7 @@ FILES = (
     "contact/indicators",
     "events/location",
     "contact/settle",
+    "contact/jumps",
     "events/sliding",
     "events/mode_change",
     "events/when_clauses",

@@ -89,6 +89,7 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
         s.x_before_event[:] = x
     if NCON > 0:
         s.settlements = 0
+        s.penetration = 0.0
         for i in range(NCON):
             s.bounce_speeds[i] = 0.0
 
@@ -125,7 +126,7 @@ def report_culprit(s: State, status: Status, w: Work) -> Status:
         if status == CHATTERING or status == MISPLACED:
             s.culprit = w.culprit
     if NCON > 0:
-        if status == PARADOX:
+        if status == PARADOX or status == PENETRATION:
             s.culprit = w.culprit
     return status
 

@@ -81,6 +81,8 @@ def interpolate_at(s: State, t: Real, o: Options, x: Vec[NX], w: Work) -> Status
     method_dense_at(s.method, (t - s.t_old) / s.h_old, s, x)
     if NC > 0 or NQUAT > 0 or NCON > 0:
         if o.project:
+            if NCON > 0:
+                w.modes[:] = s.modes_old
             status = put_on_constraints(s.p, t, x, s.sizes, w)
             if failed(status):
                 return report_culprit(s, status, w)

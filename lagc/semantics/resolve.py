@@ -122,10 +122,6 @@ def _resolve(
         from lagc.semantics.declarations.discrete import refuse_in_constraints  # where there are some
 
         refuse_in_constraints(context, _of(found, objects.Constraint), conditions, _of(found, objects.Speed))
-    if _of(found, objects.Contact):
-        from lagc.semantics.declarations.contacts import refuse_beside  # where there are some
-
-        refuse_beside(context, whens)
     look_at_uncalled(context, instance.in_order())
     _check_given(context, instance)
     if not context.faults and not _of(found, objects.Coordinate) and not _of(found, objects.Orientation):

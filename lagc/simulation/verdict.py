@@ -21,6 +21,7 @@ from lagc.simulation.system import (
     NOT_FINITE,
     OK,
     PARADOX,
+    PENETRATION,
     REDUNDANT,
     SINGULAR_MASS,
     STEP_UNDERFLOW,
@@ -45,6 +46,7 @@ SHORTEST = 2.3e-308  # s: smaller numbers have fewer digits
 STEPS = 1e38  # steps that no run takes: the integration gives up if its first step is that short
 SEVERAL = 10
 FEWEST_DIGITS = 100.0 * float_info.epsilon  # relative: double precision hardly reaches this for any motion
+MEETS = 1e-6  # of the size of the coordinates: gaps of contacts that touch
 MOST_NAMED = 4  # names of a kind in a message
 UNKNOWN = "the cause is not known"
 
@@ -95,6 +97,8 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
         return "failed" if clause.fails else "terminated", f"at {t}: {clause.reason}"
     if status == PARADOX:
         return "failed", f"at {t} {_paradox(system, trajectory)}"
+    if status == PENETRATION:
+        return "failed", f"at {t} {_penetration(system, trajectory)}"
     if status in (MISPLACED, CHATTERING) or _accumulates(trajectory):
         return "failed", f"at {t} {_at_event(system, trajectory)}"
     if status == SINGULAR_MASS:
@@ -130,8 +134,7 @@ def _at_event(system: System, run: Trajectory) -> str:
                 f"meet the constraints{_left_out(system, clause)}")  # fmt: skip
     first = len(interface.relations) - len(interface.contacts)
     if run.status == CHATTERING and first <= k < len(interface.relations):
-        name = interface.contacts[k - first].name
-        return f"the contact `{name}` opens and closes without end"
+        return _endless(system, run, k - first)
     if run.status == CHATTERING and interface.drives(k) and not _accumulates(run):
         return (f"{interface.relations[k]}, and the forces on both sides drive the motion back to it: the "
                 "state sticks there, as with dry friction. Use a smooth law, such as tanh(v/v0) instead of "
@@ -149,6 +152,30 @@ def _paradox(system: System, run: Trajectory) -> str:
     at = ", ".join(f"{n} = {v:.6g}" for n, v in zip(system.interface.q_names[:MOST_NAMED], run.x))
     return (f"the laws of contact have no solution, or several, where `{name}` touches ({at}): rigid "
             "bodies do not decide how the motion goes on")  # fmt: skip
+
+
+def _endless(system: System, run: Trajectory, k: int) -> str:
+    """The message of a run in which contact k, perhaps with others that touch, acts without end."""
+    contacts = system.interface.contacts
+    size = max((abs(value) for x in (*run.states, run.x) for value in x[: system.nq]), default=0.0)
+    near = [c.name for c, gap in zip(contacts, system.gaps(run.t, run.x)) if abs(gap) <= MEETS * size]
+    names = list(dict.fromkeys((contacts[k].name, *near)))
+    if len(names) == 1:
+        return f"the contact `{names[0]}` opens and closes without end"
+    shown = " and ".join([f"`{name}`" for name in names[:MOST_NAMED]])
+    return (f"the contacts {shown} act on each other without end: perhaps their bounds meet, and leave no "
+            "room to what is between them")  # fmt: skip
+
+
+def _penetration(system: System, run: Trajectory) -> str:
+    """The message of a run in which a bound or a clause has jumped over bodies."""
+    contact = system.interface.contacts[run.culprit]
+    depth = f"{getattr(run, 'penetration', 0.0):.6g} {contact.unit}".rstrip()
+    resets = any(clause.states for clause in system.interface.whens)
+    why = "by new values of a clause `when`, or since it jumped" if resets else "which jumped"
+    remedy = "give values with a gap that is zero or positive, and " if resets else ""
+    return (f"the motion is {depth} beyond the bound `{contact.name}`, {why}: {remedy}let the bound move in "
+            "a finite time")  # fmt: skip
 
 
 def _left_out(system: System, clause: Clause) -> str:

@@ -249,11 +249,6 @@ def test_models_without_contacts_carry_nothing_of_them() -> None:
         ("  constraint floor: z >= 0 (bounce = 0.5);", "LAG0209", "bounce"),
         ("  constraint floor: z >= 0 (restitution = 1 [m]);", "LAG03", "restitution"),
         ("  input Length h;\n  constraint floor: z >= h;", "LAG0235", "input"),
-        (
-            "  constraint floor: z >= 0;\n  when z > 2 [m] then reinit(der(z), 0); end when;",
-            "LAG0236",
-            "reinit",
-        ),
     ],
 )
 def test_what_contacts_cannot_do_is_refused(text: str, code: str, words: str) -> None:

@@ -93,8 +93,6 @@ def test_the_summary_has_it(capsys: pytest.CaptureFixture[str]) -> None:
         ("constraint rail: x = 0;\n  output Real J = impulse(rail)/(1 [N.s]);", "LAG0221"),
         ("output Force J = impulse(floor);", "LAG0302"),
         ("constraint rail: x = impulse(floor)*1 [s/kg];", "LAG0232"),
-        ("when impulse(floor) > 0 then reinit(der(z), 0); end when;", "LAG0236"),
-        ("when impulse(floor) > 0 then reinit(n, 1); reinit(der(z), 0); end when;", "LAG0236"),
     ],
 )
 def test_refusals(text: str, code: str) -> None:

@@ -208,7 +208,7 @@ _OF_CONTACTS = {  # places of STATES
                 if len(contacts) >= MOST_EVENTS:
                     kernel_options.report = False
 """,
-    "@CONTACTS@": "\n            contacts=contacts,",
+    "@CONTACTS@": "\n            contacts=contacts, penetration=run.penetration,",
     "@TRAJECTORY@": "ContactTrajectory",
 }
 _OF_OTHERS = {**dict.fromkeys(_OF_CONTACTS, ""), "@TRAJECTORY@": "Trajectory"}

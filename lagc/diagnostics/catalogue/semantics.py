@@ -270,13 +270,6 @@ ENTRIES: dict[str, Entry] = {
         _body("constraint c: der(x) <= 0;"),
         _body("constraint c: x <= 0;"),
     ),
-    "LAG0236": Entry(
-        "new values by `reinit` beside one-sided constraints",
-        "A one-sided constraint makes its impacts itself. Clauses `when` may `mark`, `terminate` and set "
-        "discrete variables beside it.",
-        _body("constraint c: x >= 0;\n  when x > 1 [m] then reinit(der(x), 0); end when;"),
-        _body('constraint c: x >= 0;\n  when x > 1 [m] then mark("far"); end when;'),
-    ),
     "LAG0301": Entry(
         "different dimensions where one is needed",
         "The two sides of a sum, a comparison or an equation, the branches of an `if`, and the components "

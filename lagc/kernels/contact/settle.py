@@ -24,6 +24,7 @@ from lagc.kernels.contact.touching import (
     seat,
     set_accelerations,
     set_frictions,
+    set_gaps,
     slip_relation,
 )
 from lagc.kernels.dynamics.rhs import rhs_at
@@ -34,6 +35,7 @@ REACHES = 1  # a gap is closed
 RELEASES = 2  # a force has fallen to zero
 STOPS = 3  # a slip has ended
 SLIDES = 4  # static friction no longer holds
+PARTS = 5  # a jump has put it apart
 STRIKES = 1  # what a contact did at an event: it had an impact
 RESTS = 2  # it came to rest after ever shorter bounces
 CLOSES = 3
@@ -45,12 +47,12 @@ LONGEST_AFTER_BOUNCE = 64.0  # next step, over the time of flight
 
 def find_near_contacts(p: Params, s: State, w: Work) -> None:
     """Set w.touched to contacts that touch, are hit, or are within round-off of touching."""
-    fn_gaps(p, s.t, s.x, w.contact_gaps)
+    set_gaps(p, s.t, s.x, w)
     estimate_indicator_roundoff(p, s, s.x, w)
     for i in range(NCON):
         near = w.contact_gaps[i] <= SLACK_GROWTH * w.indicator_roundoff[NFREE - NCON + i]
         touches = s.x[NX - NCON + i] != 0.0 or w.contact_hit[i] > 0
-        w.touched[i] = 1 if touches or near else 0
+        w.touched[i] = 1 if (touches or near) and w.contact_hit[i] != PARTS else 0
         w.contact_modes[i] = 1
 
 
@@ -350,7 +352,8 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
 
 
 def report_contacts(s: State, begins: bool, w: Work) -> bool:
-    """Store what each contact did; return whether any did something. w.x_settled is the state before."""
+    """Store what each contact did, beside what it did before at this event; return whether any did something.
+    w.x_settled is the state before."""
     found = False
     for i in range(NCON):
         before = w.x_settled[NX - NCON + i]
@@ -364,14 +367,20 @@ def report_contacts(s: State, begins: bool, w: Work) -> bool:
             kind = CLOSES if before == 0.0 else OPENS
             if before != 0.0 and now != 0.0:
                 kind = STICKS if now == 2.0 else SLIPS
+        if kind > 0:
+            found = True
+        if w.contacts_acted:
+            w.contact_struck[i] += s.contact_impulses[i]
+            w.contact_lost[i] += s.contact_losses[i]
+            if kind == 0 or (kind != RESTS and w.contact_struck[i] > 0.0):
+                kind = s.contact_kinds[i] if kind == 0 else STRIKES
         s.contact_kinds[i] = kind
         s.contact_impulses[i] = w.contact_struck[i]
         if NIMPULSE > 0:
             if impulse_state[i] >= 0 and w.contact_struck[i] > 0.0:
                 s.x[impulse_state[i]] = w.contact_struck[i]
         s.contact_losses[i] = w.contact_lost[i]
-        if kind > 0:
-            found = True
+    w.contacts_acted = True
     return found
 
 
@@ -403,8 +412,8 @@ def set_contact_slack(p: Params, s: State, w: Work) -> None:
     for i in range(NQ + NV):
         w.x_part_middle[i] = s.sizes[scaling_group[i]]
     estimate_indicator_roundoff(p, s, w.x_part_middle, w)
-    fn_gaps(p, s.t, s.x, w.contact_gaps)
-    fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
+    set_gaps(p, s.t, s.x, w)
+    w.indicators[:] = w.contact_indicators
     for i in range(NCON):
         beyond = -w.contact_gaps[i] if w.contact_gaps[i] < 0.0 else 0.0
         if w.contact_leaves[i] == 0:

@@ -18,6 +18,7 @@ from lagc.kernels.language.vocabulary import *
 from lagc.kernels.linear_algebra.cholesky import solve_lower, solve_upper
 
 MOST_SEATINGS = 4  # Newton iterations of the gaps of contacts that touch
+CANCELLED = 64.0  # units in the last place of the terms of an acceleration: it is zero
 
 
 def find_touching(x: Vec[NX], w: Work) -> bool:
@@ -155,10 +156,23 @@ def add_responses(values: Vec[NX], w: Work) -> None:
             values[NQ + j] += w.contact_responses[r * NR + j] * w.law_p[r]
 
 
+def add_accelerations(values: Vec[NX], w: Work) -> None:
+    """Add X p to the accelerations of `values`. Those that forces cancel to round-off are zero: what lies at
+    rest has no motion whose error could be measured."""
+    for j in range(NV):
+        total = values[NQ + j]
+        terms = fabs(total)
+        for r in range(w.law_rows):
+            own = w.contact_responses[r * NR + j] * w.law_p[r]
+            total += own
+            terms += fabs(own)
+        values[NQ + j] = total if fabs(total) > CANCELLED * SPACING * terms else 0.0
+
+
 def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
     """Add the forces w.law_p to rates and multipliers, and store them in w.contact_forces with their range in
     w.force_low and w.force_high."""
-    add_responses(xdot, w)
+    add_accelerations(xdot, w)
     for i in range(NC):
         for r in range(w.law_rows):
             lam[i] += w.contact_responses[r * NR + NV + i] * w.law_p[r]
@@ -237,6 +251,13 @@ def displace_contacts(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
         normalise(x)
 
 
+def set_gaps(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
+    """Set w.contact_gaps at (t, x), on the modes of relations w.modes."""
+    fn_indicators_on(p, t, x, w.modes, w.contact_indicators)
+    for i in range(NCON):
+        w.contact_gaps[i] = w.contact_indicators[NMODE - NCON + i]
+
+
 def largest_gap(w: Work) -> Real:
     """Return the largest distance of a listed contact from touching, over the size of its gap."""
     worst = 0.0
@@ -251,7 +272,7 @@ def seat(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> Status:
     """Move the coordinates so that the gaps of the listed contacts are zero, by Newton's method with the
     shortest displacements in the metric of the mass matrix."""
     fn_contact_sizes(p, t, x, sizes, w.contact_sizes)
-    fn_gaps(p, t, x, w.contact_gaps)
+    set_gaps(p, t, x, w)
     before = largest_gap(w)
     for n in range(MOST_SEATINGS):
         if before == 0.0:
@@ -266,7 +287,7 @@ def seat(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> Status:
         solve_frozen(w)
         w.x_contact[:] = x
         displace_contacts(p, t, x, w)
-        fn_gaps(p, t, x, w.contact_gaps)
+        set_gaps(p, t, x, w)
         now = largest_gap(w)
         if not now < before:
             x[:] = w.x_contact

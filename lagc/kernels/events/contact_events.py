@@ -1,10 +1,18 @@
 """Events of contacts: gaps that close and forces that fall to zero."""
 
+from lagc.kernels.contact.jumps import bounds_jump, settle_jump
 from lagc.kernels.contact.settle import REACHES, RELEASES, SLIDES, STOPS, set_contact_slack, settle
 from lagc.kernels.contact.touching import slip_relation
 from lagc.kernels.events.mode_change import MOST_CHANGES, change_modes
 from lagc.kernels.events.modes import choose_modes, update_edges
-from lagc.kernels.events.when_clauses import act_on_conditions, handle_event, start_modes
+from lagc.kernels.events.when_clauses import (
+    act_on_conditions,
+    event_delay,
+    record_crossing_times,
+    restore_state,
+    save_state,
+    start_modes,
+)
 from lagc.kernels.language.vocabulary import *
 
 
@@ -47,11 +55,34 @@ def contacts_chatter(s: State) -> bool:
     return s.changes_at_time > MOST_CHANGES + 2 * NMODE
 
 
-def settle_event(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """Let contacts act, then find the modes of relations, and let clauses `when` act."""
-    status = settle(p, s, False, w)
+def act_after_contacts(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
+    """Let clauses `when` act whose conditions became true `since` before s.t. New values move contacts."""
+    status = OK
+    if NWHEN > 0:
+        status = act_on_conditions(p, s, direction, since, w)
+        if NJUMP > 0:
+            if w.at_event_time and (status == TERMINATED or not failed(status)):
+                set_contact_slack(p, s, w)
+    return status
+
+
+def find_unmoved(p: Params, s: State, w: Work) -> None:
+    """Set w.indicators_unmoved: indicators of the state that are w.indicators_before at (s.t, s.x) too."""
+    fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
+    for k in range(NMODE):
+        w.indicators_unmoved[k] = 0
+        if k < NMODE - NCON - NSLIP - NLATE and w.indicators[k] == w.indicators_before[k]:
+            w.indicators_unmoved[k] = 1
+
+
+def settle_event(p: Params, s: State, direction: Real, jumps: bool, w: Work) -> Status:
+    """Let contacts act, then find the modes of relations that they change, and let clauses `when` act.
+    `jumps`: a bound has jumped."""
+    fn_indicators_on(p, s.t, s.x, w.modes, w.indicators_before)
+    status = settle_jump(p, s, w) if jumps else settle(p, s, False, w)
     if failed(status):
         return status
+    find_unmoved(p, s, w)
     w.rates_settled[:] = s.k[0]
     status = choose_modes(p, s, direction, w)
     w.contact_rates[:] = s.k[0]
@@ -60,22 +91,20 @@ def settle_event(p: Params, s: State, direction: Real, w: Work) -> Status:
     if failed(status):
         return status
     for k in range(NMODE):
-        s.changed[k] = 0
         w.crossed[k] = 0
     if NWHEN > 0:
         w.xdot[:] = w.contact_rates
     set_contact_slack(p, s, w)
-    if NWHEN > 0:
-        return act_on_conditions(p, s, direction, 0.0, w)
-    return OK
+    return act_after_contacts(p, s, direction, 0.0, w)
 
 
-def pass_event(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """Do what happens where relations or contacts in w.crossed cross, at (s.t, s.x)."""
-    if not take_hits(s, w):
-        return handle_event(p, s, direction, w)
+def pass_hits(p: Params, s: State, direction: Real, w: Work) -> Status:
+    """Do what happens where contacts in w.contact_hit and relations in w.crossed cross, at (s.t, s.x)."""
     if contacts_chatter(s):
         return CHATTERING
+    jumps = False
+    for k in range(NMODE):
+        s.changed[k] = 0
     if NWHEN > 0:
         s.acts = 0
     if others_cross(w):
@@ -83,7 +112,37 @@ def pass_event(p: Params, s: State, direction: Real, w: Work) -> Status:
         if failed(status):
             return status
         w.modes[:] = s.modes
-    return settle_event(p, s, direction, w)
+        jumps = bounds_jump(p, s, w)
+    return settle_event(p, s, direction, jumps, w)
+
+
+def pass_relations(p: Params, s: State, direction: Real, w: Work) -> Status:
+    """Do what happens where relations in w.crossed cross, at (s.t, s.x)."""
+    status = change_modes(p, s, direction, w)
+    if status != OK:
+        return status
+    if bounds_jump(p, s, w):
+        if NWHEN > 0:
+            s.acts = 0
+        return settle_event(p, s, direction, True, w)
+    if NWHEN > 0:
+        return act_after_contacts(p, s, direction, event_delay(s, direction, w), w)
+    return OK
+
+
+def pass_event(p: Params, s: State, direction: Real, w: Work) -> Status:
+    """Do what happens where relations or contacts in w.crossed cross, at (s.t, s.x)."""
+    w.contacts_acted = False
+    w.modes_before[:] = s.modes
+    if NWHEN > 0:
+        save_state(s, w)
+    status = pass_hits(p, s, direction, w) if take_hits(s, w) else pass_relations(p, s, direction, w)
+    if NWHEN > 0:
+        if failed(status) and status != TERMINATED:
+            restore_state(s, w)
+        else:
+            record_crossing_times(s, w)
+    return status
 
 
 def start_contacts(p: Params, s: State, direction: Real, elsewhere: bool, w: Work) -> Status:
@@ -92,10 +151,13 @@ def start_contacts(p: Params, s: State, direction: Real, elsewhere: bool, w: Wor
     if elsewhere:
         fn_modes(p, s.t, s.x, w.modes)
     update_edges(w)
+    w.contacts_acted = False
     for i in range(NCON):
         w.contact_hit[i] = 0
+    for k in range(NMODE):
+        w.indicators_unmoved[k] = 0
     begins = not s.parameters_known
-    status = settle(p, s, begins, w)
+    status = settle(p, s, True, w) if begins else settle_jump(p, s, w)
     if failed(status):
         return status
     status = start_modes(p, s, direction, elsewhere, w)

@@ -64,6 +64,9 @@ def advance_mode(k: int, direction: Real, more: Real, w: Work, t: Real) -> None:
             elif ahead < 0.0 and w.indicators[k] - w.edges[2 * k] <= near:
                 step_mode(k, False, w)
             return
+    if NCON > 0:
+        if k >= NMODE - NCON - NSLIP:  # a contact
+            return
     if fabs(w.indicators[k]) <= near and ahead != 0.0:
         w.modes[k] = sign_of(ahead)
 
@@ -127,7 +130,13 @@ def is_at_lower_edge(k: int, w: Work) -> bool:
 def choose_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Find the modes of a new state, and compute its rates. An indicator at zero gets the mode that it
     moves to."""
+    if NCON > 0:
+        w.candidate_modes[:] = w.modes
     fn_modes(p, s.t, s.x, w.modes)
+    if NCON > 0:
+        for k in range(NMODE):
+            if w.indicators_unmoved[k] > 0:
+                w.modes[k] = w.candidate_modes[k]
     if NLATE > 0:
         set_late_modes(p, s.t, s.x, s, w)
     update_edges(w)
@@ -146,6 +155,9 @@ def choose_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
                 step_mode(k, False, w)
                 w.crossed[k] = 1
         elif w.modes[k] == 0.0 and ahead != 0.0:
+            if NCON > 0:
+                if w.indicators_unmoved[k] > 0:
+                    continue
             w.modes[k] = ahead
             w.crossed[k] = 1
         if w.crossed[k] > 0:

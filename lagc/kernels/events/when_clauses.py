@@ -7,6 +7,7 @@ left. Conditions that this makes true trigger more clauses.
 from math import fabs, inf
 
 from lagc.kernels.constraints.projection import project
+from lagc.kernels.contact.jumps import settle_jump
 from lagc.kernels.contact.touching import rates_at
 from lagc.kernels.events.late_indicators import indicator_rates_at, indicators_at, set_late_modes
 from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
@@ -79,6 +80,9 @@ def slide_after_reinit(p: Params, s: State, direction: Real, w: Work) -> Status:
         at_zero = has_edges[k] == 0 and fabs(w.indicators[k]) <= SLACK_GROWTH * w.indicator_roundoff[j]
         if at_zero and (w.crossed[k] > 0 or w.indicator_jumped[k] > 0):
             rate = w.indicator_rates[k]
+            if NCON > 0:
+                if k >= NMODE - NCON - NSLIP:
+                    continue
             if w.modes[k] * rate * direction < 0.0:
                 found = True
                 slides(p, s, k, rate, w.old_indicator_rates[k], w)
@@ -171,6 +175,10 @@ def reinitialize(p: Params, s: State, giver: int, direction: Real, w: Work) -> S
     if NZ > 0:
         fn_energies(p, s.t, s.x, w.energies)
         s.x[NINT - 1] += w.energies[2] - before
+    if NCON > 0:
+        status = settle_jump(p, s, w)
+        if failed(status):
+            return status
     status = choose_modes_after_reinit(p, s, direction, w)
     if not failed(status):
         s.jumps += given

@@ -211,6 +211,7 @@ class Work:
         contact_speeds: Vec[NCROW]  # rates of the rows
         contact_bias: Vec[NCROW]  # accelerations of the rows where those of the speeds are 0
         contact_gaps: Vec[NCON]
+        contact_indicators: Vec[NMODE]
         contact_sizes: Vec[NCON]  # change of each gap over the sizes of the states
         contact_responses: Vec[NRESPONSES]  # accelerations and multipliers for a unit of each listed row
         contact_rhs: Vec[NR]
@@ -223,7 +224,10 @@ class Work:
         contact_rates: Vec[NX]
         contact_lam: Vec[NC]
         # Contacts at an event
-        contact_hit: IVec[NCON]  # 1: its gap, 2: its force has fallen to zero
+        contact_hit: IVec[NCON]  # 1: its gap, 2: its force has fallen to zero, see `settle`
+        contacts_acted: bool  # at this event already
+        modes_before: Vec[NMODE]  # of relations, before the event
+        indicators_unmoved: IVec[NMODE]  # 1: contacts do not change it
         contact_near: IVec[NCON]
         contact_leaves: IVec[NCON]
         contact_closed: IVec[NCON]  # as contact_modes
@@ -346,6 +350,7 @@ class State:
         contact_impulses: Vec[NCON]  # of impacts at that event
         contact_losses: Vec[NCON]  # of energy
         rest_times: Vec[NCON]  # when bounces end that are not followed
+        penetration: Real  # depth of a contact beyond its bound, after PENETRATION
     # Private from here on: the library alone reads and writes these fields.
     # The last step
     h_old: Real

@@ -24,6 +24,8 @@ MISPLACED = Status(11)
 NOT_CONVERGED = Status(12)  # The equations of an implicit step were not solved; culprit: none
 # The laws of contacts have no solution, or several; culprit: the contact
 PARADOX = Status(13)
+# A bound or a clause `when` has put bodies beyond a bound; culprit: the contact
+PENETRATION = Status(14)
 
 
 def failed(status: Status) -> bool:

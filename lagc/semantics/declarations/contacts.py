@@ -6,7 +6,7 @@ is zero; then it may push its gap open, and never pulls.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import inf
 
 from lagc.diagnostics.suggest import did_you_mean
@@ -168,17 +168,3 @@ def _number(context: Context, entry: Entry, name: str, written: tree.Expression,
             "0 is an impact without rebound, 1 one without loss of energy",
         )
     return scalar.node
-
-
-def refuse_beside(context: Context, whens: Sequence[objects.When]) -> None:
-    """Report clauses `when` that set coordinates or rates, in a model with contacts."""
-    for clause in whens:
-        if any(state.record.kind != "discrete" for state, _ in clause.changes):
-            context.report(
-                Wrong(
-                    "LAG0236",
-                    "`reinit` of a coordinate or rate does not act beside one-sided constraints yet",
-                    clause.span,
-                    "let a one-sided constraint make the impact, or write all impacts as clauses `when`",
-                )
-            )

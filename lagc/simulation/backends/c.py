@@ -279,7 +279,7 @@ class CSystem(CompiledSystem):
         def result(status: int) -> Trajectory:
             known: dict[str, Any] = {"events": events, "jumps": jumps, "corners": corners}
             if touching:
-                known["contacts"] = contacts
+                known.update(contacts=contacts, penetration=state.penetration)
             return self._trajectory(
                 status, state, head, times[: done.value], states[: done.value * nx], known
             )
@@ -373,7 +373,7 @@ def _state_type(nx: int, kinds: int, relations: int, acts: int, contacts: int) -
             *(
                 (("settlements", c_long), ("contact_kinds", c_int * contacts),
                  ("contact_impulses", c_double * contacts), ("contact_losses", c_double * contacts),
-                 ("rest_times", c_double * contacts))
+                 ("rest_times", c_double * contacts), ("penetration", c_double))
                 if contacts
                 else ()
             ),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.diagnostics.suggest import OPERATORS, looks_like_unit
-from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD
+from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Token
 from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
 
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
@@ -69,10 +69,32 @@ def chained(w: Where) -> Explained | None:
                 fault = Fault(
                     "LAG0126", message, w.span(w.token),
                     related=((w.span(token), "the first comparison"),),
-                    remedy="join two comparisons with `and`",
+                    remedy=_two_bounds(w, token) or "join two comparisons with `and`",
                 )  # fmt: skip
                 return Explained(fault)
     return None
+
+
+def _two_bounds(w: Where, first: Token) -> str | None:
+    """Return how to write the constraint a <= b <= c, whose first comparison is `first`."""
+    colon = next((x for x in w.tokens[w.begin : w.position] if x.text == ":"), None)
+    if w.first.text != "constraint" or colon is None:
+        return None
+    name = w.source.text[w.first.end : colon.start].strip()
+    left, middle, right = (
+        w.source.text[start:end].strip()
+        for start, end in (
+            (colon.end, first.start),
+            (first.end, w.token.start),
+            (w.token.end, len(w.source.text)),
+        )
+    )
+    bounds = f"{left} {first.text} {middle}", f"{middle} {w.token.text} {right.partition(';')[0]}"
+    if any("\n" in bound or len(bound) > 60 for bound in bounds):
+        return "write two constraints, one for each bound"
+    return (
+        f"write two constraints: `constraint {name}_1: {bounds[0]};` and `constraint {name}_2: {bounds[1]};`"
+    )
 
 
 def decimal_comma(w: Where) -> Explained | None:

@@ -15,11 +15,14 @@ STRIKES, RESTS, CLOSES, OPENS, STICKS, SLIPS = range(1, 7)  # kinds of events of
 class ContactTrajectory(Trajectory):
     """A trajectory with what its contacts did, `contacts`: time, contact, kind (STRIKES, RESTS after ever
     shorter bounces, CLOSES, OPENS, STICKS, SLIPS), impulse, loss of energy, and for a rest the time when
-    bounces end."""
+    bounces end. `penetration` is the depth beyond a bound of a run that ended there."""
 
-    def __init__(self, contacts: Sequence[tuple[float, int, int, float, float, float]] = (), **values: Any):
+    def __init__(
+        self, contacts: Sequence[tuple[float, int, int, float, float, float]] = (), penetration: float = 0.0,
+        **values: Any,
+    ):  # fmt: skip
         super().__init__(**values)
-        self.contacts = contacts
+        self.contacts, self.penetration = contacts, penetration
 
     def changed(self, **values: Any) -> ContactTrajectory:
         """Return a copy with other values."""
