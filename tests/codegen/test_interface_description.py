@@ -102,13 +102,14 @@ def test_docs_name_what_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
     own = prefix(program.interface.model)
     names = set(re.findall(r"`(?:NAME)?_([a-z]\w*)", generated))
     assert len(names) > 10
-    for name in names - {"by_time", "along", "hold"}:  # it has no time and no conditions
+    for name in names - {"by_time", "along", "hold", "gaps", "seated"}:  # no time, conditions, contacts
         assert re.search(rf"\b{own}_{name}\b", header), name
     monkeypatch.setattr(jacobians, "MOST", 0)
     large = render(of_model.__wrapped__("course/string_pendulum", derivatives=True))
     assert any(f" {own}_along(" in text for name, text in large.items() if name.endswith(".h"))
-    owns = f"(?:{own.upper()}|STICK_SLIP_BELT)"  # without and with discrete variables
-    texts = [*written.values(), *render(of_model("classic/stick_slip_belt")).values()]
+    owns = f"(?:{own.upper()}|STICK_SLIP_BELT|BOUNCING_BALL)"  # without, with discrete variables, contacts
+    others = [render(of_model(name)) for name in ("classic/stick_slip_belt", "contact/bouncing_ball")]
+    texts = [text for found in (written, *others) for text in found.values()]
     for name in re.findall(r"`NAME_([A-Z]\w*)", generated):
         assert any(re.search(rf"\b{owns}_{name}\b", text) for text in texts), name
     words = set(re.findall(r"`(?!NAME_)([A-Z]{2}[A-Z_]*)`", generated)) - {
