@@ -165,3 +165,16 @@ def test_two_bounds_in_one_line_have_a_remedy() -> None:
     assert remedy in str(refused.value.faults[0].remedy)
     run = _run("constraint floor_1: 0 <= z;\nconstraint floor_2: z <= 2 [m];")
     assert run.status == "ok"
+
+
+def test_an_impact_may_trigger_new_values() -> None:
+    """A pad that throws: each impact gives 3 m/s upwards, and the impact stays in the record."""
+    run = _run("constraint pad: z >= 0;\n"
+               "when impulse(pad) > 0 then reinit(der(z), 3 [m/s]); end when;", stop=0.8, z=1.0)  # fmt: skip
+    fall = math.sqrt(2.0 / G)
+    assert run.status == "ok"
+    assert [kind for kind, _ in _acts(run, "pad")] == ["impact"]
+    first = next(event for event in run.events if event.contact == "pad")
+    assert first.t == pytest.approx(fall, abs=1e-9) and first.impulse == pytest.approx(math.sqrt(2.0 * G))
+    left = 0.8 - fall
+    assert run.final["z"] == pytest.approx(3.0 * left - G * left**2 / 2.0, abs=1e-8)
