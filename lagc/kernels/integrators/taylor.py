@@ -12,6 +12,7 @@ from lagc.kernels.language.vocabulary import *
 
 LEAST_ORDER = 4.0
 COUNTED = 3  # orders before the last one that the radius of convergence is estimated from, too
+FALL = 1.3  # -ln of the ratio of successive terms at the end of a step
 SHORTENED = 1e-3  # factor of a scale that makes coefficients overflow
 MOST_SHORTENED = 16  # times
 DIFFERENT = 0.1  # of the error weights: a series that does not follow the right-hand side
@@ -43,16 +44,25 @@ def exponential(y: Real) -> Real:
 
 
 def set_order(tolerance: Real, s: State) -> None:
-    """Set the order that takes the least work for a relative tolerance (JZ 3.2.1)."""
+    """Set the order for a relative tolerance, which the term before the last one has at the end of a step. A
+    step of order p over e^-c of the radius of convergence meets a tolerance of e^-L for p = L / c, about. The
+    least work is at c = 2 if it grows as p^2 (JZ 3.2.1) and at 1 if it grows as p: sums of products are the
+    smaller part of it here."""
     if tolerance == s.series_tolerance:
         return
     s.series_tolerance = tolerance
-    order = 2.0 - 0.5 * natural_log(tolerance)
+    digits = -natural_log(tolerance)
+    order = 1.0 + digits / FALL
     if order < LEAST_ORDER:
         order = LEAST_ORDER
     if order > float(size(NTERM)) - 1.0:
         order = float(size(NTERM)) - 1.0
     s.series_order = whole(order)
+    fall = digits / (float(s.series_order) - 1.0)
+    s.series_ratio = exponential(fall if fall > 1.0 else 1.0)
+    s.series_fall = 1.0
+    for k in range(s.series_order - COUNTED):
+        s.series_fall *= s.series_ratio
 
 
 def expand(p: Params, t: Real, x: Vec[NX], scale: Real, s: State, w: Work) -> Status:
@@ -69,10 +79,10 @@ def expand(p: Params, t: Real, x: Vec[NX], scale: Real, s: State, w: Work) -> St
     for i in range(NINT):
         w.scaled[i] = scale * w.xdot[i]
     order = s.series_order
+    for i in range(NINT):
+        s.series[1][i] = scale * w.xdot[i]
     for k in range(1, order):
         inverse = 1.0 / float(k)
-        for i in range(NINT):
-            s.series[k][i] = inverse * w.scaled[i]
         w.scaled[NX] = float(k)
         w.scaled[NX + 1] = inverse
         w.scaled[NX + 2] = scale if k == 1 else 0.0
@@ -80,10 +90,10 @@ def expand(p: Params, t: Real, x: Vec[NX], scale: Real, s: State, w: Work) -> St
         fn_series_next(
             p, s.series[k], w.scaled, w.values, w.sums, w.left[k], w.right[k], w.squares[k], w.rates_next
         )
+        share = scale / float(k + 1)
         for i in range(NINT):
             w.scaled[i] = scale * w.rates_next[i]
-    for i in range(NINT):
-        s.series[order][i] = w.scaled[i] / float(order)
+            s.series[k + 1][i] = share * w.rates_next[i]
     w.culprit = not_finite(s.series[order], NINT)
     return NOT_FINITE if w.culprit >= 0 else OK
 
@@ -98,25 +108,32 @@ def follows_rates(h: Real, s: State, w: Work) -> bool:
 
 
 def planned_size(s: State, w: Work) -> Real:
-    """Return the size of a step: the radius of convergence over e^2 (JZ 3.2.2). The radius is the least one
-    of four orders, since some vanish at symmetric states."""
-    order = s.series_order
+    """Return the size of a step: the radius of convergence over s.series_ratio (JZ 3.2.2). The radius is the
+    least one of four orders, since some vanish at symmetric states.  Coefficients are compared with those of
+    steps of the same size, so that logarithms are small."""
+    first = s.series_order - COUNTED
+    largest = vector(FOUR)
+    for k in range(COUNTED + 1):
+        largest[k] = 0.0
+    for i in range(NQ + NV):
+        share = s.series_tolerance / w.error_weights[i]
+        for k in range(COUNTED + 1):
+            own = share * fabs(s.series[first + k][i])
+            if own > largest[k]:
+                largest[k] = own
     known = False
     least = 0.0
-    for k in range(order - COUNTED, order + 1):
-        most = 0.0
-        for i in range(NQ + NV):
-            own = fabs(s.series[k][i]) / w.error_weights[i]
-            if own > most:
-                most = own
-        if most > 0.0:
-            room = -natural_log(most * s.series_tolerance) / float(k)
+    fall = s.series_fall
+    for k in range(COUNTED + 1):
+        if largest[k] > 0.0:
+            room = -natural_log(fall * largest[k]) / float(first + k)
             if not known or room < least:
                 least = room
             known = True
+        fall *= s.series_ratio
     factor = number(GROW)
     if known:
-        own = exponential(least - 2.0 - 0.7 / (float(order) - 1.0))
+        own = exponential(least - 0.7 / (float(s.series_order) - 1.0))
         if own < factor:
             factor = own
     return fabs(s.series_scale) * factor
@@ -156,35 +173,27 @@ def begin_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
 
 
 def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
-    """Evaluate the polynomial from x at the end of the step, s.x_new."""
+    """Evaluate the polynomial from x and its slope at the end of the step, s.x_new and w.end_slopes."""
     part = h / s.series_scale
     s.x_new[:] = x
     for i in range(NINT):
         own = 0.0
+        change = 0.0
         for k in range(s.series_order, 0, -1):
+            change = own + part * change
             own = s.series[k][i] + part * own
         s.x_new[i] = x[i] + part * own
+        w.end_slopes[i] = (own + part * change) / s.series_scale
     return OK
-
-
-def slope(part: Real, s: State, found: Vec[NX]) -> None:
-    """Compute the slope of the polynomial; `part` is the time over the scale."""
-    for i in range(NINT):
-        own = 0.0
-        for k in range(s.series_order, 0, -1):
-            own = float(k) * s.series[k][i] + part * own
-        found[i] = own / s.series_scale
 
 
 def error(h: Real, s: State, w: Work) -> Real:
     """Return the scaled error by the defect of the polynomial at the end of the step, the difference of its
     slope and the rate there: of order p it is h / (p + 1) times that."""
-    own = vector(NX)
-    slope(h / s.series_scale, s, own)
     total = 0.0
     share = h / (float(s.series_order) + 1.0)
     for i in range(NQ + NV):
-        e = share * (own[i] - s.k[END_RATE][i]) / w.error_weights[i]
+        e = share * (w.end_slopes[i] - s.k[END_RATE][i]) / w.error_weights[i]
         total += e * e
     return sqrt(total / float(size(NQ) + NV)) if total < inf else inf
 
@@ -220,16 +229,28 @@ def restore_series(s: State, w: Work) -> Status:
 def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
     """Compute the largest deviation of the slopes at three points of the step from that of the cubic between
     its ends."""
-    own = vector(NX)
+    slopes = vector(THREE)
+    part = h / s.series_scale
+    inverse = 1.0 / s.series_scale
     for i in range(NX):
         far[i] = 0.0
-    for j in range(1, 4):
-        c = 0.25 * float(j)
-        slope(c * h / s.series_scale, s, own)
-        for i in range(NQ + NV):
-            mean = (s.x_new[i] - s.x[i]) / h
+    for i in range(NQ + NV):
+        early = 0.0
+        middle = 0.0
+        late = 0.0
+        for k in range(s.series_order, 0, -1):
+            own = float(k) * s.series[k][i]
+            early = own + 0.25 * part * early
+            middle = own + 0.5 * part * middle
+            late = own + 0.75 * part * late
+        slopes[0] = early
+        slopes[1] = middle
+        slopes[2] = late
+        mean = (s.x_new[i] - s.x[i]) / h
+        for j in range(3):
+            c = 0.25 * float(j + 1)
             cubic = 6.0 * c * (1.0 - c) * mean + (1.0 - c) * (1.0 - 3.0 * c) * s.k[0][i]
-            apart = fabs(own[i] - cubic - c * (3.0 * c - 2.0) * s.k[END_RATE][i])
+            apart = fabs(inverse * slopes[j] - cubic - c * (3.0 * c - 2.0) * s.k[END_RATE][i])
             if apart > far[i]:
                 far[i] = apart
 

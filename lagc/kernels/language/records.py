@@ -126,6 +126,7 @@ class Work:
         # Taylor series
         values: Vec[NVALUE]  # of the state, for all orders
         scaled: Vec[NSERIES]  # scale times the rates of an order; k, 1/k, the coefficient of time
+        end_slopes: Vec[NX]  # of the polynomial
         rates_next: Vec[NX]
         sums: Vec[NCONVOLVED]  # of products of coefficients, lanes, then squares
         left: Mat[NTERM, NLANE]  # coefficients of both factors of each lane
@@ -407,6 +408,8 @@ class State:
         series_part: Real  # size of the last step over it
         series_size: Real  # that the coefficients admit
         series_tolerance: Real
+        series_ratio: Real  # of successive terms at the end of a step
+        series_fall: Real  # its power k, for the least order k that the radius is estimated from
         series_order: Count
         series_step: Count  # steps behind which the coefficients are those of the last one; -1: none
         kept_scale: Real  # of the last step
