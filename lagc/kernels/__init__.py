@@ -48,6 +48,7 @@ FILES = (
     "events/modes",
     "contact/indicators",
     "events/location",
+    "contact/slips",
     "contact/settle",
     "contact/jumps",
     "events/sliding",

@@ -1,5 +1,6 @@
 """Beginning and end of a call: changes that the caller made, and the evaluation of the first rate."""
 
+from lagc.kernels.contact.slips import turn_slips
 from lagc.kernels.contact.touching import rates_at
 from lagc.kernels.dynamics.rhs import factor_safely
 from lagc.kernels.events.contact_events import start_contacts
@@ -192,6 +193,8 @@ def evaluate_start(p: Params, s: State, direction: Real, w: Work) -> Status:
             return start_modes(p, s, direction, elsewhere, w)
         w.modes[:] = s.modes
         update_edges(w)
+        if NSPACE > 0:
+            turn_slips(p, s, w)
     status = OK
     if again or s.rate_place == ABSENT:
         status = rates_at(p, s.t, s.x, s.k[0], w.lam, w)

@@ -7,6 +7,7 @@ section II.4; L. F. Shampine, I. Gladwell, R. W. Brankin, ACM Trans. Math. Softw
 from math import fabs
 
 from lagc.kernels.call_boundary import evaluate_start, keep_parameters, report_culprit
+from lagc.kernels.contact.slips import keep_slip_errors, time_to_stop, turns_fast
 from lagc.kernels.contact.touching import forget_forces, put_on_constraints, rates_at
 from lagc.kernels.events.contact_events import pass_event
 from lagc.kernels.events.location import (
@@ -55,6 +56,7 @@ NEWTON_TOLERANCE = 0.03  # error of the stages over that of a step, at most
 FIXED_STEP_TOLERANCE = by_type(1e-5, 1e-11, "1e-27")  # relative error of the stages of a fixed step
 LOOSENING = 0.1  # tolerance of the estimated error over that of a step at a tolerance of 1
 LOOSER = 0.1875  # and the power of the tolerance by which that grows
+MOST_STOPS = 8  # Newton iterations of the time at which a slip in space stops
 LARGE_ERROR = 100.0  # error of a step that says little about the right step size
 
 
@@ -159,7 +161,19 @@ def end_step_at_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> Sta
         a.h = 0.0
         keep_parameters(p, s)
         return pass_event(p, s, a.direction, w)
-    return try_step(p, s, o, a, w)
+    status = try_step(p, s, o, a, w)
+    if NSPACE > 0:
+        for count in range(MOST_STOPS):
+            if failed(status) or a.error > 1.0:
+                break
+            change = time_to_stop(p, s, a.t_new, s.k[end_rate_row(o.method)], w)
+            if not (fabs(change) > SPACING * fabs(a.t_new) and fabs(change) < 0.5 * fabs(a.h)):
+                break
+            a.size *= 1.0 + change / a.h
+            a.h += change
+            a.t_new = s.t + a.h
+            status = try_step(p, s, o, a, w)
+    return status
 
 
 def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> None:
@@ -192,6 +206,10 @@ def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
     s.dense_place = OPEN if a.leaves_end_rate else STAGES
     if NMODE > 0:
         s.modes_old[:] = w.modes
+        if NSPACE > 0:
+            s.slip_axes_old[:] = w.slip_axes
+            s.slip_roundoff_old[:] = w.slip_roundoff
+            keep_slip_errors(s, w)
         s.after_event = False
         s.is_split = a.is_split
         s.event_time_error = TIME_ERROR * o.rtol * fabs(a.h)
@@ -320,6 +338,13 @@ def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w
         if fixed_step_underflows(s, t1, a) if o.step > 0.0 else step_underflows(s, t1, a):
             return end_by_underflow(p, s, cause, a, w)
         status = try_step(p, s, o, a, w)
+        if NSPACE > 0:
+            if not failed(status) and a.error <= 1.0 and o.step == 0.0:
+                if turns_fast(s, w):
+                    a.size *= 0.5
+                    a.rejected += 1
+                    s.rejected += 1
+                    continue
         if NGUARD > 0:
             if not failed(status) and a.error <= 1.0 and o.step == 0.0 and reductions < MOST_REDUCTIONS:
                 hidden = find_hidden_event(p, s, o.method, a, o.rtol, w)

@@ -25,6 +25,9 @@ def recompute_stages(s: State, t: Real, x: Vec[NX], w: Work) -> Status:
     """Compute the stages of the last step again: a later failed attempt has overwritten them."""
     if NMODE > 0:
         w.modes[:] = s.modes_old
+        if NSPACE > 0:
+            w.slip_axes[:] = s.slip_axes_old
+            w.slip_roundoff[:] = s.slip_roundoff_old
     status = rates_at(s.p, s.t_old, s.x_old, s.k[0], w.lam, w)
     s.rate_place = ABSENT
     s.rhs += 2
@@ -45,6 +48,9 @@ def compute_dense_output(s: State, w: Work) -> Status:
         x = s.x_end if s.is_new_call else s.x
     if NMODE > 0:
         w.modes[:] = s.modes_old
+        if NSPACE > 0:
+            w.slip_axes[:] = s.slip_axes_old
+            w.slip_roundoff[:] = s.slip_roundoff_old
     if NNEWTON > 0:
         if s.kept_step == s.steps:
             method_restore_stages(s.method, s)

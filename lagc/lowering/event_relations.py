@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 from lagc.base.records import dataclass, replace
 from lagc.lowering.kkt.prune import sources
 from lagc.lowering.program import FARTHEST
-from lagc.mechanics.formulation.equations import EquationsOfMotion, SlipRow, with_jacobians
+from lagc.mechanics.formulation.equations import EquationsOfMotion, with_jacobians
 from lagc.mechanics.formulation.jacobian import formed_of, with_values
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.enclosures import extended
@@ -80,7 +80,7 @@ def _touching(equations: EquationsOfMotion, count: int) -> list[EventRelation]:
     whose indicator is the gap. Their mode is always 1: kernels turn and replace the indicators of contacts
     that touch."""
     graph, one = equations.graph, equations.graph.one
-    sides = [(c.slip.rate, f"{c.label} sticks or slips") for c in equations.contacts if c.slip is not None]
+    sides = [(slip.rate, f"{c.label} sticks or slips") for c in equations.contacts for slip in c.slips]
     sides += [(contact.gap, f"{contact.label} touches") for contact in equations.contacts]
     return [
         EventRelation(graph.symbol("mode", str(count + k)), side, one, one, None, None, text, True)
@@ -291,11 +291,6 @@ def _gradients(equations: EquationsOfMotion) -> list[Mapping[int, Node]]:
     return found + [row for contact in equations.contacts for row in contact.jacobians]
 
 
-def _slip_with(slip: SlipRow, f: _Freezing) -> SlipRow:
-    rate, bias, friction, static = f.all([slip.rate, slip.bias, slip.friction, slip.static])
-    return replace(slip, rate=rate, bias=bias, friction=friction, static=static)
-
-
 def _with(equations: EquationsOfMotion, f: _Freezing) -> EquationsOfMotion:
     """`equations` with f of all that the rates are made of."""
 
@@ -316,7 +311,8 @@ def _with(equations: EquationsOfMotion, f: _Freezing) -> EquationsOfMotion:
     contacts = [
         replace(
             contact, gap=f.one(contact.gap), rate=f.one(contact.rate), bias=f.one(contact.bias),
-            slip=None if contact.slip is None else _slip_with(contact.slip, f),
+            slips=tuple([replace(x, rate=f.one(x.rate), bias=f.one(x.bias)) for x in contact.slips]),
+            frictions=tuple(f.all(contact.frictions)),
         )
         for contact in with_jacobians(equations.contacts, gradients)
     ]  # fmt: skip

@@ -294,7 +294,8 @@ def _discretes(equations: EquationsOfMotion, written: Expressions) -> Facts:
 
 
 def _contact(contact: Contact, written: Expressions) -> Facts:
-    given = {"slip": contact.slip, "friction": contact.friction, "static": contact.static}
+    given = {"friction": contact.friction, "static": contact.static}
+    slip = [written.text(node) for node in contact.slip]
     return {
         "name": contact.label,
         "line": contact.span.line,
@@ -302,6 +303,7 @@ def _contact(contact: Contact, written: Expressions) -> Facts:
         "unit": contact.unit,
         "restitution": written.text(contact.restitution),
         **{name: written.text(node) for name, node in given.items() if node is not None},
+        **({"slip": slip[0] if len(slip) == 1 else f"{{{', '.join(slip)}}}"} if slip else {}),
         "states": contact.states,
     }
 

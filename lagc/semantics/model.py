@@ -281,7 +281,8 @@ class Constraint:
 @dataclass(frozen=True, slots=True)
 class Contact:
     """A one-sided constraint gap >= 0, in coordinates, parameters and time. `state` is a discrete variable: 0
-    open, 1 touching; with friction 1 or -1 slipping forwards or backwards, 2 sticking."""
+    open, 1 touching; with friction 1 or -1 slipping forwards or backwards, 2 sticking. In space there is no
+    -1."""
 
     name: str
     label: str  # the name of the constraint, or `name[1]` ... for a vector
@@ -291,14 +292,21 @@ class Contact:
     restitution: Node
     span: Span
     effect: str | None = None
-    slip: Node | None = None  # the velocity with which it slides; none: it has no friction
+    slip: tuple[Node, ...] = ()  # the velocity with which it slides, of 1 to 3 components; none: no friction
     friction: Node | None = None  # its coefficient
     static: Node | None = None  # that of a contact that sticks
 
     @property
     def states(self) -> str:
         """The meaning of its state."""
-        return "1: touches" if self.slip is None else "1, -1: slips forwards, backwards; 2: sticks"
+        named = ("1: touches", "1, -1: slips forwards, backwards; 2: sticks", "1: slips; 2: sticks")
+        return named[self.slip_rows]
+
+    @property
+    def slip_rows(self) -> int:
+        """The directions in which it slides: 0 without friction, 1 in a plane motion, 2 in space."""
+        count = len(self.slip)
+        return count if count < 3 else sum(not node.is_zero for node in self.slip) - 1
 
     @property
     def mode(self) -> Discrete:

@@ -198,6 +198,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NIMPULSE": sum(c.impulse >= 0 for c in interface.contacts), "NLATE": interface.late_relations,
         "NKNOWN": nv + interface.nc + sum(1 + c.slips for c in interface.contacts),
         "NCON": len(interface.contacts), "NSLIP": sum(c.slips for c in interface.contacts),
+        "NSPACE": sum(c.slips == 2 for c in interface.contacts),
         "NLEAP": len(interface.whens) + len(interface.contacts),
         "NBOX": 2 * (1 + nq + nv) + len(interface.discretes),
         "NLIMITS": len(interface.limits), "NPREPARED": interface.prepared, "NREAD": len(interface.read),

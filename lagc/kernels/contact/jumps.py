@@ -2,7 +2,8 @@
 
 from math import fabs
 
-from lagc.kernels.contact.settle import PARTS, settle, speed_size
+from lagc.kernels.contact.settle import settle
+from lagc.kernels.contact.slips import PARTS, speed_size
 from lagc.kernels.contact.touching import find_touching, set_gaps
 from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
 from lagc.kernels.language.vocabulary import *

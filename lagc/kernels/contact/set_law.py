@@ -118,12 +118,13 @@ def search_modes(w: Work) -> int:
 
 
 def start_slips(w: Work) -> bool:
-    """Let contacts that begin to slip do so with the friction of slip. Return whether there are any."""
+    """Let contacts that begin to slip do so with the friction of slip, in space in a direction that is found
+    with it. Return whether there are any."""
     found = False
     for i in range(w.law_count):
         slips = w.law_mode[i] == CONTACT_SLIPS and has_friction(w, i) and w.law_slides[i] == 0
         if slips and w.law_friction[i] != w.law_mu[i]:
-            w.law_slides[i] = 1
+            w.law_slides[i] = 1 if w.law_slips[i] == 1 else 0
             w.law_mu[i] = w.law_friction[i]
             found = True
     return found

@@ -10,9 +10,19 @@
 from math import fabs
 
 from lagc.kernels.contact.enumeration import LAW_FOUND
-from lagc.kernels.contact.frozen_modes import CONTACT_OPEN, CONTACT_SLIPS, CONTACT_STICKS
+from lagc.kernels.contact.frozen_modes import CONTACT_OPEN, CONTACT_STICKS
 from lagc.kernels.contact.impact import IMPACT_DONE, IMPACT_ENDLESS, IMPACT_NONE, impact
 from lagc.kernels.contact.set_law import set_law
+from lagc.kernels.contact.slips import (
+    PARTS,
+    RELEASES,
+    find_slips,
+    let_slip,
+    slides_back,
+    speed_size,
+    stop_slips,
+    turn_slips,
+)
 from lagc.kernels.contact.touching import (
     add_responses,
     close,
@@ -25,17 +35,13 @@ from lagc.kernels.contact.touching import (
     set_accelerations,
     set_frictions,
     set_gaps,
+    slip_along,
     slip_relation,
 )
 from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
 from lagc.kernels.language.vocabulary import *
 
-REACHES = 1  # a gap is closed
-RELEASES = 2  # a force has fallen to zero
-STOPS = 3  # a slip has ended
-SLIDES = 4  # static friction no longer holds
-PARTS = 5  # a jump has put it apart
 STRIKES = 1  # what a contact did at an event: it had an impact
 RESTS = 2  # it came to rest after ever shorter bounces
 CLOSES = 3
@@ -54,17 +60,6 @@ def find_near_contacts(p: Params, s: State, w: Work) -> None:
         touches = s.x[NX - NCON + i] != 0.0 or w.contact_hit[i] > 0
         w.touched[i] = 1 if (touches or near) and w.contact_hit[i] != PARTS else 0
         w.contact_modes[i] = 1
-
-
-def speed_size(row: int, s: State, w: Work) -> Real:
-    """Return the speed of a row that states of their sizes so far have."""
-    own = w.contact_speeds[row]
-    reach = 0.0
-    for j in range(NV):
-        entry = w.contact_rows[row * NV + j]
-        own -= entry * s.x[NQ + j]
-        reach += fabs(entry) * s.sizes[scaling_group[NQ + j]]
-    return reach + fabs(own)
 
 
 def set_speeds(s: State, w: Work) -> None:
@@ -109,39 +104,6 @@ def strike_contacts(p: Params, s: State, w: Work) -> Status:
     return OK
 
 
-def find_slips(s: State, w: Work) -> None:
-    """Set the listed contacts that move along their slip rows, and those whose static friction no longer
-    holds, to slip."""
-    if NSLIP > 0:
-        for n in range(w.law_count):
-            if w.law_slips[n] > 0:
-                i = w.touching[n]
-                row = contact_first[i] + 1
-                speed = w.contact_speeds[row]
-                if fabs(speed) > CONTACT_ROUNDOFF * speed_size(row, s, w):
-                    w.law_moves[n] = 1
-                    w.law_direction[2 * n] = 1.0 if speed > 0.0 else -1.0
-                elif w.contact_hit[i] == SLIDES and w.contact_slides[i] != 0.0:
-                    w.law_moves[n] = 1
-                    w.law_direction[2 * n] = w.contact_slides[i]
-
-
-def slides_back(w: Work) -> bool:
-    """Return whether a contact that was set to slip would do so against its direction; it is not set then."""
-    found = False
-    if NSLIP > 0:
-        for n in range(w.law_count):
-            i = w.touching[n]
-            if w.law_slips[n] > 0 and w.contact_hit[i] == SLIDES and w.contact_slides[i] != 0.0:
-                r = w.law_first[n] + 1
-                slips = w.law_mode[n] == CONTACT_SLIPS and w.law_moves[n] > 0
-                if slips and w.law_u[r] * w.contact_slides[i] < -CONTACT_ROUNDOFF * w.law_sizes[r]:
-                    w.contact_slides[i] = 0.0
-                    w.law_moves[n] = 0
-                    found = True
-    return found
-
-
 def closed_mode(n: int, w: Work) -> int:
     """Return the mode of a listed contact that the law has found."""
     if w.law_mode[n] == CONTACT_OPEN:
@@ -150,7 +112,7 @@ def closed_mode(n: int, w: Work) -> int:
         return 1
     if w.law_mode[n] == CONTACT_STICKS:
         return 2
-    return -1 if w.law_direction[2 * n] < 0.0 else 1
+    return -1 if w.law_slips[n] == 1 and w.law_direction[2 * n] < 0.0 else 1
 
 
 def decide(p: Params, s: State, w: Work) -> Status:
@@ -177,6 +139,9 @@ def decide(p: Params, s: State, w: Work) -> Status:
     add_responses(w.contact_rates, w)
     for n in range(w.law_count):
         w.contact_closed[w.touching[n]] = closed_mode(n, w)
+        if NSPACE > 0:
+            for k in range(2):
+                w.slip_axes[2 * w.touching[n] + k] = w.law_direction[2 * n + k]
     return OK
 
 
@@ -244,23 +209,6 @@ def find_rests(s: State, w: Work) -> bool:
     return found
 
 
-def let_slip(p: Params, s: State, w: Work) -> None:
-    """Set the friction of the listed contacts that stop to bounce and go on slipping. To take the speed of a
-    gap away at once is a pull; it takes away the friction that is too much afterwards."""
-    if NSLIP > 0:
-        set_frictions(p, s.t, s.x, w)
-        for n in range(w.law_count):
-            i = w.touching[n]
-            first = contact_first[i]
-            slips = False
-            if w.law_slips[n] > 0 and w.contact_closed[i] == 0:
-                slip = w.contact_speeds[first + 1]
-                slips = fabs(slip) > w.law_friction[n] * fabs(w.contact_speeds[first])
-                w.law_direction[2 * n] = 1.0 if slip > 0.0 else -1.0
-            if not slips:
-                w.law_friction[n] = 0.0
-
-
 def bring_to_rest(p: Params, s: State, w: Work) -> Status:
     """Stop the contacts in w.contact_rests, and decide again."""
     for i in range(NCON):
@@ -276,38 +224,6 @@ def bring_to_rest(p: Params, s: State, w: Work) -> Status:
     for i in range(NCON):
         w.touched[i] = w.contact_near[i]
     return decide(p, s, w)
-
-
-def stop_slips(p: Params, s: State, w: Work) -> Status:
-    """Stop the contacts in w.touched whose slip has ended, and set w.contact_slides of those whose static
-    friction no longer holds."""
-    stops = False
-    slides = False
-    for i in range(NCON):
-        if w.contact_hit[i] == STOPS:
-            stops = True
-        if w.contact_hit[i] == SLIDES:
-            slides = True
-    if not stops and not slides:
-        return OK
-    status = rates_at(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
-    s.rhs += 1
-    if failed(status):
-        return status
-    find_touching(s.x, w)
-    for i in range(NCON):
-        if NSLIP > 0:
-            w.contact_slides[i] = 0.0
-            if w.contact_hit[i] == SLIDES:
-                w.contact_slides[i] = -1.0 if w.contact_forces[contact_first[i] + 1] > 0.0 else 1.0
-        if w.contact_hit[i] == STOPS:
-            w.contact_modes[i] = 2
-    if stops:
-        list_contacts(True, w)
-        status = close(p, s.t, s.x, w)
-    for i in range(NCON):
-        w.touched[i] = w.contact_near[i]
-    return status
 
 
 def settle_states(p: Params, s: State, w: Work) -> Status:
@@ -348,7 +264,11 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
     if not find_touching(s.x, w):
         return OK
     list_contacts(True, w)
-    return close(p, s.t, s.x, w)
+    status = close(p, s.t, s.x, w)
+    if NSPACE > 0:
+        s.slip_axes[:] = w.slip_axes
+        turn_slips(p, s, w)
+    return status
 
 
 def report_contacts(s: State, begins: bool, w: Work) -> bool:
@@ -424,6 +344,10 @@ def set_contact_slack(p: Params, s: State, w: Work) -> None:
                 k = slip_relation(i)
                 speed = s.x[NX - NCON + i] * w.indicators[k]
                 least = SLACK_GROWTH * w.indicator_roundoff[k - NTIMED]
+                if NSPACE > 0:
+                    if contact_slips[i] == 2:
+                        speed = slip_along(i, w.indicators, w)
+                        least += SLACK_GROWTH * w.indicator_roundoff[k + 1 - NTIMED]
                 s.slack[k] = least - (2.0 * speed if speed < 0.0 else 0.0)
     if find_touching(s.x, w):
         status = rates_at(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
@@ -435,6 +359,8 @@ def set_contact_slack(p: Params, s: State, w: Work) -> None:
                 beyond = -2.0 * w.law_p[r] if w.law_p[r] < 0.0 else 0.0
                 s.slack[NMODE - NCON + w.touching[n]] = least + beyond
                 if w.law_mode[n] == CONTACT_STICKS:
-                    least += CONTACT_ROUNDOFF * w.law_sizes[r + 1] / w.law_w[(r + 1) * w.law_rows + r + 1]
+                    for m in range(1, w.law_slips[n] + 1):
+                        own = w.law_w[(r + m) * w.law_rows + r + m]
+                        least += CONTACT_ROUNDOFF * w.law_sizes[r + m] / own
                     beyond = cone_margin(w.touching[n], w)
                     s.slack[slip_relation(w.touching[n])] = least - (2.0 * beyond if beyond < 0.0 else 0.0)

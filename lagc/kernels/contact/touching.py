@@ -8,7 +8,7 @@ where a0 is the acceleration without them: the matrix W of G. Delassus, Memoire 
 finies unilaterales, Ann. Sci. Ecole Norm. Sup. 34 (1917) 95-179. An open contact costs its gap alone.
 """
 
-from math import fabs
+from math import fabs, sqrt
 
 from lagc.kernels.arithmetic.quaternions import normalise
 from lagc.kernels.constraints.projection import assemble_at, project, solve_at
@@ -22,13 +22,14 @@ CANCELLED = 64.0  # units in the last place of the terms of an acceleration: it 
 
 
 def find_touching(x: Vec[NX], w: Work) -> bool:
-    """Set w.touched and w.contact_modes by the modes in x; return whether any contact touches."""
+    """Set w.touched and w.contact_modes by the modes in x, which may be perturbed by round-off. Return
+    whether any contact touches."""
     found = False
     for i in range(NCON):
         mode = x[NX - NCON + i]
-        w.touched[i] = 1 if mode != 0.0 else 0
+        w.touched[i] = 1 if fabs(mode) > 0.5 else 0
         w.contact_modes[i] = -1 if mode < 0.0 else 1
-        if mode == 0.0 or mode == 2.0:
+        if w.touched[i] == 0 or mode > 1.5:
             w.contact_modes[i] = 2 * w.touched[i]
         if w.touched[i] > 0:
             found = True
@@ -61,9 +62,36 @@ def list_contacts(sliding: bool, w: Work) -> None:
     w.law_rows = m
 
 
+def set_slip_directions(w: Work) -> None:
+    """Let the listed contacts that slip in space do so along their velocities. In a step these are taken
+    beyond a stop: a velocity against that at its beginning has the same direction as this one. A velocity
+    that is round-off has the direction at the beginning."""
+    for n in range(w.law_count):
+        i = w.touching[n]
+        if contact_slips[i] == 2:
+            one = w.contact_speeds[contact_first[i] + 1]
+            other = w.contact_speeds[contact_first[i] + 2]
+            size = sqrt(one * one + other * other)
+            if w.modes_fixed:
+                if w.slips_held or size <= w.slip_roundoff[i]:
+                    one = w.slip_axes[2 * i]
+                    other = w.slip_axes[2 * i + 1]
+                    size = 1.0
+                elif one * w.slip_axes[2 * i] + other * w.slip_axes[2 * i + 1] < 0.0:
+                    size = -size
+            w.law_direction[2 * n] = one / size if size != 0.0 else 0.0
+            w.law_direction[2 * n + 1] = other / size if size != 0.0 else 0.0
+
+
 def slip_relation(i: int) -> int:
-    """Return the relation of the slip of a contact with friction."""
+    """Return the first relation of the slip of a contact with friction; it has one for each slip row."""
     return NMODE - NCON - NSLIP + contact_first[i] - i
+
+
+def slip_along(i: int, rates: Vec[NMODE], w: Work) -> Real:
+    """Return the part of these rates of relations along the direction in which a contact slips in space."""
+    k = slip_relation(i)
+    return w.slip_axes[2 * i] * rates[k] + w.slip_axes[2 * i + 1] * rates[k + 1]
 
 
 def set_frictions(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
@@ -80,7 +108,12 @@ def cone_margin(i: int, w: Work) -> Real:
     margin = 0.0
     if NSLIP > 0:
         row = contact_first[i]
-        margin = w.frictions[2 * i + 1] * w.contact_forces[row] - fabs(w.contact_forces[row + 1])
+        force = fabs(w.contact_forces[row + 1])
+        if NSPACE > 0:
+            if contact_slips[i] == 2:
+                other = w.contact_forces[row + 2]
+                force = sqrt(force * force + other * other)
+        margin = w.frictions[2 * i + 1] * w.contact_forces[row] - force
     return margin
 
 
@@ -211,6 +244,8 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
         return status
     fn_contact_rows_on(p, t, x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
     list_contacts(True, w)
+    if NSPACE > 0:
+        set_slip_directions(w)
     set_frictions(p, t, x, w)
     status = respond(p, t, x, w)
     if failed(status):

@@ -24,6 +24,11 @@ def hold(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     is filled with zeros."""
     fn_modes(p, t, x, w.modes)
     w.modes_fixed = True
+    if NSPACE > 0:
+        for i in range(NCON):
+            w.slip_axes[2 * i] = 0.0
+            w.slip_axes[2 * i + 1] = 0.0
+            w.slip_roundoff[i] = 0.0
 
 
 def system_at(p: Params, t: Real, x: Vec[NX], w: Work) -> None:

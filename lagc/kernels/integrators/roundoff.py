@@ -181,7 +181,11 @@ def error_without_roundoff(p: Params, s: State, t: Real, h: Real, o: Options, be
         if is_nearly_dependent(p, s, h, w):
             looked = o.project and has_two_estimates(o.method)
             return error_along_constraints(p, s, t, h, before, o.method, w) if looked else before
+    if NSPACE > 0:
+        w.slips_held = True  # where a slip ends its direction is uncertain, its stop is not
     estimate_rate_roundoff(p, s, h, w)
+    if NSPACE > 0:
+        w.slips_held = False
     error = weighted_error(s, o, h, w)
     if error <= 1.0 or error < 0.5 * before:
         s.roundoff_memory = 1.0

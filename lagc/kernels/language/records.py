@@ -240,9 +240,13 @@ class Work:
         if NSLIP > 0:
             # Friction
             frictions: Vec[NDIRECT]  # of slip and of sticking, of each contact
-            contact_slides: Vec[NCON]  # direction in which a contact begins to slip, by its force
+            contact_slides: Vec[NDIRECT]  # direction in which a contact begins to slip, by its force
             cone_low: Vec[NCON]  # range of static friction less force over the evaluations of a step
             cone_high: Vec[NCON]
+            if NSPACE > 0:
+                slip_axes: Vec[NDIRECT]  # direction in which each contact slips at the beginning of a step
+                slip_roundoff: Vec[NCON]  # of its slip
+                slips_held: bool  # they keep these directions
         x_settled: Vec[NX]
         rates_settled: Vec[NX]
         # Law of contacts that touch: u = W p + b. First the problem
@@ -438,3 +442,10 @@ class State:
         crossing_times: Vec[NFREE]  # last crossing of each indicator that depends on the state
     if NCON > 0:
         bounce_speeds: Vec[NCON]  # after the last impact of each contact; 0: there was none
+        if NSPACE > 0:
+            slip_axes: Vec[NDIRECT]  # of the next step
+            slip_roundoff: Vec[NCON]
+            slip_errors: Vec[NCON]  # that the last step may have made
+            slip_speeds: Vec[NCON]  # at the beginning of the step
+            slip_axes_old: Vec[NDIRECT]  # of the last step
+            slip_roundoff_old: Vec[NCON]

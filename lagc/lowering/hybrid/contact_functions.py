@@ -21,12 +21,10 @@ def contact_functions(at: Places, along: Places) -> list[Function]:
     gaps = [contact.gap for contact in contacts]
     laws = [contact.restitution for contact in contacts]
     frictions = [
-        node
-        for contact in along.equations.contacts
-        for node in ((contact.slip.friction, contact.slip.static) if contact.slip else (at.graph.zero,) * 2)
+        node for contact in along.equations.contacts for node in (contact.frictions or (at.graph.zero,) * 2)
     ]
     made_of = (("f", frictions),)
-    with_friction = any(contact.slip for contact in contacts)
+    with_friction = any(contact.slips for contact in contacts)
     return [
         *(
             [made(along, "frictions", along.state, made_of, "friction of each contact")]
@@ -47,8 +45,8 @@ def _rows(along: Places) -> Function:
     gradients = [own.get(j, zero) for contact in contacts for own in contact.jacobians for j in columns]
     rates, biases = list[Node](), list[Node]()
     for contact in contacts:
-        rates += [contact.rate] if contact.slip is None else [contact.rate, contact.slip.rate]
-        biases += [contact.bias] if contact.slip is None else [contact.bias, contact.slip.bias]
+        rates += [contact.rate, *(slip.rate for slip in contact.slips)]
+        biases += [contact.bias, *(slip.bias for slip in contact.slips)]
     parts = (("R", gradients), ("u", rates), ("bias", biases))
     return made(along, "contact_rows", along.state, parts, "rows of the contacts")
 

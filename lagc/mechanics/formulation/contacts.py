@@ -8,11 +8,16 @@ F. Pfeiffer, C. Glocker, Multibody Dynamics with Unilateral Contacts, Wiley 1996
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.mechanics.formulation.equations import ContactRow, SlipRow
 from lagc.mechanics.formulation.jacobian import gradients
+from lagc.mechanics.formulation.slips import along_surface
 from lagc.mechanics.formulation.states import States
+from lagc.semantics.model import Contact
 from lagc.symbolic.derivative import tangent
+from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import symbols
 
 
@@ -26,30 +31,30 @@ def contact_rows(states: States) -> tuple[ContactRow, ...]:
     biases = tangent(graph, rates, states.drift)
     jacobians = gradients(graph, rates, states.place_of_v)
     restitutions = states.in_speeds([c.restitution for c in contacts])
-    slips = iter(_slip_rows(states))
     return tuple([
         ContactRow(c, graph.symbol("multiplier", c.label), gap, rate, jacobian, bias, restitution,
-                   None if c.slip is None else next(slips))
+                   *_friction(states, c, jacobian))
         for c, gap, rate, jacobian, bias, restitution in zip(
             contacts, gaps, rates, jacobians, biases, restitutions)
     ])  # fmt: skip
 
 
-def _slip_rows(states: States) -> list[SlipRow]:
-    """Return the slip rows of contacts with friction. Raises Refused if a slip is not linear in v."""
-    graph = states.graph
-    contacts = [c for c in states.model.contacts if c.slip is not None]
-    if not contacts:
-        return []
-    rates = states.in_speeds([c.slip or graph.zero for c in contacts])
-    biases = tangent(graph, rates, states.drift)
-    jacobians = gradients(graph, rates, states.place_of_v)
+def _friction(
+    states: States, contact: Contact, normal: Mapping[int, Node]
+) -> tuple[tuple[SlipRow, ...], tuple[Node, ...]]:
+    """Return the slip rows of a contact and the coefficients of friction while it slips and while it sticks,
+    none without. `normal` is the gradient of its normal row. Raises Refused if a slip is not linear in v."""
+    if contact.friction is None:
+        return (), ()
+    rates, factor = along_surface(states, contact, normal)
+    biases = tangent(states.graph, rates, states.drift)
+    jacobians = gradients(states.graph, rates, states.place_of_v)
     speeds = frozenset(states.place_of_v)
-    for contact, jacobian in zip(contacts, jacobians):
+    for jacobian in jacobians:
         if not jacobian or symbols(list(jacobian.values())) & speeds:
             message = f"the slip of `{contact.label}` is not a velocity: it is not linear in the speeds"
             remedy = "write the velocity with which it slides: `slip = der(x)`"
             raise Refused([Fault("LAG0235", message, contact.span, remedy=remedy)])
-    frictions = states.in_speeds([c.friction or graph.zero for c in contacts])
-    statics = states.in_speeds([c.static or c.friction or graph.zero for c in contacts])
-    return [SlipRow(*row) for row in zip(rates, jacobians, biases, frictions, statics)]
+    given = states.in_speeds([contact.friction, contact.static or contact.friction])
+    rows = [SlipRow(*row) for row in zip(rates, jacobians, biases)]
+    return tuple(rows), tuple([factor * node for node in given])

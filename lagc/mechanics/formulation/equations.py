@@ -81,14 +81,12 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class SlipRow:
-    """The slip row of a contact with friction, in t, q and v. The acceleration of the slip is
+    """A slip row of a contact with friction, in t, q and v. The acceleration of the slip is
     jacobian a + bias."""
 
     rate: Node
     jacobian: Mapping[int, Node]
     bias: Node
-    friction: Node
-    static: Node
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +101,8 @@ class ContactRow:
     jacobian: Mapping[int, Node]
     bias: Node
     restitution: Node
-    slip: SlipRow | None = None
+    slips: tuple[SlipRow, ...] = ()  # 1 or 2 with friction
+    frictions: tuple[Node, ...] = ()  # the coefficients while it slips and while it sticks
 
     @property
     def label(self) -> str:
@@ -112,14 +111,13 @@ class ContactRow:
     @property
     def nodes(self) -> list[Node]:
         """All that it is made of but its gradient."""
-        found = [self.gap, self.rate, self.bias, self.restitution]
-        slip = self.slip
-        return found if slip is None else [*found, slip.rate, slip.bias, slip.friction, slip.static]
+        slips = [node for slip in self.slips for node in (slip.rate, slip.bias)]
+        return [self.gap, self.rate, self.bias, self.restitution, *slips, *self.frictions]
 
     @property
     def jacobians(self) -> list[Mapping[int, Node]]:
-        """The gradient of its normal row, then that of its slip row."""
-        return [self.jacobian] if self.slip is None else [self.jacobian, self.slip.jacobian]
+        """The gradient of its normal row, then those of its slip rows."""
+        return [self.jacobian, *(slip.jacobian for slip in self.slips)]
 
 
 def with_jacobians(
@@ -128,9 +126,9 @@ def with_jacobians(
     """Return contacts with other gradients of their rows, in the order of `ContactRow.jacobians`."""
     given, found = iter(jacobians), list[ContactRow]()
     for contact in contacts:
-        normal, slip = next(given), contact.slip
-        slip = slip if slip is None else replace(slip, jacobian=next(given))
-        found.append(replace(contact, jacobian=normal, slip=slip))
+        normal = next(given)
+        slips = tuple([replace(slip, jacobian=next(given)) for slip in contact.slips])
+        found.append(replace(contact, jacobian=normal, slips=slips))
     return tuple(found)
 
 

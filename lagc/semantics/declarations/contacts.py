@@ -13,17 +13,33 @@ from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as objects
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.actions import no_modifiers, residuals, timely
-from lagc.semantics.names.scope import Array, Entry, Reference, Scalar, Value, scalar_of
+from lagc.semantics.names.scope import (
+    Array,
+    Entry,
+    Reference,
+    Scalar,
+    Value,
+    numbers_of,
+    scalar_of,
+    vector_value,
+)
 from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import BIT, VELOCITY
 from lagc.semantics.units import NONE, Dimension, describe, dimension, over, si_text
-from lagc.semantics.values.evaluate import all_values, evaluate_as
+from lagc.semantics.values.builtin_functions import Argument
+from lagc.semantics.values.evaluate import all_values, evaluate, evaluate_as
+from lagc.semantics.values.kinematics import SPEED, velocity_of
 from lagc.semantics.values.unit_hints import expect_of
 from lagc.symbolic.graph import Node
 from lagc.syntax import tree
 
-_ARGUMENTS = ("restitution", "friction", "static", "slip")
+_ARGUMENTS = ("restitution", "friction", "static", "slip", "at", "on")
 SECOND = dimension(s=1)
+_PLACES = "the place where it touches: `at = P`, for that of a body that turns with `on = body`"
+_SLIPS = (
+    "write the velocity with which it slides: `slip = der(x)` in the plane, in space two components along "
+    "the surface: `slip = {der(x), der(y)}`"
+)
 
 
 def declare_contact(context: Context, entry: Entry) -> Value:
@@ -55,43 +71,32 @@ def declare_contact(context: Context, entry: Entry) -> Value:
 
 def _friction(
     context: Context, entry: Entry, written: Mapping[str, tree.Expression], found: Dimension | None
-) -> tuple[Node | None, Node | None, Node | None]:
+) -> tuple[tuple[Node, ...], Node | None, Node | None]:
     """Return slip, friction and static friction of a contact whose gap has this dimension."""
-    for name, other, why in (
-        ("friction", "slip", "write the velocity with which the contact slides: `slip = der(x)`"),
-        ("slip", "friction", "write the coefficient of friction: `friction = 0.3`"),
-        (
-            "static",
-            "friction",
-            "write the coefficient of friction of a contact that slides: `friction = 0.3`",
-        ),
+    for names, other, why in (
+        (("slip", "at", "on", "static"), "friction", "write the coefficient of friction: `friction = 0.3`"),
+        (("on",), "at", "write the place where the body touches: `at = G - R*world.z`"),
     ):
-        if name in written and other not in written:
-            raise Wrong("LAG0235", f"`{name}` needs `{other}` beside it", written[name].span, why)
+        for name in names:
+            if name in written and other not in written:
+                raise Wrong("LAG0235", f"`{name}` needs `{other}` beside it", written[name].span, why)
     if "friction" not in written:
-        return None, None, None
+        return (), None, None
+    span = written["friction"].span
+    if "slip" not in written and "at" not in written:
+        raise Wrong("LAG0235", "`friction` needs `slip` or `at` beside it", span, f"{_SLIPS}; or {_PLACES}")
+    if "slip" in written and "at" in written:
+        raise Wrong(
+            "LAG0235", "`slip` and `at` are two ways to say the same", written["at"].span, "leave one out"
+        )
     if entry.size is not None:
         raise Wrong(
             "LAG0235",
             "a vector of one-sided constraints has no friction",
-            written["friction"].span,
+            span,
             "write a constraint for each component, with its own slip",
         )
-    slip, meant = written["slip"], over(found or NONE, SECOND)
-    found_slip = evaluate_as(context, slip, entry.environment, meant)
-    if isinstance(found_slip, Array):
-        raise Wrong(
-            "LAG0235",
-            "the slip is a vector: friction acts along one direction, as in a plane motion",
-            slip.span,
-            "write the velocity along that direction, or a smooth force law for sliding in any direction",
-        )
-    value = scalar_of(found_slip, slip.span, "the slip")
-    expect_of(slip, value.dimension, meant, "the slip", describe(meant))
-    timely(context, value.node, slip.span, "the slip")
-    if not context.clock.mask(value.node) & VELOCITY:
-        message = "the slip is no velocity: it depends on no rate of a coordinate"
-        raise Wrong("LAG0235", message, slip.span, "write a velocity: `slip = der(x)`")
+    slip = _slip(context, entry, written, over(found or NONE, SECOND))
     friction = _number(context, entry, "friction", written["friction"])
     static = _number(context, entry, "static", written["static"]) if "static" in written else None
     if static is not None and static.is_const and friction.is_const and static.value < friction.value:
@@ -101,7 +106,45 @@ def _friction(
             written["static"].span,
             "exchange both, or leave out `static`",
         )
-    return value.node, friction, static
+    return slip, friction, static
+
+
+def _slip(
+    context: Context, entry: Entry, written: Mapping[str, tree.Expression], meant: Dimension
+) -> tuple[Node, ...]:
+    """Return the velocity with which a contact slides, in 1 to 3 components."""
+    source = written["slip"] if "slip" in written else written["at"]
+    span = source.span
+    if "slip" in written:
+        value = evaluate_as(context, source, entry.environment, meant)
+    else:
+        value = _velocity_at(context, entry, written)
+    if isinstance(value, Array):
+        nodes, own = numbers_of(value, span, "the slip")
+    else:
+        scalar = scalar_of(value, span, "the slip")
+        nodes, own = (scalar.node,), scalar.dimension
+    if len(nodes) > 3:
+        raise Wrong("LAG0235", f"the slip has {len(nodes)} components", span, _SLIPS)
+    expect_of(source, own, meant, "the slip", describe(meant))
+    constant = [k for k, node in enumerate(nodes) if not context.clock.mask(node) & VELOCITY]
+    for k, node in enumerate(nodes):
+        timely(context, node, span, "the slip")
+        if k in constant and not (node.is_zero and len(nodes) == 3 and len(constant) == 1):
+            which = f"component {k + 1} of the slip" if len(nodes) > 1 else "the slip"
+            raise Wrong(
+                "LAG0235", f"{which} is no velocity: it depends on no rate of a coordinate", span, _SLIPS
+            )
+    return nodes
+
+
+def _velocity_at(context: Context, entry: Entry, written: Mapping[str, tree.Expression]) -> Value:
+    """Return the velocity of the place `at`, or of the material point there of the body `on`."""
+    given = [Argument(evaluate(context, written["at"], entry.environment), written["at"].span)]
+    if "on" in written:
+        body = Argument(evaluate(context, written["on"], entry.environment), written["on"].span)
+        return vector_value(velocity_of(context, body, given[0]), SPEED)
+    return vector_value(velocity_of(context, given[0], None), SPEED)
 
 
 def _check(context: Context, source: tree.Constraint, gap: Node) -> None:

@@ -1,0 +1,90 @@
+"""The two velocities along a surface of a slip that is given as a velocity in space.
+
+A contact at a place with the velocity w has the gap rate n . w: the normal n of the surface follows from the
+gradients of gap rate and w by the speeds. The force along the gap is 1/|n| of the normal force.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from lagc.diagnostics.faults import Fault, Refused
+from lagc.mechanics.formulation.jacobian import gradients
+from lagc.mechanics.formulation.states import States
+from lagc.semantics.model import Contact
+from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import Vector, cross, dot, norm
+
+Gradient = Mapping[int, Node]
+
+
+def along_surface(states: States, contact: Contact, normal: Gradient) -> tuple[list[Node], Node]:
+    """Return the slip of a contact in its components along the surface, and the normal force over that along
+    the gap: the slip as it is given, and 1; of a velocity in space its parts across the normal. `normal` is
+    the gradient of the rate of the gap. Raises Refused if the normal is not found."""
+    given = states.in_speeds(contact.slip)
+    if len(given) < 3:
+        return given, states.graph.one
+    parts = [dict(row) for row in gradients(states.graph, given, states.place_of_v)]
+    n = _normal(states, dict(normal), parts)
+    across = None if n is None else _across(n)
+    if n is None or across is None:
+        message = f"the velocity of the place of `{contact.label}` does not show the direction of its surface"
+        remedy = (
+            "give the place where the bodies touch, or write two components along the surface that are "
+            "perpendicular to each other: `slip = {der(x), der(y)}`"
+        )
+        raise Refused([Fault("LAG0235", message, contact.span, remedy=remedy)])
+    velocity = (given[0], given[1], given[2])
+    found = [dot(direction, velocity) for direction in across]
+    return [node for node in found if not node.is_zero], norm(n)
+
+
+def _normal(states: States, normal: Gradient, parts: Sequence[Gradient]) -> Vector | None:
+    """Return n with normal = n . parts: an axis of the world, or by speeds that move one component alone."""
+    graph = states.graph
+    axes = [
+        [graph.const(sign) if i == k else graph.zero for i in range(3)]
+        for k in range(3)
+        for sign in (1.0, -1.0)
+    ]
+    own = [graph.zero, graph.zero, graph.zero]
+    for k, part in enumerate(parts):
+        others = [row for i, row in enumerate(parts) if i != k]
+        alone = [j for j in part if not any(j in row for row in others)]
+        if alone and alone[0] in normal:
+            own[k] = normal[alone[0]] / part[alone[0]]
+    for n in [*axes, own]:
+        if any(not x.is_zero for x in n) and _fits(states, n, normal, parts):
+            return (n[0], n[1], n[2])
+    return None
+
+
+def _fits(states: States, n: Sequence[Node], normal: Gradient, parts: Sequence[Gradient]) -> bool:
+    """Return whether normal = n . parts."""
+    graph = states.graph
+    left = []
+    for j in {*normal, *(j for part in parts for j in part)}:
+        total = graph.sum([x * part[j] for x, part in zip(n, parts) if j in part])
+        left.append(normal.get(j, graph.zero) - total)
+    left = [node for node in left if not node.is_zero]
+    if any(node.is_const for node in left):
+        return False
+    if not left:
+        return True
+    from lagc.mechanics.identities.sampling_domains import anywhere  # loaded where there is a question
+    from lagc.mechanics.identities.zero_test import ZeroTest
+
+    return ZeroTest(anywhere(states)).vanish(left) is not None
+
+
+def _across(n: Vector) -> tuple[Vector, Vector] | None:
+    """Return two unit vectors across n and each other, if n is across an axis of the world."""
+    for k in (2, 1, 0):
+        if n[k].is_zero:
+            zero, one = n[k].graph.zero, n[k].graph.one
+            axis = (one if k == 0 else zero, one if k == 1 else zero, one if k == 2 else zero)
+            other = cross(n, axis)
+            length = norm(n)
+            return (other[0] / length, other[1] / length, other[2] / length), axis
+    return None
