@@ -98,7 +98,7 @@ def test_an_instance_within_an_instance_hands_on() -> None:
 @pytest.mark.parametrize(
     ("instance", "inside", "code", "words"),
     [
-        ("Pull w(P = p, F = A);", "", "LAG0210", "the body `w.b` is not given"),
+        ("Pull w(P = p, F = A);", "", "LAG0210", "`w` is not given the body `b`"),
         ("Pull w(b = x, P = p, F = A);", "", "LAG0209", "`b` of `Pull` is a body; this is a number"),
         ("Pull w(b = p, P = x, F = A);", "", "LAG0306", "a point must be a vector"),
         ("Pull w(b = p, P = {1, 2, 3} [kg], F = A);", "", "LAG0302", "a point must be Length"),
@@ -118,6 +118,34 @@ def test_faults(instance: str, inside: str, code: str, words: str) -> None:
     fault = refused.value.faults[0]
     assert fault.code.startswith(code) and words in fault.message
     assert fault.span is not None
+
+
+@pytest.mark.parametrize(
+    ("instance", "remedy"),
+    [
+        ("QuadraticDrag d(rho = 1.2 [kg/m3]);", "QuadraticDrag d(rho = 1.2 [kg/m3], b = p);"),
+        ("Lift d;", "Lift d(b = p, F = world);"),
+        ("Lift d[2](each C = 1);", "Lift d[2](each C = 1, each b = p, each F = world);"),
+    ],
+)
+def test_a_missing_placeholder_is_a_fault_of_the_instance(instance: str, remedy: str) -> None:
+    """At the line of the user, with the line to write in its place."""
+    text = f"""import "effects/fluid_forces.lag";
+model M
+  coordinate Length x(rate = 1 [m/s]), y;
+  body p = Particle(mass = 2 [kg], at = {{x, 0, y}});
+  effect air
+    {instance}
+  end air;
+  scene s uses air;
+end M;
+"""
+    (fault,) = check(Source("m.lag", text), Choice())
+    assert fault.code == "LAG0210" and fault.span is not None
+    assert (fault.span.source.name, fault.span.line) == ("m.lag", 6)
+    assert fault.remedy == f"write `{remedy}`"
+    assert "fluid_forces" in fault.related[0][0].source.name
+    assert check(Source("m.lag", text.replace(instance, remedy)), Choice()) == []
 
 
 def test_a_model_with_a_placeholder_does_not_run_alone_but_is_no_fault() -> None:

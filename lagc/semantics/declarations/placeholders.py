@@ -5,7 +5,17 @@ from __future__ import annotations
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.attributes import no_rates
 from lagc.semantics.model import Body, Frame
-from lagc.semantics.names.scope import Entry, Indexed, Modifier, Value, expect, kind, vector_of, vector_value
+from lagc.semantics.names.scope import (
+    Entry,
+    Indexed,
+    Instance,
+    Modifier,
+    Value,
+    expect,
+    kind,
+    vector_of,
+    vector_value,
+)
 from lagc.semantics.refusals import Wrong
 from lagc.semantics.units import M
 from lagc.semantics.values.evaluate import evaluate_as
@@ -27,11 +37,47 @@ def placeholder_value(entry: Entry) -> Modifier:
             return modifier
         raise Wrong("LAG0210", f"`{entry.name}` needs a value", modifier.argument.span)
     inner = entry.environment.instance
-    owner, name = inner.declaration.name, inner.path.rstrip(".") or "name"
-    remedy = f"write `{owner} {name}({entry.name} = ...)` in a model that has this {source.kind}"
-    if not inner.path:
-        remedy = f"give it here, `{source.kind} {entry.name} = ...;`, or {remedy}"
+    if inner.parent is not None:
+        raise _not_given(inner, inner.parent)
+    remedy = (
+        f"write `{inner.declaration.name} name({entry.name} = ...)` in a model that has this {source.kind}"
+    )
+    remedy = f"give it here, `{source.kind} {entry.name} = ...;`, or {remedy}"
     raise Wrong("LAG0210", f"the {source.kind} `{entry.path}` is not given", entry.span, remedy)
+
+
+def _not_given(inner: Instance, parent: Instance) -> Wrong:
+    """The fault of an instance that lacks placeholders, at its own line, with all of them."""
+    instance = parent.entries[inner.path[len(parent.path) : -1].partition("[")[0]]
+    written, source = instance.declaration, instance.source
+    assert isinstance(written, tree.Instance) and isinstance(source, tree.Declarator)
+    missing = {e.span: e.source for e in inner.entries.values() if not e.modifiers}
+    lacking = [(span, s) for span, s in missing.items() if isinstance(s, tree.Placeholder)]
+    sizes = f"[{', '.join(map(_text, source.dimensions))}]" if source.dimensions else ""
+    each = "each " if sizes else ""
+    given = [_text(argument) for argument in source.arguments]
+    given += [f"{each}{s.name} = {_candidate(parent, s.kind)}" for _, s in lacking]
+    remedy = f"write `{'.'.join(written.type.path)} {source.name}{sizes}({', '.join(given)});`"
+    lacks = " and ".join(f"the {s.kind} `{s.name}`" for _, s in lacking)
+    related = tuple([(span, "declared here") for span, _ in lacking])
+    return Wrong("LAG0210", f"`{instance.path}` is not given {lacks}", instance.span, remedy, related)
+
+
+def _text(written: tree.Argument | tree.Expression) -> str:
+    return written.span.text
+
+
+def _candidate(parent: Instance, kind: str) -> str:
+    """The only thing of the model that may be meant, or dots."""
+    kinds = ("body", "point") if kind == "point" else (kind,)
+    known = [e.name for e in parent.entries.values() if e.elements is None and _kind(e) in kinds]
+    if not known and kind == "frame":
+        return "world"
+    return known[0] if len(known) == 1 else "..."
+
+
+def _kind(entry: Entry) -> str:
+    return entry.source.kind if isinstance(entry.source, tree.Placeholder) else entry.kind
 
 
 def declare_placeholder(context: Context, entry: Entry) -> Value:
