@@ -76,6 +76,7 @@ class ModelFile:
         parameters: Mapping[str, Value] | None = None,
         inputs: Mapping[str, Input] | None = None,
         until: str | None = None,
+        outputs: str | Sequence[str] | None = None,
         backend: str = "auto",
     ) -> CompiledModel:
         """Compile one scene of one model and return it.
@@ -88,6 +89,7 @@ class ModelFile:
             points over time in SI units: (t, values) or (t, values, "cubic").  All but numbers become part
             of the code.
         until: a condition such as "x > 3 [m]" that ends a run when it becomes true.
+        outputs: names of outputs and coordinates; what none of them depends on is left out.
         backend: "c", "numpy", or "auto" (C if a compiler is found and the run is long enough).
 
         Raises Refused with all errors of the model or of the arguments, ValueError for an unknown backend.
@@ -99,6 +101,7 @@ class ModelFile:
         choice = Choice(
             word("model", model), word("scene", scene), words("use", use), words("without", without),
             {**given, **numbers}, courses, condition(until),
+            None if outputs is None else words("outputs", outputs),
         )  # fmt: skip
         return CompiledModel(Compilation(self.source, choice), backend)
 

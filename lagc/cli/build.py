@@ -10,7 +10,7 @@ import os
 
 from lagc.base.text import one_line
 from lagc.cli.deliver import spare
-from lagc.cli.options import add_general_options, add_model_options, choice_of
+from lagc.cli.options import add_general_options, add_model_options, add_outputs_option, choice_of
 from lagc.cli.output import DONE, Usage, cannot_write, print_json, say, show
 from lagc.cli.signals import SIGNALS
 from lagc.host.atomic_write import Files, folder, no_folder
@@ -19,6 +19,7 @@ from lagc.kernels import DEFAULT_METHOD, METHODS
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
+    add_outputs_option(parser)
     parser.add_argument("--target", choices=("c", "numpy"), default="c", help="the language of the code")
     parser.add_argument(
         "--real", choices=("double", "float", "quad"), default="double",

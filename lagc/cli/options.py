@@ -89,6 +89,14 @@ def add_model_options(parser: argparse.ArgumentParser, many_scenes: bool = False
     )
 
 
+def add_outputs_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--outputs",
+        metavar="NAMES",
+        help="outputs and coordinates to compute; what none of them depends on is left out; default: all",
+    )
+
+
 def add_parameter_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-p",
@@ -137,7 +145,18 @@ def choice_of(options: argparse.Namespace) -> Choice:
         without_effects=tuple(options.without_effects),
         parameters=parameters,
         inputs=inputs,
+        outputs=_names(getattr(options, "outputs", None)),
     )
+
+
+def _names(word: str | None) -> tuple[str, ...] | None:
+    """The names of `--outputs`.  Raises Usage if there is none."""
+    if word is None:
+        return None
+    names = tuple([name.strip(_SPACES) for name in split(word) if name.strip(_SPACES)])
+    if not names:
+        raise Usage("`--outputs` needs names, such as --outputs theta,E")
+    return names
 
 
 def add_backend_option(parser: argparse.ArgumentParser) -> None:

@@ -17,6 +17,7 @@ from lagc.cli.options import (
     add_backend_option,
     add_general_options,
     add_model_options,
+    add_outputs_option,
     add_start_option,
     choice_of,
     limits_of,
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
     add_start_option(parser)
+    add_outputs_option(parser)
     parser.add_argument(
         "--guess",
         metavar="NAME=VALUE[UNIT]",

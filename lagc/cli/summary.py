@@ -24,7 +24,7 @@ def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: boo
     lines += [f"  {'warning':9} {warning}" for warning in interface.warnings]
     if interface.dropped:
         them = "them" if len(interface.dropped) > 1 else "it"
-        lines.append(f"  {'dropped':9} {', '.join(interface.dropped)}: nothing depends on {them}")
+        lines.append(f"  {'dropped':9} {', '.join(interface.dropped)}: nothing asked for depends on {them}")
     lines += [f"  {'note':9} {note}" for note in (*(interface.notes if verbose else ()), *run.notes)]
     lines.append(f"  {'ended':9} {run.message}")
     final = _final(run, verbose)

@@ -51,8 +51,8 @@ PER_OPERATION = 1e-3  # s for each operation of the right-hand side
 @dataclass(frozen=True)
 class Choice:
     """A model of a file, with its scene, effects and values. Values of structural parameters become part of
-    the code, as do `inputs` that are not numbers and the condition `until` that ends a run.  Other parameters
-    stay symbols."""
+    the code, as do `inputs` that are not numbers, the condition `until` that ends a run, and `outputs`, the
+    names of what it is for (None: all).  Other parameters stay symbols."""
 
     model: str | None = None
     scene: str | None = None
@@ -61,6 +61,7 @@ class Choice:
     parameters: Given = field(default_factory=dict)
     inputs: Inputs = field(default_factory=dict)
     until: str | None = None
+    outputs: tuple[str, ...] | None = None
 
 
 class _Uncollected(ContextDecorator):
@@ -132,7 +133,12 @@ def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
         while (wanted := {name: given[name] for name in given if name in built_in}) != values:
             values, model = wanted, resolved(wanted)
             built_in.update(dict.fromkeys(model.built_in))
-        return replace(model, built_in=tuple(built_in))
+        model = replace(model, built_in=tuple(built_in))
+        if choice.outputs is None:
+            return model
+        from lagc.semantics.scenes.asked import asked_for
+
+        return asked_for(model, choice.outputs)
 
 
 def _in_si(name: str, given: float | Quantity) -> float:
@@ -269,7 +275,7 @@ class Compilation:
         choice = self.choice
         inputs = [(name, _said(given)) for name, given in sorted(choice.inputs.items())]
         effects = choice.with_effects, choice.without_effects
-        chosen = repr((choice.model, choice.scene, *effects, inputs, choice.until))
+        chosen = repr((choice.model, choice.scene, *effects, inputs, choice.until, choice.outputs))
         texts = [self.source.text, *(text for _, text in inputs), choice.until or ""]
         reads = any(word in text for word in ("import", "table") for text in texts)
         folder = folder_of(self.source.name) if reads else ""

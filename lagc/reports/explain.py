@@ -215,7 +215,7 @@ def _count(interface: Interface) -> Facts:
 def _pruned(equations: EquationsOfMotion, program: Program) -> list[str]:
     model, interface = equations.model, program.interface
     lines = [f"effect `{e.name}` is left out" for e in model.effects if not e.used]
-    lines += [f"`{name}` is dropped: nothing depends on it" for name in interface.dropped]
+    lines += [f"`{name}` is dropped: nothing asked for depends on it" for name in interface.dropped]
     return lines + [note for note in interface.notes if note not in model.notes]
 
 

@@ -449,6 +449,7 @@ class Model:
     warnings: tuple[Fault, ...] = ()
     released: Model | None = None  # the same scene with the releases that reactions in outputs need
     releases: tuple[Release, ...] = ()
+    asked: tuple[str, ...] | None = None  # names of what a run is for; all of them: None
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.name}, scene {self.scene}>"

@@ -337,7 +337,8 @@ def test_a_second_run_loads_no_stage_of_the_compiler(heavy: str, capsys: pytest.
 
 
 @pytest.mark.parametrize(("idle", "said"), [
-    ("spare", "spare: nothing depends on it\n"), ("spare, gone", "spare, gone: nothing depends on them\n"),
+    ("spare", "spare: nothing asked for depends on it\n"),
+    ("spare, gone", "spare, gone: nothing asked for depends on them\n"),
 ])  # fmt: skip
 def test_what_is_dropped_is_said(
     idle: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -211,7 +211,7 @@ def test_what_nothing_depends_on_is_pruned_and_said() -> None:
     assert isinstance(said, list)
     for line in ("effect `tilt` is left out", "parameter `unused` reaches nothing"):
         assert line in said
-    assert "`spare` is dropped: nothing depends on it" in said
+    assert "`spare` is dropped: nothing asked for depends on it" in said
 
 
 def test_a_scene_names_the_effect_of_one_element() -> None:

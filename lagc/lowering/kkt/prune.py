@@ -20,14 +20,21 @@ _MOST_NAMED = 8  # independent parts that a note lists
 
 def prune(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[str, ...]]:
     """Return `equations` without the coordinates and speeds that no inertia, force, constraint, output or
-    condition contains, and their names. If that would remove all of them, none is removed."""
+    condition contains, and their names; where outputs are asked for, also without those that these do not
+    depend on. If that would remove all of them, none is removed."""
+    model = equations.model
+    if model.asked is not None:
+        from lagc.lowering.kkt.asked import leave_out  # where some are
+
+        equations, (q, v) = leave_out(equations)
+        equations = _restricted(equations, q, v) if len(v) < len(equations.v) else equations
     q, v = _kept(equations)
-    if (len(q) == len(equations.q) and len(v) == len(equations.v)) or not v:
-        return equations, ()
-    kept = {equations.q[i] for i in q} | {equations.v[j] for j in v}
-    names = [c.name for c in equations.model.coordinates if kept.isdisjoint(position_symbols(c))]
-    names += [speed.name for speed in equations.model.speeds if speed.symbol not in kept]
-    return _restricted(equations, q, v), tuple(names)
+    if v and not (len(q) == len(equations.q) and len(v) == len(equations.v)):
+        equations = _restricted(equations, q, v)
+    kept = {*equations.q, *equations.v}
+    names = [c.name for c in model.coordinates if kept.isdisjoint(position_symbols(c))]
+    names += [speed.name for speed in model.speeds if speed.symbol not in kept]
+    return equations, tuple(names)
 
 
 def _kept(equations: EquationsOfMotion) -> tuple[list[int], list[int]]:
