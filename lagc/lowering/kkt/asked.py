@@ -125,7 +125,7 @@ def _without(equations: EquationsOfMotion, components: Components, reached: set[
 
     known = {*equations.q, *equations.v, *equations.a, *equations.lam, *(x.symbol for x in model.discretes)}
     parts = [_at_rest(part, at_rest) for part in equations.inertias]
-    still = {id(part.body) for part in equations.inertias} - {
+    idle = {id(part.body) for part in equations.inertias} - {
         id(part.body) for part, old in zip(parts, equations.inertias)
         if not all(x.is_zero for x in part.velocity) or all(x.is_zero for x in old.velocity)
     }  # fmt: skip
@@ -142,12 +142,12 @@ def _without(equations: EquationsOfMotion, components: Components, reached: set[
         equations,
         model=replace(
             model,
-            bodies=tuple([b for b in model.bodies if id(b) not in still]),
+            bodies=tuple([b for b in model.bodies if id(b) not in idle]),
             contacts=tuple([c.contact for c in contacts]),
             discretes=tuple([x for x in model.discretes if not gone(x.symbol)]),
             whens=tuple([w.clause for w in whens if w.clause in model.whens]),
         ),
-        inertias=tuple([part for part in parts if id(part.body) not in still]),
+        inertias=tuple([part for part in parts if id(part.body) not in idle]),
         further_inertia={
             at: m for at, m in equations.further_inertia.items() if not gone(equations.v[at[0]])
         },

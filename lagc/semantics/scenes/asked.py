@@ -1,4 +1,4 @@
-"""What a run is for: the outputs and coordinates that were asked for."""
+"""The outputs and coordinates that a run is asked for."""
 
 from __future__ import annotations
 
