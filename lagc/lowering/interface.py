@@ -108,7 +108,7 @@ def _contacts(equations: EquationsOfMotion, nz: int) -> tuple[Contact, ...]:
     states = {variable.name: first + k for k, variable in enumerate(equations.model.discretes)}
     return tuple([
         Contact(c.label, c.contact.unit, place(c.contact.span), len(c.jacobians) - 1,
-                states.get(f"impulse({c.label})", -1))
+                c.contact.poisson, states.get(f"impulse({c.label})", -1))
         for c in equations.contacts
     ])  # fmt: skip
 
@@ -270,7 +270,7 @@ def _digest(interface: Interface, functions: Mapping[str, Function]) -> str:
             if name in ("parameters", "inputs", "outputs", "limits", "discretes"):
                 value = [(x.name, x.value, x.minimum, x.maximum, x.unit) for x in value]
             elif name == "contacts":
-                value = [(x.name, x.slips) for x in value]
+                value = [(x.name, x.slips, *["poisson"] * x.poisson) for x in value]
             elif name == "simulate":
                 value = sorted(value.items())
             texts.append(f"{name}={value!r}")

@@ -159,6 +159,7 @@ class Contact:
     unit: str  # of its gap
     place: str  # "ball.lag:9"
     slips: int = 0  # slip rows
+    poisson: bool = False  # its law of impact; else that of Newton
     impulse: int = -1  # index in x of the impulse of its last impact; -1: nothing asks for it
 
 

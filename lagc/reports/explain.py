@@ -302,6 +302,7 @@ def _contact(contact: Contact, written: Expressions) -> Facts:
         "gap": written.text(contact.gap),
         "unit": contact.unit,
         "restitution": written.text(contact.restitution),
+        **({"law": "poisson"} if contact.poisson else {}),
         **{name: written.text(node) for name, node in given.items() if node is not None},
         **({"slip": slip[0] if len(slip) == 1 else f"{{{', '.join(slip)}}}"} if slip else {}),
         "states": contact.states,
@@ -309,7 +310,8 @@ def _contact(contact: Contact, written: Expressions) -> Facts:
 
 
 def _contact_line(fact: Facts) -> str:
-    laws = [f"{name} {fact[name]}" for name in ("restitution", "friction", "static", "slip") if name in fact]
+    named = ("restitution", "law", "friction", "static", "slip")
+    laws = [f"{name} {fact[name]}" for name in named if name in fact]
     return f"{fact['name']} (line {fact['line']}): {fact['gap']} >= 0, {', '.join(laws)}"
 
 

@@ -295,6 +295,7 @@ class Contact:
     slip: tuple[Node, ...] = ()  # the velocity with which it slides, of 1 to 3 components; none: no friction
     friction: Node | None = None  # its coefficient
     static: Node | None = None  # that of a contact that sticks
+    poisson: bool = False  # the restitution is one of impulses; else of velocities
 
     @property
     def states(self) -> str:

@@ -150,8 +150,10 @@ def _paradox(system: System, run: Trajectory) -> str:
     names = [contact.name for contact in system.interface.contacts]
     name = names[run.culprit] if 0 <= run.culprit < len(names) else names[0]
     at = ", ".join(f"{n} = {v:.6g}" for n, v in zip(system.interface.q_names[:MOST_NAMED], run.x))
+    newton = any(contact.slips and not contact.poisson for contact in system.interface.contacts)
+    impact = "; Newton's law of impact may also add energy there, `law = poisson` does not" if newton else ""
     return (f"the laws of contact have no solution, or several, where `{name}` touches ({at}): rigid "
-            "bodies do not decide how the motion goes on")  # fmt: skip
+            f"bodies do not decide how the motion goes on{impact}")  # fmt: skip
 
 
 def _endless(system: System, run: Trajectory, k: int) -> str:

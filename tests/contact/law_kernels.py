@@ -30,7 +30,7 @@ class Kernels:
     """The kernels for at most `contacts` contacts with `slips` slip rows in all."""
 
     def __init__(self, contacts: int, slips: int):
-        own = {"NCON": contacts, "NSLIP": slips}
+        own = {"NCON": contacts, "NSLIP": slips, "NPOISSON": 1}
         derived = ("NCROW", "NDELASSUS", "NDIRECT", "NLAW", "NLAWS", "NLCP", "NTABLEAU")
         own.update({name: DERIVED[name](own) for name in derived})
         flags = {flag: flag in own for part in parts() for flag in _flags(part)}

@@ -136,13 +136,8 @@ def follows_poisson(w: Work) -> bool:
     return False
 
 
-def strike(w: Work) -> int:
-    """Solve the impact of the selected contacts and give their impulses. Return the result of the law."""
-    if not follows_poisson(w):
-        found = solve_impulses(w, True)
-        if found <= LAW_FOUND:
-            give_impulses(w)
-        return found
+def strike_twice(w: Work) -> int:
+    """Solve such an impact by Poisson's law, compression and then expansion. Return the result of the law."""
     found = solve_impulses(w, False)
     if found > LAW_FOUND:
         return found
@@ -158,6 +153,17 @@ def strike(w: Work) -> int:
         found = solve_impulses(w, False)
         if found <= LAW_FOUND:
             give_impulses(w)
+    return found
+
+
+def strike(w: Work) -> int:
+    """Solve the impact of the selected contacts and give their impulses. Return the result of the law."""
+    if NPOISSON > 0:
+        if follows_poisson(w):
+            return strike_twice(w)
+    found = solve_impulses(w, True)
+    if found <= LAW_FOUND:
+        give_impulses(w)
     return found
 
 

@@ -82,7 +82,8 @@ def strike_contacts(p: Params, s: State, w: Work) -> Status:
     fn_restitutions(p, s.t, s.x, w.restitutions)
     for n in range(w.law_count):
         w.law_restitution[n] = w.restitutions[w.touching[n]]
-        w.law_poisson[n] = 0
+        if NPOISSON > 0:
+            w.law_poisson[n] = contact_poisson[w.touching[n]]
     found = impact(w)
     if found != IMPACT_NONE:
         if found != IMPACT_DONE:

@@ -27,3 +27,4 @@ derived_bounds: Mat[NLIMITS, TWO]  # bounds of values computed from parameters
 contact_first: IVec[NCON]  # first row of each contact, that of its gap; its slip rows follow
 impulse_state: IVec[NCON]  # index in x of the impulse of the last impact of each; -1: it is not asked for
 contact_slips: IVec[NCON]  # slip rows of each
+contact_poisson: IVec[NCON]  # 1: Poisson's law of impact, 0: Newton's

@@ -298,7 +298,8 @@ class Work:
         law_cobasic: IVec[NLCP]
         # Impacts: their law and results, then what `impact` keeps of all contacts
         law_restitution: Vec[NCON]
-        law_poisson: IVec[NCON]  # 1: Poisson's law, 0: Newton's law
+        if NPOISSON > 0:
+            law_poisson: IVec[NCON]  # 1: Poisson's law, 0: Newton's law
         law_impulse: Vec[NCROW]
         law_loss: Vec[NCON]  # energy that each contact took
         law_rounds: int

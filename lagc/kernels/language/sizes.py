@@ -66,6 +66,7 @@ class NCON(metaclass=SizeType): ...  # contacts
 class NIMPULSE(metaclass=SizeType): ...  # contacts whose impulses are asked for
 class NSLIP(metaclass=SizeType): ...  # their slip rows: 0, 1 or 2 each
 class NSPACE(metaclass=SizeType): ...  # contacts with two slip rows
+class NPOISSON(metaclass=SizeType): ...  # contacts with Poisson's law of impact
 class NCROW(metaclass=SizeType): ...  # NCON + NSLIP: their rows
 class NGRADIENTS(metaclass=SizeType): ...  # NCROW NV
 class NRESPONSES(metaclass=SizeType): ...  # NCROW (NV + NC)

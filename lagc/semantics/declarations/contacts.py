@@ -33,7 +33,7 @@ from lagc.semantics.values.unit_hints import expect_of
 from lagc.symbolic.graph import Node
 from lagc.syntax import tree
 
-_ARGUMENTS = ("restitution", "friction", "static", "slip", "at", "on")
+_ARGUMENTS = ("restitution", "friction", "static", "slip", "at", "on", "law")
 SECOND = dimension(s=1)
 _PLACES = "the place where it touches: `at = P`, for that of a body that turns with `on = body`"
 _SLIPS = (
@@ -63,7 +63,7 @@ def declare_contact(context: Context, entry: Entry) -> Value:
         entry.objects.append(
             objects.Contact(
                 entry.path, label, gap, si_text(found or NONE), symbol, restitution, entry.span, entry.effect,
-                *_friction(context, entry, written, found),
+                *_friction(context, entry, written, found), _is_poisson(written),
             )
         )  # fmt: skip
     return Reference(entry)
@@ -107,6 +107,20 @@ def _friction(
             "exchange both, or leave out `static`",
         )
     return slip, friction, static
+
+
+def _is_poisson(written: Mapping[str, tree.Expression]) -> bool:
+    """Return whether the law of impact is that of Poisson."""
+    law = written.get("law")
+    if law is None:
+        return False
+    if not (isinstance(law, tree.Name) and law.name in ("newton", "poisson")):
+        message = "there are two laws of impact, `newton` and `poisson`"
+        raise Wrong("LAG0235", message, law.span, "write `law = poisson`, or leave it out for Newton's law")
+    if "restitution" not in written:
+        remedy = "give what is given back: `restitution = 0.5`"
+        raise Wrong("LAG0235", "`law` needs `restitution` beside it", law.span, remedy)
+    return law.name == "poisson"
 
 
 def _slip(
