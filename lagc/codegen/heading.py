@@ -37,7 +37,9 @@ def equation(interface: Interface) -> tuple[str, ...]:
 def statuses(interface: Interface) -> list[Part]:
     """Return the statuses that a model may have (`lagc.kernels.language.statuses`)."""
     found = [part for part in parts() if part["kind"] == "Status"]
-    return [part for part in found if interface.contacts or part["name"] not in OF_CONTACTS]
+    if interface.contacts or interface.loading_rows:
+        return list(found)
+    return [part for part in found if part["name"] not in OF_CONTACTS]
 
 
 def status_texts(interface: Interface) -> tuple[str, ...]:
@@ -48,4 +50,6 @@ def status_texts(interface: Interface) -> tuple[str, ...]:
 
 def rates(interface: Interface) -> str:
     """Return the kernel that evaluates the right-hand side."""
-    return "rates_at" if interface.contacts else "rhs_at"
+    if interface.contacts:
+        return "rates_at"
+    return "motion_at" if interface.loading_rows else "rhs_at"

@@ -33,6 +33,7 @@ FILES = (
     "dynamics/rhs",
     "arithmetic/quaternions",
     "constraints/projection",
+    "dynamics/loaded_reactions",
     "contact/touching",
     "integrators/explicit_runge_kutta",
     "integrators/stage_equations",

@@ -24,7 +24,7 @@ from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.leaves import Table
 from lagc.symbolic.operators import COMPARISONS, CORNER, STEP, Interval, smooth_as
 from lagc.symbolic.vectors import Matrix, Vector
-from lagc.symbolic.walk import depends, missing, symbols, union
+from lagc.symbolic.walk import depends, missing, substitute, symbols, union
 
 _RELATIONS = smooth_as(CORNER, STEP)
 _COUNTING = ("floor", "piece")
@@ -54,7 +54,8 @@ def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[Event
     """Return the equations along a step and their relations, those with a slope first. A relation depends on
     the modes of relations before it."""
     conditions = [when.condition for when in equations.whens]
-    late = frozenset(symbols(conditions) & {*equations.a, *equations.lam, *_forces(equations)})
+    asking = [*conditions, *equations.given_forces]
+    late = frozenset(symbols(asking) & {*equations.a, *equations.lam, *_forces(equations)})
     changing = [equations.time, *equations.q, *equations.v]
     moved = depends([*deciding(equations), *conditions], [*changing, *late])
     relation_functions = sorted(
@@ -67,7 +68,29 @@ def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[Event
     whens = [replace(x, condition=node) for x, node in zip(equations.whens, made.all(conditions))]
     found = replace(found, whens=tuple(whens))
     ordered = sorted(_used(found, made.relations), key=lambda one: (one.slope is None, one.late))
+    if any(relation.late and not relation.aside for relation in ordered):
+        found = _with_late_choices(found, ordered)
     return found, (*ordered, *_touching(found, len(made.relations)))
+
+
+def _with_late_choices(equations: EquationsOfMotion, relations: Sequence[EventRelation]) -> EquationsOfMotion:
+    """Return equations whose loads choose their branch by the multipliers themselves, not by modes: a solve
+    for the multipliers sees all branches."""
+    graph = equations.graph
+    chosen = {relation.mode: relation.own for relation in relations if relation.late}
+
+    def with_choices(nodes: Sequence[Node]) -> list[Node]:
+        found = list(nodes)
+        while symbols(found) & chosen.keys():
+            found = substitute(graph, found, chosen)
+        return found
+
+    return replace(
+        equations,
+        given_forces=tuple(with_choices(equations.given_forces)),
+        loads=dict(zip(equations.loads, with_choices(list(equations.loads.values())))),
+        power=with_choices([equations.power])[0],
+    )
 
 
 def _forces(equations: EquationsOfMotion) -> list[Node]:

@@ -31,6 +31,7 @@ _UNHASHED = (
     "initial_places", "relations", "timed", "flowing", "driven", "doubtful", "derivatives",
     "part_ends", "part_columns", "pieces", "row_pieces", "written", "conservative", "series", "methods",
 )  # fmt: skip
+_OPTIONAL = ("contacts", "late_relations", "loading_rows", "servos", "curved_loads")
 _OF_DISCRETES = ("discretes", "booleans")
 
 
@@ -57,6 +58,8 @@ def interface(
     remarks: tuple[str, ...] = (),
     derivatives: Mapping[str, tuple[tuple[int, int], ...]],
     relations: tuple[EventRelation, ...] = (),
+    loading_rows: tuple[int, ...] = (),
+    curved_loads: bool = False,
 ) -> Interface:
     """Return the interface of `functions` and of `slopes`, the derivatives of the initial equations.
     `dropped` are names that were left out; `remarks` become notes."""
@@ -90,6 +93,8 @@ def interface(
         dropped=dropped,
         relations=tuple([relation.words for relation in relations]),
         counted_relations=tuple([int(relation.edges is not None) for relation in relations]),
+        loading_rows=loading_rows,
+        curved_loads=curved_loads,
         late_relations=sum(relation.late for relation in relations),
         timed_relations=sum(1 for relation in relations if relation.slope is not None),
         relations_aside=tuple([int(relation.aside) for relation in relations]),
@@ -264,7 +269,7 @@ def _digest(interface: Interface, functions: Mapping[str, Function]) -> str:
     """A hash of all that makes a result: no file names, no places."""
     texts = []
     for name in names(Interface):
-        absent = name in ("contacts", "late_relations") and not getattr(interface, name)
+        absent = name in _OPTIONAL and not getattr(interface, name)
         if name not in _UNHASHED and not absent and (interface.discretes or name not in _OF_DISCRETES):
             value = getattr(interface, name)
             if name in ("parameters", "inputs", "outputs", "limits", "discretes"):

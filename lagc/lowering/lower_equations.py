@@ -18,6 +18,7 @@ from lagc.lowering.kkt import solve as kkt
 from lagc.lowering.kkt.articulated_body import plain
 from lagc.lowering.kkt.prune import independent, prune, sources, with_pivots
 from lagc.lowering.kkt.solve import Solver, forms_matrix, solvers
+from lagc.lowering.loaded_reactions import loaded, loads_of
 from lagc.lowering.loops.independent_blocks import in_pieces
 from lagc.lowering.loops.loop_rolling import rerolled
 from lagc.lowering.program import Function, Program
@@ -56,24 +57,29 @@ def optimize(
     jumps = any(when.changes for when in equations.whens)
     work = work and (jumps or bool(equations.contacts) or not equations.power.is_zero)
     parameters = used_parameters(equations, _roots(equations))
+    loads = loads_of(moving)
+    whole = places(moving, parameters, [relation.mode for relation in relations], int(work))
     at = places(equations, parameters, nz=int(work))
-    along = places(moving, parameters, [relation.mode for relation in relations], int(work))
+    along = whole if loads is None else replace(whole, equations=loads.still)
     solver, solving = _solver(along, work)
     system = solver.system if solver else plain(equations)
     preparation = Preparation(len(parameters), len(parameters) + len(equations.model.inputs))
     dense = solver is None or forms_matrix(equations)
     made, slopes = _functions(at, along, relations, solver, solving, work, dense, preparation)
+    if loads is not None:
+        function = loaded(whole, loads)
+        made[function.name] = preparation.separated(function)
     factored = solver if equations.rows or equations.contacts or differentiate or sensitive else None
-    differentiated = derivatives(along, relations) if differentiate else None
+    differentiated = derivatives(whole, relations) if differentiate else None
     more = [*(differentiated.functions if differentiated else ()), *(tangents(along) if sensitive else ())]
     if more and solver and not equations.rows:
         more = [*_factored(along, solver, False), *more]
     made.update((f.name, preparation.separated(f)) for f in more)
     if stiff:
-        made.update((f.name, preparation.separated(f)) for f in implicit(along))
+        made.update((f.name, preparation.separated(f)) for f in implicit(whole))
     found, read = preparation.finished(made)
     if expand:
-        found.update((f.name, f) for f in _series(equations, found, work))
+        found.update((f.name, f) for f in _series(equations, found, work, loads is not None))
     found = {
         name: in_pieces(function)
         if name == "conditions" and not slopes.sums  # their derivatives are put together from all
@@ -97,6 +103,8 @@ def optimize(
             remarks=independent(equations, system),
             derivatives=differentiated.patterns if differentiated else {},
             relations=relations,
+            loading_rows=loads.rows if loads else (),
+            curved_loads=loads is not None and not loads.linear,
         ),
         found,
     )
@@ -108,10 +116,14 @@ def _roots(equations: EquationsOfMotion) -> list[Node]:
     return [*equations.qdot, *(s.value for s in equations.starts), *others, *sources(equations)]
 
 
-def _series(equations: EquationsOfMotion, found: Mapping[str, Function], work: bool) -> list[Function]:
+def _series(
+    equations: EquationsOfMotion, found: Mapping[str, Function], work: bool, loaded: bool
+) -> list[Function]:
     """Raises Refused (LAG0591) where the right-hand side has an operation without a recurrence."""
     reason = "its equations are solved by a loop over a dense matrix"
-    if "rhs" in found:
+    if loaded:
+        reason = "its loads depend on reactions"
+    elif "rhs" in found:
         try:
             return series(found["rhs"], len(equations.q) + len(equations.v) + int(work))
         except NoSeries as missing:

@@ -228,6 +228,9 @@ class Interface:
     contacts: tuple[Contact, ...] = ()  # one-sided constraints: the last of `discretes` and of `relations`
     poles: int = 0  # divisors that may come near zero
     late_relations: int = 0  # those that accelerations or reactions decide, before those of contacts
+    loading_rows: tuple[int, ...] = ()  # constraint equations whose multipliers loads depend on
+    servos: tuple[tuple[str, str], ...] = ()  # constraints that act through an actuator, and that
+    curved_loads: bool = False  # these loads are not linear in the multipliers
     timed_relations: int = 0  # the first ones, which time alone changes, when is known
     timed: bool = False  # the rates, or when they change, depend on time itself
     flowing: bool = False  # the rates do between changes

@@ -16,7 +16,7 @@ from lagc.mechanics.formulation.euler_lagrange import free_terms, with_rates
 from lagc.mechanics.formulation.inertia import inertial_loads, moving_parts
 from lagc.mechanics.formulation.jacobian import added
 from lagc.mechanics.formulation.states import States, build_states
-from lagc.semantics.model import Model, Potential
+from lagc.semantics.model import Force, Model, Potential, Torque
 from lagc.symbolic.derivative import seeds
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import QUANTITIES
@@ -45,6 +45,7 @@ def derive(model: Model) -> EquationsOfMotion:
     given = added(graph, [x.contribution.forces for x in acting])
     initial = [c.residual for c in model.initial_conditions]
     zero, labels = graph.zero, [x.label for x in dropped]
+    _refuse_reactions(model, dropped)
     conditions = [when.condition for when in model.whens]
     if any(symbol.record.kind in _OF_MOTION for symbol in symbols(conditions)):
         conditions = of_motion(conditions, states, parts, acting, free, totals, labels)
@@ -114,6 +115,27 @@ def _constrained(states: States) -> tuple[list[Classified], list[Dropped], tuple
     warnings = refuse_degenerate(states, rows)
     kept, dropped = drop_redundant(states, rows)
     return kept, idle + dropped, warnings
+
+
+def _refuse_reactions(model: Model, dropped: Sequence[Dropped]) -> None:
+    """Raise Refused, LAG0431, if a load depends on the force of a contact, on the multiplier of a row that
+    others imply, or on any multiplier in a model with contacts."""
+    shared = {label for row in dropped if row.others for label in (row.label, *row.others)}
+    contacts = {contact.label for contact in model.contacts}
+    faults = []
+    for load in [x for x in model.actions if isinstance(x, Force | Torque)]:
+        owners = sorted(s.record.owner for s in symbols(load.vector) if s.record.kind == "multiplier")
+        for owner in owners:
+            what = f"`{load.name}` depends on `reaction({owner})`"
+            if owner in shared:
+                message = f"{what}, which is one of many: other equations imply this one"
+                faults.append(Fault("LAG0431", message, load.span, remedy="leave out one of these equations"))
+            elif contacts:
+                message = f"{what}, beside the one-sided constraint `{min(contacts)}`"
+                remedy = "write friction as an argument of the contact, `(friction = 0.3, slip = der(x))`"
+                faults.append(Fault("LAG0431", message, load.span, remedy=remedy))
+    if faults:
+        raise Refused(faults)
 
 
 def _shared(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:

@@ -146,7 +146,18 @@ def _at_event(system: System, run: Trajectory) -> str:
 
 
 def _paradox(system: System, run: Trajectory) -> str:
-    """The message of a run in which the laws of contacts have no solution, or several."""
+    """The message of a run in which laws of contacts, or loads of reactions, have no solution or several."""
+    interface = system.interface
+    if interface.loading_rows:
+        row = run.culprit if run.culprit in interface.loading_rows else interface.loading_rows[0]
+        label = interface.row_labels[row]
+        at = ", ".join(f"{n} = {v:.6g}" for n, v in zip(interface.q_names[:MOST_NAMED], run.x))
+        actuator = dict(interface.servos).get(label.partition("[")[0])
+        if actuator:
+            return (f"`{actuator}` cannot hold the constraint `{label}` ({at}): it does not change the "
+                    "acceleration of the constraint there, or several actuators do so alike")  # fmt: skip
+        return (f"the loads that depend on `reaction({label})` leave it open ({at}): no value solves the "
+                "equations, or several do, as in a mechanism that locks itself")  # fmt: skip
     names = [contact.name for contact in system.interface.contacts]
     name = names[run.culprit] if 0 <= run.culprit < len(names) else names[0]
     at = ", ".join(f"{n} = {v:.6g}" for n, v in zip(system.interface.q_names[:MOST_NAMED], run.x))

@@ -17,7 +17,8 @@ from lagc.codegen.kernel_compiler.kernel_syntax import Outside, clone, exact, id
 FLAGS = ("STRAIGHT", "HAS_DISPLACE", "COMPLETE")
 # Sizes and kernels that are another one in models without a size: name -> (that size, the other name).
 SAME_WITHOUT = {
-    "NINT": ("NDISC", "NX"), "rates_at": ("NCON", "rhs_at"), "put_on_constraints": ("NCON", "project"),
+    "NINT": ("NDISC", "NX"), "rates_at": ("NCON", "motion_at"),
+    "motion_at": ("NLOADED", "rhs_at"), "put_on_constraints": ("NCON", "project"),
     "pass_event": ("NCON", "handle_event"),
 }  # fmt: skip
 # Kernels that are another one, of fewer arguments: name -> (size, other name, its arguments).
@@ -153,7 +154,7 @@ class Statics:
             if flag not in self.flags:
                 raise Undecided(flag)
             if not self.flags[flag]:
-                return ast.copy_location(ast.Name(other, ast.Load()), node)
+                return self.expression(ast.copy_location(ast.Name(other, ast.Load()), node))
         if isinstance(node, ast.IfExp):
             test = self.test(node.test)
             if isinstance(test, bool):

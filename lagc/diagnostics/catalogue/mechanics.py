@@ -188,6 +188,13 @@ ENTRIES: dict[str, Entry] = {
         "model M\n  coordinate Length x(rate = 1 [m/s]);\n"
         "  body p = Particle(mass = 1 [kg], at = {x, 0, 0});\nend M;\n",
     ),
+    "LAG0431": Entry(
+        "a load of a reaction that is not a multiplier of its own",
+        "A force or torque may depend on `reaction(c)` if `c` is an equation that no other one implies, and "
+        "if the model has no one-sided constraints.",
+        _on_particle("  constraint floor: x >= 0;\n  force F = {0, -0.1*reaction(floor), 0} at p;\n"),
+        _on_particle("  constraint rail: x = 0;\n  force F = {0, -0.1*reaction(rail), 0} at p;\n"),
+    ),
     "LAG0430": Entry(
         "a reaction of a parameter that changes an inertia",
         "`reaction(l)` is the force that holds the parameter `l`. If a mass or an inertia depends on `l`, "

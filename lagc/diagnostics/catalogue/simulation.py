@@ -194,9 +194,9 @@ end Pendulum;
         "change coordinates and speeds.",
     ),
     "LAG0623": Entry(
-        "a question that does not combine with one-sided constraints",
-        "Sensitivities, linear models, derivatives, implicit methods and methods by power series do not "
-        "follow contacts yet.",
+        "a question that does not combine with one-sided constraints, or with loads of reactions",
+        "Sensitivities do not follow loads of reactions yet. Sensitivities, linear models, derivatives, "
+        "implicit methods and methods by power series do not follow contacts yet.",
     ),
     "LAG0624": Entry(
         "a start beyond the bound of a one-sided constraint",

@@ -4,7 +4,7 @@ The unknowns are q, v and the multipliers: q' = N v + n, M v' = f + G^T lam, and
 level, psi = 0 (index 2). The matrices are dense.
 """
 
-from lagc.kernels.dynamics.rhs import rhs_at
+from lagc.kernels.dynamics.loaded_reactions import motion_at
 from lagc.kernels.language.vocabulary import *
 from lagc.kernels.linear_algebra.dense_lu import factor_complex, factor_real, solve_complex, solve_real
 
@@ -48,7 +48,7 @@ def update_jacobian(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Status
         w.redundant_before[:] = w.redundant
         for i in range(NC):
             w.redundant[i] = 0
-        status = rhs_at(p, t, x, w.xdot, w.lam, w)
+        status = motion_at(p, t, x, w.xdot, w.lam, w)
         for i in range(NC):
             s.dependent[i] = w.redundant[i] if status == REDUNDANT else 0
             if w.redundant_before[i] == 1:

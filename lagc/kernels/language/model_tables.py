@@ -24,6 +24,7 @@ terminates: IVec[NWHEN]  # 1: this clause ends the run
 reinit_clause: IVec[NJUMP]  # the clause that assigns each value
 reinit_target: IVec[NJUMP]  # the state that it is assigned to
 derived_bounds: Mat[NLIMITS, TWO]  # bounds of values computed from parameters
+loading_row: IVec[NLOADED]  # the constraint equations whose multipliers loads depend on
 contact_first: IVec[NCON]  # first row of each contact, that of its gap; its slip rows follow
 impulse_state: IVec[NCON]  # index in x of the impulse of the last impact of each; -1: it is not asked for
 contact_slips: IVec[NCON]  # slip rows of each

@@ -52,4 +52,5 @@ NO_EDGE = by_type(3.2e38, 1.7e308, "1.7e308")  # edge of an outermost mode
 # Contacts, of the sizes of what is compared: a speed, acceleration or force that is round-off; height of
 # bounces that count as rest.
 CONTACT_ROUNDOFF = by_type(1e-5, 1e-12, "1e-29")
+LOAD_STEP = by_type(1e-4, 1e-10, "1e-20")  # step of Newton's method for loads of reactions, of its terms
 LOWEST_BOUNCE = by_type(1e-4, 1e-10, "1e-20")

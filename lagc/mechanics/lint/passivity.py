@@ -134,11 +134,12 @@ def active_loads(states: States, rows: Sequence[Row]) -> Iterator[Fault]:
 
 
 def _moved(states: States) -> list[Load]:
-    """Return the loads that depend on the rates."""
+    """Return the loads that depend on the rates, and on no reaction."""
     loads = [x for x in states.model.actions if isinstance(x, Load)]
     rates = [*states.rates, *(speed.symbol for speed in states.model.speeds)]
     moving = depends(chain.from_iterable(x.vector for x in loads), rates)
-    return [x for x in loads if not moving.isdisjoint(x.vector)]
+    found = [x for x in loads if not moving.isdisjoint(x.vector)]
+    return [x for x in found if all(s.record.kind != "multiplier" for s in symbols(x.vector))]
 
 
 def _is_linear(states: States, forms: _Forms, load: Load) -> bool:

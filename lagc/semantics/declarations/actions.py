@@ -22,7 +22,7 @@ from lagc.semantics.names.scope import (
     vector_value,
 )
 from lagc.semantics.refusals import Wrong
-from lagc.semantics.time_derivatives import LATE, VELOCITY
+from lagc.semantics.time_derivatives import BIT, LATE, VELOCITY
 from lagc.semantics.units import ENERGY, FORCE, NONE, POWER, Dimension, M, describe, si_text
 from lagc.semantics.values.builtin_functions import Argument
 from lagc.semantics.values.evaluate import all_values, both, each, evaluate, evaluate_as
@@ -151,7 +151,8 @@ def declare_load(context: Context, entry: Entry) -> Value:
         named = "Force [N]" if is_force else "Torque [N.m]"
         expect_of(source.value, found, meant, f"the {source.kind} `{entry.name}`", named)
         for node in vector:
-            timely(context, node, source.value.span, f"a {source.kind}")
+            if context.clock.mask(node) & LATE & ~BIT["multiplier"]:
+                timely(context, node, source.value.span, f"a {source.kind}")
         return vector
 
     if is_force:

@@ -186,6 +186,8 @@ class Point:
 
     @cached_property
     def _factors(self) -> list[float] | None:
+        if self.system.interface.loading_rows:  # the factors are those without these loads
+            return None
         return self.system.factors(self.t, self.x, self.modes)
 
     @cached_property

@@ -42,6 +42,10 @@ def directions(
     if interface.contacts:
         message = f"sensitivities do not follow the one-sided constraint `{interface.contacts[0].name}` yet"
         raise Refused([Fault("LAG0623", message, remedy="compare runs with values that differ a little")])
+    if interface.loading_rows:
+        label = interface.row_labels[interface.loading_rows[0]]
+        message = f"sensitivities do not follow loads that depend on `reaction({label})` yet"
+        raise Refused([Fault("LAG0623", message, remedy="compare runs with values that differ a little")])
     if interface.discretes:
         message = (
             f"`{interface.discretes[0].name}` is a discrete variable: its jumps are not differentiated, so "

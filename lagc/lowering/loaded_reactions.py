@@ -1,0 +1,58 @@
+"""Loads that depend on multipliers: their forces beside the equations without them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from lagc.base.records import dataclass, replace
+from lagc.lowering.program import Function
+from lagc.lowering.program_functions import made
+from lagc.lowering.storage import Places
+from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.symbolic.derivative import gradient
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import depends, substitute, symbols
+
+
+@dataclass(frozen=True, slots=True)
+class Loads:
+    """The forces on each speed that depend on multipliers: without them, `still` are the equations. `rows`
+    are the numbers of these multipliers, `slopes` the derivatives of `forces` by them, one after the
+    other."""
+
+    rows: tuple[int, ...]
+    forces: tuple[Node, ...]
+    slopes: tuple[Node, ...]
+    linear: bool
+    still: EquationsOfMotion
+
+
+def loads_of(equations: EquationsOfMotion) -> Loads | None:
+    """Return the loads of `equations`, along a step, that depend on multipliers; None if there are none."""
+    graph, lam = equations.graph, equations.lam
+    used = symbols(equations.given_forces) & set(lam)
+    if not used:
+        return None
+    rows = tuple([k for k, symbol in enumerate(lam) if symbol in used])
+    chosen = [lam[k] for k in rows]
+    none = dict.fromkeys(chosen, graph.zero)
+    without = substitute(graph, equations.given_forces, none)
+    weights = zip(equations.loads, substitute(graph, list(equations.loads.values()), none))
+    still = replace(
+        equations,
+        given_forces=tuple(without),
+        loads={velocity: weight for velocity, weight in weights if not weight.is_zero},
+    )
+    found = [gradient(graph, {force: graph.one}, chosen) for force in equations.given_forces]
+    slopes = [own.get(symbol, graph.zero) for symbol in chosen for own in found]
+    linear = not depends(slopes, chosen)
+    forces = [graph.sub(force, rest) for force, rest in zip(equations.given_forces, without)]
+    if linear:
+        forces = [graph.sum(own.get(x, graph.zero) * x for x in chosen) for own in found]
+    return Loads(rows, tuple(forces), tuple(slopes), linear, still)
+
+
+def loaded(along: Places, loads: Loads) -> Function:
+    """Return the function of these forces and their derivatives."""
+    parts: tuple[tuple[str, Sequence[Node]], ...] = (("f", loads.forces), ("D", loads.slopes))
+    return made(along, "loaded", (*along.state, "lam"), parts, "forces that depend on multipliers")
