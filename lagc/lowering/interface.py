@@ -95,6 +95,7 @@ def interface(
         counted_relations=tuple([int(relation.edges is not None) for relation in relations]),
         loading_rows=loading_rows,
         curved_loads=curved_loads,
+        servos=tuple([(c.name, c.actuator) for c in model.constraints if c.actuator]),
         late_relations=sum(relation.late for relation in relations),
         timed_relations=sum(1 for relation in relations if relation.slope is not None),
         relations_aside=tuple([int(relation.aside) for relation in relations]),

@@ -16,7 +16,7 @@ from lagc.symbolic.walk import depends, substitute, symbols
 
 @dataclass(frozen=True, slots=True)
 class Loads:
-    """The forces on each speed that depend on multipliers: without them, `still` are the equations. `rows`
+    """The forces on each speed that depend on multipliers: without them, `rest` are the equations. `rows`
     are the numbers of these multipliers, `slopes` the derivatives of `forces` by them, one after the
     other."""
 
@@ -24,7 +24,7 @@ class Loads:
     forces: tuple[Node, ...]
     slopes: tuple[Node, ...]
     linear: bool
-    still: EquationsOfMotion
+    rest: EquationsOfMotion
 
 
 def loads_of(equations: EquationsOfMotion) -> Loads | None:
@@ -38,7 +38,7 @@ def loads_of(equations: EquationsOfMotion) -> Loads | None:
     none = dict.fromkeys(chosen, graph.zero)
     without = substitute(graph, equations.given_forces, none)
     weights = zip(equations.loads, substitute(graph, list(equations.loads.values()), none))
-    still = replace(
+    rest = replace(
         equations,
         given_forces=tuple(without),
         loads={velocity: weight for velocity, weight in weights if not weight.is_zero},
@@ -46,10 +46,10 @@ def loads_of(equations: EquationsOfMotion) -> Loads | None:
     found = [gradient(graph, {force: graph.one}, chosen) for force in equations.given_forces]
     slopes = [own.get(symbol, graph.zero) for symbol in chosen for own in found]
     linear = not depends(slopes, chosen)
-    forces = [graph.sub(force, rest) for force, rest in zip(equations.given_forces, without)]
+    forces = [graph.sub(force, other) for force, other in zip(equations.given_forces, without)]
     if linear:
         forces = [graph.sum(own.get(x, graph.zero) * x for x in chosen) for own in found]
-    return Loads(rows, tuple(forces), tuple(slopes), linear, still)
+    return Loads(rows, tuple(forces), tuple(slopes), linear, rest)
 
 
 def loaded(along: Places, loads: Loads) -> Function:

@@ -60,7 +60,7 @@ def optimize(
     loads = loads_of(moving)
     whole = places(moving, parameters, [relation.mode for relation in relations], int(work))
     at = places(equations, parameters, nz=int(work))
-    along = whole if loads is None else replace(whole, equations=loads.still)
+    along = whole if loads is None else replace(whole, equations=loads.rest)
     solver, solving = _solver(along, work)
     system = solver.system if solver else plain(equations)
     preparation = Preparation(len(parameters), len(parameters) + len(equations.model.inputs))

@@ -11,7 +11,7 @@ from lagc.mechanics.balance.generalized_forces import Acting, act
 from lagc.mechanics.balance.outputs import of_motion, output_equations
 from lagc.mechanics.formulation.constraints import Classified, classify
 from lagc.mechanics.formulation.contacts import contact_rows
-from lagc.mechanics.formulation.equations import Contribution, EquationsOfMotion, Row, WhenEquations
+from lagc.mechanics.formulation.equations import Contribution, EquationsOfMotion, Law, Row, WhenEquations
 from lagc.mechanics.formulation.euler_lagrange import free_terms, with_rates
 from lagc.mechanics.formulation.inertia import inertial_loads, moving_parts
 from lagc.mechanics.formulation.jacobian import added
@@ -42,7 +42,9 @@ def derive(model: Model) -> EquationsOfMotion:
     totals = energies(states, parts, acting, free, classified)
     inertial = inertial_loads(states, parts)
     bias = added(graph, [states.to_speeds(inertial), free.bias])
-    given = added(graph, [x.contribution.forces for x in acting])
+    servos = [x.row for x in classified if x.row.law is Law.SERVO]  # their loads act, not their gradients
+    held = [{j: -(row.multiplier * slope) for j, slope in row.jacobian.items()} for row in servos]
+    given = added(graph, [*(x.contribution.forces for x in acting), *held])
     initial = [c.residual for c in model.initial_conditions]
     zero, labels = graph.zero, [x.label for x in dropped]
     _refuse_reactions(model, dropped)
@@ -65,7 +67,7 @@ def derive(model: Model) -> EquationsOfMotion:
         inertias=tuple(parts),
         further_inertia=free.mass_matrix,
         bias_forces=tuple([bias.get(i, zero) for i in range(len(states.v))]),
-        loads=_loads(states, acting, inertial, free.bias),
+        loads=_loads(states, acting, servos, inertial, free.bias),
         given_forces=tuple([given.get(i, zero) for i in range(len(states.v))]),
         rows=kept,
         contributions=contributions,
@@ -134,6 +136,13 @@ def _refuse_reactions(model: Model, dropped: Sequence[Dropped]) -> None:
                 message = f"{what}, beside the one-sided constraint `{min(contacts)}`"
                 remedy = "write friction as an argument of the contact, `(friction = 0.3, slip = der(x))`"
                 faults.append(Fault("LAG0431", message, load.span, remedy=remedy))
+    for servo in [c for c in model.constraints if c.actuator and contacts]:
+        message = (
+            f"`{servo.actuator}` holds `{servo.name}`, beside the one-sided constraint `{min(contacts)}`"
+        )
+        faults.append(
+            Fault("LAG0431", message, servo.span, remedy="write the bound as a load, such as a spring")
+        )
     if faults:
         raise Refused(faults)
 
@@ -164,11 +173,16 @@ def _warnings(
 
 
 def _loads(
-    states: States, acting: Sequence[Acting], inertial: Mapping[Node, Node], bias: Mapping[int, Node]
+    states: States,
+    acting: Sequence[Acting],
+    servos: Sequence[Row],
+    inertial: Mapping[Node, Node],
+    bias: Mapping[int, Node],
 ) -> dict[Node, Node]:
     """Return given loads less inertial loads, on velocities that speeds change."""
     asked = [*inertial.items(), *((states.v[j], node) for j, node in bias.items())]
     given = [pair for x in acting for pair in x.loads.items()]
+    given += [(row.rate, -row.multiplier) for row in servos]
     found = seeds(states.graph, [*given, *((node, -weight) for node, weight in asked)])
     moving = depends(found, states.v)
     return {node: weight for node, weight in found.items() if node in moving}

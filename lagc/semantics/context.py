@@ -75,6 +75,7 @@ class Context:
         ] = []  # effects named by `unless`, with the instance's path
         self.mentioned_velocities: list[tuple[Vector, Span]] = []  # since the last reset
         self.impulses: dict[str, Any] = {}  # the `Discrete` of each contact whose impulse is asked for
+        self.actuators: dict[str, str] = {}  # loads that hold a constraint, and that
         self.has_joints = False
         self.linkage: Any = None  # the `Linkage` of the joints, once it is asked for
         self.poses: dict[

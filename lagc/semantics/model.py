@@ -276,6 +276,7 @@ class Constraint:
     left: Expression  # as written
     right: Expression
     effect: str | None = None
+    actuator: str = ""  # the load that holds it, times its multiplier, in place of its gradient
 
 
 @dataclass(frozen=True, slots=True)

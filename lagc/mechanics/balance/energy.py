@@ -18,6 +18,7 @@ from collections.abc import Sequence
 from lagc.base.records import dataclass
 from lagc.mechanics.balance.generalized_forces import Acting
 from lagc.mechanics.formulation.constraints import Classified
+from lagc.mechanics.formulation.equations import Law
 from lagc.mechanics.formulation.euler_lagrange import FreeTerms
 from lagc.mechanics.formulation.mass_matrix import Moving
 from lagc.mechanics.formulation.states import States
@@ -56,7 +57,7 @@ def energies(
     explicit = explicit - tangent(graph, [given], {states.model.time: graph.one})[0]
     if not _vanishes(states, explicit):  # as it does of a steady turn
         power = power - explicit
-    power = power + graph.sum(x.row.multiplier * x.drive for x in rows)
+    power = power + graph.sum(x.row.multiplier * x.drive for x in rows if x.row.law is Law.PERFECT)
     return Energies(
         kinetic=kinetic + free.kinetic,
         potential=given + free.potential,

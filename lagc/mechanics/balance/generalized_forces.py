@@ -38,6 +38,11 @@ def act(states: States) -> list[Acting]:
     zero, actions = states.graph.zero, states.model.actions
     stored = {k: x for k, action in enumerate(actions) if (x := _stored(states, action)) is not None}
     loads = {k: load for k, action in enumerate(actions) if (load := _load(states, action)) is not None}
+    actuators = {c.actuator: c.labels[0] for c in states.model.constraints if c.actuator}
+    for k, load in loads.items():
+        if load.action.name in actuators:
+            factor = states.graph.symbol("multiplier", actuators[load.action.name])
+            loads[k] = load._replace(weights=[factor * weight for weight in load.weights])
     found = dict(zip(stored, _potentials(states, [actions[k] for k in stored], list(stored.values()))))
     found.update(zip(loads, _working(states, list(loads.values()))))
     for k, action in enumerate(actions):

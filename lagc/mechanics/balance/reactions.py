@@ -16,6 +16,7 @@ from lagc.diagnostics.faults import Fault, Refused
 from lagc.mechanics.balance.generalized_forces import act
 from lagc.mechanics.formulation.constraints import classify
 from lagc.mechanics.formulation.contacts import contact_rows
+from lagc.mechanics.formulation.equations import Law
 from lagc.mechanics.formulation.euler_lagrange import free_terms, with_rates
 from lagc.mechanics.formulation.inertia import inertial_loads, moving_parts
 from lagc.mechanics.formulation.mass_matrix import triples
@@ -68,7 +69,7 @@ def _held(states: States, rates: Sequence[Node]) -> tuple[dict[Node, Node], dict
         for pair in zip(part.velocity, part.momentum(acceleration))
     ]
     inertial = gradient(graph, seeds(graph, [*pairs, *inertial_loads(states, parts).items()]), rates)
-    weights = [(x.row.rate, x.row.multiplier) for x in classify(states)]
+    weights = [(x.row.rate, x.row.multiplier) for x in classify(states) if x.row.law is Law.PERFECT]
     weights += [(contact.rate, contact.multiplier) for contact in contact_rows(states)]
     pushed = gradient(graph, seeds(graph, weights), rates)
     found: dict[Node, Node] = {}

@@ -59,7 +59,7 @@ def classify(states: States) -> list[Classified]:
             relation=Relation.EQUAL,
             level=Level.VELOCITY if residuals[n] in with_speeds else Level.POSITION,
             mode=Mode.ALWAYS,
-            law=Law.PERFECT,
+            law=Law.SERVO if c.actuator else Law.PERFECT,
             multiplier=states.graph.symbol("multiplier", c.labels[k]),
             residual=residuals[n],
             rate=rates[n],

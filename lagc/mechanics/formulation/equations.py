@@ -43,9 +43,11 @@ class Mode(Enum):
 
 
 class Law(Enum):
-    """How the force of a row depends on the motion; that of a perfect one does no work on it."""
+    """How the force of a row depends on the motion; that of a perfect one does no work on it, that of a servo
+    is a load, times the multiplier."""
 
     PERFECT = "perfect"
+    SERVO = "servo"
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,6 +32,8 @@ from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector, sub
 from lagc.syntax import tree
 
+_LOADS = (objects.Force, objects.Torque)
+
 
 def _written(entry: Entry) -> tree.Construct:
     assert isinstance(entry.source, tree.Construct)
@@ -223,8 +225,7 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
     source = entry.source
     assert isinstance(source, tree.Constraint)
     no_modifiers(entry)
-    if source.arguments:
-        raise Wrong("LAG0209", "a constraint with `=` takes no arguments", source.arguments[0].span)
+    motor = _actuator(context, entry, source) if source.arguments else None
     left, right = all_values(context, [source.left, source.right], entry.environment)
     differences = residuals(left, right, source)
     entry.size = None if isinstance(left, Scalar) else len(differences)
@@ -247,9 +248,33 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
             source.left,
             source.right,
             entry.effect,
+            "" if motor is None else motor.path,
         )
     )
+    if motor is not None and len(labels) != 1:
+        message = f"`{motor.name}` is one actuator; `{entry.name}` has {len(labels)} equations"
+        raise Wrong("LAG0221", message, entry.span, "write a constraint and an actuator for each equation")
     return Reference(entry)
+
+
+def _actuator(context: Context, entry: Entry, source: tree.Constraint) -> Entry:
+    """Return the force or torque that holds a constraint: `(by = motor)`."""
+    argument = source.arguments[0]
+    if argument.name != "by" or argument.value is None or len(source.arguments) > 1:
+        message = "a constraint with `=` has no argument but `by`, the force or torque that holds it"
+        remedy = "write `constraint path: x = f(time) (by = motor);`, or no argument"
+        raise Wrong("LAG0209", message, argument.span, remedy)
+    value = evaluate(context, argument.value, entry.environment)
+    loads = value.entry.objects if isinstance(value, Reference) else []
+    if not isinstance(value, Reference) or not any(isinstance(x, _LOADS) for x in loads):
+        message = f"an actuator is a force or a torque; this is {kind(value)}"
+        remedy = "declare what it does for a multiplier of 1: `force motor = {1 [N], 0, 0} at cart;`"
+        raise Wrong("LAG0221", message, argument.value.span, remedy)
+    if value.entry.path in context.actuators:
+        message = f"`{value.entry.name}` holds `{context.actuators[value.entry.path]}` already"
+        raise Wrong("LAG0221", message, argument.value.span, "declare an actuator for each constraint")
+    context.actuators[value.entry.path] = entry.name
+    return value.entry
 
 
 def residuals(

@@ -247,7 +247,7 @@ def _reaction(context: Context, span: Span, of: Argument) -> Value:
     found: dict[str, Scalar] = {}
     for label, unit, residual in zip(row.labels, row.units, row.residuals):
         work = POWER if context.clock.mask(residual) & VELOCITY else ENERGY
-        meant = over(work, unit_of(unit or "1").dimension)
+        meant = NONE if row.actuator else over(work, unit_of(unit or "1").dimension)
         found[label] = Scalar(context.graph.symbol("multiplier", label), meant)
     size = entry.size
     if size is None:
