@@ -202,6 +202,7 @@ CASES = [
     ("two new values", "LAG0228", "when x > 1 [m] then reinit(x, 0); reinit(«x», 1); end when;"),
     ("a new value of another kind", "LAG0302", "when x > 1 [m] then reinit(x, «2 [s]»); end when;"),
     ("new values of another number", "LAG0306", "when x > 1 [m] then reinit(x, «{1 [m], 2 [m]}»); end when;"),
+    ("an instant of an acceleration", "LAG0227", 'when «der(der(x)) == 0» then mark("x"); end when;'),
     ("a late new value", "LAG0219", "when x > 1 [m] then reinit(x, «der(der(x))*1 [s2]»); end when;"),
     ("a table in a file that is not there", "LAG0226", 'potential V = 1 [J]*table(time, «"no.csv"»);'),
     ("a table outside", "LAG0217", 'potential V = 1 [J]*table(time, «"../no.csv"»);'),

@@ -58,7 +58,8 @@ def timely(context: Context, node: Node, span: Span, what: str) -> None:
             f"{what} depends on an acceleration, a reaction or an energy of the run, which are "
             "only known after the equations are solved",
             span,
-            "use them only in outputs; for friction write the normal force as an expression, such as `m*g`"
+            "for friction write `reaction(c)` of a constraint `c`, or the normal force as an expression, "
+            "such as `m*g`; use others only in outputs"
             if what == "a force"
             else "use them only in outputs",
         )

@@ -86,7 +86,7 @@ def _condition(context: Context, written: tree.Expression, environment: Environm
     if not isinstance(value, Truth):
         raise Wrong("LAG0307", f"`when` needs a condition; this is {kind(value)}", written.span)
     mask = context.clock.mask
-    moving = MOVING & ~BIT["discrete"]
+    moving = (MOVING | LATE) & ~BIT["discrete"]
     if any(node.op == "eq" and mask(node) & moving for node in reachable([value.node])):
         raise Wrong(
             "LAG0227",
