@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -232,12 +234,49 @@ def test_the_flight_is_that_of_the_model_without_contacts() -> None:
     assert one.operations == other.operations
 
 
-def test_models_without_contacts_carry_nothing_of_them() -> None:
+def _names_of_contacts() -> tuple[set[str], set[str]]:
+    """The kernels of contacts, and the fields of records that only models with contacts have."""
+    folder = Path(lagc.__file__).parent / "kernels"
+    files = [*(folder / "contact").glob("*.py"), folder / "events/contact_events.py"]
+    trees = [ast.parse(file.read_text(encoding="utf-8")) for file in files]
+    kernels = {node.name for tree in trees for node in tree.body if isinstance(node, ast.FunctionDef)}
+    records = ast.parse((folder / "language/records.py").read_text(encoding="utf-8"))
+    guarded = [
+        node
+        for node in ast.walk(records)
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "NCON > 0"
+    ]
+    fields = {
+        node.target.id
+        for guard in guarded
+        for node in ast.walk(guard)
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)
+    }
+    others = {  # kernels that stand for one of the same name without contacts
+        "rates_at", "put_on_constraints", "pass_event"
+    }  # fmt: skip
+    return kernels - others, fields
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("name", ["", "classic/stick_slip_belt", "hard/walls", "course/string_pendulum"])
+def test_models_without_contacts_carry_nothing_of_them(name: str) -> None:
+    """No kernel of contacts, no field of theirs, no status: also where relations and clauses `when` act."""
     from lagc.compiler import pipeline
 
+    kernels, fields = _names_of_contacts()
+    assert len(kernels) > 80 and len(fields) > 80
+    model = lagc.load(name) if name else _model("")
     for target in ("c", "numpy"):
-        text = "".join(pipeline.render(_model("").compile(backend="numpy").program, target).values())
-        assert "contact" not in text.lower() and "PARADOX" not in text
+        found = pipeline.render(model.compile(backend="numpy").program, target)
+        text = re.sub(r'/\*.*?\*/|""".*?"""|//[^\n]*', "", "".join(found.values()), flags=re.DOTALL)
+        words = set(re.findall(r"[A-Za-z_]\w*", text))
+        own = {word.split("_", k)[-1] for word in words for k in range(5)}
+        called = set(re.findall(r"\b(\w+)\(", text))
+        called |= {word.split("_", k)[-1] for word in called for k in range(5)}
+        assert not fields & words
+        assert not kernels & called
+        assert not {"PARADOX", "PENETRATION", "NCON", "NCROW", "NSLIP"} & own
 
 
 @pytest.mark.parametrize(
