@@ -224,16 +224,16 @@ CASES = (
     Case(
         "cradle", "five pendulums that touch, 10 s, at nine tolerances",
         "Round-off makes pendulums that touch collide.", "equal masses exchange their speeds: 40 impacts",
-        "What touches without approaching has no impact: a rate below 1e-12 of its terms is zero.",
+        "Pendulums that touch without approaching have no impact: a rate below 1e-12 of its terms is zero.",
         "contact/newtons_cradle", "lagc sim newtons_cradle --method dop853 --rtol 1e-7",
         (Figure("impacts missed or added", 0.0),), cradle,
     ),
     _of_file(
         "painleve_rod", "a rod on its tip, with much friction",
-        "Beyond mu = 4/3 there are postures in which rigid bodies have no motion, or several.",
+        "Beyond mu = 4/3 there are configurations in which rigid bodies have no motion, or several.",
         "All modes of few contacts are tested: none or several solutions are told from one.",
         "lagc sim painleve_rod -p mu=1.4",
-        (Figure("postures judged wrongly, of 7", 0.0),),
+        (Figure("configurations answered wrongly, of 7", 0.0),),
     ),
     Case(
         "conveyor", "a belt that is switched on and off, and a kick",
