@@ -169,6 +169,18 @@ def test_an_impact_takes_the_slip_along_its_direction(backend: str) -> None:
     )
 
 
+def test_the_reaction_of_a_body_is_push_and_friction() -> None:
+    text = """  constraint floor: z >= 0 (friction = 0.3, at = block);
+  output Force R[3] = reaction(block);
+  initial
+    der(x) = 3 [m/s];
+    der(y) = 4 [m/s];"""
+    run = _model(text, stop="0.1 [s]").compile(backend="numpy").simulate(rtol=1e-8)
+    weight = 2.0 * G
+    found = [run.final[f"R[{k}]"] for k in (1, 2, 3)]
+    assert found == pytest.approx([-0.18 * weight, -0.24 * weight, weight], rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [("friction = 0.3", "`friction` needs `slip` or `at`"),

@@ -21,8 +21,8 @@ from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import symbols
 
 
-def contact_rows(states: States) -> tuple[ContactRow, ...]:
-    """Return the rows of the model's contacts in the order of declaration."""
+def contact_rows(states: States, friction: bool = True) -> tuple[ContactRow, ...]:
+    """Return the rows of the model's contacts in the order of declaration, their slip rows if `friction`."""
     contacts, graph = states.model.contacts, states.graph
     if not contacts:
         return ()
@@ -33,7 +33,7 @@ def contact_rows(states: States) -> tuple[ContactRow, ...]:
     restitutions = states.in_speeds([c.restitution for c in contacts])
     return tuple([
         ContactRow(c, graph.symbol("multiplier", c.label), gap, rate, jacobian, bias, restitution,
-                   *_friction(states, c, jacobian))
+                   *(_friction(states, c, jacobian) if friction else ()))
         for c, gap, rate, jacobian, bias, restitution in zip(
             contacts, gaps, rates, jacobians, biases, restitutions)
     ])  # fmt: skip
