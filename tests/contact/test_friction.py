@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 from typing import Any
 
 import numpy as np
@@ -242,3 +243,23 @@ end Throw;
     assert run.final["der(x)"] == pytest.approx(3.0 - mu * g, abs=1e-10)
     assert run.final["der(x)"] == pytest.approx(v - mu * g * (1.0 - t), abs=1e-10)
     assert run.final["x"] == pytest.approx(x, abs=1e-9)
+
+
+@pytest.mark.long
+def test_energy_never_grows_in_300_thrown_boxes() -> None:
+    """Boxes of any shape, friction and restitution; each run reaches its end or says why it did not."""
+    chance = random.Random(1)
+    system = lagc.load("tumbling_box").compile(backend="c")
+    ended = 0
+    for _ in range(300):
+        given = {"a": chance.uniform(0.1, 0.5), "b": chance.uniform(0.1, 0.5),
+                 "mu": chance.choice([0.0, chance.uniform(0.0, 0.8)]),
+                 "e": chance.choice([0.0, chance.uniform(0.0, 0.8)]), "vx": chance.uniform(-3.0, 3.0),
+                 "vy": chance.uniform(-1.0, 1.0), "omega": chance.uniform(-6.0, 6.0),
+                 "phi0": chance.uniform(-3.0, 3.0)}  # fmt: skip
+        run = system.simulate(2.0, accuracy=1e-6, parameters=given, points=201)
+        energy = run["E"]
+        assert (energy[1:] - energy[:-1]).max() <= 2e-6 * abs(energy).max()
+        assert run.status == "ok" or run.message
+        ended += run.status == "ok"
+    assert ended >= 290
