@@ -22,8 +22,9 @@ def text(found: Effects, heading: str) -> str:
     if found.energy is not None:
         energy = found.energy
         start, end, rest = (_energy(x, 0.0) for x in (energy.start, energy.end, energy.rest))
-        others = f"; drives and contacts work {rest}" if energy.rest else ""
-        lines.append(f"  energy        start {start}, end {end}{others}")
+        change = _energy(energy.end - energy.start, max(abs(energy.start), abs(energy.end)))
+        others = f"; drives and contacts {rest}" if energy.rest else ""
+        lines.append(f"  energy        start {start}, end {end}: {change} by what stores no energy{others}")
     if found.horizon is not None:
         lines.append(f"  until         {found.horizon:.4g} s: a run is not predictable beyond")
     if found.not_compared:

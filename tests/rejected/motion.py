@@ -20,10 +20,10 @@ CASES = [
     ("a frame that depends on a rate", "LAG0313", "frame F = «rotate_z(world, der(x)*1 [s/m])»;"),
     ("a force that depends on an acceleration", "LAG0219", "force F = «m*acceleration(b)» at b;"),
     (
-        "a force that depends on a reaction",
+        "a force that depends on the reaction of a body",
         "LAG0219",
         "coordinate Length y; body c = Particle(mass = m, at = {0, y, 0}); constraint k: x = y; "
-        "force F = «{reaction(k), 0, 0}» at b;",
+        "force F = «reaction(c)» at b;",
     ),
     ("a constraint of an energy", "LAG0219", "constraint c: «energy() = 1 [J]»;"),
     ("a constraint of an acceleration", "LAG0219", "constraint c: «der(der(x)) = 1 [m/s2]»;"),
