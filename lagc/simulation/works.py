@@ -12,7 +12,7 @@ from itertools import pairwise
 from math import ceil
 
 from lagc.base.records import dataclass
-from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion, Law
 from lagc.simulation.system import Options, System, Trajectory, arrived, work_of
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
@@ -50,7 +50,9 @@ def works(
     """Return the works of a run from the state x at 0; None if it fails before `stop`, or has so many
     events or so long powers that the sums would take long."""
     options = Options(method=method, rtol=RTOL, max_steps=0, report=True)
-    graph, rows = equations.graph, [row for row in equations.rows if row.time_dependent or not row.holonomic]
+    graph = equations.graph
+    rows = [row for row in equations.rows if row.time_dependent or not row.holonomic]
+    rows = [row for row in rows if row.law is Law.PERFECT]  # the actuator of another is an action
     moved = [graph.sum(slope * equations.v[j] for j, slope in row.jacobian.items()) for row in rows]
     powers = [*(c.power for c in equations.contributions), *(r.multiplier * u for r, u in zip(rows, moved))]
     within = reachable(powers)
@@ -126,13 +128,17 @@ def _sums(
 
 
 def _jumps(system: System, run: Trajectory) -> dict[int, float]:
-    """Return the changes of the energy by `when` clauses."""
+    """Return the changes of the energy by `when` clauses. Those that set discrete variables alone change
+    nothing else, where a contact has an impact at the same time."""
     found: dict[int, float] = {}
     first = len(system.interface.relations)
+    moving = system.interface.nx - len(system.interface.discretes)
     for t, before, after in run.corners:
         giving = [k - first for at, k in run.events if at == t and k >= first]
         giving = [k for k in giving if system.interface.whens[k].states]
         if giving:
+            if all(state >= moving for k in giving for state in system.interface.whens[k].states):
+                before = [*after[:moving], *before[moving:]]
             change = system.energies(t, after)[2] - system.energies(t, before)[2]
             found[giving[0]] = found.get(giving[0], 0.0) + change
     return found

@@ -18,6 +18,7 @@ from lagc.semantics.resolve import resolve
 from lagc.semantics.scenes.variants import variants
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import symbols
 from lagc.syntax.parse import parse
 from tests.oracle.lagrange import Oracle
 
@@ -70,6 +71,8 @@ def assert_close(found: Sequence[float], expected: Any) -> None:
 def test_the_equations_are_lagranges(path: Path) -> None:
     model = richest(path)
     e = derive(model)
+    if any(c.actuator for c in model.constraints) or symbols(e.given_forces) & set(e.lam):
+        pytest.skip("its loads depend on multipliers: see test_loads_of_reactions.py")
     state = random_state(model, e, path.stem)
     mass, forces, jacobian, gamma = Oracle(model, state, e.v).equations()
     n = len(e.v)
