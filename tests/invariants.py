@@ -33,7 +33,7 @@ def _(model: Model) -> None:
         assert not any(residual.is_zero for residual in constraint.residuals)
     nodes = expressions_of_motion(model)
     assert all(node.graph is model.graph for node in nodes)
-    known = {"time", "parameter", "input", "coordinate", "rate", "speed", "discrete"}
+    known = {"time", "parameter", "input", "coordinate", "rate", "speed", "discrete", "multiplier"}
     for kind in {node.record.kind for node in reachable(nodes) if node.op == "symbol"}:
         assert kind in known, f"{kind} stands outside of the outputs"
 
@@ -64,7 +64,7 @@ def expressions_of_motion(model: Model) -> list[Node]:
     found += [variable.start for variable in model.discretes]
     found += [residual for c in model.constraints for residual in c.residuals]
     found += [condition.residual for condition in model.initial_conditions]
-    return found + [x for when in model.whens for x in (when.condition, *chain(*when.changes))]
+    return found + [x for when in model.whens for x in chain(*when.changes)]
 
 
 @verify.register
@@ -103,7 +103,9 @@ def verify_leaves(equations: EquationsOfMotion) -> None:
     rates = [s.rate for s in equations.stated_rates]
     assert symbols([s.value for s in equations.starts]) <= parameters
     assert symbols([*phi, equations.potential]) <= position
-    assert symbols([*forces, *rows, *balance, *conditions, *rates]) <= state
+    late = {*equations.a, *equations.lam}  # of loads and conditions
+    assert symbols([*forces, *conditions]) <= state | late
+    assert symbols([*rows, *balance, *rates]) <= state
     late = late | {contact.multiplier for contact in equations.contacts}
     assert symbols([equations.power, *(o.expression for o in equations.outputs)]) <= late
 

@@ -215,7 +215,9 @@ def _conserved(
     sure: bool,
 ) -> tuple[list[Conserved], list[str]]:
     """Return the quantities that are constant along the motion with the independent `rows`, by index, `sure`
-    or not that these are all; and those that were not examined."""
+    or not that these are all; and those that were not examined. Where loads depend on multipliers none is."""
+    if symbols(equations.given_forces) & set(equations.lam):
+        return [], [equations.balance if equations.balance != WHOLE else "energy", "momenta"]
     kept = [row for _, row in rows]
     small = len(equations.v) + len(rows) <= LARGEST
     tries = _tries(states, kept, met, small)
