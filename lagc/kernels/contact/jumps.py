@@ -17,6 +17,7 @@ def settle_jump(p: Params, s: State, w: Work) -> Status:
     set_gaps(p, s.t, s.x, w)
     fn_contact_sizes(p, s.t, s.x, s.sizes, w.contact_sizes)
     estimate_indicator_roundoff(p, s, s.x, w)
+    w.contacts_go_on = False
     for i in range(NCON):
         least = MOST_PENETRATION * w.contact_sizes[i] + SLACK_GROWTH * w.indicator_roundoff[NFREE - NCON + i]
         if w.contact_gaps[i] < -least:

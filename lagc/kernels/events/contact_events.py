@@ -80,6 +80,7 @@ def settle_event(p: Params, s: State, direction: Real, jumps: bool, w: Work) -> 
     """Let contacts act, then find the modes of relations that they change, and let clauses `when` act.
     `jumps`: a bound has jumped."""
     fn_indicators_on(p, s.t, s.x, w.modes, w.indicators_before)
+    w.contacts_go_on = True
     status = settle_jump(p, s, w) if jumps else settle(p, s, False, w)
     if failed(status):
         return status
@@ -158,6 +159,7 @@ def start_contacts(p: Params, s: State, direction: Real, elsewhere: bool, w: Wor
     for k in range(NMODE):
         w.indicators_unmoved[k] = 0
     begins = not s.parameters_known
+    w.contacts_go_on = False
     status = settle(p, s, True, w) if begins else settle_jump(p, s, w)
     if failed(status):
         return status

@@ -241,6 +241,7 @@ class Work:
         # Contacts at an event
         contact_hit: IVec[NCON]  # 1: its gap, 2: its force has fallen to zero, see `settle`
         contacts_acted: bool  # at this event already
+        contacts_go_on: bool  # speeds have not jumped: contacts that touched before keep touching
         modes_before: Vec[NMODE]  # of relations, before the event
         indicators_unmoved: IVec[NMODE]  # 1: contacts do not change it
         contact_near: IVec[NCON]
