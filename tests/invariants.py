@@ -103,8 +103,8 @@ def verify_leaves(equations: EquationsOfMotion) -> None:
     rates = [s.rate for s in equations.stated_rates]
     assert symbols([s.value for s in equations.starts]) <= parameters
     assert symbols([*phi, equations.potential]) <= position
-    late = {*equations.a, *equations.lam}  # of loads and conditions
-    assert symbols([*forces, *conditions]) <= state | late
+    assert symbols(forces) <= state | set(equations.lam)
+    assert symbols(conditions) <= state
     assert symbols([*rows, *balance, *rates]) <= state
     late = late | {contact.multiplier for contact in equations.contacts}
     assert symbols([equations.power, *(o.expression for o in equations.outputs)]) <= late
