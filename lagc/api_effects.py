@@ -12,9 +12,11 @@ from lagc.compiler.loaded import Loaded
 from lagc.compiler.pipeline import Compilation
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.simulation.request import Request, bound_guesses, bound_parameters, bound_starts
+from lagc.simulation.simulate import KINDS
 from lagc.simulation.system import Options, rates_at
 
 if TYPE_CHECKING:
+    from lagc.lowering.program import Interface
     from lagc.simulation.works import Works
     from lagc.study.effects import Effects, Motion, Names, Variant
 
@@ -144,6 +146,16 @@ def _compiled(compilation: Compilation, without: Names, more: Names, backend: st
         return refused
 
 
+def _event_names(interface: Interface) -> list[str]:
+    """The names of all events that a run may have."""
+    contacts = [c.name for c in interface.contacts]
+    return [
+        *interface.relations, *(name for clause in interface.whens for name in clause.names),
+        *(f"{name}: impact" for name in contacts),
+        *(f"{name} {kind}" for name in contacts for kind in KINDS.values()),
+    ]  # fmt: skip
+
+
 def _outputs(interface: Any) -> list[str]:
     return [x.name for x in interface.outputs]
 
@@ -205,7 +217,7 @@ class _Variant:
                 sizes[unit] = max(sizes[unit], float(np.abs(column).max()))
             errors = {name: accuracy * sizes[unit] for name, unit in zip(found, units)}
         return Motion(np.array(run.times), found, run.states, errors, events, run.method, run.rtol,
-                      ends, cut)  # fmt: skip
+                      ends, cut, frozenset(_event_names(self.loaded.artifact.interface)))  # fmt: skip
 
     def plain(self, setting: Motion, repeats: int) -> tuple[float, int]:
         """The CPU time and the evaluations of a run without verification, recorded at its end alone."""

@@ -96,6 +96,8 @@ def _singles(changes: Sequence[Change], found: Effects, word: str) -> list[str]:
         notes = [] if first is None else [f"above {first[0]:.0e} from {first[1]:.3g} s"]
         if word == "without" and 1.0 + AS_LONG < one.time < float("inf"):
             notes.insert(0, "dearer without it")
+        if one.events:
+            notes.append(f"its events vanish: {', '.join(one.events)}")
         note = "; ".join(notes)
         work = "" if one.work is None else _energy(one.work, most)
         rows.append([_name(one), size, of, time, f"{found.operations} -> {one.operations}", work, note])
@@ -149,6 +151,7 @@ def to_dict(found: Effects) -> dict[str, Any]:
         return {
             "effect": one.effect, "with": list(one.along), "change": one.change, "bar": one.bar,
             "how": one.how, "per": dict(one.per), "ends": one.ends, "acted": one.acted,
+            "events": list(one.events),
             "nearest": dict(one.nearest), "until": {f"{a:.0e}": t for a, t in one.until.items()},
             "operations": one.operations, "states": one.states, "rhs": one.rhs, "work": one.work,
             "time": None if one.time == float("inf") else one.time,

@@ -59,6 +59,8 @@ def _compare(comparison: Comparison, one: Change, variant: Variant | None, motio
         return
     one.curve, one.change, one.bar = curves, largest(curves), comparison.bar(motion)
     one.per = {name: largest(row) for name, row in zip(comparison.names, curves)}
+    gone = [name for _, name in comparison.base.events if name not in motion.clauses]
+    one.events = tuple(dict.fromkeys(gone))
     if variant is None or one.along or one.change >= CLEAR * one.bar:
         return
     if comparison.full.same_along(comparison.base, variant):

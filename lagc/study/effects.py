@@ -43,6 +43,7 @@ class Motion:
     rtol: float
     ends: str = ""
     cut: bool = False
+    clauses: frozenset[str] = frozenset()  # names of all events that the scene may have
 
 
 class Variant(Protocol):
@@ -89,6 +90,7 @@ class Change:
     per: dict[str, float] = field(default_factory=dict)
     acted: bool = True
     work: float | None = None  # of its actions and clauses in the full scene, J; None if it has none
+    events: tuple[str, ...] = ()  # its own ones, which vanish
     nearest: tuple[tuple[str, float], ...] = ()  # of its conditions to 0, if it did not act
     until: dict[float, float] = field(default_factory=dict)  # s that it stays below an accuracy
     curve: Array | None = None
@@ -235,8 +237,9 @@ class Comparison:
         if len(motion.times) < count or (count == len(base.times) != len(motion.times) and not base.cut):
             return "it ends at another time"
         times = base.times[:count]
+        both = motion.clauses & base.clauses  # events of what is left out are no difference
         own, others = (
-            [(t, name) for t, name in run.events if t <= times[-1]] for run in (motion, base)
+            [(t, name) for t, name in run.events if t <= times[-1] and name in both] for run in (motion, base)
         )  # fmt: skip
         if [name for _, name in own] != [name for _, name in others]:
             return "other events happen, or in another order"

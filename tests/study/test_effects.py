@@ -262,6 +262,21 @@ def test_an_effect_that_ends_the_run_stays() -> None:
     assert "stop" not in found.sets[0].left_out
 
 
+def test_events_of_the_effect_itself_vanish_with_it() -> None:
+    """A tap dv at 1 s moves x by dv sin(t - 1)."""
+    tap = """  effect kick
+    when time > 1 [s] then reinit(der(x), der(x) + 1e-4 [m/s]); mark("tap"); end when;
+  end kick;
+"""
+    text_ = SPRING.replace("  effect more", tap + "  effect more").replace("never\n    sim", "kick\n    sim")
+    found = _of(text_, accuracies=(1e-3, 1e-6))
+    (one,) = [one for one in found.left_out if one.effect == "kick"]
+    assert one.events == ("tap",) and one.ends == ""
+    assert one.per["x"] == pytest.approx(1e-4 / found.scales["x"][0], rel=1e-3)  # at t = 1 + pi/2
+    assert "kick" in found.sets[0].left_out
+    assert "its events vanish: tap" in text(found, "Spring")
+
+
 def test_reports(spring: Effects, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     shown = text(spring, "Spring, scene all")
     assert "Each effect left out alone" in shown and "-0.0193 J" in shown and "scene for_1em01" in shown
