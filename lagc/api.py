@@ -28,6 +28,7 @@ from lagc.simulation.request import (
     Request,
     bound_guesses,
     bound_parameters,
+    bound_scales,
     bound_starts,
     keep_limits,
 )
@@ -301,14 +302,15 @@ class CompiledModel(Differentiable, Measurable, Comparable):
         until: str | None = None,
         starts: Mapping[str, Value] | None = None,
         guesses: Mapping[str, Value] | None = None,
+        scales: Mapping[str, Value] | None = None,
         sensitivity: str | Sequence[str] = (),
         progress: Progress | None = None,
     ) -> Run:
         """Simulate from t = 0 to `stop` and return the motion.
 
         stop: the end time in s.
-        accuracy: the global relative error of the whole motion (default 1e-6).  Method and tolerance are
-            chosen, and the error is estimated by comparing runs.
+        accuracy: the global relative error of each coordinate, speed and output over the whole motion
+            (default 1e-6).  Method and tolerance are chosen, and the error is estimated by comparing runs.
         method, rtol, atol, step: choose the integration method and its tolerances, or a fixed step in s,
             instead of an accuracy; the error is not estimated then.
         max_step: the longest step in s.
@@ -320,6 +322,8 @@ class CompiledModel(Differentiable, Measurable, Comparable):
         starts: initial values of coordinates and speeds by name, in place of those of the model.
         guesses: where to search for initial values, by name.  They are not stated then: not even where the
             model states them.
+        scales: what the accuracy is relative to, by name of a coordinate, speed or output.  The default is
+            the range of its values over the motion.
         sensitivity: names of parameters, inputs and initial values (`start(theta)`); the motion is
             differentiated by each of them.
         progress: a function that is called with the time reached.
@@ -333,7 +337,7 @@ class CompiledModel(Differentiable, Measurable, Comparable):
             return driven.simulate(
                 stop, accuracy=accuracy, method=method, rtol=rtol, atol=atol, step=step, max_step=max_step,
                 every=every, points=points, parameters={**quantities("parameters", parameters), **numbers},
-                starts=starts, guesses=guesses, sensitivity=sensitivity, progress=progress,
+                starts=starts, guesses=guesses, scales=scales, sensitivity=sensitivity, progress=progress,
             )  # fmt: skip
         given = quantities("starts", starts)
         times = {"stop": stop, "step": step, "max_step": max_step, "every": every}
@@ -341,6 +345,7 @@ class CompiledModel(Differentiable, Measurable, Comparable):
             accuracy=accuracy, method=method, rtol=rtol, atol=atol, points=points,
             starts=bound_starts(self.interface, given),
             guesses=bound_guesses(self.interface, quantities("guesses", guesses), given),
+            scales=bound_scales(self.interface, quantities("scales", scales)),
             sensitivity=words("sensitivity", sensitivity),
             **{name: seconds(name, value) for name, value in times.items()},
         )  # fmt: skip

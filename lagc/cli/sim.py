@@ -53,7 +53,17 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--until", metavar="CONDITION", action="append", help="end when this becomes true, e.g. 'x > 3 [m]'"
     )
-    parser.add_argument("--accuracy", metavar="A", help="the global relative error; default: 1e-6")
+    parser.add_argument(
+        "--accuracy", metavar="A", help="the global relative error of each quantity; default: 1e-6"
+    )
+    parser.add_argument(
+        "--scale",
+        metavar="NAME=VALUE[UNIT]",
+        dest="scales",
+        action="append",
+        default=[],
+        help="what the accuracy of a coordinate, speed or output is relative to, instead of its range",
+    )
     parser.add_argument("--method", choices=METHODS, help="by hand: the integration method")
     parser.add_argument("--rtol", metavar="R", help="by hand: the relative tolerance of a step")
     parser.add_argument(
@@ -103,7 +113,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.host import model_library
     from lagc.simulation.backends.compile import CannotCompile
     from lagc.simulation.formats import targets
-    from lagc.simulation.request import bound_guesses, bound_parameters, bound_starts
+    from lagc.simulation.request import bound_guesses, bound_parameters, bound_scales, bound_starts
     from lagc.simulation.supervision import MOST_MEMORY, Forecast, check_memory
 
     check_files(options)
@@ -114,6 +124,7 @@ def run(options: argparse.Namespace) -> int:
     if until[0] is not None and not until[0].strip():
         raise Usage("`--until` needs a condition, such as 'x > 3[m]'")
     given, guesses = quantities(options.starts, "--start"), quantities(options.guesses, "--guess")
+    scales = quantities(options.scales, "--scale")
     choice = replace(choice_of(options), until=until[0])
     source = model_library.read(options.file)
     most = MOST_MEMORY if options.max_memory is None else limits_of(options).memory or inf
@@ -142,6 +153,7 @@ def run(options: argparse.Namespace) -> int:
     starts = bound_starts(model.interface, given)
     parameters = bound_parameters(model.interface, choice.parameters, model.artifact.unused)
     request = replace(request, starts=starts, guesses=bound_guesses(model.interface, guesses, given))
+    request = replace(request, scales=bound_scales(model.interface, scales) if scales else {})
     stop = complete.stop or 0.0
     with Bar(stop, quiet=options.quiet or options.json) as bar:
         try:

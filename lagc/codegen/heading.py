@@ -7,7 +7,7 @@ from lagc.codegen.kernel_compiler.linker import Part
 from lagc.codegen.kernel_compiler.shipped import parts
 from lagc.lowering.program import Interface
 
-ABI_VERSION = 5
+ABI_VERSION = 6
 OF_CONTACTS = ("PARADOX", "PENETRATION")  # statuses
 SPDX = "SPDX-License-Identifier: MIT-0"
 LICENCE = (

@@ -30,6 +30,8 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
     for i in range(NGROUP):
         s.sizes[i] = 0.0
     enlarge_sizes(x, s.sizes)
+    s.lowest[:] = x
+    s.highest[:] = x
     s.h_old = 0.0
     s.h = 0.0
     s.error_old = 1e-4
@@ -172,6 +174,7 @@ def evaluate_start(p: Params, s: State, direction: Real, w: Work) -> Status:
                 elsewhere = True
             s.roundoff_memory = 0.0
             enlarge_sizes(s.x, s.sizes)
+            widen_ranges(s.x, s.lowest, s.highest)
             if NC > 0:
                 w.rank_deficient = False
                 if STRAIGHT:

@@ -201,6 +201,7 @@ def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
     if NLEAP > 0:
         s.x_before_event[:] = s.x_new
     enlarge_sizes(s.x_new, s.sizes)
+    widen_ranges(s.x_new, s.lowest, s.highest)
     s.roundoff_estimated = a.roundoff_estimated
     s.rate_place = ABSENT if a.leaves_end_rate else READY
     s.dense_place = OPEN if a.leaves_end_rate else STAGES

@@ -30,6 +30,7 @@ _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
     "initial_places", "relations", "timed", "flowing", "driven", "doubtful", "derivatives",
     "part_ends", "part_columns", "pieces", "row_pieces", "written", "conservative", "series", "methods",
+    "scales",
 )  # fmt: skip
 _OPTIONAL = ("contacts", "late_relations", "loading_rows", "servos", "curved_loads")
 _OF_DISCRETES = ("discretes", "booleans")
@@ -89,6 +90,7 @@ def interface(
         read=read,
         effects=tuple([e.name for e in model.effects if e.used]),
         simulate=dict(model.simulate),
+        scales=dict(model.scales),
         notes=(*model.notes, *notes, *equations.dropped, *remarks),
         dropped=dropped,
         relations=tuple([relation.words for relation in relations]),

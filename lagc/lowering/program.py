@@ -251,6 +251,7 @@ class Interface:
     row_pieces: tuple[int, ...] = ()  # that makes each condition, -1 for none: it depends on no unknown
     methods: tuple[str, ...] = ()  # of integration that generated code has; none: all that it can have
     series: tuple[int, int, int, int, int] = (0, 0, 0, 0, 0)  # see `lagc.lowering.series.counts`
+    scales: dict[str, float] = field(default_factory=dict)  # that quantities are declared with
     derivatives: dict[str, tuple[tuple[int, int], ...]] = field(
         default_factory=dict
     )  # places of their entries

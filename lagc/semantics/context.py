@@ -86,6 +86,7 @@ class Context:
         self.curves: dict[str, Table] = {}  # by name
         self.fields: dict[tuple[str, tuple[object, ...]], Entry] = {}  # gravity by body and direction
         self.built_in: list[str] = []  # parameters that a run cannot change
+        self.scales: dict[str, float] = {}  # that quantities are declared with
         self.faults: list[Fault] = []
         self.warnings: dict[tuple[Span, Span], Fault] = {}  # one for each pair of places
         self._reported: set[tuple[str, Span | None, str]] = set()

@@ -445,6 +445,7 @@ class Model:
     contacts: tuple[Contact, ...] = ()
     tables: tuple[Table, ...] = ()
     limits: tuple[Limit, ...] = ()  # of computed parameters
+    scales: dict[str, float] = field(default_factory=dict)  # of quantities that are declared with one
     built_in: tuple[str, ...] = ()  # parameters that a run cannot change: structural, or dependent on others
     imports: tuple[tuple[str, str | None], ...] = ()  # path and fingerprint of every file asked for
     notes: tuple[str, ...] = ()  # assumptions, such as the choice of a scene

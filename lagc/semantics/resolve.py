@@ -294,6 +294,7 @@ def _model(
         limits=_of(found, objects.Limit),
         joints=_of(found, objects.Joint),
         releases=_of(found, objects.Release),
+        scales=context.scales,
         built_in=tuple(context.built_in),
         imports=tuple(context.importer.asked.items()),
         notes=setting.notes,

@@ -32,8 +32,11 @@ MOMENT = 1e-5  # of the elapsed time: a speed that doubles in less becomes infin
 SLOWER = 100.0  # ratio of the fastest rate to that of the motion, for a stiff system
 UNSTABLE = 1.0  # step size times the fastest rate
 DIFFERENCE = 1e-7  # of the sizes of states
+LINEAR = 1e-2  # of the sizes: smaller differences grow in proportion to themselves
 TENFOLD = log(10.0)
-LATE = (0.38, 0.8)  # share of exponential growth in its second half; a power of the time has 0.26
+# Growth in the last nine tenths of the time; the errors of a regular motion grow as t or t^2, by 100 at most.
+MOST_REGULAR = 1e4
+LATE = (0.2, 0.8)  # share of the second half in exponential growth: 0.5 on the average; of a jump, 0 or 1
 CHECKED = 40  # recorded states
 ROUNDING = 1e-11  # own share of a constraint's gradient that round-off may cause
 OWN = 1e-3  # own share that the solver never treats as dependent
@@ -170,17 +173,20 @@ def _state_sizes(system: System, run: Trajectory) -> list[float]:
     return found
 
 
-def tenfold_time(system: System, run: Trajectory, other: Trajectory, until: float) -> float | None:
-    """The time in which differences of two runs grow tenfold; None unless they grow exponentially. Growth by
-    two decades or more counts as exponential if the second half of the time has its share."""
+def tenfold_time(system: System, run: Trajectory, other: Trajectory) -> float | None:
+    """The time in which differences of two runs grow tenfold, while they are below LINEAR; None unless they
+    grow exponentially: by more than MOST_REGULAR in the time after its first tenth, and in both halves of it.
+    """
     found: list[tuple[float, float]] = []
-    largest, begin = 0.0, run.times[0]
+    largest = 0.0
     groups = [(group, size) for group, size in sizes(run, system.interface) if size > 0.0]
     for t, x, y in zip(run.times, run.states, other.states):
         largest = max([largest, *(abs(x[i] - y[i]) / size for group, size in groups for i in group)])
-        if largest > 0.0 and begin + 0.1 * (until - begin) <= t <= until:
+        if 0.0 < largest <= LINEAR:
             found.append((t, log(largest)))
-    if len(found) < 8 or found[-1][1] - found[0][1] < 2.0 * TENFOLD:
+    begin = run.times[0]
+    found = [(t, a) for t, a in found if t - begin >= 0.1 * (found[-1][0] - begin)]
+    if len(found) < 8 or found[-1][1] - found[0][1] < log(MOST_REGULAR):
         return None
     (first, low), (_, middle), (last, high) = found[0], found[len(found) // 2], found[-1]
     exponential = LATE[0] < (high - middle) / (high - low) < LATE[1]

@@ -1,9 +1,9 @@
-"""Differences between trajectories, relative to the sizes of their scaling groups."""
+"""Sizes of scaling groups, differences between trajectories, and the times at which these are compared."""
 
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from math import ceil, inf, isfinite
 from operator import sub
@@ -14,6 +14,7 @@ from lagc.simulation.system import TERMINATED, Trajectory
 
 NEAR_THE_END = 1e-5  # of the time
 FEWEST_PARTS = 32  # of the time, for a comparison of runs
+ASIDE = 32  # times without a pattern, for the ranges of outputs
 
 Sizes = Sequence[tuple[Sequence[int], float]]
 
@@ -29,12 +30,6 @@ def sizes(trajectory: Trajectory, interface: Interface) -> list[tuple[list[int],
     return found
 
 
-def moving(groups: Sizes, noise: Mapping[int, float]) -> list[tuple[Sequence[int], float]]:
-    """Return `groups` with size 0 for the groups (by number) that are no larger than their round-off
-    `noise`."""
-    return [(group, 0.0 if size <= noise.get(k, 0.0) else size) for k, (group, size) in enumerate(groups)]
-
-
 def scaling_groups(interface: Interface) -> list[list[int]]:
     """The indices of the coordinates and speeds that share a scale."""
     groups: dict[int, list[int]] = {}
@@ -43,12 +38,26 @@ def scaling_groups(interface: Interface) -> list[list[int]]:
     return list(groups.values())
 
 
-def discrete_sizes(trajectory: Trajectory, interface: Interface) -> list[tuple[Sequence[int], float]]:
-    """Return the state index of each discrete variable and its largest magnitude."""
-    first = interface.nx - len(interface.discretes)
-    return [
-        ([i], max([abs(x[i]) for x in trajectory.states], default=0.0)) for i in range(first, interface.nx)
-    ]
+def quantity_names(interface: Interface) -> list[str]:
+    fields = (*interface.outputs, *interface.discretes)
+    return [*interface.state_names, *(field.name for field in fields)]
+
+
+def quantity_units(interface: Interface) -> list[str]:
+    fields = (*interface.outputs, *interface.discretes)
+    return [*interface.state_units, *(field.unit for field in fields)]
+
+
+def state_groups(interface: Interface) -> list[list[int]]:
+    """The indices of coordinates and speeds that are one quantity: the components of a quaternion, else each
+    alone."""
+    found, parts = list[list[int]](), {k + i for k in interface.quaternions for i in range(4)}
+    for i in range(interface.nq + interface.nv):
+        if i in interface.quaternions:
+            found.append([i, i + 1, i + 2, i + 3])
+        elif i not in parts:
+            found.append([i])
+    return found
 
 
 def contacts_of(run: Trajectory) -> Sequence[tuple[float, int, int, float, float, float]]:
@@ -85,7 +94,8 @@ def between(a: Trajectory, b: Trajectory) -> frozenset[int]:
     for key in one.keys() | other.keys():
         found.update(_between(a, b, one.get(key, []), other.get(key, [])))
     bounces = [*last_bounces(a), *last_bounces(b)]
-    found.update(k for k, t in enumerate(a.times) if any(begin <= t <= end for begin, end in bounces))
+    if bounces:
+        found.update(k for k, t in enumerate(a.times) if any(begin <= t <= end for begin, end in bounces))
     return frozenset(found)
 
 
@@ -107,42 +117,9 @@ def _near_the_end(run: Trajectory, jumps: Sequence[float]) -> bool:
     return all(abs(run.times[-1] - t) <= near for t in jumps)
 
 
-def difference(
-    a: Trajectory,
-    b: Trajectory,
-    interface: Interface,
-    target: float,
-    noise: Mapping[int, float] | None = None,
-) -> tuple[float, float | None]:
-    """The largest scaled difference over the common times, and the last time until which it stays below
-    `target`.
-
-    The time is None if that is the end.  It is relative to the sizes until then, so that later growth does
-    not hide earlier errors.  `noise` is the round-off of some groups by number; a group within its noise is
-    not compared."""
-    alike = [True] * min(len(a.states), len(b.states))
-    largest, left_out = _apart_in_time(a, b), between(a, b)
-    discrete = [[i] for i in range(interface.nx - len(interface.discretes), interface.nx)]
-    for place, group in enumerate([*scaling_groups(interface), *discrete]):
-        size = apart = 0.0
-        limit = noise.get(place, 0.0) if noise else 0.0
-        for k, (x, y) in enumerate(zip(a.states, b.states)):
-            for i in group if k not in left_out else ():
-                size = max(size, abs(x[i]), abs(y[i]))
-                if not abs(x[i] - y[i]) <= apart:
-                    apart = abs(x[i] - y[i])
-            if not (apart <= target * size or size <= limit):
-                alike[k] = False
-        if not (apart <= largest * size or size <= limit):
-            largest = apart / size if apart < inf else inf
-    if not alike or alike[-1]:
-        return largest, None
-    return largest, a.times[max((k for k, same in enumerate(alike) if same), default=0)]
-
-
 def spread(a: Trajectory, b: Trajectory, of_a: Sizes, of_b: Sizes) -> float:
     """The largest scaled difference of two runs over the same times, with the sizes of each."""
-    left_out, worst = between(a, b), _apart_in_time(a, b)
+    left_out, worst = between(a, b), apart_in_time(a, b)
     one, other = a.states, b.states
     if left_out:
         one, other = ([x for k, x in enumerate(s) if k not in left_out] for s in (one, other))
@@ -157,7 +134,7 @@ def spread(a: Trajectory, b: Trajectory, of_a: Sizes, of_b: Sizes) -> float:
     return worst
 
 
-def _apart_in_time(a: Trajectory, b: Trajectory) -> float:
+def apart_in_time(a: Trajectory, b: Trajectory) -> float:
     """The largest difference between the times of jumps, and of termination, relative to the whole time."""
     other = jump_times(b)
     pairs = [pair for key, own in jump_times(a).items() for pair in zip(own, other.get(key, ()))]
@@ -170,14 +147,21 @@ def _apart_in_time(a: Trajectory, b: Trajectory) -> float:
 
 class ComparisonGrid:
     """The times at which runs are compared: those that are recorded, and times between these if they are few.
-    Two runs may have equal errors at one or two times by chance, but seldom along the whole motion."""
+    Two runs may have equal errors at one or two times by chance, but seldom along the whole motion.  `aside`
+    are more times without a pattern: the recorded times may always meet an output at the same phase, and then
+    do not show its range."""
 
-    def __init__(self, recorded: Sequence[float]):
-        self.parts = parts = ceil(FEWEST_PARTS / max(len(recorded) - 1, 1))  # of each recorded interval
-        self.times = [a + (b - a) * (k / parts) for a, b in pairwise(recorded) for k in range(parts)]
-        self.times += recorded[-1:]
+    def __init__(self, recorded: Sequence[float], aside: int = 0):
+        self._parts = ceil(FEWEST_PARTS / max(len(recorded) - 1, 1))  # of each recorded interval
+        times = [a + (b - a) * (k / self._parts) for a, b in pairwise(recorded) for k in range(self._parts)]
+        self.times = [*times, *recorded[-1:]]
+        last, more = len(self.times) - 1, set[float]()
+        for k in range(aside if last > 0 else 0):
+            a, b = self.times[k * last // aside : k * last // aside + 2]
+            more.add(a + (b - a) * (0.6180339887498949 * (k + 1) % 1.0))
+        self.aside = sorted(more - {*self.times})
 
     def recorded(self, run: Trajectory) -> Trajectory:
-        if self.parts == 1:
+        if self._parts == 1:
             return run
-        return run.changed(times=run.times[:: self.parts], states=run.states[:: self.parts])
+        return run.changed(times=run.times[:: self._parts], states=run.states[:: self._parts])

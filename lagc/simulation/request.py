@@ -30,8 +30,9 @@ class Request:
     is controlled by hand instead. `every` or `points` give the recorded grid, and do not change the
     steps. No step is longer than `max_step`; with an `accuracy`, the longest step also decreases with the
     tolerance. `starts` replaces initial values of coordinates and speeds by name, in SI units; `guesses`
-    say where to search for values that are not stated. `sensitivity` names the parameters and initial
-    values by which the motion is differentiated."""
+    say where to search for values that are not stated. `scales` are those of quantities by name, in SI
+    units: the accuracy is relative to them. `sensitivity` names the parameters and initial values by
+    which the motion is differentiated."""
 
     stop: float | None = None
     accuracy: float | None = None
@@ -44,6 +45,7 @@ class Request:
     max_step: float | None = None
     starts: Mapping[str, float] = field(default_factory=dict)
     guesses: Mapping[str, float] = field(default_factory=dict)
+    scales: Mapping[str, float] = field(default_factory=dict)
     sensitivity: tuple[str, ...] = ()
 
     @property
@@ -94,6 +96,9 @@ class Request:
         if self.accuracy is not None and self.by_hand:
             faults.append(_request("`accuracy` chooses the tolerance: leave it out or leave out `rtol`, "
                                    "`atol` and `step`"))  # fmt: skip
+        if self.scales and self.by_hand:
+            faults.append(_request("a scale belongs to an accuracy: leave out the scales or leave out "
+                                   "`rtol`, `atol` and `step`"))  # fmt: skip
         if self.accuracy is not None and self.accuracy >= 1.0:
             faults.append(_request(f"`accuracy` is a relative error, below 1, not {self.accuracy:g}"))
         if self.rtol is not None and isfinite(self.rtol) and self.rtol >= 1.0:
@@ -256,6 +261,28 @@ def bound_guesses(interface: Interface, given: Given, starts: Given) -> dict[str
                            ([x.name for x in interface.discretes], "what the model or `--start` says"))
         for name in names if name in found
     ]  # fmt: skip
+    if faults:
+        raise Refused(faults)
+    return found
+
+
+def bound_scales(interface: Interface, given: Given) -> dict[str, float]:
+    """Return scales of quantities by name in SI units.  Raises Refused (LAG0601 for a name, LAG0602 or
+    LAG0605 for a value)."""
+    from lagc.simulation.error_measure import quantity_names, quantity_units
+
+    units = dict(zip(quantity_names(interface), quantity_units(interface)))
+    faults: list[Fault] = []
+    found: dict[str, float] = {}
+    for name, number in given.items():
+        if name not in units:
+            faults.append(unknown(name, units, "quantity", "LAG0601"))
+            continue
+        value = si(name, number, units[name], faults)
+        if value is not None and not value > 0.0:
+            faults.append(Fault("LAG0602", f"the scale of `{name}` must be positive, not {value:g}"))
+        elif value is not None:
+            found[name] = value
     if faults:
         raise Refused(faults)
     return found

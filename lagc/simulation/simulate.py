@@ -13,7 +13,7 @@ from lagc.codegen.python.support.contacts import CLOSES, OPENS, RESTS, SLIPS, ST
 from lagc.diagnostics.faults import Refused
 from lagc.kernels import DEFAULT_METHOD, IMPLICIT, SERIES
 from lagc.lowering.program import Interface
-from lagc.simulation.error_measure import ComparisonGrid, contacts_of, last_bounces
+from lagc.simulation.error_measure import ASIDE, ComparisonGrid, contacts_of, last_bounces
 from lagc.simulation.global_error.equilibrium_start import locked, rests, trajectory_at_rest
 from lagc.simulation.global_error.verified_run import Verified, verified_run
 from lagc.simulation.initialization.initialize import begin, demand, strange_outputs
@@ -62,6 +62,7 @@ class _Done:
     runs: list[Trajectory]
     notes: list[str]
     errors: tuple[float, ...] = ()
+    scales: tuple[float, ...] = ()
 
 
 def simulate(
@@ -96,12 +97,12 @@ def simulate(
     return Solution(
         system=system,
         times=trajectory.times, states=trajectory.states, status=result.status, message=result.message,
-        method=options.method, rtol=0.0 if options.step else options.rtol,
+        method=options.method, rtol=0.0 if options.step else options.rtol, alone=options.alone,
         atol=0.0 if options.step else options.atol, step=options.step,
         asked=request.accuracy, estimated=result.estimated, cut=result.cut,
         position_drift=trajectory.position_drift, velocity_drift=trajectory.velocity_drift,
         energy=energy(system, trajectory), notes=tuple(notes),
-        open_reactions=open_reactions, error_bars=done.errors,
+        open_reactions=open_reactions, error_bars=done.errors, scale_values=done.scales,
         events=_events(system, trajectory),
         corners=tuple(trajectory.corners), interrupted=trajectory.status == INTERRUPTED, end=times[-1],
         cost=Cost(
@@ -181,25 +182,17 @@ def _integrate(
         run = trajectory_at_rest(rest[0], times)
         return _Done(Verdict(*verdict(system, run, end), run, ROUNDING), Options(), [run], [rest[1]])
     assert request.accuracy is not None
-    grid = ComparisonGrid(times)
-    system, found, why = _chosen(system, x, grid.times, request, progress, stiff, series)
+    grid = ComparisonGrid(times, ASIDE if system.interface.outputs else 0)
+    system, found, why = _chosen(system, x, grid, request, progress, stiff, series)
     demand(system, found.tried[0])
     result = verified_verdict(system, found, request.accuracy, end)
-    run, notes = grid.recorded(result.trajectory), why
-    if found.noise:
-        from lagc.simulation.global_error.roundoff_estimate import noise_note
-
-        notes += noise_note(system, run, found.noise)
-    if result.status == "ok" and found.errors:
-        from lagc.simulation.global_error.quantity_errors import poorly_known
-
-        notes += poorly_known(system, run, found.errors, request.accuracy)
+    run, notes = grid.recorded(result.trajectory), [*why, *found.notes]
     verdict_ = replace(result, trajectory=run)
-    return _Done(verdict_, found.options, found.tried, notes, tuple(found.errors))
+    return _Done(verdict_, found.options, found.tried, notes, tuple(found.errors), tuple(found.scales))
 
 
 def _chosen(
-    system: Any, x: Sequence[float], times: Sequence[float], request: Request, progress: Progress | None,
+    system: Any, x: Sequence[float], grid: ComparisonGrid, request: Request, progress: Progress | None,
     stiff: Callable[[], System] | None, series: Callable[[], System] | None,
 ) -> tuple[Any, Verified, list[str]]:  # fmt: skip
     """Return a verified run, its system, and a note if another method takes the place of the usual one: a
@@ -212,7 +205,7 @@ def _chosen(
         interface.operations <= LARGEST_SERIES and interface.solve == "straight" and not interface.contacts
     )
     asked = series is not None and request.method is None and accuracy <= COARSEST_SERIES
-    given = (system, x, times, request, progress, stiff)
+    given = (system, x, grid, request, progress, stiff)
     try:
         return _verified(*given, LONG_RUN if asked and small else 0)
     except LongRun as long:
@@ -222,7 +215,7 @@ def _chosen(
         other = system.beside(series().bind(system.parameters))
         gain = gain_of_series(other.interface, accuracy)
         if gain >= LEAST_GAIN:
-            found = verified_run(other, x, times, accuracy, progress, request.max_step, SERIES[0])
+            found = verified_run(other, **_terms(other, x, grid, request, progress), method=SERIES[0])
             if found.estimated <= accuracy or found.trajectory.status == INTERRUPTED:
                 note = f"{SMOOTH} {1.0 / gain:.2g} of the work of dop853 ({steps:.2g} steps at 1e-6)"
                 return other, found, [note]
@@ -243,22 +236,33 @@ def gain_of_series(interface: Interface, accuracy: float) -> float:
     return steps * (12.0 * rhs + OVERHEAD[0]) / series
 
 
+def _terms(
+    system: System, x: Sequence[float], grid: ComparisonGrid, request: Request, progress: Progress | None
+) -> dict[str, Any]:
+    """The arguments of `verified_run` that a request determines."""
+    scales = {**system.interface.scales, **request.scales}
+    return {
+        "x0": x, "times": grid.times, "aside": grid.aside, "accuracy": request.accuracy,
+        "progress": progress, "max_step": request.max_step, "scales": scales,
+    }  # fmt: skip
+
+
 def _verified(
-    system: Any, x: Sequence[float], times: Sequence[float], request: Request, progress: Progress | None,
+    system: Any, x: Sequence[float], grid: ComparisonGrid, request: Request, progress: Progress | None,
     stiff: Callable[[], System] | None, long: int = 0,
 ) -> tuple[Any, Verified, list[str]]:  # fmt: skip
     """Return a verified run, its system, and a note if it takes an implicit method because stability limits
     the steps of an explicit one, and it is long or misses the accuracy: where something is damped, and the
     implicit one takes far fewer steps."""
     assert request.accuracy is not None
-    given = (x, times, request.accuracy, progress, request.max_step)
+    given, times = _terms(system, x, grid, request, progress), grid.times
     if stiff is None or request.method is not None or not system.nz or system.interface.contacts:
-        return system, verified_run(system, *given, request.method or DEFAULT_METHOD, 0, long), []
+        return system, verified_run(system, **given, method=request.method or DEFAULT_METHOD, long=long), []
     from lagc.simulation.supervision import StabilityLimited, is_limited
 
     explicit = None
     try:
-        explicit = verified_run(system, *given, DEFAULT_METHOD, -1, long)
+        explicit = verified_run(system, **given, most=-1, long=long)
         run = next((run for run in explicit.tried if is_limited(run)), None)
         reached = explicit.estimated <= request.accuracy or explicit.trajectory.status == INTERRUPTED
         if run is None or reached or run.t == times[0]:
@@ -267,12 +271,12 @@ def _verified(
     except StabilityLimited as limited:
         most, step = FEWER * limited.steps, limited.step
     other = system.beside(stiff().bind(system.parameters))
-    found = verified_run(other, *given, IMPLICIT[0], int(most))
+    found = verified_run(other, **given, method=IMPLICIT[0], most=int(most))
     if found.estimated <= request.accuracy or (explicit is None and found.trajectory.status != MAX_STEPS):
         note = (f"the equations are stiff: stability limits an explicit method to steps of about {step:.1g} "
                 f"s, and something is damped. The implicit method {IMPLICIT[0]} takes its place")  # fmt: skip
         return other, found, [note]
-    return system, explicit or verified_run(system, *given), []
+    return system, explicit or verified_run(system, **given), []
 
 
 def _rest(system: System, x: list[float], times: Sequence[float]) -> tuple[list[float], str] | None:

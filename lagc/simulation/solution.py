@@ -100,7 +100,10 @@ class Solution:
     end: float  # the end time asked for
     notes: tuple[str, ...] = ()
     open_reactions: tuple[str, ...] = ()
-    error_bars: tuple[float, ...] = ()  # of coordinates, speeds, outputs; none for a run that is not verified
+    alone: bool = False  # whether rtol is relative to each state, not to its scaling group
+    # Of coordinates, speeds, outputs and discrete variables; empty for a run that is not verified
+    error_bars: tuple[float, ...] = ()
+    scale_values: tuple[float, ...] = ()
     events: tuple[Event, ...] = ()
     corners: tuple[tuple[float, list[float], list[float]], ...] = ()
     interrupted: bool = False
@@ -226,9 +229,17 @@ class Solution:
     def errors(self) -> dict[str, float]:
         """The estimated largest absolute error of each coordinate, speed, output and discrete variable; empty
         for a run that is not verified."""
+        return self._by_name(self.error_bars)
+
+    @property
+    def scales(self) -> dict[str, float]:
+        """The value that the accuracy of each of these is relative to; 0 for one that round-off moves."""
+        return self._by_name(self.scale_values)
+
+    def _by_name(self, values: tuple[float, ...]) -> dict[str, float]:
         interface = self.system.interface
         names = (*self.state_names, *(x.name for x in (*interface.outputs, *interface.discretes)))
-        return dict(zip(names, self.error_bars))
+        return dict(zip(names, values))
 
     @property
     def drift(self) -> dict[str, float]:
@@ -246,7 +257,7 @@ class Solution:
             "method": self.method, "rtol": self.rtol, "atol": self.atol, "step": self.step,
             "parameters": {f.name: v for f, v in zip(fields, self.parameters)},
             "units": {"time": "s", **self.units},
-            "accuracy": self.accuracy, "errors": self.errors, "drift": self.drift,
+            "accuracy": self.accuracy, "errors": self.errors, "scales": self.scales, "drift": self.drift,
             "status": self.status, "message": self.message,
             "events": [e.as_data() for e in self.events],
             **self._varied(),
@@ -264,7 +275,8 @@ class Solution:
             "scene": interface.scene, "effects": list(interface.effects), "backend": self.system.backend,
             "method": self.method, "t": self.times[-1] if self.times else 0.0, "final": self.final,
             "events": [e.as_data() for e in self.events],
-            "accuracy": self.accuracy, "errors": self.errors, **self._varied(), "drift": self.drift,
+            "accuracy": self.accuracy, "errors": self.errors, "scales": self.scales,
+            **self._varied(), "drift": self.drift,
             "energy": {"of": interface.balance, "start": energy.start, "end": energy.end, "work": energy.work,
                        "imbalance": energy.imbalance},
             "cost": {"steps": cost.steps, "rejected": cost.rejected, "rhs": cost.rhs, "alone": cost.alone,

@@ -154,6 +154,10 @@ class System(Protocol):
 
     def outputs(self, t: float, x: Vector) -> list[float]: ...
 
+    def output_columns(self, times: Vector, states: Sequence[Vector]) -> list[Sequence[float]]:
+        """The values of each output at all of these states."""
+        ...
+
     def start(self) -> list[float]: ...
 
     def conditions(self, t: float, x: Vector) -> tuple[list[float], list[float], list[float]]:

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 from lagc.base.records import dataclass
 from lagc.base.text import FINEST
 from lagc.host.budgets import reached
+from lagc.simulation.error_measure import quantity_names, quantity_units
+from lagc.simulation.global_error.measure import ULP
 from lagc.simulation.global_error.verified_run import MEANINGLESS, Verified
 from lagc.simulation.system import (
     CHATTERING,
@@ -47,6 +49,7 @@ STEPS = 1e38  # steps that no run takes: the integration gives up if its first s
 SEVERAL = 10
 FEWEST_DIGITS = 100.0 * float_info.epsilon  # relative: double precision hardly reaches this for any motion
 MEETS = 1e-6  # of the size of the coordinates: gaps of contacts that touch
+NOTABLE = 1e-3  # of the accuracy: a rounding unit that many steps may add up to it
 MOST_NAMED = 4  # names of a kind in a message
 UNKNOWN = "the cause is not known"
 
@@ -262,17 +265,42 @@ def _inaccurate(system: System, found: Verified, asked: float) -> Verdict:
     if estimated >= MEANINGLESS and horizon is not None and found.beside is not None:
         return _until_horizon(system, found, found.beside, horizon, asked)
     until = "" if horizon is None or horizon <= run.times[0] else f"; it is met until t = {horizon:.6g} s"
+    if found.limit[1] > max(asked, FEWEST_DIGITS):
+        message = f"the accuracy {asked:g} cannot be reached in double precision: {_rounded(system, found)}"
+        return Verdict("failed", message, run, estimated)
+    worst = _worst(system, found)
+    hint = f". {_rounded(system, found)}" if found.limit[1] > max(NOTABLE * asked, FEWEST_DIGITS) else ""
     if found.rounding > min(asked, 0.5 * estimated):
         why = f"round-off changes the motion by up to {found.rounding:.2g}, because {_roundoff(found, asked)}"
     elif found.options.rtol <= 10.0 * FINEST:
-        why = f"the best is estimated at {estimated:.2g}, at the finest tolerance"
+        why = f"the best is estimated at {estimated:.2g}{worst}, at the finest tolerance"
     else:
-        message = f"the accuracy {asked:g} was not reached: the best is estimated at {estimated:.2g}{until}"
+        best = f"the best is estimated at {estimated:.2g}{worst}"
+        message = f"the accuracy {asked:g} was not reached: {best}{until}{hint}"
         return Verdict("failed", message, run, estimated)
     if not until:
         until = f"; about {estimated:.0e} can be reached, and more by the code of `lagc build --real quad`"
-    message = f"the accuracy {asked:g} cannot be assured in double precision here: {why}{until}"
+    message = f"the accuracy {asked:g} cannot be assured in double precision here: {why}{until}{hint}"
     return Verdict("failed", message, run, estimated)
+
+
+def _rounded(system: System, found: Verified) -> str:
+    """The quantity whose scale is closest to one rounding unit of its terms, and what to do."""
+    k, share = found.limit
+    name, unit = quantity_names(system.interface)[k], quantity_units(system.interface)[k]
+    terms = share * found.scales[k] / ULP
+    scale, size = (f"{value:.2g} {unit}".rstrip() for value in (found.scales[k], terms))
+    return (f"`{name}` has the scale {scale} and terms of {size}, so that one rounding unit is {share:.1g} "
+            "of its scale. Shift the origin so that the terms are small, or give the scale that matters: "
+            f"`--scale '{name}={terms:.0g}'`")  # fmt: skip
+
+
+def _worst(system: System, found: Verified) -> str:
+    """The quantity with the largest error over its scale, in brackets."""
+    shares = [error / scale if scale else 0.0 for error, scale in zip(found.errors, found.scales)]
+    if not any(shares):
+        return ""
+    return f" (`{quantity_names(system.interface)[shares.index(max(shares))]}`)"
 
 
 def _until_horizon(
@@ -284,7 +312,7 @@ def _until_horizon(
     run = found.trajectory
     kept = sum(1 for t in run.times if t <= horizon)
     times, states = run.times[:kept], run.states[:kept]
-    tenfold, beyond = tenfold_time(system, run, beside, horizon), "runs of different tolerance differ"
+    tenfold, beyond = tenfold_time(system, run, beside), "runs of different tolerance differ"
     if tenfold is not None:
         beyond += f"; differences grow tenfold every {tenfold:.2g} s (it is chaotic, or unstable)"
     elif found.rounding > 0.5 * found.estimated:

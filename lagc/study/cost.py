@@ -115,13 +115,12 @@ class Study:
         return found if met is None else replace(found, met=met, tried=self.tried)
 
 
-def errors_of(shot: Shot, reference: Reference) -> Array:
-    """The largest error of each quantity over the recorded times, of its own scale."""
+def errors_of(hi: Array, lo: Array | float, reference: Reference) -> Array:
+    """The largest error of each quantity of the values hi + lo over the recorded times, of its own scale."""
     exact = reference.shot
-    n = min(len(shot.hi), len(exact.hi))
-    if n < len(exact.hi):
+    if len(hi) < len(exact.hi):
         raise Failed(0)  # it ended before
-    apart: Array = np.abs((shot.hi[:n] - exact.hi[:n]) + (shot.lo[:n] - exact.lo[:n])).max(axis=0)
+    apart: Array = np.abs((hi - exact.hi) + (lo - exact.lo)).max(axis=0)
     return scaled(apart, reference)
 
 
@@ -175,7 +174,7 @@ def refer(
 
 
 def _gap(shot: Shot, other: Shot, scales: Array) -> float:
-    return float(errors_of(other, Reference(shot, scales, 0.0, 0.0, "")).max(initial=0.0))
+    return float(errors_of(other.hi, other.lo, Reference(shot, scales, 0.0, 0.0, "")).max(initial=0.0))
 
 
 def study(
@@ -223,7 +222,10 @@ def study(
             outcome, values = verify(target)
             for _ in range(TIMES if outcome.seconds < 0.01 * budget else 0):  # the first run loads modules
                 outcome = min(outcome, verify(target)[0], key=lambda each: each.seconds)
-            made = float("nan") if values is None else _error_of(values, found.reference)
+            made = float("nan")
+            with suppress(Failed):
+                if values is not None:
+                    made = float(errors_of(values, 0.0, found.reference).max(initial=0.0))
             found.verified.append(replace(outcome, error=made))
         if perf_counter() - began < budget:
             progress(0.95, "compiler options")
@@ -236,12 +238,6 @@ def study(
         found.conclude()
     found.spent = perf_counter() - began
     return found
-
-
-def _error_of(values: Array, reference: Reference) -> float:
-    n = min(len(values), len(reference.shot.hi))
-    apart: Array = np.abs(values[:n] - reference.shot.hi[:n]).max(axis=0)
-    return float(scaled(apart, reference).max(initial=0.0))
 
 
 def settings(pilot: Shot, stop: float) -> Iterator[Setting]:
@@ -273,7 +269,7 @@ def measure(study: Study, plain: Probe, times: Sequence[float], deadline: float,
             continue  # the rest is for the clock
         try:
             shot = plain.run(setting, grid)
-            errors = errors_of(shot, reference)
+            errors = errors_of(shot.hi, shot.lo, reference)
         except Failed:
             continue
         if not np.isfinite(errors).all():
@@ -335,7 +331,8 @@ def _settle(
 
 def _error_with(setting: Setting, probe: Probe, times: Sequence[float], reference: Reference) -> float:
     try:
-        return float(errors_of(probe.run(setting, times), reference).max(initial=0.0))
+        shot = probe.run(setting, times)
+        return float(errors_of(shot.hi, shot.lo, reference).max(initial=0.0))
     except Failed:
         return float("inf")
 

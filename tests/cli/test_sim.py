@@ -55,7 +55,8 @@ def test_the_json_of_a_run(capsys: pytest.CaptureFixture[str]) -> None:
     found = json.loads(capsys.readouterr().out)
     assert list(found) == [
         "status", "message", "model", "scene", "effects", "backend", "method", "t", "final", "events",
-        "accuracy", "errors", "drift", "energy", "cost", "warnings", "dropped", "open_reactions", "notes",
+        "accuracy", "errors", "scales", "drift", "energy", "cost", "warnings", "dropped",
+        "open_reactions", "notes",
     ]  # fmt: skip
     assert (found["status"], found["model"], found["scene"]) == ("ok", "SimplePendulum", "room")
     assert found["effects"] == ["gravity", "air"]

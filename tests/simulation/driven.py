@@ -128,7 +128,7 @@ class InC:
         self.state = system.model.state.from_buffer(self.room)
         o, method = options, METHODS.index(options.method)
         self.options = _Options(
-            method, o.project, o.max_steps, o.rtol, o.atol, o.step, o.first_step, o.max_step
+            method, o.project, o.alone, o.max_steps, o.rtol, o.atol, o.step, o.first_step, o.max_step
         )
         self._call("begin", None, self.room, c_double(t), (c_double * self.nx)(*x))
 

@@ -83,6 +83,9 @@ class Handmade(ABC):
     def outputs(self, t: float, x: Vector) -> list[float]:
         return []
 
+    def output_columns(self, times: Vector, states: Sequence[Vector]) -> list[Sequence[float]]:
+        return [*zip(*map(self.outputs, times, states))] or [()] * len(self.interface.outputs)
+
     def conditions(self, t: float, x: Vector) -> tuple[list[float], list[float], list[float]]:
         return [], [], []
 

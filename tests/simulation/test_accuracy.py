@@ -11,10 +11,11 @@ import lagc
 from lagc.api import Run
 from lagc.host.model_library import library_models
 from lagc.simulation.diagnosis import losing_rank
-from lagc.simulation.error_measure import difference, sizes
+from lagc.simulation.error_measure import sizes
 from lagc.simulation.global_error.equilibrium_start import trajectory_at_rest
 from lagc.simulation.system import MAX_STEPS, OK, STEP_UNDERFLOW, Options, Trajectory
 from lagc.simulation.verdict import verdict
+from tests.simulation.measured import worst_error
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 
@@ -24,13 +25,13 @@ MODELS = Random(20).sample(sorted(set(library_models()) - SENSITIVE), 10)
 
 
 def true_error(model: lagc.CompiledModel, run: Run) -> float:
-    """Against a run at the finest tolerance; scaled as the estimate is."""
+    """Against a run at the finest tolerance, by the scales of the run."""
     system, found = model.system, Trajectory(run.times, run.states, run.times[-1], run.states[-1])
-    size = min(1.0, *(size for _, size in sizes(found, system.interface)))
-    options = Options("dop853", 1e-13, 1e-13 * size)
+    size = min(1.0, *(size for _, size in sizes(found, system.interface)), *filter(None, run.scales.values()))
+    options = Options("dop853", 1e-13, 1e-13 * size, alone=True)
     reference = system.integrate(options, 0.0, run.states[0], run.times)
     assert reference.status == OK
-    return difference(reference, found, system.interface, 1.0)[0]
+    return worst_error(run, reference.states)
 
 
 @pytest.mark.sample(1)

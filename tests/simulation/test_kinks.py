@@ -10,8 +10,7 @@ from statistics import median
 import pytest
 
 import lagc
-from lagc.simulation.error_measure import difference
-from lagc.simulation.system import Trajectory
+from tests.simulation.measured import worst_error
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 Exact = Callable[[float], tuple[float, float]]  # x and its rate
@@ -154,8 +153,7 @@ def test_pieces(make: Callable[[Random], tuple[str, float, float, Exact]]) -> No
             assert run.status == "ok", run.message
             assert run.estimated is not None and run.estimated <= accuracy
             known = [[*exact(t), 0.0] for t in run.times]
-            found = Trajectory(run.times, run.states, 3.0, run.states[-1])
-            true = difference(found, Trajectory(run.times, known, 3.0, known[-1]), model.interface, 1.0)[0]
+            true = worst_error(run, known)
             assert true <= accuracy, (seed, run.estimated)
             shares.append(true / run.estimated)
     assert max(shares) <= 1.5 and median(shares) >= 1e-3

@@ -16,7 +16,7 @@ from mpmath import mpf
 import lagc
 from lagc.api import Run
 from lagc.simulation.backends.directed_rounding import apart, control, directed
-from lagc.simulation.error_measure import difference, sizes
+from lagc.simulation.error_measure import sizes
 from lagc.simulation.global_error.roundoff_estimate import (
     close_estimate,
     quick_bound,
@@ -26,8 +26,9 @@ from lagc.simulation.global_error.roundoff_estimate import (
 from lagc.simulation.global_error.verified_run import verified_run
 from lagc.simulation.request import Request
 from lagc.simulation.simulate import simulate
-from lagc.simulation.system import Counted, Options, Trajectory, Vector
+from lagc.simulation.system import Counted, Options, Vector
 from tests.simulation.integrated import Oscillator
+from tests.simulation.measured import worst_error
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 Exact = Callable[[float], list[float]]  # q, then v
@@ -35,9 +36,7 @@ ACCURACIES = (1e-4, 1e-6, 1e-8, 1e-10)
 
 
 def true_error(run: Run, exact: Exact) -> float:
-    found = Trajectory(run.times, run.states, run.times[-1], run.states[-1])
-    reference = Trajectory(run.times, [exact(t) for t in run.times], 0.0, [])
-    return difference(found, reference, run.system.interface, 1.0)[0]
+    return worst_error(run, [exact(t) for t in run.times])
 
 
 def swing(start: mpf, omega: mpf, t: float) -> tuple[mpf, mpf]:

@@ -193,12 +193,15 @@ def test_of_the_library_by_differences(name: str, stop: float) -> None:
     columns = [*model.state_names, *(o.name for o in model.interface.outputs)]
     run = model.simulate(stop, accuracy=1e-8, points=6, sensitivity=[f.name for f in fields])
     assert run.status == "ok", run.message
+    scales = dict.fromkeys(model.state_names, 1.0)  # the ranges of nearly steady rolling are tiny
     for f in fields:
         assert f.value is not None
         step = SHARE * abs(f.value)
         one, two, three, four = (
             _table(
-                model.simulate(stop, accuracy=1e-11, points=6, parameters={f.name: f.value + k * step}),
+                model.simulate(
+                    stop, accuracy=1e-11, points=6, parameters={f.name: f.value + k * step}, scales=scales
+                ),
                 columns,
             )
             for k in (-2, -1, 1, 2)

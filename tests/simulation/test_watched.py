@@ -18,7 +18,7 @@ def test_the_grid_has_all_recorded_times(seed: int) -> None:
     chance = Random(seed)
     size = 10.0 ** chance.uniform(-307.0, 308.0)
     asked = sorted(size * chance.random() for _ in range(chance.choice((1, 2, 3, 5, 33, 34, 100))))
-    grid = ComparisonGrid(asked)
+    grid = ComparisonGrid(asked, chance.choice((0, 1, 32)))
     assert grid.times == sorted(grid.times)
     assert len(grid.times) > FEWEST_PARTS or len(asked) == 1
     run = Trajectory(grid.times, [[t] for t in grid.times], asked[-1], [asked[-1]])
@@ -36,7 +36,7 @@ def test_a_run_on_the_grid_is_the_run_on_the_recorded_times(name: str) -> None:
     x0 = model.simulate(0.0).states[0]
     for points in (1, 2, 5):
         asked = [0.5 * k / points for k in range(points + 1)]
-        grid = ComparisonGrid(asked)
+        grid = ComparisonGrid(asked, 7)
         for tol in (1e-5, 1e-9):
             more, alone = (model.system.integrate(Options(rtol=tol), 0.0, x0, t) for t in (grid.times, asked))
             assert grid.recorded(more).states == alone.states and more.steps == alone.steps

@@ -269,4 +269,4 @@ def test_errors_are_over_the_scale_of_each_quantity() -> None:
     exact = Shot(np.array([[0.0, 1.0], [2.0, 1.0]]), zero, 0, 0, 0, 0.0, False)
     other = Shot(np.array([[0.0, 1.0], [2.2, 1.5]]), zero, 0, 0, 0, 0.0, False)
     reference = cost.Reference(exact, np.array([2.0, 0.0]), 0.0, 0.0, "")
-    assert list(errors_of(other, reference)) == pytest.approx([0.1, 0.0])
+    assert list(errors_of(other.hi, other.lo, reference)) == pytest.approx([0.1, 0.0])

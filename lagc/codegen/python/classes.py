@@ -85,8 +85,8 @@ class KernelOptions:
     """Options, as the kernels read them."""
 
     __slots__ = (
-        "atol", "first_step", "halves", "max_step", "max_steps", "method", "project", "report", "rtol",
-        "step",
+        "alone", "atol", "first_step", "halves", "max_step", "max_steps", "method", "project", "report",
+        "rtol", "step",
     )  # fmt: skip
 
     def __init__(self, options):
@@ -191,6 +191,7 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
             stiff=run.stiff, step=run.t - run.t_old, fallbacks=work.fallbacks - fallbacks,
             redundant_rows=problem.redundant_rows, position_drift=run.position_drift,
             velocity_drift=run.velocity_drift, sizes=run.sizes[:],
+            lowest=run.lowest[:], highest=run.highest[:],
             event_roundoff=run.event_roundoff[:] if NMODE else (), events=events,
             jumps=jumps, corners=corners, changes=run.changes if NMODE else 0,@CONTACTS@
         )  # fmt: skip

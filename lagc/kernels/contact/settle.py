@@ -332,6 +332,7 @@ def settle(p: Params, s: State, begins: bool, w: Work) -> Status:
         s.x[:] = w.x_settled
         return status
     enlarge_sizes(s.x, s.sizes)
+    widen_ranges(s.x, s.lowest, s.highest)
     if NZ > 0:
         fn_energies(p, s.t, s.x, w.contact_energies)
         s.x[NINT - 1] += w.contact_energies[2] - before

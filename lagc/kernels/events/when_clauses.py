@@ -168,6 +168,7 @@ def reinitialize(p: Params, s: State, giver: int, direction: Real, w: Work) -> S
                 if failed(status):
                     return status
     enlarge_sizes(s.x, s.sizes)
+    widen_ranges(s.x, s.lowest, s.highest)
     if NC > 0 or NQUAT > 0:
         if not meets_constraints(p, s, w):
             w.culprit = giver

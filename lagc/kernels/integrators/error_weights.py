@@ -9,6 +9,7 @@ from lagc.kernels.language.vocabulary import *
 
 TOO_FAR = 1e-3  # time scale over look-ahead: below it the look-ahead says nothing about the beginning
 LOOK_AHEAD_REDUCTION = 1e-5  # factor from one look-ahead to the next
+MIXED_SIZE = 1e-6  # of the size of its group: a projection may be all of a smaller state
 
 
 def extend_groups_at_rest(s: State, h: Real, w: Work, sizes: Vec[NGROUP]) -> None:
@@ -23,10 +24,27 @@ def extend_groups_at_rest(s: State, h: Real, w: Work, sizes: Vec[NGROUP]) -> Non
                 sizes[scaling_group[i]] = distance
 
 
+def size_alone(s: State, i: int, h: Real, of_group: Real, w: Work) -> Real:
+    """Return the largest magnitude of state i so far, with the end of the step over h; at least what it would
+    reach over the longest step so far if it was exactly zero. The least is LEAST_SIZE of the size of its
+    group: the first traces of a motion that spreads would limit the steps."""
+    size = fabs(s.x_new[i])
+    if s.highest[i] > size:
+        size = s.highest[i]
+    if -s.lowest[i] > size:
+        size = -s.lowest[i]
+    if w.longest_step > 0.0 and s.lowest[i] == 0.0 and s.highest[i] == 0.0:
+        if w.longest_step > fabs(h):
+            size *= w.longest_step / fabs(h)
+    return size if size > LEAST_SIZE * of_group else LEAST_SIZE * of_group
+
+
 def set_error_weights(s: State, o: Options, h: Real, w: Work) -> None:
     """Set w.error_weights for a step over h, and w.trial_sizes. An error is scaled by atol + rtol * size
     of its group + round-off, w.rate_roundoff and w.coordinate_roundoff over ten steps. An angle that winds
-    is scaled by its own magnitude, so that it does not weaken others."""
+    is scaled by its own magnitude, so that it does not weaken others. With the option `alone` the size is
+    that of the state. With constraints, such a weight below MIXED_SIZE of the group is at least
+    PROJECTION_ROUNDOFF of its size: a projection mixes the states."""
     sizes = vector(NGROUP)
     for k in range(NGROUP):
         sizes[k] = 0.0
@@ -41,11 +59,22 @@ def set_error_weights(s: State, o: Options, h: Real, w: Work) -> None:
     atol = o.atol
     ten_steps = 10.0 * fabs(h)
     for i in range(NQ + NV):
-        size = sizes[scaling_group[i]]
+        of_group = sizes[scaling_group[i]]
+        size = size_alone(s, i, h, of_group, w) if o.alone else of_group
         if scaling_group[i] == 0 and size > 1.0:
             size = fabs(s.x_new[i]) if fabs(s.x_new[i]) > 1.0 else 1.0
-        weight = atol + rtol * size + ten_steps * (w.rate_roundoff[i] + w.coordinate_roundoff[i])
+        weight = rtol * size
+        if NC > 0:
+            if o.alone and size < MIXED_SIZE * of_group and weight < PROJECTION_ROUNDOFF * of_group:
+                weight = PROJECTION_ROUNDOFF * of_group
+        weight += atol + ten_steps * (w.rate_roundoff[i] + w.coordinate_roundoff[i])
         w.error_weights[i] = weight if weight > TINY else TINY
+    if NQUAT > 0:
+        if o.alone:
+            for k in range(NQUAT):
+                for i in range(quaternion[k], quaternion[k] + 4):
+                    weight = atol + rtol + ten_steps * (w.rate_roundoff[i] + w.coordinate_roundoff[i])
+                    w.error_weights[i] = weight
 
 
 def event_time_roundoff(s: State) -> Real:

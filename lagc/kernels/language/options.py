@@ -10,8 +10,9 @@ class Options:
 
     method: int  # lagc_method
     project: bool  # 1: project onto the constraints after each step; 0: let the constraints drift
+    alone: bool  # 1: rtol is relative to each state alone; 0: to the states of its scaling group
     max_steps: Count  # limit of accepted and rejected steps of one call; 0: no limit
-    rtol: Real  # below 1; relative to the largest magnitude so far in the scaling group of a state
+    rtol: Real  # below 1; relative to the largest magnitude so far in the scaling group, or see `alone`
     atol: Real  # added for every state; if it is 0, rtol is at least 1e-15
     step: Real  # > 0: fixed step size, rtol and atol are not used
     first_step: Real  # 0: chosen

@@ -355,6 +355,8 @@ class State:
     stiff: Count  # tests that found the steps at the border of stability, one in 1000 steps
     culprit: int  # what the status of the last call refers to
     sizes: Vec[NGROUP]  # largest magnitude so far in each scaling group
+    lowest: Vec[NX]  # least and largest value of each state at the ends of steps so far
+    highest: Vec[NX]
     if NMODE > 0:
         changes: Count  # events so far: times at which a mode changed
         changed: IVec[NMODE]  # 1: this relation changed at the last event

@@ -22,6 +22,15 @@ def enlarge_sizes(x: Vec[NX], sizes: Vec[NGROUP]) -> None:
             sizes[scaling_group[i]] = fabs(x[i])
 
 
+def widen_ranges(x: Vec[NX], lowest: Vec[NX], highest: Vec[NX]) -> None:
+    """Widen the ranges from lowest[NX] to highest[NX] to contain x."""
+    for i in range(NX):
+        if x[i] < lowest[i]:
+            lowest[i] = x[i]
+        if x[i] > highest[i]:
+            highest[i] = x[i]
+
+
 def not_finite(values: Vec[Any], n: Size) -> int:
     """Return the index of the first value that is infinite or NaN, or -1."""
     total = 0.0

@@ -26,6 +26,10 @@ ROUNDOFF_RESIDUAL = by_type(1e-6, 1e-15, "1e-32")  # scaled residual that counts
 # Scaled residual below which a projection does nothing.  It is smaller than the one before, since residuals
 # that remain at every step have the same sign for many steps and add up.
 UNPROJECTED_RESIDUAL = by_type(1e-7, 1e-16, "1e-33")
+LEAST_SIZE = by_type(3e-4, 1.5e-8, "1.5e-8")  # of a state, over that of its group
+# Of the size of its group: round-off of a state after projections, SPACING^(3/4). Projections move a state by
+# units in the last place of its group, and by more near configurations where constraints are dependent.
+PROJECTION_ROUNDOFF = by_type(6e-6, 1.8e-12, "5e-26")
 EVENT_TIME_ULPS = 100.0  # round-off of an event time, in units in the last place
 LEAST_STEP = by_type(1e-30, 1e-40, "1e-400")  # step size over the remaining time
 FOUR_ULPS = by_type(4.8e-7, 8.881784197001252e-16, "7.7e-34")  # four units in the last place of 1

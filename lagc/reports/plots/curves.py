@@ -70,11 +70,12 @@ def _doubts(solution: Solution) -> dict[str, float]:
 
 def _constant(solution: Solution, run: Trajectory) -> Iterator[str]:
     """The states that rounding alone moves."""
-    from lagc.simulation.error_measure import sizes
+    from lagc.simulation.error_measure import state_groups
     from lagc.simulation.global_error.roundoff_estimate import find_noise_groups, quick_estimate
 
     system, names = solution.system, solution.state_names
-    groups = sizes(run, system.interface)
+    groups = [(group, max(abs(x[i]) for x in run.states for i in group))
+              for group in state_groups(system.interface)]  # fmt: skip
     bounds = find_noise_groups(system, run, groups, quick_estimate(system, run, groups))
     for k, (group, size) in enumerate(groups):
         if size <= bounds.get(k, 0.0):

@@ -43,6 +43,7 @@ LEGEND = 12  # lines an axis names one by one
 WIDTH = 8.0  # inches, of a column of panels
 COLUMN = 6  # panels of a picture that has one column
 LETTERS = 14  # of a title, an inch
+SEEN = 2e-3  # of the range of a curve: a smaller error is no wider than the line
 LINES = 200  # at events: more would hide the curves
 STYLE: dict[Any, Any] = {
     "font.size": 9.0, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True,
@@ -204,7 +205,11 @@ def _draw_group(
             size = max(size, factor * known.sizes.get(name, 0.0))
             flat = flat and known.is_flat(name, finite, unit)
         shown = [factor * x for x in values]
-        axis.plot(run.times, shown, label=name, **_line(number, len(names)))
+        (line,) = axis.plot(run.times, shown, label=name, **_line(number, len(names)))
+        error = factor * solution.errors.get(name, 0.0)
+        if finite and error > SEEN * factor * (max(finite) - min(finite)):
+            below, above = ([x + sign * error for x in shown] for sign in (-1.0, 1.0))
+            axis.fill_between(run.times, below, above, color=line.get_color(), alpha=0.2, linewidth=0.0)
     _label(axis, unit, names)
     if flat and ends:
         low, high = min(ends), max(ends)

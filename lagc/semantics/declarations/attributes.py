@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Span
@@ -364,6 +364,16 @@ def bounds_of(context: Context, quantity: Quantity) -> tuple[float, float]:
                 raise Wrong("LAG0208", f"`{name}` must be a fixed number", modifier.argument.span)
             found[k] = scalar.node.value
     return found[0], found[1]
+
+
+def keep_scale(context: Context, quantity: Quantity, names: Iterable[str]) -> None:
+    """Keep the scale that a quantity is declared with, for each of its elements."""
+    modifier = quantity.attributes.get("scale")
+    if modifier is not None:
+        scalar = elements(context, modifier, [], quantity.type.dimension, "`scale`")[0]
+        if not scalar.node.is_const or not scalar.node.value > 0.0:
+            raise Wrong("LAG0208", "`scale` must be a fixed positive number", modifier.argument.span)
+        context.scales.update(dict.fromkeys(names, scalar.node.value))
 
 
 def check_bounds(

@@ -21,6 +21,7 @@ from lagc.semantics.declarations.attributes import (
     given_elements,
     given_scalar,
     guess_instead,
+    keep_scale,
     look_at_all,
     no_value,
     shaped,
@@ -56,10 +57,10 @@ from lagc.syntax import tree
 _ATTRIBUTES = {
     "constant": (), "parameter": ("min", "max", "displayUnit"), "structural": ("min", "max"),
     "input": ("min", "max", "displayUnit"),
-    "coordinate": ("start", "guess", "rate", "fixed", "startFixed", "rateFixed", "displayUnit"),
-    "speed": ("start", "guess", "fixed", "displayUnit"),
+    "coordinate": ("start", "guess", "rate", "fixed", "startFixed", "rateFixed", "displayUnit", "scale"),
+    "speed": ("start", "guess", "fixed", "displayUnit", "scale"),
     "discrete": ("start", "displayUnit"),
-    "output": ("displayUnit",),
+    "output": ("displayUnit", "scale"),
 }  # fmt: skip
 
 _SYMBOLS = ("parameter", "input", "coordinate", "speed")  # kinds that have a symbol
@@ -278,6 +279,7 @@ def _coordinate(context: Context, quantity: Quantity) -> Value:
     entry, graph = quantity.entry, context.graph
     no_value(entry)
     dimension = quantity.type.dimension
+    keep_scale(context, quantity, map(quantity.name, quantity.subscripts))
     at_start, start_stated = starts(context, quantity, "start", dimension, quantity.name)
     rates, rate_stated = starts(
         context, quantity, "rate", over(dimension, S), lambda s: derived(quantity.name(s))
@@ -325,6 +327,7 @@ def _speed(context: Context, quantity: Quantity) -> Value:
     values = elements(context, modifier, quantity.sizes, quantity.type.dimension, f"`{entry.path}`")
     at_start, stated = starts(context, quantity, "start", quantity.type.dimension, quantity.name)
     holds = fixed(context, quantity.attributes, "fixed", quantity.sizes, len(values))
+    keep_scale(context, quantity, map(quantity.name, quantity.subscripts))
     found: list[Scalar] = []
     for k, (subscript, scalar) in enumerate(zip(quantity.subscripts, values)):
         if context.clock.mask(scalar.node) & LATE:
@@ -371,6 +374,7 @@ def _output(context: Context, quantity: Quantity) -> Value:
     if quantity.sizes and sizes != quantity.sizes:
         message = f"the value of `{entry.path}` has a different shape than its declaration"
         raise Wrong("LAG0306", message, expression.span)
+    keep_scale(context, quantity, map(quantity.name, subscripts(sizes, entry.span)))
     for subscript, scalar in zip(subscripts(sizes, entry.span), scalars):
         entry.objects.append(
             objects.Output(

@@ -129,6 +129,9 @@ class CompiledSystem(ABC):
     def outputs(self, t: float, x: Vector) -> list[float]:
         return self._ask("outputs", len(self.interface.outputs), t, x)
 
+    def output_columns(self, times: Vector, states: Sequence[Vector]) -> list[Sequence[float]]:
+        return [*zip(*map(self.outputs, times, states))] or [()] * len(self.interface.outputs)
+
     def conditions(self, t: float, x: Vector) -> tuple[list[float], list[float], list[float]]:
         n = len(self.interface.condition_ends)
         lengths = n, len(self.interface.condition_columns), n

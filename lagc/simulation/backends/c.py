@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Iterable, Sequence
-from ctypes import c_double, c_int, c_long, c_size_t
+from ctypes import c_double, c_int, c_long, c_size_t, sizeof
+from itertools import chain
 from time import perf_counter
 from typing import Any, TypeAlias
 
@@ -23,7 +24,7 @@ class _Options(ctypes.Structure):
     """lagc_options"""
 
     _fields_ = (
-        ("method", c_int), ("project", c_int), ("max_steps", c_long), ("rtol", c_double),
+        ("method", c_int), ("project", c_int), ("alone", c_int), ("max_steps", c_long), ("rtol", c_double),
         ("atol", c_double), ("step", c_double), ("first_step", c_double), ("max_step", c_double),
         ("report", c_int), ("halves", c_int),
     )  # fmt: skip
@@ -90,8 +91,8 @@ class CModel(Compiled):
 
     def options(self, o: Options) -> Any:
         """Return the struct lagc_options."""
-        return _Options(METHODS.index(o.method), o.project, o.max_steps, o.rtol, o.atol, o.step, o.first_step,
-                        o.max_step, o.report, o.halves)  # fmt: skip
+        return _Options(METHODS.index(o.method), o.project, o.alone, o.max_steps, o.rtol, o.atol, o.step,
+                        o.first_step, o.max_step, o.report, o.halves)  # fmt: skip
 
     def work(self) -> Any:
         """Return a new workspace."""
@@ -186,6 +187,15 @@ class CSystem(CompiledSystem):
         y, workspace = (c_double * n)(), self._at(x)
         workspace.call["outputs"](self._p, c_double(t), workspace.x, y, workspace.work)
         return y[:]
+
+    def output_columns(self, times: Vector, states: Sequence[Vector]) -> list[Sequence[float]]:
+        n, nx, workspace = len(self.interface.outputs), self.nx, self._thread.workspace
+        x, y = (c_double * (len(times) * nx))(*chain.from_iterable(states)), (c_double * (len(times) * n))()
+        outputs, p, work, byref = workspace.call["outputs"], self._p, workspace.work, ctypes.byref
+        from_x, from_y = sizeof(c_double) * nx, sizeof(c_double) * n
+        for k, t in enumerate(times):
+            outputs(p, c_double(t), byref(x, k * from_x), byref(y, k * from_y), work)
+        return [y[i::n] for i in range(n)]
 
     def start(self) -> list[float]:
         x = (c_double * self.nx)()
@@ -302,7 +312,8 @@ class CSystem(CompiledSystem):
             step=state.t - state.t_old, fallbacks=head.fallbacks,
             redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
             position_drift=state.position_drift, velocity_drift=state.velocity_drift,
-            sizes=state.sizes[:], event_roundoff=state.event_roundoff[:] if events else (),
+            sizes=state.sizes[:], lowest=state.lowest[:], highest=state.highest[:],
+            event_roundoff=state.event_roundoff[:] if events else (),
             changes=state.changes if events else 0, **known,
         )  # fmt: skip
 
@@ -359,6 +370,7 @@ def _state_type(nx: int, kinds: int, relations: int, acts: int, contacts: int) -
             ("t", c_double), ("x", c_double * nx), ("t_old", c_double), ("position_drift", c_double),
             ("velocity_drift", c_double), ("steps", c_long), ("rejected", c_long), ("rhs", c_long),
             ("stiff", c_long), ("culprit", c_int), ("sizes", c_double * kinds),
+            ("lowest", c_double * nx), ("highest", c_double * nx),
             *(
                 (("changes", c_long), ("changed", c_int * relations), ("event_roundoff", c_double * nx))
                 if relations

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from math import inf, isfinite, nextafter
 
-from lagc.simulation.error_measure import Sizes, sizes
+from lagc.simulation.error_measure import Sizes, state_groups
 from lagc.simulation.system import FAILED, System, Trajectory, more, rates_at, state_name
 
 ULP = 2.0**-52
@@ -130,15 +130,16 @@ def neighbour(x: Sequence[float], direction: int) -> list[float]:
 def close_estimate(system: System, trajectory: Trajectory, groups: Sizes) -> list[tuple[int, float]]:
     """Estimate how far round-off moves the states around each of a dozen recorded ones. A group moves by the
     round-off of its rates times the time, and by no more than that share of the distance that it travels,
-    because a close encounter is short.  Groups whose rates are all round-off are left out."""
+    because a close encounter is short.  Scaling groups whose rates are all round-off are left out."""
     from lagc.simulation.backends.directed_rounding import apart
 
     estimates = apart(lambda: _estimates(system, trajectory))
     n = len(trajectory.states)
     bounds = [0, *((a + b) // 2 for (a, _, _), (b, _, _) in pairwise(estimates)), n - 1]
     changed, ran = ([max(values) for values in zip(*(estimate[j] for estimate in estimates))] for j in (1, 2))
-    moving = [(group, size) for group, size in groups
-              if size > 0.0 and any(ran[i] > 100.0 * changed[i] for i in group if estimates)]  # fmt: skip
+    kinds = system.interface.kinds
+    driven = {kind for i, kind in enumerate(kinds) if estimates and ran[i] > 100.0 * changed[i]}
+    moving = [(group, size) for group, size in groups if size > 0.0 and kinds[group[0]] in driven]
     found = []
     for (k, changes, rates), first, last in zip(estimates, bounds, bounds[1:]):
         time = abs(trajectory.times[last] - trajectory.times[first])
@@ -222,10 +223,27 @@ def find_noise_groups(system: System, run: Trajectory, groups: Sizes, estimate: 
     return {}
 
 
+def harmless(system: System, run: Trajectory, groups: Sizes, noise: Bounds, accuracy: float) -> Bounds:
+    """Return `noise`, or nothing if its speeds move other coordinates by more than `accuracy` of their sizes
+    over the time: these coordinates are then round-off too."""
+    nq, nv, span = system.nq, system.nv, abs(run.times[-1] - run.times[0])
+    off = [0.0] * system.nx
+    for k in noise:
+        for i in groups[k][0]:
+            off[i] = max(abs(x[i]) for x in run.states)
+    others = [(group, size) for k, (group, size) in enumerate(groups) if k not in noise and group[0] < nq]
+    for k in picked(run) if noise else ():
+        moved = system.displace(run.times[k], run.states[k], off[nq : nq + nv])
+        if any(span * abs(moved[i]) > accuracy * size for group, size in others for i in group):
+            return {}
+    return noise
+
+
 def noise_note(system: System, run: Trajectory, noise: Bounds) -> list[str]:
     """Return a note on the groups that round-off has moved by no more than their bounds, or []."""
     found, units = [], system.interface.state_units
-    for k, (group, size) in enumerate(sizes(run, system.interface)):
+    for k, group in enumerate(state_groups(system.interface)):
+        size = max((abs(x[i]) for x in run.states for i in group), default=0.0)
         if 0.0 < size <= noise.get(k, 0.0):
             names = ", ".join([state_name(system, i) for i in group[:MOST_NAMED]])
             found.append(

@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping, Sequence
 from math import floor, inf, log10
 
 from lagc.base.text import FINEST
-from lagc.simulation.error_measure import Sizes, spread
 from lagc.simulation.system import Trajectory
 
 SAFETY = 2.0  # factor on every estimate
@@ -27,11 +26,13 @@ def is_tied(steps: int, changes: int) -> bool:
 
 
 class Truncation:
-    """The truncation error of `runs` (by tolerance), to which more are added. `sizes` returns the sizes of a
-    run by its tolerance; `order` is that of the method."""
+    """The truncation error of `runs` (by tolerance), to which more are added. `apart` returns the scaled
+    difference of two runs, the finer one first; `order` is that of the method."""
 
-    def __init__(self, runs: Mapping[float, Trajectory], sizes: Callable[[float], Sizes], order: int):
-        self.runs, self.sizes, self.order = runs, sizes, order
+    def __init__(
+        self, runs: Mapping[float, Trajectory], apart: Callable[[Trajectory, Trajectory], float], order: int
+    ):
+        self.runs, self.apart, self.order = runs, apart, order
         self.found: dict[tuple[float, float], float] = {}
 
     def error(self) -> float:
@@ -124,8 +125,7 @@ class Truncation:
 
     def _difference(self, fine: float, coarse: float) -> float:
         if (fine, coarse) not in self.found:
-            runs = self.runs[fine], self.runs[coarse]
-            self.found[fine, coarse] = spread(*runs, self.sizes(fine), self.sizes(coarse))
+            self.found[fine, coarse] = self.apart(self.runs[fine], self.runs[coarse])
         return self.found[fine, coarse]
 
 

@@ -1,8 +1,7 @@
 """A run with a given global error: the tolerance is chosen, and the error is estimated by comparing runs.
 
-The error of a trajectory is the largest |x_i - exact_i| / s_i over all its times, coordinates and speeds.
-The scale s_i is the largest magnitude, over the trajectory, in the scaling group of x_i (coordinates, or
-speeds, of the same unit).
+The error of a trajectory is the largest |y_i - exact_i| / s_i over its recorded times and all quantities:
+coordinates, speeds, outputs and discrete variables.  `measure` gives the scale s_i of each of them.
 
 Pilot runs at the tolerances 1e-5 and 1e-6 tell how the error depends on the tolerance.  A run at the
 predicted tolerance and one at ten times that follow; the finer one is returned.  Its error is the
@@ -13,8 +12,8 @@ energy must be in balance (`energy_balance`).
 from __future__ import annotations
 
 import marshal
-from collections.abc import Callable, Sequence
-from math import inf
+from collections.abc import Callable, Mapping, Sequence
+from math import inf, sqrt
 from typing import TYPE_CHECKING
 
 from lagc.base.records import dataclass, field, names
@@ -23,7 +22,8 @@ from lagc.host import cache
 from lagc.host.cache import tool_fingerprint
 from lagc.kernels import DEFAULT_METHOD
 from lagc.kernels.integrators.tableaus import order
-from lagc.simulation.error_measure import Sizes, difference, discrete_sizes, moving, sizes
+from lagc.simulation.error_measure import Sizes, sizes
+from lagc.simulation.global_error.measure import ULP, Measure
 from lagc.simulation.global_error.truncation import SAFETY, Truncation, is_tied, plain
 from lagc.simulation.system import INTERRUPTED, Options, System, Trajectory, arrived
 
@@ -37,25 +37,28 @@ FORMAT = 4  # of marshal, readable by every version of Python
 
 def name_of(
     system: System, x0: Sequence[float], times: Sequence[float], accuracy: float, method: str,
-    max_step: float | None,
+    max_step: float | None, scales: Mapping[str, float],
 ) -> str:  # fmt: skip
     """The cache key of a verified run, which contains everything that determines its result."""
     interface = system.interface
-    values = [repr(v) for v in (accuracy, max_step, list(system.parameters), list(x0), list(times))]
+    given = sorted(scales.items())
+    values = [repr(v) for v in (accuracy, max_step, given, list(system.parameters), list(x0), list(times))]
     tool = tool_fingerprint()
-    return cache.key("accuracy 9", tool, interface.model_hash, method, system.backend, *values)
+    return cache.key("accuracy 11", tool, interface.model_hash, method, system.backend, *values)
 
 
 @dataclass
 class Remembered:
-    """A verified run in the cache: tolerance, estimated error, last state, noise groups with their bounds,
-    and the errors of each coordinate, speed and output."""
+    """A verified run in the cache: tolerance, whether it holds for each state alone, estimated error, last
+    state, and by quantity the errors and scales; notes."""
 
     rtol: float
+    alone: bool
     estimated: float
     end: list[float]
-    noise: list[tuple[int, float]]
     errors: list[float]
+    scales: list[float]
+    notes: list[str]
 
 
 def recall(name: str) -> Remembered | None:
@@ -67,10 +70,10 @@ def remember(name: str, found: Remembered) -> None:
     cache.store("accuracy", name, marshal.dumps([getattr(found, name) for name in names(Remembered)], FORMAT))
 
 
-def distance_from(trajectory: Trajectory, end: Sequence[float], groups: Sizes) -> float:
-    """The scaled distance between the last state of `trajectory` and `end`."""
+def distance_from(trajectory: Trajectory, end: Sequence[float], scales: Sequence[float]) -> float:
+    """The distance between the last state of `trajectory` and `end`, over the scales of the states."""
     last = trajectory.states[-1]
-    return max((abs(last[i] - end[i]) / size for group, size in groups if size for i in group), default=0.0)
+    return max((abs(a - b) / scale for a, b, scale in zip(last, end, scales) if scale), default=0.0)
 
 
 HARMLESS = 0.25  # of the accuracy asked: a bound of the round-off suffices below it
@@ -78,8 +81,10 @@ COARSE, FINE = 1e-5, 1e-6  # the tolerances of the pilots
 RETRY = 1e-9  # the tolerance that is tried if a coarser one fails
 COARSER = 9.0  # ratio of tolerances of runs that differ enough
 ATTEMPTS = 5  # at finer tolerances after the first estimate
+DWARFED = 100.0  # ratio of the errors over own scales and over sizes of groups: states get own weights
 # The longest step at the tolerance COARSE, relative to the time: in general, and if the rates depend on time.
 LONGEST, LONGEST_FLOWING = 0.5, 0.02
+WALK = 0.58  # two standard deviations of a rounding to nearest, in units in the last place
 MEANINGLESS = 1e-2  # estimate above which the end of the motion is unknown
 
 Progress = Callable[[float], None]
@@ -92,8 +97,9 @@ class Verified:
     `estimated` is infinite if no two runs could be compared.  `rounding` is the part of it that no tolerance
     reduces, `drift` the same without growth.  Until `horizon`, the two finest runs agree to the accuracy
     asked and round-off is below it; None if that is the end.  `balance` is None if the estimate missed the
-    accuracy.  `errors` are those of each coordinate, speed and output.  `beside` is the coarser run for
-    comparison, `failed` a run that failed at a finer tolerance, `noise` the bounds of noise groups."""
+    accuracy.  `errors` and `scales` are those of each quantity.  `beside` is the coarser run for comparison,
+    `failed` a run that failed at a finer tolerance, `limit` the quantity with the largest rounding unit over
+    its scale, and this ratio."""
 
     trajectory: Trajectory
     options: Options
@@ -105,8 +111,10 @@ class Verified:
     drift: float = 0.0
     balance: Balance | None = None
     beside: Trajectory | None = None
-    noise: dict[int, float] = field(default_factory=dict)
     errors: list[float] = field(default_factory=list)
+    scales: list[float] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    limit: tuple[int, float] = (0, 0.0)
 
 
 def verified_run(
@@ -116,42 +124,46 @@ def verified_run(
     accuracy: float,
     progress: Progress | None = None,
     max_step: float | None = None,
+    scales: Mapping[str, float] = {},
+    aside: Sequence[float] = (),
     method: str = DEFAULT_METHOD,
     most: int = 0,
     long: float = 0.0,
 ) -> Verified:
     """Return the motion from (times[0], x0) with a global relative error of `accuracy`, if it can be reached.
-    Steps are at most `max_step` (s), and in the first run at most `most` (0: any number).  Raises
-    StabilityLimited where `most` is negative and stability limits the steps of a long run, and LongRun where
-    the first run would be smooth and have `long` steps or more (0: never).  A remembered run
-    is repeated with its tolerance, and accepted if it ends at the same state."""
-    given = (system, x0, times, accuracy, progress, max_step, method, most, long)
+    Steps are at most `max_step` (s), and in the first run at most `most` (0: any number); `scales` are those
+    that the user gives, by name; `aside` are times that show the ranges of outputs.  Raises StabilityLimited
+    where `most` is negative and stability limits the steps of a long run, and LongRun where the first run
+    would be smooth and have `long` steps or more (0: never).  A remembered run is repeated with its
+    tolerance, and accepted if it ends at the same state."""
+    given = (system, x0, times, accuracy, progress, max_step, scales, aside, method, most, long)
     search = _Search(*given)
     chosen_among = f"{search.method} below {long} steps" if long else search.method
-    name = name_of(system, x0, times, accuracy, chosen_among, max_step)
+    name = name_of(system, x0, times, accuracy, chosen_among, max_step, scales)
     remembered = recall(name)
     if remembered is not None:
+        search.alone = remembered.alone
         options = search.options(remembered.rtol)
         trajectory = search.run(remembered.rtol)
         if arrived(trajectory):
-            noise = dict(remembered.noise)
-            groups = moving(sizes(trajectory, system.interface), noise)
-            if distance_from(trajectory, remembered.end, groups) <= remembered.estimated:
+            known = remembered.scales[: system.nq + system.nv]
+            if distance_from(trajectory, remembered.end, known) <= remembered.estimated:
                 return Verified(
-                    trajectory, options, remembered.estimated, tried=search.tried, noise=noise,
-                    errors=remembered.errors,
+                    trajectory, options, remembered.estimated, tried=search.tried, notes=remembered.notes,
+                    errors=remembered.errors, scales=remembered.scales,
                 )  # fmt: skip
     before = search.tried
     search = _Search(*given)
     found = search.verify()
     found.tried = [*before, *found.tried]
-    found.errors = search.errors()
     trusted = found.balance is not None and found.balance.holds and found.estimated <= accuracy
     if arrived(found.trajectory) and trusted:
         last = found.trajectory.states[-1]
         remember(
-            name, Remembered(found.options.rtol, found.estimated, last, [*found.noise.items()], found.errors)
-        )
+            name,
+            Remembered(found.options.rtol, found.options.alone, found.estimated, last, found.errors,
+                       found.scales, found.notes),
+        )  # fmt: skip
     return found
 
 
@@ -164,30 +176,35 @@ def longest_step(system: System, method: str, tol: float, time: float, max_step:
 
 
 class _Search:
-    def __init__(
-        self, system: System, x0: Sequence[float], times: Sequence[float], accuracy: float,
-        progress: Progress | None, max_step: float | None, method: str, most: int, long: float,
-    ):  # fmt: skip
+    def __init__(self, system: System, x0: Sequence[float], times: Sequence[float], accuracy: float,
+                 progress: Progress | None, max_step: float | None, scales: Mapping[str, float],
+                 aside: Sequence[float], method: str, most: int, long: float):  # fmt: skip
         self.method, self.most, self.long = method, most, long
         self.system, self.x0, self.times = system, x0, times
         self.accuracy, self.progress, self.max_step = accuracy, progress, max_step
+        self.scales, self.aside = scales, frozenset(aside)
+        self.all_times = sorted([*times, *aside]) if aside else times
         self.tried: list[Trajectory] = []
+        self.alone = False  # whether the tolerance holds for each state, not for its scaling group
+        self._begin()
+
+    def _begin(self) -> None:
         self.runs: dict[float, Trajectory] = {}  # by tolerance
         self.whole: set[float] = set()  # tolerances of runs whose steps before an event are not halved
         self.rounded: dict[float, float] = {}  # the effect of round-off by tolerance
-        self.scales: dict[float, Sizes] = {}  # the sizes by tolerance
-        self.truncation = Truncation(self.runs, self._compared, order(self.method))
+        self.measure = Measure(self.system, self.scales)
+        self.truncation = Truncation(self.runs, self.measure.apart, order(self.method))
         self.balance: Balance | None = None
         self.along: Rounding | None = None
-        self.noise: dict[int, float] = {}  # bounds of the groups that only round-off moves
 
     def options(self, tol: float) -> Options:
         """The options of a run; after the first run, the number of steps is limited."""
         before = max((r.steps + r.rejected for r in self.runs.values()), default=0)
         limit = 100 * before + 10_000 if before else max(self.most, 0)
         longest = longest_step(self.system, self.method, tol, self.times[-1] - self.times[0], self.max_step)
+        watch, halves = self._watch(longest, tol), tol not in self.whole
         return Options(method=self.method, rtol=tol, max_steps=limit, max_step=longest, report=True,
-                       watch=self._watch(longest, tol), halves=tol not in self.whole)  # fmt: skip
+                       watch=watch, halves=halves, alone=self.alone)  # fmt: skip
 
     def _watch(self, longest: float, tol: float) -> Callable[[Trajectory], bool]:
         checks = [(self.times[0], 0, 0.0)]
@@ -211,13 +228,13 @@ class _Search:
         (self.whole.add if whole else self.whole.discard)(tol)
         self.truncation.forget(tol)
         self.rounded.pop(tol, None)
-        self.scales.pop(tol, None)
         self.runs[tol] = done = self._integrate(tol, self.x0)
         return done
 
     def _integrate(self, tol: float, start: Sequence[float], direction: int = 0) -> Trajectory:
         options = self.options(tol)
-        done = self.system.integrate(options, self.times[0], start, self.times, self.progress, direction)
+        done = self.system.integrate(options, self.times[0], start, self.all_times, self.progress, direction)
+        done = self.measure.without(done, self.aside)
         self.tried.append(done)
         return done
 
@@ -229,6 +246,11 @@ class _Search:
             settled = self._settled()
             if self._interrupted:
                 return self._kept()
+            if not settled and self._is_dwarfed():
+                self.alone = True
+                self._begin()
+                stopped = self._pilots()
+                continue
             more = [] if settled else self.truncation.following(self.accuracy, self.balance is not None)
             if not more:
                 break
@@ -242,7 +264,7 @@ class _Search:
         """The first two runs; the coarse one starts from a displaced state, if that does not hide its
         error."""
         from lagc.simulation.global_error.error_growth import Rounding
-        from lagc.simulation.global_error.roundoff_estimate import find_noise_groups, quick_estimate
+        from lagc.simulation.global_error.roundoff_estimate import find_noise_groups, harmless, quick_estimate
 
         stopped = self._stopped(FINE)
         if stopped is not None:
@@ -250,8 +272,8 @@ class _Search:
         tol = min(self.runs)
         system, run, groups = self.system, self.runs[tol], self._sizes(tol)
         estimate = quick_estimate(system, run, groups)
-        self.noise = find_noise_groups(system, run, groups, estimate)
-        self.scales.clear()
+        noise = find_noise_groups(system, run, groups, estimate)
+        self.measure.ignore(harmless(system, run, groups, noise, self.accuracy))
         self.whole.add(COARSE)
         self.along = Rounding(system, run, self._sizes(tol), estimate, COARSE, self._integrate)
         if self._interrupted:
@@ -265,6 +287,23 @@ class _Search:
         if stopped is None:
             self.along.bound = self.along.bounded(self.runs[max(self.runs)])
         return stopped
+
+    def _is_dwarfed(self) -> bool:
+        """Whether states miss the accuracy that are so small beside others of their scaling groups that the
+        tolerance says nothing about them."""
+        if self.alone or len(self.runs) < 2:
+            return False
+        fine, coarse = (self.runs[tol] for tol in sorted(self.runs)[:2])
+        n = self.system.nq + self.system.nv
+        gaps = self.measure.gaps(fine, coarse)[:n]
+        shares = self.measure.shares(gaps, fine)
+        largest = [max(abs(low), abs(high)) for low, high in zip(fine.lowest, fine.highest)]
+        groups = sizes(fine, self.system.interface)
+        shared = max((gaps[i] / size for group, size in groups if size for i in group), default=0.0)
+        return any(
+            share > self.accuracy / SAFETY and gap > DWARFED * shared * own
+            for share, gap, own in zip(shares, gaps, largest)
+        )
 
     def _is_alike(self, tol: float) -> bool:
         """Whether most steps of this run are those of a finer one, because events end them."""
@@ -291,8 +330,8 @@ class _Search:
             kept = self._result()
             kept.failed = done
             return kept
-        estimated, _ = self._compare(done)
-        return Verified(done, self.options(tol), estimated, None, self.tried)
+        scales = self.measure.of(done).scales
+        return Verified(done, self.options(tol), self._compare(done), tried=self.tried, scales=scales)
 
     @property
     def _interrupted(self) -> bool:
@@ -307,7 +346,7 @@ class _Search:
     def _settled(self) -> bool:
         """Whether no finer run is needed, or none would help."""
         if self.truncation.error() > self.accuracy:
-            return len(self.runs) > 2 and self.drift() > self.accuracy
+            return len(self.runs) > 2 and max(self.drift(), self._floor()) > self.accuracy
         if self.estimate() > self.accuracy:
             return self.rounding() >= self.accuracy
         before, self.balance = self.balance, self._balance()
@@ -326,17 +365,29 @@ class _Search:
                 left = harmless = inf
             elif left <= 0.0:
                 left = harmless
-            injected = (
-                SAFETY * max(self.runs[tol].steps, 1) * tol
-            )  # local errors, which grow as round-off does
+            # local errors, which grow as round-off does
+            injected = SAFETY * max(self.runs[tol].steps, 1) * tol
             least = self.truncation.error() / injected
             assert self.along is not None
             sizes = self._sizes(tol)
             found = self.along.of(self.runs, sizes, least, min(left, harmless), left)
             if self.along.grown and found > (left if tol <= FINEST else self.accuracy):
                 found = self.along.seen(self.runs, sizes, left)  # a rough bound does not end the search
-            self.rounded[tol] = found
+            self.rounded[tol] = max(found, self._floor())
         return self.rounded[tol]
+
+    def _floor(self) -> float:
+        """The largest rounding of a quantity of the finest run, over its scale."""
+        return max(self._floors(), default=0.0)
+
+    def _floors(self) -> list[float]:
+        """The rounding of coordinates, speeds and outputs of the finest run over their scales, as a random
+        walk over the steps (P. Henrici, Discrete Variable Methods, 1962, section 1.5)."""
+        run = self.runs[min(self.runs)]
+        floors, walk = self.measure.of(run).floors, sqrt(max(run.steps, 1))
+        first, discrete = self.system.nq + self.system.nv, len(self.system.interface.discretes)
+        parts = [WALK] * first + [1.0] * (len(floors) - discrete - first)
+        return [part * walk * floor for part, floor in zip(parts, floors)]
 
     def drift(self) -> float:
         """The effect of round-off on the finest run without growth."""
@@ -351,50 +402,44 @@ class _Search:
         return balance(self.system, self.runs[tol], self._sizes(tol), self.accuracy)
 
     def _sizes(self, tol: float) -> Sizes:
-        if tol not in self.scales:
-            run = self.runs[tol]
-            self.scales[tol] = moving(sizes(run, self.system.interface), self._rounded_away(run))
-        return self.scales[tol]
+        return self.measure.sizes(self.runs[tol])
 
-    def _compared(self, tol: float) -> Sizes:
-        """The groups that are compared: the discrete variables too."""
-        return [*self._sizes(tol), *discrete_sizes(self.runs[tol], self.system.interface)]
-
-    def _rounded_away(self, run: Trajectory) -> dict[int, float]:
-        """The bounds of noise groups in a run; infinite if it started from a displaced state."""
-        displaced = self.along is not None and run is self.along.beside
-        return dict.fromkeys(self.noise, inf) if displaced else self.noise
-
-    def _compare(self, done: Trajectory) -> tuple[float, float | None]:
-        """Compare `done`, which ended early, with the finest other run over their common times."""
+    def _compare(self, done: Trajectory) -> float:
+        """The distance of `done`, which ended early, from the finest other run over their common times."""
         others = [r for r in self.tried if r is not done and len(r.states) >= len(done.states)]
-        if not others or len(done.states) < 2:
-            return inf, None
-        return difference(done, others[-1], self.system.interface, self.accuracy, self.noise)
+        return inf if not others or len(done.states) < 2 else self.measure.apart(done, others[-1])
 
-    def errors(self) -> list[float]:
-        """The errors of each quantity of the finest run (`quantity_errors`); empty if it is the only one."""
+    def _errors(self) -> list[float]:
+        """The errors of each quantity of the finest run, from its difference to the next coarser one and
+        round-off; empty if it is the only one."""
         if len(self.runs) < 2:
             return []
-        from lagc.simulation.global_error.quantity_errors import quantity_errors
-
         fine, coarse = (self.runs[tol] for tol in sorted(self.runs)[:2])
-        return quantity_errors(self.system, fine, coarse, self.truncation.factor(), self.rounding())
+        factor, rounding, found = self.truncation.factor(), self.rounding(), self.measure.of(fine)
+        errors = [factor * gap for gap in self.measure.gaps(fine, coarse)]
+        moving = len(errors) - len(self.system.interface.discretes)
+        for i, (scale, size) in enumerate(zip(found.scales[:moving], found.sizes)):
+            errors[i] += max(rounding * scale, ULP * size)
+        return errors
 
     def _result(self) -> Verified:
         tols = sorted(self.runs)
         found = Verified(self.runs[tols[0]], self.options(tols[0]), self.estimate(), None, self.tried)
-        found.noise = self.noise
+        finest, measure = self.runs[tols[0]], self.measure
+        scales = measure.of(finest)
+        found.errors, found.scales, found.notes = self._errors(), scales.scales, measure.notes(finest)
+        if measure.noise:
+            from lagc.simulation.global_error.roundoff_estimate import noise_note
+
+            found.notes = noise_note(self.system, finest, measure.noise) + found.notes
+        found.limit = max(enumerate(scales.floors), key=lambda each: each[1], default=(0, 0.0))
         if len(tols) > 1:
             assert self.along is not None
             found.rounding, found.drift = self.rounding(), self.drift()
             apart = next((tol for tol in tols if tol > COARSER * tols[0]), tols[1])
             found.balance, found.beside = self.balance, self.runs[apart]
             if found.estimated > self.accuracy:
-                finest, interface = self.runs[tols[0]], self.system.interface
-                noise = self._rounded_away(found.beside)
-                least = self.accuracy / SAFETY
-                _, alike = difference(finest, found.beside, interface, least, noise)
+                alike = measure.agree_until(finest, found.beside, self.accuracy / SAFETY)
                 until, last = self.along.until(self.accuracy), self.times[-1]
                 if alike is not None or self.times[0] < until < last:
                     found.horizon = min(last if alike is None else alike, until)

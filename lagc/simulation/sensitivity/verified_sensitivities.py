@@ -101,7 +101,7 @@ def _verified(
 
     def at(tol: float, halves: bool) -> Followed:
         longest = longest_step(found.system, run.method, tol, run.times[-1], request.max_step)
-        return follow(Options(method=run.method, rtol=tol, max_step=longest, halves=halves))
+        return follow(Options(method=run.method, rtol=tol, max_step=longest, halves=halves, alone=run.alone))
 
     if request.by_hand:
         done = follow(by_hand(request))

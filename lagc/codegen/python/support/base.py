@@ -21,7 +21,8 @@ class Options:
     """How to integrate one trajectory.
 
     `method`: one of METHODS.  `rtol`: relative to the largest magnitude so far in the scaling group of a
-    state; `atol`: added for every state.  `step` > 0: fixed step size; rtol and atol are not used.
+    state, or with `alone` of this state; `atol`: added for every state.  `step` > 0: fixed step size; rtol
+    and atol are not used.
     `first_step`: 0 means chosen; `max_step`: 0 means no limit; `max_steps`: limit of accepted and rejected
     steps, 0 means none.  `watch`: called with the trajectory so far after 1024, 2048, 4096, ... accepted
     steps; if it returns True the run ends as at `max_steps`.  `report`: store events in the trajectory.
@@ -42,12 +43,14 @@ class Options:
         watch: Callable[[Trajectory], bool] | None = None,
         report: bool = False,
         halves: bool = False,
+        alone: bool = False,
     ):
         self.method = method
         self.rtol, self.atol = rtol, atol
         self.step, self.first_step, self.max_step = step, first_step, max_step
         self.max_steps = max_steps
         self.project, self.watch, self.report, self.halves = project, watch, report, halves
+        self.alone = alone
 
     def check(self) -> None:
         """Raise ValueError, with its name, for an option that is not valid."""
@@ -74,6 +77,7 @@ class Trajectory:
     `position_drift`, `velocity_drift`: largest scaled constraint residuals over all steps.
     `fallbacks`: linear solves that used the rank-revealing factorization.
     `sizes`: largest magnitude in each scaling group, over all steps.
+    `lowest`, `highest`: least and largest value of each state, over the ends of all steps.
     `events`: (time, relation) of changes of modes, and (time, number of relations + clause) of `when` clauses
     that acted, the first MOST_EVENTS, with the option `report`.
     `jumps`: times at which clauses changed the state.
@@ -101,6 +105,8 @@ class Trajectory:
         position_drift: float = 0.0,
         velocity_drift: float = 0.0,
         sizes: Sequence[float] = (),
+        lowest: Sequence[float] = (),
+        highest: Sequence[float] = (),
         event_roundoff: Sequence[float] = (),
         events: Sequence[tuple[float, int]] = (),
         jumps: Sequence[float] = (),
@@ -116,6 +122,7 @@ class Trajectory:
         self.redundant_rows = redundant_rows
         self.position_drift, self.velocity_drift = position_drift, velocity_drift
         self.sizes, self.event_roundoff, self.events, self.jumps = sizes, event_roundoff, events, jumps
+        self.lowest, self.highest = lowest, highest
         self.corners = corners
         self.changes = changes
         if status == TERMINATED and (not times or times[-1] != t):
