@@ -8,7 +8,7 @@ from lagc.base.records import dataclass, replace
 from lagc.lowering.program import Function
 from lagc.lowering.program_functions import made
 from lagc.lowering.storage import Places
-from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion, Law
 from lagc.symbolic.derivative import gradient
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import depends, substitute, symbols
@@ -18,9 +18,11 @@ from lagc.symbolic.walk import depends, substitute, symbols
 class Loads:
     """The forces on each speed that depend on multipliers: without them, `rest` are the equations. `rows`
     are the numbers of these multipliers, `slopes` the derivatives of `forces` by them, one after the
-    other."""
+    other. `held` is 1 where an actuator holds the row: the force along its gradient, which a servo takes
+    away, is not part of `forces`."""
 
     rows: tuple[int, ...]
+    held: tuple[int, ...]
     forces: tuple[Node, ...]
     slopes: tuple[Node, ...]
     linear: bool
@@ -43,13 +45,18 @@ def loads_of(equations: EquationsOfMotion) -> Loads | None:
         given_forces=tuple(without),
         loads={velocity: weight for velocity, weight in weights if not weight.is_zero},
     )
-    found = [gradient(graph, {force: graph.one}, chosen) for force in equations.given_forces]
+    held = tuple([int(equations.rows[k].law is Law.SERVO) for k in rows])
+    given = list(equations.given_forces)
+    for k, servo in zip(rows, held):
+        for j, slope in equations.rows[k].jacobian.items() if servo else ():
+            given[j] += lam[k] * slope
+    found = [gradient(graph, {force: graph.one}, chosen) for force in given]
     slopes = [own.get(symbol, graph.zero) for symbol in chosen for own in found]
     linear = not depends(slopes, chosen)
-    forces = [graph.sub(force, other) for force, other in zip(equations.given_forces, without)]
+    forces = [graph.sub(force, other) for force, other in zip(given, without)]
     if linear:
         forces = [graph.sum(own.get(x, graph.zero) * x for x in chosen) for own in found]
-    return Loads(rows, tuple(forces), tuple(slopes), linear, rest)
+    return Loads(rows, held, tuple(forces), tuple(slopes), linear, rest)
 
 
 def loaded(along: Places, loads: Loads) -> Function:

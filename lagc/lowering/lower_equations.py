@@ -104,6 +104,7 @@ def optimize(
             derivatives=differentiated.patterns if differentiated else {},
             relations=relations,
             loading_rows=loads.rows if loads else (),
+            held_rows=loads.held if loads else (),
             curved_loads=loads is not None and not loads.linear,
         ),
         found,

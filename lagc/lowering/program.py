@@ -229,6 +229,7 @@ class Interface:
     poles: int = 0  # divisors that may come near zero
     late_relations: int = 0  # those that accelerations or reactions decide, before those of contacts
     loading_rows: tuple[int, ...] = ()  # constraint equations whose multipliers loads depend on
+    held_rows: tuple[int, ...] = ()  # of these, 1 where an actuator holds the equation
     servos: tuple[tuple[str, str], ...] = ()  # constraints that act through an actuator, and that
     curved_loads: bool = False  # these loads are not linear in the multipliers
     timed_relations: int = 0  # the first ones, which time alone changes, when is known

@@ -7,9 +7,12 @@ mu(lam) = lam, found by Newton's method from the multipliers without f. One step
 linear in lam. Piecewise linear equations have one solution for any right-hand side only if the determinants
 of all pieces have one sign (S. Scholtes, Introduction to Piecewise Differentiable Equations, Springer 2012,
 2.3): that of 1 - dmu/dlam is compared at lam and -lam.
+
+An equation that an actuator holds has no force along its gradient: its row is mu(lam) = 0, and its lam the
+number of times that the actuator acts.
 """
 
-from math import fabs
+from math import fabs, sqrt
 
 from lagc.kernels.constraints.projection import assemble_at, solve_at
 from lagc.kernels.dynamics.rhs import rhs_at, store_rates
@@ -33,6 +36,27 @@ def load_response(w: Work) -> None:
     solve_at(w.load_rhs, w.load_answer, w)
 
 
+def acts_along(k: int) -> bool:
+    """Return whether the multiplier of a row acts along its gradient, as without an actuator."""
+    if NHELD > 0:
+        return load_held[k] == 0
+    return True
+
+
+def reach_of_actuator(k: int, w: Work) -> Real:
+    """Return the most by which the multiplier of a held row can follow the force w.load_force, whose response
+    is w.load_answer, by the inequality of Cauchy and Schwarz in the metric of the inverse mass matrix."""
+    row = NV + loading_row[k]
+    own = w.load_answer[row]
+    power = 0.0
+    for i in range(NV):
+        power += w.load_force[i] * w.load_answer[i]
+    for i in range(NR):
+        w.load_rhs[i] = 1.0 if i == row else 0.0
+    solve_at(w.load_rhs, w.load_answer, w)
+    return sqrt(fabs(power * w.load_answer[row]) + own * own)
+
+
 def linearize_load(w: Work) -> None:
     """Compute w.load_columns, the responses to w.load_slopes, and w.load_matrix, 1 - dmu/dlam."""
     for k in range(NLOADED):
@@ -45,6 +69,10 @@ def linearize_load(w: Work) -> None:
             own = w.load_answer[NV + loading_row[i]]
             w.load_matrix[i * NLOADED + k] = (1.0 if i == k else 0.0) - own
             w.load_sizes[i * NLOADED + k] = (1.0 if i == k else 0.0) + fabs(own)
+        if NHELD > 0:
+            if load_held[k] > 0:
+                w.load_matrix[k * NLOADED + k] -= 1.0
+                w.load_sizes[k * NLOADED + k] = reach_of_actuator(k, w)
 
 
 def eliminate_load(w: Work) -> Real:
@@ -102,6 +130,10 @@ def solve_load(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
     the residual is 64 units in the last place of its terms, or a step 1e-10 of them. Return whether it
     ends."""
     w.load_lam[:] = w.load_free
+    if NHELD > 0:
+        for k in range(NLOADED):
+            if load_held[k] > 0:
+                w.load_lam[loading_row[k]] = 0.0
     for turn in range(MOST_LOAD_STEPS):
         update_load(p, t, x, w)
         load_response(w)
@@ -109,10 +141,15 @@ def solve_load(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
         done = True
         for k in range(NLOADED):
             row = loading_row[k]
-            w.load_step[k] = w.load_free[row] + w.load_answer[NV + row] - w.load_lam[row]
-            w.load_reach[k] = fabs(w.load_free[row]) + fabs(w.load_answer[NV + row]) + fabs(w.load_lam[row])
+            w.load_step[k] = w.load_free[row] + w.load_answer[NV + row]
+            w.load_reach[k] = fabs(w.load_free[row]) + fabs(w.load_answer[NV + row])
+            if acts_along(k):
+                w.load_step[k] -= w.load_lam[row]
+                w.load_reach[k] += fabs(w.load_lam[row])
             if not fabs(w.load_step[k]) <= 64.0 * SPACING * w.load_reach[k]:
                 done = False
+            if not acts_along(k):
+                w.load_reach[k] = fabs(w.load_lam[row])
         if done:
             return True
         linearize_load(w)
@@ -165,6 +202,10 @@ def motion_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wo
         xdot[NQ + i] += w.load_total[i]
     for i in range(NC):
         lam[i] += w.load_total[NV + i]
+    if NHELD > 0:
+        for k in range(NLOADED):
+            if load_held[k] > 0:
+                lam[loading_row[k]] = w.load_lam[loading_row[k]]
     if NCURVED > 0:
         if is_one_of_many(p, t, x, lam, w):
             return PARADOX

@@ -57,6 +57,7 @@ class NGUARD(metaclass=SizeType): ...  # NFEAT + NPOLE
 class NLATE(metaclass=SizeType): ...  # relations that accelerations or reactions decide, before contacts
 class NKNOWN(metaclass=SizeType): ...  # NV + NC + NCROW: accelerations, multipliers, forces of contacts
 class NLOADED(metaclass=SizeType): ...  # multipliers that loads depend on
+class NHELD(metaclass=SizeType): ...  # of these, multipliers of constraints that actuators hold
 class NLOADSLOPES(metaclass=SizeType): ...  # NLOADED NV
 class NLOADCOLUMNS(metaclass=SizeType): ...  # NLOADED (NV + NC)
 class NLOADMATRIX(metaclass=SizeType): ...  # NLOADED NLOADED
