@@ -196,7 +196,8 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NGUARD": interface.features + interface.poles,
         "NSEARCH": free + interface.features + interface.poles,
         "NEDGES": 2 * relations if "edges" in interface.functions else 0,
-        "NLOADED": loaded, "NHELD": sum(interface.held_rows), "NLOADSLOPES": loaded * nv, "NLOADCOLUMNS": loaded * (nv + interface.nc),
+        "NLOADED": loaded, "NHELD": sum(interface.held_rows),
+        "NLOADSLOPES": loaded * nv, "NLOADCOLUMNS": loaded * (nv + interface.nc),
         "NLOADMATRIX": loaded * loaded, "NCURVED": loaded if interface.curved_loads else 0,
         "NIMPULSE": sum(c.impulse >= 0 for c in interface.contacts), "NLATE": interface.late_relations,
         "NKNOWN": nv + interface.nc + sum(1 + c.slips for c in interface.contacts),
@@ -284,7 +285,8 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "contact_first": [
             k + sum(c.slips for c in interface.contacts[:k]) for k in range(len(interface.contacts))
         ],
-        "loading_row": interface.loading_rows, "load_held": interface.held_rows, "impulse_state": [c.impulse for c in interface.contacts],
+        "loading_row": interface.loading_rows, "load_held": interface.held_rows,
+        "impulse_state": [c.impulse for c in interface.contacts],
         "contact_slips": [c.slips for c in interface.contacts],
         "contact_poisson": [int(c.poisson) for c in interface.contacts],
         "reinit_target": [state for c in interface.whens for state in c.states],
