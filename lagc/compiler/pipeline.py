@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from lagc.semantics.scenes.choice import Inputs
     from lagc.syntax.tree import Tree
 
-
 PER_CHARACTER = 1e-3  # s of additional time limit of a stage for each character of the model
 PER_PAIR = 0.05  # s for each pair of coordinates or constraints
 PER_OPERATION = 1e-3  # s for each operation of the right-hand side

@@ -49,11 +49,7 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
         **_discretes(equations, written),
         **({"joints": [_joint(joint) for joint in model.joints]} if model.joints else {}),
         "constraints": [_constraint(equations, kind) for kind in analysis.constraints],
-        **(
-            {"contacts": [_contact(c.contact, written) for c in equations.contacts]}
-            if equations.contacts
-            else {}
-        ),
+        "contacts": [_contact(c.contact, written) for c in equations.contacts],
         "redundant": list(analysis.redundant),
         "open_reactions": list(analysis.open_reactions),
         "unseen": list(analysis.unseen),
@@ -235,7 +231,7 @@ def text(facts: Facts, verbose: bool = False) -> str:
         _section("discrete variables", map(_discrete_line, facts.get("discretes", ())), verbose),
         _section("joints", map(_joint_line, facts.get("joints", ())), verbose),
         _section("constraints", map(_constraint_line, facts["constraints"]), verbose),
-        _section("one-sided constraints", map(_contact_line, facts.get("contacts", ())), verbose),
+        _section("one-sided constraints", map(_contact_line, facts["contacts"]), verbose),
         _section("actions", map(_action_line, facts["actions"]), verbose),
         _count_text(facts),
         _section("cyclic coordinates", _cyclic_lines(facts) or ["none"], verbose),

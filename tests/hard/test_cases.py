@@ -6,9 +6,10 @@ shorter here.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import inf
 from pathlib import Path
+from types import CodeType
 from typing import Any
 
 import pytest
@@ -17,6 +18,7 @@ import lagc
 from lagc.host.model_library import references_folder
 from lagc.kernels.events.location import NO_EVENT
 from lagc.kernels.language.statuses import OK, SINGULAR_MASS
+from lagc.simulation.backends import python
 from lagc.simulation.backends.compile import compiler
 from lagc.study.hard.case import Lab, Row, measured
 from lagc.study.hard.cases import CASES
@@ -35,17 +37,10 @@ def short(full: float) -> float:
 
 
 class Short(Lab):
-    """A lab whose long runs are short, and whose models can be changed."""
+    """A lab whose long runs are short."""
 
-    def __init__(self, backend: str = "numpy", change: Callable[[dict[str, Any]], None] | None = None):
+    def __init__(self, backend: str = "numpy"):
         super().__init__(lagc.load, backend, part=0.002)
-        self.change = change
-
-    def compile(self, model: str, scene: str | None = None, **given: Any) -> Any:
-        made = super().compile(model, scene, **given)
-        if self.change is not None:
-            self.change(made.load("numpy").model.module)
-        return made
 
     def long(self, full: float, python: float, what: str) -> tuple[float, float]:
         return super().long(full, short(python), what)
@@ -168,11 +163,21 @@ SWITCHED = [(change, name) for change, names in OFF.values() for name in names]
 
 
 @pytest.mark.sample(2)
+@pytest.mark.usefixtures("no_cache")  # runs with the mechanism are remembered there
 @pytest.mark.parametrize(("change", "name"), SWITCHED, ids=[f"{c.__name__}-{n}" for c, n in SWITCHED])
 def test_a_case_misses_its_figure_without_its_mechanism(
-    change: Callable[[dict[str, Any]], None], name: str
+    change: Callable[[dict[str, Any]], None], name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A mechanism that is switched off in the generated Python: the run fails, or a figure is missed."""
-    row = measured(OWN[name], Short(change=change))
+    """A mechanism that is switched off in all generated Python, whichever method it has: the run fails, or a
+    figure is missed."""
+    executed = python.executed
+
+    def changed(code: Sequence[CodeType]) -> dict[str, Any]:
+        module = executed(code)
+        change(module)
+        return module
+
+    monkeypatch.setattr(python, "executed", changed)
+    row = measured(OWN[name], Short())
     assert not row.kept
     assert row.found is None or missed(row)

@@ -161,7 +161,7 @@ def conveyor(lab: Lab) -> Found:
     exact = [0.5, 0.5 + slips, 1.5, 1.5 + slips, 2.5, 2.5 + flight, 2.5 + flight / 0.8]
     kinds = ["slips", "sticks", "slips", "sticks", "opens", "impact", "rests"]
     acts = [event for event in run.events if event.kind]
-    shown = [*acts[:6], acts[-1]]
+    shown = [*acts[:6], *acts[-1:]]
     if [event.kind for event in shown] != kinds:
         return Found((inf, inf), how(run))
     times = max(abs(event.t - t) for event, t in zip(shown, exact))
