@@ -128,7 +128,7 @@ def report_culprit(s: State, status: Status, w: Work) -> Status:
     if NMODE > 0:
         if status == CHATTERING or status == MISPLACED:
             s.culprit = w.culprit
-    if NCON > 0:
+    if NCON > 0 or NLOADED > 0:
         if status == PARADOX or status == PENETRATION:
             s.culprit = w.culprit
     return status

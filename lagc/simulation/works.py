@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from math import ceil
+from math import ceil, inf
 
 from lagc.base.records import dataclass
 from lagc.mechanics.formulation.equations import EquationsOfMotion, Law
@@ -64,7 +64,7 @@ def works(
     times = {0.0, stop, *(t for t, _ in run.events), *(t for t, _, _ in run.corners)}
     cuts = list(pairwise(sorted(times)))
     sums: list[float] | None = None
-    bar = 0.0
+    bar = inf
     while True:
         parts = _panels(cuts, stop / panels)
         if len(parts) * len(NODES) * max(len(within), 1) > MOST:
@@ -72,10 +72,11 @@ def works(
         before, panels = sums, 2 * panels
         sums = _sums(equations, powers, within, system, options, x, parts)
         size = max(map(abs, [*sums, start, end]))
-        bar = max((abs(a - b) for a, b in zip(sums, before or [])), default=0.0)
-        if before is not None and bar <= AGREE * size:
+        if before is not None:
+            bar = max((abs(a - b) for a, b in zip(sums, before)), default=0.0)
+        if bar <= AGREE * size:
             break
-    if sums is None:
+    if sums is None or bar == inf:
         return None
     clauses = _jumps(system, run)
     count = len(equations.contributions)
@@ -84,7 +85,8 @@ def works(
     given += sum(by_row.values()) + sum(clauses.values())
     total = work_of(system, run.states[-1]) - work_of(system, run.states[0])
     known = graph.sum(c.power for c in equations.contributions if not c.conservative)
-    alone = equations.power is known and not equations.contacts
+    size = max(map(abs, [*sums, start, end]), default=0.0)
+    alone = (equations.power is known and not equations.contacts) or abs(total - given) <= AGREE * size
     named = dict(zip([c.name for c in equations.contributions], sums))
     return Works(named, by_row, clauses, 0.0 if alone else total - given, start, end, bar)
 

@@ -86,9 +86,16 @@ def test_what_stays_moves_as_it_did(events: str) -> None:
         assert len(model.compile(outputs="held", backend="numpy").interface.contacts) == 0
 
 
-def test_a_clause_that_ends_the_run_is_asked_for() -> None:
-    text = TWO.replace("EVENTS", 'when s > 0.5 [m] then terminate("there"); end when;')
+@pytest.mark.parametrize("first", ["", "reinit(der(s), 0); "])
+def test_a_clause_that_ends_the_run_is_asked_for(first: str) -> None:
+    text = TWO.replace("EVENTS", f'when s > 0.5 [m] then {first}terminate("there"); end when;')
     assert _kept(lagc.loads(text).compile(outputs="th", backend="numpy")) == {"th", "s", "x"}
+
+
+def test_a_rate_is_asked_for_where_speeds_are_declared() -> None:
+    text = TWO.replace("EVENTS", "speed Velocity u = 2*der(s);")
+    for asked in ("der(s)", "s", "u", "twice"):
+        assert _kept(lagc.loads(text).compile(outputs=asked, backend="numpy")) == {"s", "x"}
 
 
 def test_an_energy_is_that_of_what_stays() -> None:

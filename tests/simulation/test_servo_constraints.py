@@ -115,3 +115,19 @@ end M;"""
     with pytest.raises(Refused) as caught:
         lagc.loads(model).compile(backend="numpy")
     assert caught.value.faults[0].code == code and caught.value.faults[0].remedy
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_the_actuator_that_does_nothing_is_named_among_several(backend: str) -> None:
+    text = """model Both
+  coordinate Length x, y(start = 0.5 [m]);
+  body a = Particle(mass = 1 [kg], at = {x, 0, 0});
+  body b = Particle(mass = 1 [kg], at = {0, y, 0});
+  force good = {1 [N], 0, 0} at a;
+  force idle = {0, 0.5 [N] - y*1 [N/m], 0} at b;
+  constraint one: x = 0 (by = good);
+  constraint two: y = 0.5 [m] + 0.1 [m/s2]*time^2 (by = idle);
+end Both;
+"""
+    run = lagc.loads(text).compile(backend=backend).simulate(1.0)
+    assert run.status == "failed" and "`idle` cannot hold the constraint `two`" in run.message

@@ -159,7 +159,9 @@ ENTRIES: dict[str, Entry] = {
     "LAG0219": Entry(
         "a quantity that is only known after the equations are solved",
         "Accelerations, reactions, energies and powers of the run are results of the motion. Use them in "
-        "outputs and in the conditions of `when`. Forces, constraints and new values cannot depend on them.",
+        "outputs and in the conditions of `when`. A force or torque may depend on `reaction(c)` of a "
+        "constraint with `=`. Constraints and new "
+        "values cannot depend on them.",
         _body("force F = -1 [kg]*acceleration(b) at b;"),
         _body("output Acceleration a = acceleration(b).x;"),
     ),

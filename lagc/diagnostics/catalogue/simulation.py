@@ -30,8 +30,9 @@ ENTRIES: dict[str, Entry] = {
         "for a length. A number without a unit is in SI units.",
     ),
     "LAG0606": Entry(
-        "an initial value for something that is not a state",
-        "`--start NAME=...` sets a coordinate (`theta`), its rate (`der(theta)`) or a declared `speed`.",
+        "a name that is no state, or no output",
+        "`--start NAME=...` sets a coordinate (`theta`), its rate (`der(theta)`) or a declared `speed`. "
+        "`--outputs` takes the names of outputs, coordinates and speeds.",
     ),
     "LAG0607": Entry(
         "a parameter that is compiled into the model",

@@ -22,7 +22,7 @@ TERMINATED = Status(10)  # A `when` clause ended the run; call again to continue
 # The new values of a `when` clause are not finite or violate the constraints; culprit: the clause
 MISPLACED = Status(11)
 NOT_CONVERGED = Status(12)  # The equations of an implicit step were not solved; culprit: none
-# The laws of contacts have no solution, or several; culprit: the contact
+# Laws of contacts, or loads of reactions, have no solution or several; culprit: the contact or the row
 PARADOX = Status(13)
 # A bound or a clause `when` has put bodies beyond a bound; culprit: the contact
 PENETRATION = Status(14)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from lagc.base.records import replace
-from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion, WhenEquations
 from lagc.mechanics.formulation.mass_matrix import Moving
 from lagc.mechanics.formulation.states import position_symbols, rate_symbols
 from lagc.symbolic.graph import Node
@@ -75,17 +75,24 @@ class Components:
         return found
 
 
+def _is_asked(when: WhenEquations) -> bool:
+    """Return whether a clause ends the run, or gives no state a new value."""
+    return when.clause.reason is not None or not when.changes
+
+
 def leave_out(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[list[int], list[int]]]:
     """Return `equations` without what `model.asked` and the outputs do not depend on, with the old columns,
-    and the q and v that stay.  Clauses that end the run or only mark it are asked for."""
+    and the q and v that stay.  Clauses that end the run or give no new values are asked for."""
     model = equations.model
     components = Components(equations)
     wanted = symbols([o.expression for o in equations.outputs])
+    asked = set(model.asked or ())
     for c in model.coordinates:
-        if c.name in (model.asked or ()):
-            wanted.update((*position_symbols(c), *rate_symbols(c)))
-    wanted.update(s for s in (*equations.q, *equations.v) if s.record.name in (model.asked or ()))
-    wanted |= symbols([w.condition for w in equations.whens if not w.changes])
+        own = (*position_symbols(c), *rate_symbols(c))
+        if c.name in asked or any(s.record.name in asked for s in own):
+            wanted.update(own)
+    wanted.update(s for s in equations.v if s.record.name in asked)
+    wanted |= symbols([w.condition for w in equations.whens if _is_asked(w)])
     reached = components.reached(wanted)
 
     def stays(symbol: Node) -> bool:
@@ -131,7 +138,7 @@ def _without(equations: EquationsOfMotion, components: Components, reached: set[
     }  # fmt: skip
     sums = [own(x) for x in (equations.kinetic, equations.potential, equations.energy, equations.power)]
     whens = [replace(w, changes=tuple([(s, x) for s, x in w.changes if not gone(s)]))
-             for w in equations.whens if not w.changes or not all(gone(s) for s, _ in w.changes)]  # fmt: skip
+             for w in equations.whens if _is_asked(w) or not all(gone(s) for s, _ in w.changes)]  # fmt: skip
     velocities = at_rest([*equations.loads, *equations.loads.values()])
     loads: dict[Node, Node] = {}
     for velocity, weight in zip(velocities, velocities[len(equations.loads) :]):

@@ -59,9 +59,9 @@ def timely(context: Context, node: Node, span: Span, what: str) -> None:
             "only known after the equations are solved",
             span,
             "for friction write `reaction(c)` of a constraint `c`, or the normal force as an expression, "
-            "such as `m*g`; use others only in outputs"
+            "such as `m*g`; use others only in outputs and in conditions of `when`"
             if what == "a force"
-            else "use them only in outputs",
+            else "use them only in outputs and in conditions of `when`",
         )
 
 

@@ -37,7 +37,8 @@ def _state_after(run: Any, t: float) -> list[float]:
 
 
 def _apart(found: float, exact: float) -> float:
-    return abs(found - exact) / max(abs(exact), 1.0)
+    """The relative difference; the difference itself where the exact value is 0."""
+    return abs(found - exact) / (abs(exact) or 1.0)
 
 
 def bouncing_ball(lab: Lab) -> Found:
@@ -89,7 +90,7 @@ def roll_off_sphere(lab: Lab) -> Found:
     leaves = abs(cos(atan2(x[0], x[1])) / cos(start) - cos(known["leave_angle"]))
     worst, a = 0.0, 2.0 / 7.0
     for angle, push, rub in zip(run["theta"], run["N"], run["F"]):
-        if push > 0.1:  # |F|/N by the energy of the file, from `start`
+        if push > 0.01 * run["N"][0]:  # |F|/N by the energy of the file, from `start`
             exact = a * sqrt(1.0 - cos(angle) ** 2) / ((17.0 * cos(angle) - 10.0 * cos(start)) / 7.0)
             worst = max(worst, abs(rub / push - exact))
     half = a * sqrt(1.0 - cos(0.5) ** 2) / ((17.0 * cos(0.5) - 10.0) / 7.0)
