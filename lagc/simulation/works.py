@@ -12,6 +12,7 @@ from itertools import pairwise
 from math import ceil, inf
 
 from lagc.base.records import dataclass
+from lagc.codegen.python.support.base import MOST_CORNERS
 from lagc.mechanics.formulation.equations import EquationsOfMotion, Law
 from lagc.simulation.system import Options, System, Trajectory, arrived, work_of
 from lagc.symbolic.evaluate import evaluate
@@ -57,7 +58,7 @@ def works(
     powers = [*(c.power for c in equations.contributions), *(r.multiplier * u for r, u in zip(rows, moved))]
     within = reachable(powers)
     run, panels = system.integrate(options, 0.0, x, [0.0, stop]), FEWEST
-    if not arrived(run) or run.changes > len(run.corners):
+    if not arrived(run) or len(run.corners) >= MOST_CORNERS:
         return None
     stop = run.t
     start, end = (system.energies(t, y)[2] for t, y in ((0.0, run.states[0]), (stop, run.states[-1])))

@@ -20,7 +20,7 @@ from lagc.cli.main import main
 from lagc.compiler.pipeline import Choice, Compilation
 from lagc.host import cache, model_library
 from lagc.host.cache import folders, upkeep
-from lagc.lowering.program import Field
+from lagc.lowering.program import Clause, Contact, Field
 
 POSIX = os.name == "posix"
 KEY = cache.key("a")
@@ -474,6 +474,6 @@ def test_an_artifact_comes_back_as_it_was(root: Path, target: str) -> None:
 def plain(value: Any) -> bool:
     if isinstance(value, tuple | dict):
         return all(map(plain, value.values() if isinstance(value, dict) else value))
-    if isinstance(value, Field):
-        return all(plain(getattr(value, name)) for name in records.names(Field))
+    if isinstance(value, Field | Clause | Contact):
+        return all(plain(getattr(value, name)) for name in records.names(type(value)))
     return type(value) in (str, int, float, bool, type(None))

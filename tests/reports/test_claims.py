@@ -125,7 +125,8 @@ def test_claims_over_random_systems_that_keep_their_energy(seed: int) -> None:
 def test_nothing_in_the_library_only_seems_so() -> None:
     """But for the rows of Bennett's linkage, whose rank is that of its lengths, rolling wheels, the brackets
     of whose rows are too long to be formed, and the momentum of two shafts about the axis across both,
-    which the input shaft alone brings."""
+    which the input shaft alone brings. Where loads depend on reactions, no conserved quantity is
+    looked for."""
     for path in FILES:
         found = analyse(derived(str(path.relative_to(MODELS).with_suffix(""))))
         if path.stem in ("whipple_bicycle", "rolling_coin", "bennett"):
@@ -136,5 +137,8 @@ def test_nothing_in_the_library_only_seems_so() -> None:
             assert all(c.proved for c in found.constraints)
             continue
         assert all(c.proved for c in (*found.conserved, *found.constraints))
+        if path.stem in ("journal_bearing", "driven_cart_pole"):
+            assert found.not_examined == ("energy", "momenta")
+            continue
         assert not any((found.seems.cyclic, found.seems.redundant, found.seems.degrees_of_freedom,
                         found.seems.positional_freedom, found.not_examined))  # fmt: skip
