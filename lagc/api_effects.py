@@ -12,7 +12,6 @@ from lagc.compiler.loaded import Loaded
 from lagc.compiler.pipeline import Compilation
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.simulation.request import Request, bound_guesses, bound_parameters, bound_starts
-from lagc.simulation.simulate import KINDS
 from lagc.simulation.system import Options, rates_at
 
 if TYPE_CHECKING:
@@ -148,6 +147,8 @@ def _compiled(compilation: Compilation, without: Names, more: Names, backend: st
 
 def _event_names(interface: Interface) -> list[str]:
     """The names of all events that a run may have."""
+    from lagc.simulation.simulate import KINDS
+
     contacts = [c.name for c in interface.contacts]
     return [
         *interface.relations, *(name for clause in interface.whens for name in clause.names),

@@ -77,8 +77,8 @@ class _Seen:
         if system.interface.outputs:
             columns = self.shown(len(run.states))
             if aside is not None:
-                more = system.output_columns(aside.times, aside.states)
-                columns = [[*a, *b] for a, b in zip(columns, more)]
+                others = system.output_columns(aside.times, aside.states)
+                columns = [[*a, *b] for a, b in zip(columns, others)]
         finite = [[*filter(isfinite, column)] or [0.0] for column in columns]
         self.wide = [max(column) - min(column) for column in finite]  # ranges and magnitudes of outputs
         self.largest = [max(max(column), -min(column)) for column in finite]
