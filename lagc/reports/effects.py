@@ -10,8 +10,6 @@ from lagc.base.text import printable, table
 from lagc.reports.cost import PAGE
 from lagc.study.effects import AS_LONG, Change, Choice, Effects, Elsewhere, joined
 
-ROUNDOFF = 1e-14  # of the largest work
-
 
 def text(found: Effects, heading: str) -> str:
     """Return the report for a terminal."""
@@ -21,9 +19,9 @@ def text(found: Effects, heading: str) -> str:
     lines.append(f"  compared      {compared}")
     if found.energy is not None:
         energy = found.energy
-        start, end, rest = (_energy(x, 0.0) for x in (energy.start, energy.end, energy.rest))
-        change = _energy(energy.end - energy.start, max(abs(energy.start), abs(energy.end)))
-        others = f"; drives and contacts {rest}" if energy.rest else ""
+        values = energy.start, energy.end, energy.end - energy.start, energy.rest
+        start, end, change, rest = (_energy(x, energy.bar) for x in values)
+        others = f", of it contacts and given motions of bodies {rest}" if energy.rest else ""
         lines.append(f"  energy        start {start}, end {end}: {change} by what stores no energy{others}")
     if found.horizon is not None:
         lines.append(f"  until         {found.horizon:.4g} s: a run is not predictable beyond")
@@ -66,8 +64,8 @@ def _time(ratio: float) -> str:
     return "as long" if abs(ratio - 1.0) <= AS_LONG else f"{ratio:.2f} times"
 
 
-def _energy(joules: float, largest: float) -> str:
-    return "0 J" if abs(joules) < ROUNDOFF * largest else f"{joules:.3g} J"
+def _energy(joules: float, bar: float) -> str:
+    return "0 J" if abs(joules) <= bar else f"{joules:.3g} J"
 
 
 def _name(one: Change) -> str:
@@ -88,7 +86,7 @@ def _change(one: Change) -> tuple[str, str]:
 
 
 def _singles(changes: Sequence[Change], found: Effects, word: str) -> list[str]:
-    rows, most = [], max((abs(one.work) for one in changes if one.work is not None), default=0.0)
+    rows, bar = [], 0.0 if found.energy is None else found.energy.bar
     for one in sorted(changes, key=lambda one: -(one.change if one.change is not None else 1e300)):
         size, of = _change(one)
         time = "" if one.time == float("inf") else _time(one.time)
@@ -99,7 +97,7 @@ def _singles(changes: Sequence[Change], found: Effects, word: str) -> list[str]:
         if one.events:
             notes.append(f"its events vanish: {', '.join(one.events)}")
         note = "; ".join(notes)
-        work = "" if one.work is None else _energy(one.work, most)
+        work = "" if one.work is None else _energy(one.work, bar)
         rows.append([_name(one), size, of, time, f"{found.operations} -> {one.operations}", work, note])
     lines = table([word, "changes", "", "a run takes", "operations", "works", ""], rows)
     stronger = [f"{one.effect} with {one.how}" for one in changes if " times " in one.how]

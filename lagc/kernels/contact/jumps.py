@@ -8,7 +8,7 @@ from lagc.kernels.contact.touching import find_touching, set_gaps
 from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
 from lagc.kernels.language.vocabulary import *
 
-MOST_PENETRATION = 1e-6  # of the size of a gap: a contact that a jump leaves nearer to its bound touches
+MOST_PENETRATION = 1e-6  # of the size of a gap: a contact that touched goes on to do so within it
 
 
 def settle_jump(p: Params, s: State, w: Work) -> Status:

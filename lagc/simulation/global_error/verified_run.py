@@ -81,7 +81,7 @@ COARSE, FINE = 1e-5, 1e-6  # the tolerances of the pilots
 RETRY = 1e-9  # the tolerance that is tried if a coarser one fails
 COARSER = 9.0  # ratio of tolerances of runs that differ enough
 ATTEMPTS = 5  # at finer tolerances after the first estimate
-DWARFED = 100.0  # ratio of the errors over own scales and over sizes of groups: states get own weights
+DWARFED = 100.0  # ratio of errors over own magnitudes and over sizes of groups: states get own weights
 # The longest step at the tolerance COARSE, relative to the time: in general, and if the rates depend on time.
 LONGEST, LONGEST_FLOWING = 0.5, 0.02
 WALK = 0.58  # two standard deviations of a rounding to nearest, in units in the last place
