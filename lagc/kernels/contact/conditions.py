@@ -75,7 +75,7 @@ def is_admissible(w: Work) -> bool:
             return False
         if has_friction(w, i) and w.law_mode[i] != CONTACT_OPEN:
             if is_sticking(w.law_mode[i]):
-                if w.law_mu[i] < inf and slip_force(w, i) > w.law_mu[i] * fabs(normal) + LAW_ZERO * force:
+                if slip_force(w, i) > w.law_mu[i] * fabs(normal) + LAW_ZERO * force:
                     return False
                 continue
             if float(w.law_sign[i]) * normal < -LAW_ZERO * force:

@@ -33,7 +33,7 @@ LAW_FAILED = 4  # no solution was found
 
 def tangential_choices(w: Work, i: int) -> int:
     """Return in how many modes a closed contact may be."""
-    if not has_friction(w, i) or w.law_slides[i] > 0 or w.law_mu[i] == inf:
+    if not has_friction(w, i) or w.law_slides[i] > 0:
         return 1
     return 3 if w.law_slips[i] == 1 else 2
 
@@ -64,7 +64,7 @@ def choose(w: Work, i: int, choice: int) -> None:
             w.law_mode[i] = CONTACT_OPEN
             return
         state = choice - 1
-    sticks = state == n - 1 and (n > 1 or (w.law_mu[i] == inf and w.law_slips[i] > 0))
+    sticks = state == n - 1 and n > 1
     if sticks:
         w.law_mode[i] = CONTACT_STICKS if closed else LEAST_STICKS
     else:

@@ -4,8 +4,6 @@ Few contacts are decided by `enumeration`, many by their modes before, by `compl
 by `sweeps` in space. Modes are read from u, since the forces of dependent rows are not unique.
 """
 
-from math import inf
-
 from lagc.kernels.contact.complementarity import solve_complementarity
 from lagc.kernels.contact.conditions import differs, has_friction, is_admissible, keep_solution, read_modes
 from lagc.kernels.contact.enumeration import (
@@ -36,7 +34,7 @@ def is_planar(w: Work) -> bool:
     """Return whether the law is a linear complementarity problem."""
     for i in range(w.law_count):
         free = has_friction(w, i) and w.law_slides[i] == 0
-        if w.law_two_sided[i] > 0 or (free and (w.law_slips[i] > 1 or not w.law_mu[i] < inf)):
+        if w.law_two_sided[i] > 0 or (free and w.law_slips[i] > 1):
             return False
     return True
 

@@ -5,7 +5,7 @@ Curnier, Comput. Methods Appl. Mech. Engrg. 92 (1991) 353-375). The modes in whi
 Newton's method.
 """
 
-from math import fabs, inf, sqrt
+from math import fabs, sqrt
 
 from lagc.kernels.contact.conditions import (
     differs,
@@ -48,7 +48,7 @@ def sweep_normal(w: Work, i: int, step: Real) -> bool:
 def sweep_friction(w: Work, i: int, step: Real) -> bool:
     """Move the friction of a contact; return whether it sticks."""
     first = w.law_first[i]
-    limit = w.law_mu[i] * fabs(w.law_p[first]) if w.law_mu[i] < inf or w.law_p[first] != 0.0 else 0.0
+    limit = w.law_mu[i] * fabs(w.law_p[first])
     forces = vector(TWO)
     total = 0.0
     for k in range(w.law_slips[i]):

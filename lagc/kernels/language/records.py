@@ -271,7 +271,7 @@ class Work:
         law_slips: IVec[NCON]  # slip rows of each: 0, 1 or 2
         law_two_sided: IVec[NCON]  # 1: it never opens, its normal force has either sign
         law_friction: Vec[NCON]  # coefficient of friction while it slips
-        law_static: Vec[NCON]  # the same while it sticks; infinity: it never slips
+        law_static: Vec[NCON]  # the same while it sticks
         law_moves: IVec[NCON]  # 1: it slips already, along law_direction
         law_direction: Vec[NDIRECT]  # unit vector of the slip
         law_w: Vec[NDELASSUS]  # W by rows
