@@ -32,6 +32,7 @@ def main() -> int:
 
 
 def report() -> int:
+    from tests.benchmarks.measured import begun
     from tests.benchmarks.problems import PROBLEMS
     from tests.benchmarks.tools import TOOLS
 
@@ -56,8 +57,10 @@ def report() -> int:
         parser.error("the figures of the documentation need all problems and tools")
     if asked.json and not Path(asked.json).absolute().parent.is_dir():
         parser.error(f"there is no folder for {asked.json}")
-    if asked.write and importlib.util.find_spec("matplotlib") is None:
-        parser.error("the pictures need matplotlib: pip install -e '.[peers]'")
+    lacking = begun(TOOLS).missing if asked.write else {}
+    if lacking or (asked.write and importlib.util.find_spec("matplotlib") is None):
+        words = ", ".join(lacking) or "matplotlib"
+        parser.error(f"the figures of the documentation need {words}: pip install -e '.[peers]'")
     tools = asked.tools.split(",") if asked.tools else []
     strange = [word for word in tools if word != "none" and not any(word in tool.name for tool in TOOLS)]
     if strange:
