@@ -77,9 +77,10 @@ def run(options: argparse.Namespace) -> int:
     interrupted = len(runs) < len(own) or runs[-1].interrupted
     written = True
     if options.plot:
-        from lagc.reports.plots import compare as picture
+        from lagc.reports.plots.compare import draw
+        from lagc.reports.plots.plot import save
 
-        path = kept(options.plot, lambda name: picture.write(found, name), (OSError, ValueError))
+        path = kept(options.plot, lambda name: save(draw(found), name), (OSError, ValueError))
         written = path == options.plot
         if path is not None:
             say(f"written to {path}", options.quiet or options.json)

@@ -17,9 +17,8 @@ from lagc.cli.options import (
     quantities,
     quantity,
 )
-from lagc.cli.output import DONE, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, show
-from lagc.cli.study_report import Report, add_report_options, check_endings
-from lagc.host.budgets import reached, rest
+from lagc.cli.output import Usage
+from lagc.cli.study_report import add_report_options, check_endings, deliver
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -38,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.cli.output import Bar
     from lagc.compiler.pipeline import Compilation
     from lagc.host import model_library
-    from lagc.reports.cost import page, text, to_dict
+    from lagc.reports import cost as report
 
     check_endings(options.output)
     budget = quantity(options.budget, "s", "--budget") or 0.0
@@ -53,17 +52,8 @@ def run(options: argparse.Namespace) -> int:
             quantity(options.stop, "s", "--stop"), points=options.points, budget=budget, starts=starts,
             progress=lambda part, doing: bar.part(part, doing),
         )  # fmt: skip
-    rest()
     interface = model.interface
     heading = f"{interface.model}, scene {interface.scene}" if interface.scene else interface.model
-    quiet = options.quiet or options.json
-    report = Report(lambda: to_dict(found), lambda svg: page(found, heading, svg), "work_precision")
-    written = [report.write(path, found, heading, quiet) for path in options.output if found.points]
-    if options.json:
-        print_json({"status": "ok" if found.complete else "interrupted", "model": interface.model,
-                    "scene": interface.scene, **to_dict(found)})  # fmt: skip
-    else:
-        show(text(found, heading, options.all))
-    if not found.complete:
-        return LIMITED if reached() else INTERRUPTED
-    return DONE if all(written) else UNWRITTEN
+    text = report.text(found, heading, options.all)
+    facts = {"model": interface.model, "scene": interface.scene}
+    return deliver(options, found, heading, report, "work_precision", text, bool(found.points), **facts)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from lagc.cli.deliver import spare
 from lagc.cli.options import (
     add_general_options,
+    add_list_option,
     add_model_options,
     add_start_option,
     choice_of,
@@ -21,9 +22,8 @@ from lagc.cli.options import (
     quantity,
     split,
 )
-from lagc.cli.output import DONE, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, show
-from lagc.cli.study_report import Report, add_report_options, check_endings
-from lagc.host.budgets import reached, rest
+from lagc.cli.output import Usage
+from lagc.cli.study_report import add_report_options, check_endings, deliver
 
 if TYPE_CHECKING:
     from lagc.simulation.request import Quantity
@@ -41,10 +41,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--of", metavar="NAMES", help="coordinates and outputs to compare; default: all that every scene has"
     )
-    parser.add_argument(
-        "--also", metavar="'start NAME=VALUE, ...'", action="append", default=[],
-        help="verify the recommended scenes for these initial values too, e.g. --also 'start th=90[deg]'",
-    )  # fmt: skip
+    about = "verify the recommended scenes for these initial values too, e.g. --also 'start th=90[deg]'"
+    add_list_option(parser, "--also", "also", "'start NAME=VALUE, ...'", about)
     add_report_options(parser, 501)
     add_general_options(parser)
 
@@ -54,7 +52,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.cli.output import Bar
     from lagc.compiler.pipeline import Compilation
     from lagc.host import model_library
-    from lagc.reports.effects import page, text, to_dict
+    from lagc.reports import effects as report
 
     check_endings(options.output)
     accuracies = accuracies_of(options.accuracy)
@@ -69,20 +67,10 @@ def run(options: argparse.Namespace) -> int:
             quantity(options.stop, "s", "--stop"), accuracies=accuracies, points=options.points, of=of,
             starts=starts, also=also, progress=lambda part, doing: bar.part(part, doing),
         )  # fmt: skip
-    rest()
     interface = model.interface
     heading = f"{interface.model}, scene {interface.scene}"
-    quiet = options.quiet or options.json
-    report = Report(lambda: to_dict(found), lambda svg: page(found, heading, svg), "effects")
-    written = [report.write(path, found, heading, quiet) for path in options.output if found.left_out]
-    if options.json:
-        print_json({"status": "ok" if found.complete else "interrupted", "model": interface.model,
-                    **to_dict(found)})  # fmt: skip
-    else:
-        show(text(found, heading))
-    if not found.complete:
-        return LIMITED if reached() else INTERRUPTED
-    return DONE if all(written) else UNWRITTEN
+    text, some = report.text(found, heading), bool(found.left_out)
+    return deliver(options, found, heading, report, "effects", text, some, model=interface.model)
 
 
 def also_of(written: str) -> dict[str, float | Quantity]:

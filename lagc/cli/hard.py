@@ -11,9 +11,8 @@ import os
 from typing import TYPE_CHECKING
 
 from lagc.cli.options import add_general_options, add_limit_options
-from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, show
-from lagc.cli.study_report import Report, add_output_option, check_endings
-from lagc.host.budgets import reached, rest
+from lagc.cli.output import DONE, FAILED, Usage, show
+from lagc.cli.study_report import add_output_option, check_endings, deliver
 
 if TYPE_CHECKING:
     from lagc.study.hard.case import Case
@@ -51,21 +50,10 @@ def run(options: argparse.Namespace) -> int:
             show(report.explanation(case, os.path.relpath(locate(case.model))))
     with Bar(1.0, quiet=quiet) as bar:
         found = study(chosen, load, _backends(options.backend), lambda part, doing: bar.part(part, doing))
-    rest()
     heading = "Hard cases" if len(chosen) != 1 else chosen[0].title
-    file = Report(lambda: report.to_dict(found), lambda svg: report.page(found, heading, svg), "hard")
-    written = [file.write(path, found, heading, quiet) for path in options.output if found.rows]
-    if options.json:
-        print_json({"status": "ok" if found.complete else "interrupted", **report.to_dict(found)})
-    elif options.markdown:
-        show(report.markdown(found, _machine()))
-    else:
-        show(report.text(found, heading))
-    if not found.complete:
-        return LIMITED if reached() else INTERRUPTED
-    if not all(written):
-        return UNWRITTEN
-    return DONE if found.kept else FAILED
+    text = report.markdown(found, _machine()) if options.markdown else report.text(found, heading)
+    code = deliver(options, found, heading, report, "hard", text, bool(found.rows))
+    return code if code != DONE or found.kept else FAILED
 
 
 def _chosen(names: list[str], known: dict[str, Case]) -> list[Case]:

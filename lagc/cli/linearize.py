@@ -14,6 +14,7 @@ from lagc.cli.deliver import spare
 from lagc.cli.options import (
     add_general_options,
     add_model_options,
+    add_plot_option,
     add_start_option,
     choice_of,
     quantities,
@@ -42,9 +43,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="find equilibria, from the initial state and from random states",
     )
     parser.add_argument("-o", "--output", metavar="FILE", help="write the matrices: .json or .npz")
-    parser.add_argument(
-        "--plot", metavar="FILE", nargs="?", const="", help="draw the modes: .png, .svg or .pdf"
-    )
+    add_plot_option(parser, "draw the modes: .png, .svg or .pdf")
     add_general_options(parser)
 
 

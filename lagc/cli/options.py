@@ -18,6 +18,13 @@ if TYPE_CHECKING:
 _SPACES = " \t\n\r\f\v"
 
 
+def add_list_option(
+    parser: argparse.ArgumentParser, name: str, dest: str, form: str, about: str, *short: str
+) -> None:
+    """An option that may be given several times; `dest` is the list of its words."""
+    parser.add_argument(*short, name, metavar=form, dest=dest, action="append", default=[], help=about)
+
+
 def add_general_options(parser: argparse.ArgumentParser, json: bool = True) -> None:
     """`--json -q -v --no-color`."""
     if json:
@@ -66,27 +73,12 @@ def add_model_options(parser: argparse.ArgumentParser, many_scenes: bool = False
         )
     else:
         parser.add_argument("--scene", metavar="S", help="the scene; default: the first of the file")
-    parser.add_argument(
-        "--with", metavar="E", dest="with_effects", action="append", default=[], help="add the effect E"
-    )
-    parser.add_argument(
-        "--without",
-        metavar="E",
-        dest="without_effects",
-        action="append",
-        default=[],
-        help="leave out the effect E",
-    )
+    add_list_option(parser, "--with", "with_effects", "E", "add the effect E")
+    add_list_option(parser, "--without", "without_effects", "E", "leave out the effect E")
     parser.add_argument("--model", metavar="M", help="the model, if a file has several")
     add_parameter_option(parser)
-    parser.add_argument(
-        "--input",
-        metavar="NAME=VALUE",
-        dest="inputs",
-        action="append",
-        default=[],
-        help="an input: a number, an expression ('u=sin(time)') or a column of a file (u=drive.csv:u)",
-    )
+    about = "an input: a number, an expression ('u=sin(time)') or a column of a file (u=drive.csv:u)"
+    add_list_option(parser, "--input", "inputs", "NAME=VALUE", about)
 
 
 def add_outputs_option(parser: argparse.ArgumentParser) -> None:
@@ -98,26 +90,13 @@ def add_outputs_option(parser: argparse.ArgumentParser) -> None:
 
 
 def add_parameter_option(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "-p",
-        "--parameter",
-        metavar="NAME=VALUE[UNIT]",
-        dest="parameters",
-        action="append",
-        default=[],
-        help="the value of a parameter, e.g. -p l=0.7 or -p 'l=70[cm]'",
-    )
+    about = "the value of a parameter, e.g. -p l=0.7 or -p 'l=70[cm]'"
+    add_list_option(parser, "--parameter", "parameters", "NAME=VALUE[UNIT]", about, "-p")
 
 
 def add_start_option(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--start",
-        metavar="NAME=VALUE[UNIT]",
-        dest="starts",
-        action="append",
-        default=[],
-        help="the initial value of a coordinate or speed, e.g. --start 'theta=30[deg]'",
-    )
+    about = "the initial value of a coordinate or speed, e.g. --start 'theta=30[deg]'"
+    add_list_option(parser, "--start", "starts", "NAME=VALUE[UNIT]", about)
 
 
 def choice_of(options: argparse.Namespace) -> Choice:
@@ -157,6 +136,11 @@ def _names(word: str | None) -> tuple[str, ...] | None:
     if not names:
         raise Usage("`--outputs` needs names, such as --outputs theta,E")
     return names
+
+
+def add_plot_option(parser: argparse.ArgumentParser, about: str) -> None:
+    """`--plot [FILE]`: None without it, "" without a file."""
+    parser.add_argument("--plot", metavar="FILE", nargs="?", const="", help=about)
 
 
 def add_backend_option(parser: argparse.ArgumentParser) -> None:

@@ -16,8 +16,10 @@ from lagc.cli.deliver import deliver, picture_of, spare
 from lagc.cli.options import (
     add_backend_option,
     add_general_options,
+    add_list_option,
     add_model_options,
     add_outputs_option,
+    add_plot_option,
     add_start_option,
     choice_of,
     limits_of,
@@ -37,14 +39,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
     add_start_option(parser)
     add_outputs_option(parser)
-    parser.add_argument(
-        "--guess",
-        metavar="NAME=VALUE[UNIT]",
-        dest="guesses",
-        action="append",
-        default=[],
-        help="where to search for the initial value of a coordinate or speed, which it leaves unstated",
-    )
+    about = "where to search for the initial value of a coordinate or speed, which it leaves unstated"
+    add_list_option(parser, "--guess", "guesses", "NAME=VALUE[UNIT]", about)
     parser.add_argument(
         "--stop",
         metavar="T",
@@ -56,14 +52,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--accuracy", metavar="A", help="the global relative error of each quantity; default: 1e-6"
     )
-    parser.add_argument(
-        "--scale",
-        metavar="NAME=VALUE[UNIT]",
-        dest="scales",
-        action="append",
-        default=[],
-        help="what the accuracy of a coordinate, speed or output is relative to, instead of its range",
-    )
+    about = "what the accuracy of a coordinate, speed or output is relative to, instead of its range"
+    add_list_option(parser, "--scale", "scales", "NAME=VALUE[UNIT]", about)
     parser.add_argument("--method", choices=METHODS, help="by hand: the integration method")
     parser.add_argument("--rtol", metavar="R", help="by hand: the relative tolerance of a step")
     parser.add_argument(
@@ -77,26 +67,15 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--every", metavar="DT", help="record a point every DT (by dense output; the steps do not change)"
     )
     parser.add_argument("--points", metavar="N", help="record N points; default: 501")
-    parser.add_argument(
-        "--sensitivity",
-        metavar="NAMES",
-        action="append",
-        default=[],
-        help="derivatives of the motion by parameters and initial values, e.g. 'l,m,start(theta)'",
-    )
+    about = "derivatives of the motion by parameters and initial values, e.g. 'l,m,start(theta)'"
+    add_list_option(parser, "--sensitivity", "sensitivity", "NAMES", about)
     parser.add_argument(
         "-o", "--output", metavar="FILE", help="write the recorded points: .csv, .npz or .parquet"
     )
     parser.add_argument(
         "--units", action="store_true", help="add units to the header of a .csv file: theta [rad]"
     )
-    parser.add_argument(
-        "--plot",
-        metavar="FILE",
-        nargs="?",
-        const="",
-        help="draw the motion into FILE (.png, .svg, .pdf), or on the screen",
-    )
+    add_plot_option(parser, "draw the motion into FILE (.png, .svg, .pdf), or on the screen")
     parser.add_argument(
         "--prune",
         action="store_true",

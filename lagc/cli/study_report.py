@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
 from lagc.cli.deliver import kept
-from lagc.cli.output import Usage, say
+from lagc.cli.options import add_list_option
+from lagc.cli.output import DONE, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show
+from lagc.host.budgets import reached, rest
 
 FORMATS = (".html", ".json", ".png", ".svg", ".pdf")
 
@@ -25,10 +27,8 @@ def add_report_options(parser: argparse.ArgumentParser, points: int) -> None:
 
 def add_output_option(parser: argparse.ArgumentParser) -> None:
     """`-o`."""
-    parser.add_argument(
-        "-o", "--output", metavar="FILE", action="append", default=[],
-        help="write the report: .html (one stand-alone page), .json, or the picture: .png .svg .pdf",
-    )  # fmt: skip
+    about = "write the report: .html (one stand-alone page), .json, or the picture: .png .svg .pdf"
+    add_list_option(parser, "--output", "output", "FILE", about, "-o")
 
 
 def check_endings(paths: Iterable[str]) -> None:
@@ -40,29 +40,41 @@ def check_endings(paths: Iterable[str]) -> None:
             )
 
 
-class Report:
-    """`data()` is the JSON object, `page(svg)` the HTML text, and `picture` the module of
-    `lagc.reports.plots` that draws."""
+def deliver(
+    options: argparse.Namespace, found: Any, heading: str, report: Any, picture: str, text: str, some: bool,
+    **facts: str,
+) -> int:  # fmt: skip
+    """Write the files if there are `some` results, print the result, and return the exit code.  `report` is a
+    module of `lagc.reports`, whose `to_dict` with `facts` is the JSON object; `picture` names one of
+    `lagc.reports.plots`."""
+    rest()
+    quiet = options.quiet or options.json
+    data = {**facts, **report.to_dict(found)}
+    written = [_write(path, found, heading, report, picture, quiet) for path in options.output if some]
+    if options.json:
+        print_json({"status": "ok" if found.complete else "interrupted", **data})
+    else:
+        show(text)
+    if not found.complete:
+        return LIMITED if reached() else INTERRUPTED
+    return DONE if all(written) else UNWRITTEN
 
-    def __init__(self, data: Callable[[], dict[str, Any]], page: Callable[[str], str], picture: str):
-        self.data, self.page, self.picture = data, page, picture
 
-    def write(self, path: str, found: object, heading: str, quiet: bool) -> bool:
-        """Write one file; return whether it has the name that was given."""
-        from lagc.base.text import json_text
-        from lagc.host.atomic_write import write
+def _write(path: str, found: Any, heading: str, report: Any, picture: str, quiet: bool) -> bool:
+    """Write one file; return whether it has the name that was given."""
+    from lagc.base.text import json_text
+    from lagc.host.atomic_write import write
+    from lagc.reports.plots.plot import save, svg
 
-        ending = os.path.splitext(path)[1].lower()
-        if ending == ".json":
-            data = (json_text(self.data(), indent=2) + "\n").encode()
-            named = kept(path, lambda name: write(name, data), (OSError,), ".json")
-        else:
-            picture = import_module(f"lagc.reports.plots.{self.picture}")
-            if ending == ".html":
-                data = self.page(picture.svg(found, heading)).encode()
-                named = kept(path, lambda name: write(name, data), (OSError,), ".html")
-            else:
-                named = kept(path, lambda name: picture.write(found, heading, name), (OSError, ValueError))
-        if named is not None:
-            say(f"written to {named}", quiet)
-        return named == path
+    ending = os.path.splitext(path)[1].lower()
+    drawn = None if ending == ".json" else import_module(f"lagc.reports.plots.{picture}")
+    if drawn is None or ending == ".html":
+        data = json_text(report.to_dict(found), indent=2) + "\n"
+        if drawn is not None:
+            data = report.page(found, heading, svg(drawn.draw(found, heading)))
+        named = kept(path, lambda name: write(name, data.encode()), (OSError,), ending)
+    else:
+        named = kept(path, lambda name: save(drawn.draw(found, heading), name), (OSError, ValueError))
+    if named is not None:
+        say(f"written to {named}", quiet)
+    return named == path

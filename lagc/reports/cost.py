@@ -164,7 +164,9 @@ def to_dict(study: Study) -> dict[str, Any]:
 
 
 def page(study: Study, heading: str, picture: str) -> str:
-    """Return one stand-alone HTML page; `picture` is the text of the SVG."""
-    title = f"{heading}: {headline(study)}"
-    drawing = picture[picture.index("<svg") :]
-    return PAGE.format(title=escape(title), picture=drawing, table=escape(text(study, heading, True)))
+    """Return one stand-alone HTML page; `picture` is an element `<svg>`."""
+    return stand_alone(f"{heading}: {headline(study)}", picture, text(study, heading, True))
+
+
+def stand_alone(title: str, picture: str, table: str) -> str:
+    return PAGE.format(title=escape(title), picture=picture, table=escape(table))

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from html import escape
 from typing import Any
 
 from lagc.base.text import printable, table
-from lagc.reports.cost import PAGE
+from lagc.reports.cost import stand_alone
 from lagc.study.effects import AS_LONG, Change, Choice, Effects, Elsewhere, joined
 
 
@@ -197,7 +196,5 @@ def headline(found: Effects) -> str:
 
 
 def page(found: Effects, heading: str, picture: str) -> str:
-    """Return one stand-alone HTML page; `picture` is the text of the SVG."""
-    title = f"{heading}: {headline(found)}"
-    drawing = picture[picture.index("<svg") :]
-    return PAGE.format(title=escape(title), picture=drawing, table=escape(text(found, heading)))
+    """Return one stand-alone HTML page; `picture` is an element `<svg>`."""
+    return stand_alone(f"{heading}: {headline(found)}", picture, text(found, heading))

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from html import escape
 from textwrap import fill
 from typing import Any
 
 from lagc.base.text import printable, table
-from lagc.reports.cost import PAGE
+from lagc.reports.cost import stand_alone
 from lagc.study.hard.case import Case, Figure, Hard, Row
 
 NAMES = {"c": "C", "numpy": "Python"}
@@ -156,6 +155,5 @@ def to_dict(found: Hard) -> dict[str, Any]:
 
 
 def page(found: Hard, heading: str, picture: str) -> str:
-    """Return one stand-alone HTML page; `picture` is the text of the SVG."""
-    drawing = picture[picture.index("<svg") :]
-    return PAGE.format(title=escape(heading), picture=drawing, table=escape(text(found, heading)))
+    """Return one stand-alone HTML page; `picture` is an element `<svg>`."""
+    return stand_alone(heading, picture, text(found, heading))

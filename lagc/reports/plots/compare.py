@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from lagc.reports.compare import COLUMNS, Compared
-from lagc.reports.plots.plot import COLORS, save, styled
+from lagc.reports.plots.plot import COLORS, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,8 +30,3 @@ def draw(found: Compared) -> Figure:
         figure.suptitle(found.runs[0].system.interface.model, fontsize=11)
         figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
         return figure
-
-
-def write(found: Compared, path: str) -> None:
-    """Draw into a file; the ending gives the format: .png .svg .pdf."""
-    save(draw(found), path)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import io
 from typing import TYPE_CHECKING
 
 from lagc.reports.effects import headline
-from lagc.reports.plots.plot import save, styled
+from lagc.reports.plots.plot import styled
 from lagc.study.effects import AS_LONG, Change, Effects
 
 if TYPE_CHECKING:
@@ -88,16 +87,3 @@ def _sets(axes: Axes, found: Effects) -> None:
     axes.barh([0], [0], color=LIGHT, label="operations of one evaluation")
     axes.barh([0], [0], color=SAME, label="CPU time of a run (measured)")
     axes.legend(fontsize=7.5, frameon=False, loc="upper center", bbox_to_anchor=(0.4, -0.16), ncols=2)
-
-
-def write(found: Effects, heading: str, path: str) -> None:
-    """Draw into a file; the ending gives the format: .png .svg .pdf."""
-    save(draw(found, heading), path)
-
-
-def svg(found: Effects, heading: str) -> str:
-    """Return the picture as the text of an SVG file."""
-    figure, buffer = draw(found, heading), io.StringIO()
-    with styled():
-        figure.savefig(buffer, format="svg", metadata={"Date": None})
-    return buffer.getvalue()

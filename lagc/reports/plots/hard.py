@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import io
 from typing import TYPE_CHECKING
 
 from lagc.reports.hard import NAMES, headline
-from lagc.reports.plots.plot import COLORS, by_unit, save, shown_names, styled
+from lagc.reports.plots.plot import COLORS, by_unit, shown_names, styled
 from lagc.study.hard.case import Hard
 
 if TYPE_CHECKING:
@@ -64,16 +63,3 @@ def _figures(axes: Axes, found: Hard, labels: list[str]) -> None:
     axes.set_xlim(left=LEAST / 3.0)
     axes.set_xlabel(f"measured over required (1: the figure itself; below {LEAST:g} drawn there)")
     axes.legend(fontsize=7.5, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
-
-
-def write(found: Hard, heading: str, path: str) -> None:
-    """Draw into a file; the ending gives the format: .png .svg .pdf."""
-    save(draw(found, heading), path)
-
-
-def svg(found: Hard, heading: str) -> str:
-    """Return the picture as the text of an SVG file."""
-    figure, buffer = draw(found, heading), io.StringIO()
-    with styled():
-        figure.savefig(buffer, format="svg", metadata={"Date": None})
-    return buffer.getvalue()

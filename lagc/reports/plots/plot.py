@@ -6,6 +6,7 @@ matplotlib is imported when a picture is drawn; without it ImportError names the
 from __future__ import annotations
 
 import html
+import io
 import math
 import os
 import sys
@@ -104,6 +105,15 @@ def save(figure: Figure, path: str) -> None:
     kind = os.path.splitext(path)[1].lstrip(".").lower()
     with styled(), Files() as files:
         figure.savefig(files.open(path), format=kind, dpi=160, metadata=dateless.get(kind))
+
+
+def svg(figure: Figure) -> str:
+    """The picture as an element `<svg>`."""
+    buffer = io.StringIO()
+    with styled():
+        figure.savefig(buffer, format="svg", metadata={"Date": None})
+    text = buffer.getvalue()
+    return text[text.index("<svg") :]
 
 
 def check_ending(path: str) -> None:
@@ -256,22 +266,9 @@ if TYPE_CHECKING:
 def solution_html(solution: Solution) -> str:
     """The plot as SVG where matplotlib is installed, else the final values as a table."""
     try:
-        return picture(solution)
+        return f'<div style="max-width: 60em">{svg(plot(solution))}</div>'
     except ImportError:
         return table(solution)
-
-
-def picture(solution: Solution) -> str:
-    import io
-
-    from lagc.reports.plots.plot import plot, styled
-
-    figure = plot(solution)
-    text = io.StringIO()
-    with styled():
-        figure.savefig(text, format="svg", metadata={"Date": None})
-    svg = text.getvalue()
-    return f'<div style="max-width: 60em">{svg[svg.index("<svg") :]}</div>'
 
 
 def table(solution: Solution) -> str:

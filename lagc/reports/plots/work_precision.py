@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import io
 from typing import TYPE_CHECKING
 
 from lagc.kernels import METHODS
 from lagc.reports.cost import headline
-from lagc.reports.plots.plot import COLORS, save, styled
+from lagc.reports.plots.plot import COLORS, styled
 from lagc.study.advice import Point
 from lagc.study.cost import Study
 
@@ -93,16 +92,3 @@ def _advice(axes: Axes, study: Study) -> None:
         words = f"for {a.target:.0e}: {a.setting.method}\n{a.setting}, {y:.2g} ms"
         axes.annotate(words, (x, y), xytext=(0, -26), textcoords="offset points", ha="center", va="top",
                       fontsize=7.5, color="#b3261e")  # fmt: skip
-
-
-def write(study: Study, heading: str, path: str) -> None:
-    """Draw into a file; the ending gives the format: .png .svg .pdf."""
-    save(draw(study, heading), path)
-
-
-def svg(study: Study, heading: str) -> str:
-    """Return the picture as the text of an SVG file."""
-    figure, buffer = draw(study, heading), io.StringIO()
-    with styled():
-        figure.savefig(buffer, format="svg", metadata={"Date": None})
-    return buffer.getvalue()
