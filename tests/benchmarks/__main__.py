@@ -59,8 +59,8 @@ def report() -> int:
         parser.error(f"there is no folder for {asked.json}")
     lacking = begun(TOOLS).missing if asked.write else {}
     if lacking or (asked.write and importlib.util.find_spec("matplotlib") is None):
-        words = ", ".join(lacking) or "matplotlib"
-        parser.error(f"the figures of the documentation need {words}: pip install -e '.[peers]'")
+        wanting = ", ".join(lacking) or "matplotlib"
+        parser.error(f"the figures of the documentation need {wanting}: pip install -e '.[peers]'")
     tools = asked.tools.split(",") if asked.tools else []
     strange = [word for word in tools if word != "none" and not any(word in tool.name for tool in TOOLS)]
     if strange:
