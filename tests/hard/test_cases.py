@@ -156,7 +156,7 @@ OFF = {
     "rest": (_no_rest, ["bouncing_ball"]),
     "set law": (_no_law, ["incline", "painleve_rod"]),
     "guard": (_no_guard, ["slide_off_sphere", "roll_off_sphere"]),
-    "impact": (_no_impact, ["rod_impact", "stacked_balls"]),
+    "impact": (_no_impact, ["rod_impact", "stacked_balls", "rocking_block"]),
     "jump": (_no_jump, ["conveyor"]),
 }
 SWITCHED = [(change, name) for change, names in OFF.values() for name in names]

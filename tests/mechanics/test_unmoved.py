@@ -22,6 +22,9 @@ COUPLED = f"{BODY}coordinate Angle a; {BOB}"
         (f"{BODY} force f = {{1 [N], 0, 0}} at b;", []),
         (f"{BODY} potential V = 1/2*3 [N/m]*x^2;", []),
         (f"{BODY} constraint c: x = 0;", []),
+        (f"{BODY} constraint c: x >= 0;", []),
+        ("coordinate Length y(rate = 1, start = -1); body b = Particle(mass = 1, at = {x, 0, 0}); "
+         "body c = Particle(mass = 1, at = {y, 0, 0}); constraint hit: x >= y;", []),
         (f"{BODY} input Force u; force f = u*world.x at b;", []),
         (f"{BODY} when time > 1 [s] then reinit(der(x), 2 [m/s]); end when;", []),
         (f"{BODY} initial der(x) = 1 [m/s];", []),

@@ -51,6 +51,7 @@ def _set_in_motion(equations: EquationsOfMotion) -> set[int]:
     """Return the speeds that constraints, initial values, initial equations or events may set."""
     place = {symbol: i for i, symbol in enumerate(equations.v)}
     found = {i for row in equations.rows for i in row.jacobian}
+    found |= {i for contact in equations.contacts for row in contact.jacobians for i in row}
     found |= {i for i, start in enumerate(equations.starts_v) if start.stated.level != UNSTATED}
     written = [residual for residual, _ in equations.initial_conditions]
     written += [rate.rate for rate in equations.stated_rates]

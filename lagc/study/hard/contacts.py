@@ -16,6 +16,7 @@ REFERENCES = (
     "rod_impact",
     "stacked_balls",
     "painleve_rod",
+    "rocking_block",
 )
 G = 9.81
 
@@ -156,6 +157,30 @@ def painleve_rod(lab: Lab) -> Found:
     return Found((wrong,), "dop853", said)
 
 
+def rocking_block(lab: Lab) -> Found:
+    known = read("rocking_block")["constants"]
+    stop = 10.0 if lab.backend == "c" else 3.0
+    run = lab.run(lab.compile("contact/rocking_block", "all"), stop, accuracy=1e-9)
+    hits = [event.t for event in run.events if event.kind == "impact"]
+    times = [_apart(hit, t) for hit, t in zip(hits, known["impact_times"])]
+    ratios = [_apart(x[5] / before[5], known["ratio"]) for t, before, x in run.corners if t in hits[:100]]
+    rest = _apart(run.final["E"], known["energy_at_rest"]) if lab.backend == "c" else None
+    worst = [max(part, default=inf) for part in (times, ratios)]
+    return Found((*worst, rest), how(run), f"{len(hits)} impacts", run)
+
+
+def tippe_top(lab: Lab) -> Found:
+    run = lab.run(lab.compile("contact/tippe_top"), 5.0 if lab.backend == "c" else 0.1, accuracy=1e-8)
+    acts = [event.t for event in run.events if event.kind]
+    first, last = (acts[0], acts[-1]) if acts else (inf, inf)
+    sphere = [j for t, j in zip(run.t, run["J1"]) if t < first]
+    stem = [j for t, j in zip(run.t, run["J2"]) if t > last]
+    gains = max(after - before for before, after in zip(run["E"], run["E"][1:]))
+    values = [max(_apart(j, part[0]) for j in part) if part else None for part in (sphere, stem)]
+    said = f"it leans by {run.final['theta']:.3g} rad"
+    return Found((*values, max(gains / run["E"][0], 0.0)), how(run), said, run)
+
+
 def conveyor(lab: Lab) -> Found:
     run = lab.run(lab.compile("contact/conveyor"), 4.0, accuracy=1e-10)
     slips, flight = 1.0 / (0.3 * G), 2.0 * 1.5 / G
@@ -243,5 +268,23 @@ CASES = (
         "After new values the contacts act as at a start.",
         "contact/conveyor", "lagc sim conveyor --accuracy 1e-10",
         (Figure("times [s]", 1e-9), Figure("place [m]", 1e-9)), conveyor,
+    ),
+    _of_file(
+        "rocking_block", "a block rocks until it stands",
+        "Edges hit and leave in turn, ever faster; friction holds the one that hits.",
+        "Only the edge that approaches has an impact, and sticks: the angular momentum about it stays.  "
+        "The motion between is smooth, and each impact is located.",
+        "lagc sim rocking_block --scene all --accuracy 1e-9",
+        (Figure("impact times, relative", 1e-9), Figure("rates after over before, relative", 1e-9),
+         Figure("energy at rest, relative", 1e-9)),
+    ),
+    Case(
+        "tippe_top", "a top turns over onto its stem",
+        "A fast spin, a slow turn by friction that nearly vanishes, and two contacts that change over.",
+        "J. H. Jellett, A Treatise on the Theory of Friction, 1872: L . (G - P) is constant for any friction",
+        "Friction is found with the force of the floor at each stage, and follows the slip in its direction.",
+        "contact/tippe_top", "lagc sim tippe_top --accuracy 1e-8",
+        (Figure("Jellett's integral on the sphere, relative", 1e-7),
+         Figure("the same on the stem, relative", 1e-7), Figure("energy gained, relative", 1e-9)), tippe_top,
     ),
 )  # fmt: skip
