@@ -119,6 +119,20 @@ def test_static_friction_holds_up_to_its_coefficient(pull: float, sticks: bool) 
     assert run.final["x"] == pytest.approx(0.0 if sticks else (pull - 0.25) * G / 2.0, abs=1e-6)
 
 
+def test_a_contact_whose_friction_is_zero_slides_both_ways() -> None:
+    """A spring draws a block over a floor: it turns back as without a floor."""
+    text = """  parameter Real mu = 0;
+  potential spring = 1/2*50 [N/m]*x^2;
+  constraint floor: y >= 0 (friction = mu, slip = der(x));
+  initial
+    x = 1 [m];
+    der(x) = 0;"""
+    run = _model(text).compile(backend="numpy").simulate(0.7, accuracy=1e-6)
+    turns = [math.pi / 5.0]
+    assert run.status == "ok" and [event.t for event in run.events] == pytest.approx(turns, abs=1e-6)
+    assert run.final["x"] == pytest.approx(math.cos(3.5), abs=2e-6)
+
+
 def test_friction_may_depend_on_the_slip() -> None:
     """mu = c v slows a block as exp(-c g t)."""
     text = """  constraint floor: y >= 0 (friction = 0.1 [s/m]*der(x), slip = der(x));

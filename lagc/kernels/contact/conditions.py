@@ -121,14 +121,14 @@ def read_modes(w: Work) -> None:
         w.law_turns[i] = 0
         w.law_sign[i] = -1 if w.law_p[first] < 0.0 and w.law_two_sided[i] > 0 else 1
         sticks = False
-        if has_friction(w, i) and w.law_slides[i] == 0:
+        if w.law_slips[i] > 0 and w.law_slides[i] == 0:
             rate = slip_rate(w, i)
-            sticks = rate <= zero
+            sticks = rate <= zero and has_friction(w, i)
             for k in range(w.law_slips[i]):
                 row = first + 1 + k
-                if not sticks:
+                if rate > zero:
                     w.law_direction[2 * i + k] = w.law_row_scale[row] * w.law_u[row] / rate
-                elif not opens:
+                elif sticks and not opens:
                     w.law_u[row] = 0.0
         if opens and not w.law_least[i] > 0.0:
             w.law_mode[i] = CONTACT_OPEN
