@@ -73,6 +73,18 @@ def test_ball_on_a_ball(masses: tuple[float, float], e: float, after: tuple[floa
         assert found["rounds"] == 3 and abs(v[0] + e * after[0]) < 2e-14 and abs(v[1] - after[1]) < 2e-14
 
 
+@pytest.mark.parametrize("slip", [-0.6, -0.3, 0.2, 0.5])
+def test_blows_that_two_ends_of_a_lying_rod_pass_on_fade_to_rest(slip: float) -> None:
+    """One end falls, the other lies: each blow lifts the other end by half of its speed. The last blows are
+    near round-off, where the rod slides, sticks and rests to the same velocities."""
+    for mu in (0.1, 0.3, 0.5, 0.7):
+        rows = np.array([[0.0, 1.0, 0.5], [1.0, 0.0, 0.01], [0.0, 1.0, -0.5], [1.0, 0.0, 0.01]])
+        v = np.array([slip, -2.5, 5.0])
+        code, after, found = impact(rows, np.diag([1.0, 1.0, 12.0]), v, [0.0, 0.0], 1, mu=[mu, mu])
+        assert code == DONE and found["rounds"] > 10
+        assert np.max(np.abs(rows[::2] @ after)) < 1e-10
+
+
 def test_row_of_three_balls_passes_the_blow_on() -> None:
     rows = np.array([[-1.0, 1.0, 0.0], [0.0, -1.0, 1.0]])
     code, v, found = impact(rows, np.eye(3), np.array([1.0, 0.0, 0.0]), [0.9, 0.9])

@@ -90,8 +90,8 @@ def is_admissible(w: Work) -> bool:
 
 
 def differs(w: Work) -> bool:
-    """Return whether w.law_u is not the kept one."""
-    least = DISTINCT * w.law_size + w.law_roundoff
+    """Return whether w.law_u is not the kept one: each of them may be off by what counts as zero."""
+    least = DISTINCT * w.law_size + 2.0 * zero_rate(w, largest_force(w))
     for j in range(w.law_rows):
         if fabs(w.law_u[j] - w.law_kept_u[j]) * w.law_row_scale[j] > least:
             return True
