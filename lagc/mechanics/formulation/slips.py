@@ -2,6 +2,10 @@
 
 A contact at a place with the velocity w has the gap rate n . w: the normal n of the surface follows from the
 gradients of gap rate and w by the speeds. The force along the gap is 1/|n| of the normal force.
+
+Two directions along a surface that turns in space are those of T. Duff et al., J. Comput. Graph. Tech. 6,
+2017, 1-8. They have no value where n points against the pole: the one of +z and -z that n is nearer to at the
+initial state.
 """
 
 from __future__ import annotations
@@ -11,7 +15,9 @@ from collections.abc import Mapping, Sequence
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.mechanics.formulation.jacobian import gradients
 from lagc.mechanics.formulation.states import States
+from lagc.mechanics.numeric.samples import samples
 from lagc.semantics.model import Contact
+from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector, cross, dot, norm
 
@@ -27,8 +33,7 @@ def along_surface(states: States, contact: Contact, normal: Gradient) -> tuple[l
         return given, states.graph.one
     parts = [dict(row) for row in gradients(states.graph, given, states.place_of_v)]
     n = _normal(states, dict(normal), parts)
-    across = None if n is None else _across(n)
-    if n is None or across is None:
+    if n is None:
         message = f"the velocity of the place of `{contact.label}` does not show the direction of its surface"
         remedy = (
             "give the place where the bodies touch, or write two components along the surface that are "
@@ -36,7 +41,7 @@ def along_surface(states: States, contact: Contact, normal: Gradient) -> tuple[l
         )
         raise Refused([Fault("LAG0235", message, contact.span, remedy=remedy)])
     velocity = (given[0], given[1], given[2])
-    found = [dot(direction, velocity) for direction in across]
+    found = [dot(direction, velocity) for direction in _across(states, n)]
     return [node for node in found if not node.is_zero], norm(n)
 
 
@@ -78,13 +83,18 @@ def _fits(states: States, n: Sequence[Node], normal: Gradient, parts: Sequence[G
     return ZeroTest(anywhere(states)).vanish(left) is not None
 
 
-def _across(n: Vector) -> tuple[Vector, Vector] | None:
-    """Return two unit vectors across n and each other, if n is across an axis of the world."""
+def _across(states: States, n: Vector) -> tuple[Vector, Vector]:
+    """Return two unit vectors across n and each other: one is an axis of the world if n is across one."""
+    graph, length = states.graph, norm(n)
+    zero, one = graph.zero, graph.one
     for k in (2, 1, 0):
         if n[k].is_zero:
-            zero, one = n[k].graph.zero, n[k].graph.one
             axis = (one if k == 0 else zero, one if k == 1 else zero, one if k == 2 else zero)
             other = cross(n, axis)
-            length = norm(n)
             return (other[0] / length, other[1] / length, other[2] / length), axis
-    return None
+    x, y, z = n[0] / length, n[1] / length, n[2] / length
+    start = next(samples(states.model, 1, vary=False, spread=0.0), None)
+    if start is not None and evaluate([states.in_speeds([n[2]])[0]], start)[0] < 0.0:
+        x, y, z = -x, -y, -z
+    part = -one / (one + z)
+    return (one + x * x * part, x * y * part, -x), (x * y * part, one + y * y * part, -y)

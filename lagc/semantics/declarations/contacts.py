@@ -31,11 +31,15 @@ from lagc.semantics.values.evaluate import all_values, evaluate, evaluate_as
 from lagc.semantics.values.kinematics import SPEED, velocity_of
 from lagc.semantics.values.unit_hints import expect_of
 from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import Vector, sub
 from lagc.syntax import tree
 
-_ARGUMENTS = ("restitution", "friction", "static", "slip", "at", "on", "law")
+_ARGUMENTS = ("restitution", "friction", "static", "slip", "at", "on", "against", "law")
 SECOND = dimension(s=1)
-_PLACES = "the place where it touches: `at = P`, for that of a body that turns with `on = body`"
+_PLACES = (
+    "the place where it touches: `at = P`, for that of a body that turns with `on = body`, beside a body "
+    "that moves too with `against = other`"
+)
 _SLIPS = (
     "write the velocity with which it slides: `slip = der(x)` in the plane, in space two components along "
     "the surface: `slip = {der(x), der(y)}`"
@@ -74,8 +78,16 @@ def _friction(
 ) -> tuple[tuple[Node, ...], Node | None, Node | None]:
     """Return slip, friction and static friction of a contact whose gap has this dimension."""
     for names, other, why in (
-        (("slip", "at", "on", "static"), "friction", "write the coefficient of friction: `friction = 0.3`"),
-        (("on",), "at", "write the place where the body touches: `at = G - R*world.z`"),
+        (
+            ("slip", "at", "on", "against", "static"),
+            "friction",
+            "write the coefficient of friction: `friction = 0.3`",
+        ),
+        (
+            ("on", "against"),
+            "at",
+            "write the place where the bodies touch in place of a slip: `at = G - R*world.z`",
+        ),
     ):
         for name in names:
             if name in written and other not in written:
@@ -140,6 +152,8 @@ def _slip(
         nodes, own = (scalar.node,), scalar.dimension
     if len(nodes) > 3:
         raise Wrong("LAG0235", f"the slip has {len(nodes)} components", span, _SLIPS)
+    if len(nodes) == 3:
+        meant = SPEED  # the push is then taken along the normal of the surface, whatever the gap measures
     expect_of(source, own, meant, "the slip", describe(meant))
     constant = [k for k, node in enumerate(nodes) if not context.clock.mask(node) & VELOCITY]
     for k, node in enumerate(nodes):
@@ -153,12 +167,21 @@ def _slip(
 
 
 def _velocity_at(context: Context, entry: Entry, written: Mapping[str, tree.Expression]) -> Value:
-    """Return the velocity of the place `at`, or of the material point there of the body `on`."""
-    given = [Argument(evaluate(context, written["at"], entry.environment), written["at"].span)]
-    if "on" in written:
-        body = Argument(evaluate(context, written["on"], entry.environment), written["on"].span)
-        return vector_value(velocity_of(context, body, given[0]), SPEED)
-    return vector_value(velocity_of(context, given[0], None), SPEED)
+    """Return the velocity of the place `at`, or of the material point there of the body `on`, less that of
+    the body `against`. The world is at rest."""
+    given = {
+        name: Argument(evaluate(context, written[name], entry.environment), written[name].span)
+        for name in ("at", "on", "against")
+        if name in written
+    }
+    place, rest = given["at"], (context.graph.zero, context.graph.zero, context.graph.zero)
+
+    def moves(name: str) -> Vector:
+        body = given[name]
+        return rest if body.value == context.world else velocity_of(context, body, place)
+
+    found = moves("on") if "on" in given else velocity_of(context, place, None)
+    return vector_value(sub(found, moves("against")) if "against" in given else found, SPEED)
 
 
 def _check(context: Context, source: tree.Constraint, gap: Node) -> None:

@@ -206,10 +206,14 @@ class Measure:
     def notes(self, run: Trajectory) -> list[str]:
         """A note on the quantities that do not move."""
         found, interface = self.of(run), self.system.interface
+        continuous = len(self.given) - len(interface.discretes)
         named = [
             f"`{name}` ({scale:.1g} {unit}".rstrip() + ")"
             for name, unit, constant, scale in zip(
-                quantity_names(interface), quantity_units(interface), found.constant, found.scales
+                quantity_names(interface)[:continuous],
+                quantity_units(interface),
+                found.constant,
+                found.scales,
             )
             if constant and scale
         ]
