@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.symbolic.graph import Node
 from lagc.symbolic.operators import VALUES
-from lagc.symbolic.walk import missing, reachable
+from lagc.symbolic.walk import reachable
 
 
 def evaluate(
@@ -22,12 +22,6 @@ def evaluate(
         if node not in known:
             known[node] = value_of(node, known)
     return [known[node] for node in nodes]
-
-
-def extend(known: dict[Node, float], nodes: Sequence[Node]) -> None:
-    """Add the values of `nodes` and of all nodes below them to `known`; see `evaluate`."""
-    for node in missing(nodes, known):
-        known[node] = value_of(node, known)
 
 
 def value_of(node: Node, known: Mapping[Node, float]) -> float:

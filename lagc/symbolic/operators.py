@@ -35,16 +35,6 @@ FLAT = "flat"  # piecewise constant
 CHOICE = "choice"  # selects one of two arguments
 
 
-@dataclass(frozen=True, slots=True)
-class Border:
-    """The border of the domain or of smoothness of a function of x: it lies where `zero(x)` is 0, and never
-    for x `inside`."""
-
-    zero: Callable[[float], float]
-    inside: Interval
-    words: str
-
-
 def _flat(graph: Any, node: Any, *arguments: Any) -> tuple[Any, ...]:
     return (graph.zero,) * len(arguments)
 
@@ -67,7 +57,6 @@ class Operator:
     parity: int = 0
     within: Interval = EVERYWHERE
     rising: bool = False
-    border: Border | None = None
     sides: Sides | None = None
     twin: str = ""
     truth: bool = False  # the value is a truth value
@@ -108,9 +97,6 @@ def _compared(graph: Any, x: Any, y: Any) -> Any:
     return graph.binary("lt", x, y)
 
 
-_ONES = Border(lambda x: 1.0 - x * x, _UP_TO_ONE, "reaches 1 or -1")
-_RIGHT_ANGLES = Border(lambda x: math.cos(x) if math.isfinite(x) else x, _RIGHT, "passes a right angle")
-
 _ROWS = (
     Operator(
         "sin", 1, math.sin, ENTIRE, lambda g, f, x: (g.cos(x),), parity=-1, within=_UP_TO_ONE, twin="cos",
@@ -118,14 +104,14 @@ _ROWS = (
     Operator(
         "cos", 1, math.cos, ENTIRE, lambda g, f, x: (-g.sin(x),), parity=1, within=_UP_TO_ONE, twin="sin",
     ),
-    Operator("tan", 1, math.tan, POLE, lambda g, f, x: (f * f + 1.0,), parity=-1, border=_RIGHT_ANGLES),
+    Operator("tan", 1, math.tan, POLE, lambda g, f, x: (f * f + 1.0,), parity=-1),
     Operator(
         "asin", 1, math.asin, END, lambda g, f, x: (1.0 / g.sqrt(1.0 - x * x),),
-        parity=-1, within=_RIGHT, rising=True, border=_ONES, latex=r"\arcsin",
+        parity=-1, within=_RIGHT, rising=True, latex=r"\arcsin",
     ),
     Operator(
         "acos", 1, math.acos, END, lambda g, f, x: (-1.0 / g.sqrt(1.0 - x * x),),
-        within=(0.0, math.pi), border=_ONES, latex=r"\arccos",
+        within=(0.0, math.pi), latex=r"\arccos",
     ),
     Operator(
         "atan", 1, math.atan, ENTIRE, lambda g, f, x: (1.0 / (x * x + 1.0),),

@@ -96,15 +96,9 @@ def test_slopes_are_those_of_the_function(row: Operator) -> None:
 
 
 @pytest.mark.parametrize("row", SMOOTH, ids=named)
-def test_an_entire_function_has_a_value_everywhere_and_a_border_is_where_another_ends(row: Operator) -> None:
+def test_an_entire_function_has_a_value_everywhere(row: Operator) -> None:
     if row.smoothness == ENTIRE:
         assert all(math.isfinite(row.value(x)) for x in (-300.0, -1.5, 0.0, 1.5, 300.0))
-    if row.border is not None:
-        low, high = row.border.inside
-        slope = [abs(float(mpmath.diff(lambda a: exact(row, a), end * (1.0 - 1e-9)))) for end in (low, high)]
-        assert min(slope) > 1e3
-        assert [row.border.zero(end) for end in (low, high)] == pytest.approx([0.0, 0.0], abs=1e-15)
-        assert row.border.zero(0.5 * high) * row.border.zero(1.1 * high) < 0.0
 
 
 def test_whole_columns_know_every_function_that_generated_python_calls() -> None:

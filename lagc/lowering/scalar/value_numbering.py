@@ -18,20 +18,6 @@ from lagc.symbolic.leaves import Table
 from lagc.symbolic.operators import TRUTHS
 
 STRAIGHT = 1500  # operations and stores; more are in the order in which they were made, see `rolling`
-ARRAYS = (
-    "p",
-    "t",
-    "x",
-    "modes",
-    "e",
-    "a",
-    "lam",
-    "d",
-    "box",
-    "w",
-    "r",
-    "s",
-)  # inputs, in the order of a signature
 
 _OF_NUMBERS: dict[str, Callable[[Any, Any], float]] = {"add": add, "sub": sub, "mul": mul, "div": truediv}
 

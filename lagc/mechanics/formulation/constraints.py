@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.mechanics.formulation.equations import Law, Level, Mode, Relation, Row
+from lagc.mechanics.formulation.equations import Law, Level, Row
 from lagc.mechanics.formulation.jacobian import formed_of, gradients
 from lagc.mechanics.formulation.states import States
 from lagc.semantics.model import Constraint
@@ -56,9 +56,7 @@ def classify(states: States) -> list[Classified]:
         row = Row(
             label=c.labels[k],
             constraint=c.name,
-            relation=Relation.EQUAL,
             level=Level.VELOCITY if residuals[n] in with_speeds else Level.POSITION,
-            mode=Mode.ALWAYS,
             law=Law.SERVO if c.actuator else Law.PERFECT,
             multiplier=states.graph.symbol("multiplier", c.labels[k]),
             residual=residuals[n],

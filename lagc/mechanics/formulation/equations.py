@@ -23,23 +23,11 @@ from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.walk import symbols
 
 
-class Relation(Enum):
-    """Of a row's residual to zero."""
-
-    EQUAL = "="
-
-
 class Level(Enum):
     """Whether a row restricts positions or velocities."""
 
     POSITION = "position"
     VELOCITY = "velocity"
-
-
-class Mode(Enum):
-    """When a row holds."""
-
-    ALWAYS = "always"
 
 
 class Law(Enum):
@@ -61,9 +49,7 @@ class Row:
 
     label: str  # the constraint's row label, unique
     constraint: str
-    relation: Relation
     level: Level
-    mode: Mode
     law: Law
     multiplier: Node  # a symbol
     residual: Node

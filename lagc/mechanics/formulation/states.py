@@ -78,13 +78,6 @@ class States:
         return tuple([x for spread in (0.3, 3.0, 30.0) for x in samples(self.model, 3, spread=spread)])
 
     @cached_property
-    def near(self) -> tuple[dict[Node, float], ...]:
-        """The same near the start, with the parameters' own values."""
-        from lagc.mechanics.numeric.samples import samples
-
-        return tuple(samples(self.model, 3, vary=False))
-
-    @cached_property
     def bounds(self) -> dict[Node, Interval]:
         return {p.symbol: (p.minimum, p.maximum) for p in self.model.parameters}
 

@@ -227,23 +227,10 @@ class Point:
         inertia, force, row = (np.abs(self.partial(part, group)) for part in ("inertia", "force", "row"))
         return np.vstack([inertia + force, row])
 
-    def reach(self, group: str) -> Array:
-        """The sizes that round-off of d(rate)/d(group) is relative to: all its terms, and all entries that
-        the solve connects, in the metric of the mass matrix."""
-        d = np.concatenate(self.scales)
-        solve = np.abs(self.inverse) / np.outer(d, d)
-        solve = d[:, None] * np.where(solve > 0.0, solve.max(initial=0.0), 0.0) * d
-        return np.vstack([np.abs(self.partial("qdot", group)), (solve @ self.parts(group))[: self.system.nv]])
-
     def rate_sizes(self, group: str, of_motion: Array | None = None) -> Array:
         """The sizes of d(rate)/d(group), with those of d(a, lam)/d(group) from `sizes` or as given."""
         of_motion = self.sizes(group) if of_motion is None else of_motion
         return np.vstack([np.abs(self.partial("qdot", group)), of_motion[: self.system.nv]])
-
-    def by_parameters(self) -> Array:
-        """d(rate)/d(parameter), with 0 for round-off, as for a motion that does not depend on a mass."""
-        own = rounded(self.motion("parameter"), self.sizes("parameter"))[: self.system.nv]
-        return np.vstack([self.partial("qdot", "parameter"), own])
 
     def total(self, part: str, group: str) -> Array:
         """The derivatives of qdot, acceleration, multiplier, rate = (qdot, acceleration), indicator or
