@@ -34,6 +34,7 @@ FILES = (
     "arithmetic/quaternions",
     "constraints/projection",
     "dynamics/loaded_reactions",
+    "contact/responses",
     "contact/touching",
     "integrators/explicit_runge_kutta",
     "integrators/stage_equations",

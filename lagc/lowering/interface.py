@@ -32,7 +32,9 @@ _UNHASHED = (
     "part_ends", "part_columns", "pieces", "row_pieces", "written", "conservative", "series", "methods",
     "scales",
 )  # fmt: skip
-_OPTIONAL = ("contacts", "late_relations", "loading_rows", "held_rows", "servos", "curved_loads")
+_OPTIONAL = (
+    "contacts", "late_relations", "loading_rows", "held_rows", "pushed_contacts", "servos", "curved_loads",
+)  # fmt: skip
 _OF_DISCRETES = ("discretes", "booleans")
 
 
@@ -61,6 +63,7 @@ def interface(
     relations: tuple[EventRelation, ...] = (),
     loading_rows: tuple[int, ...] = (),
     held_rows: tuple[int, ...] = (),
+    pushed_contacts: tuple[int, ...] = (),
     curved_loads: bool = False,
 ) -> Interface:
     """Return the interface of `functions` and of `slopes`, the derivatives of the initial equations.
@@ -98,6 +101,7 @@ def interface(
         counted_relations=tuple([int(relation.edges is not None) for relation in relations]),
         loading_rows=loading_rows,
         held_rows=held_rows,
+        pushed_contacts=pushed_contacts,
         curved_loads=curved_loads,
         servos=tuple([(c.name, c.actuator) for c in model.constraints if c.actuator]),
         late_relations=sum(relation.late for relation in relations),

@@ -1,4 +1,4 @@
-"""Loads that depend on multipliers: their forces beside the equations without them."""
+"""Loads that depend on reactions: their forces beside the equations without them."""
 
 from __future__ import annotations
 
@@ -16,13 +16,14 @@ from lagc.symbolic.walk import depends, substitute, symbols
 
 @dataclass(frozen=True, slots=True)
 class Loads:
-    """The forces on each speed that depend on multipliers: without them, `rest` are the equations. `rows`
-    are the numbers of these multipliers, `slopes` the derivatives of `forces` by them, one after the
-    other. `held` is 1 where an actuator holds the row: the force along its gradient, which a servo takes
-    away, is not part of `forces`."""
+    """The forces on each speed that depend on reactions. Without them, `rest` are the equations. `rows` are
+    the numbers of the multipliers, `pushed` of the contacts with these normal forces; `slopes` the
+    derivatives of `forces` by all, one after the other. `held` is 1 where an actuator holds the row: the
+    force along its gradient, which a servo takes away, is not part of `forces`."""
 
     rows: tuple[int, ...]
     held: tuple[int, ...]
+    pushed: tuple[int, ...]
     forces: tuple[Node, ...]
     slopes: tuple[Node, ...]
     linear: bool
@@ -30,13 +31,15 @@ class Loads:
 
 
 def loads_of(equations: EquationsOfMotion) -> Loads | None:
-    """Return the loads of `equations`, along a step, that depend on multipliers; None if there are none."""
+    """Return the loads of `equations`, along a step, that depend on reactions; None if there are none."""
     graph, lam = equations.graph, equations.lam
-    used = symbols(equations.given_forces) & set(lam)
+    pushes = [contact.multiplier for contact in equations.contacts]
+    used = symbols(equations.given_forces) & {*lam, *pushes}
     if not used:
         return None
     rows = tuple([k for k, symbol in enumerate(lam) if symbol in used])
-    chosen = [lam[k] for k in rows]
+    pushed = tuple([k for k, symbol in enumerate(pushes) if symbol in used])
+    chosen = [*(lam[k] for k in rows), *(pushes[k] for k in pushed)]
     none = dict.fromkeys(chosen, graph.zero)
     without = substitute(graph, equations.given_forces, none)
     weights = zip(equations.loads, substitute(graph, list(equations.loads.values()), none))
@@ -44,6 +47,7 @@ def loads_of(equations: EquationsOfMotion) -> Loads | None:
         equations,
         given_forces=tuple(without),
         loads={velocity: weight for velocity, weight in weights if not weight.is_zero},
+        power=substitute(graph, [equations.power], dict.fromkeys(pushes, graph.zero))[0],
     )
     held = tuple([int(equations.rows[k].law is Law.SERVO) for k in rows])
     given = list(equations.given_forces)
@@ -56,10 +60,12 @@ def loads_of(equations: EquationsOfMotion) -> Loads | None:
     forces = [graph.sub(force, other) for force, other in zip(given, without)]
     if linear:
         forces = [graph.sum(own.get(x, graph.zero) * x for x in chosen) for own in found]
-    return Loads(rows, held, tuple(forces), tuple(slopes), linear, rest)
+    return Loads(rows, held, pushed, tuple(forces), tuple(slopes), linear, rest)
 
 
 def loaded(along: Places, loads: Loads) -> Function:
     """Return the function of these forces and their derivatives."""
     parts: tuple[tuple[str, Sequence[Node]], ...] = (("f", loads.forces), ("D", loads.slopes))
-    return made(along, "loaded", (*along.state, "lam"), parts, "forces that depend on multipliers")
+    forces = ("contact_forces",) if loads.pushed else ()
+    name = "pushed" if forces else "loaded"
+    return made(along, name, (*along.state, "lam", *forces), parts, "forces that depend on reactions")

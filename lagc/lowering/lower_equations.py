@@ -69,6 +69,9 @@ def optimize(
     if loads is not None:
         function = loaded(whole, loads)
         made[function.name] = preparation.separated(function)
+        power = program_functions.power(whole) if loads.pushed else None
+        if power is not None:
+            made[power.name] = preparation.separated(power)
     factored = solver if equations.rows or equations.contacts or differentiate or sensitive else None
     differentiated = derivatives(whole, relations) if differentiate else None
     more = [*(differentiated.functions if differentiated else ()), *(tangents(along) if sensitive else ())]
@@ -105,6 +108,7 @@ def optimize(
             relations=relations,
             loading_rows=loads.rows if loads else (),
             held_rows=loads.held if loads else (),
+            pushed_contacts=loads.pushed if loads else (),
             curved_loads=loads is not None and not loads.linear,
         ),
         found,

@@ -230,8 +230,9 @@ class Interface:
     late_relations: int = 0  # those that accelerations or reactions decide, before those of contacts
     loading_rows: tuple[int, ...] = ()  # constraint equations whose multipliers loads depend on
     held_rows: tuple[int, ...] = ()  # of these, 1 where an actuator holds the equation
+    pushed_contacts: tuple[int, ...] = ()  # contacts whose normal forces loads depend on
     servos: tuple[tuple[str, str], ...] = ()  # constraints that act through an actuator, and that
-    curved_loads: bool = False  # these loads are not linear in the multipliers
+    curved_loads: bool = False  # these loads are not linear in these reactions
     timed_relations: int = 0  # the first ones, which time alone changes, when is known
     timed: bool = False  # the rates, or when they change, depend on time itself
     flowing: bool = False  # the rates do between changes

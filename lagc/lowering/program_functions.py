@@ -260,7 +260,8 @@ def power(places: Places) -> Function | None:
     equations = places.equations
     if equations.power.is_zero:
         return None
-    inputs = (*places.state, "a", "lam")
+    pushes = symbols([equations.power]) & {contact.multiplier for contact in equations.contacts}
+    inputs = (*places.state, "a", "lam", *(("contact_forces",) if pushes else ()))
     return made(places, "power", inputs, (("e", [equations.power]),), "rate of that energy", rare=True)
 
 

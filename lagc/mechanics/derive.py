@@ -119,36 +119,18 @@ def _constrained(states: States) -> tuple[list[Classified], list[Dropped], tuple
     return kept, idle + dropped, warnings
 
 
-_AS_LOAD = "write the bound as a load, such as a spring"
-
-
 def _refuse_reactions(model: Model, dropped: Sequence[Dropped]) -> None:
-    """Raise Refused, LAG0431, if a load depends on the force of a contact, on the multiplier of a row that
-    others imply, or on any multiplier in a model with contacts; or if an actuator holds a constraint in
-    such a model."""
+    """Raise Refused, LAG0431, if a load depends on the multiplier of a row that others imply."""
     shared = {label for row in dropped if row.others for label in (row.label, *row.others)}
-    contacts = {contact.label for contact in model.contacts}
     faults = []
     for load in [x for x in model.actions if isinstance(x, Force | Torque)]:
-        owners = sorted(s.record.owner for s in symbols(load.vector) if s.record.kind == "multiplier")
-        for owner in owners:
-            what = f"`{load.name}` depends on `reaction({owner})`"
+        for owner in sorted(s.record.owner for s in symbols(load.vector) if s.record.kind == "multiplier"):
             if owner in shared:
-                message = f"{what}, which is one of many: other equations imply this one"
-                faults.append(Fault("LAG0431", message, load.span, remedy="leave out one of these equations"))
-            elif contacts:
-                message = f"{what}, beside the one-sided constraint `{min(contacts)}`"
-                remedy = (
-                    "write friction as an argument of the contact, `(friction = 0.3, slip = der(x))`"
-                    if owner in contacts
-                    else _AS_LOAD
+                message = (
+                    f"`{load.name}` depends on `reaction({owner})`, which is one of many: other equations "
+                    "imply this one"
                 )
-                faults.append(Fault("LAG0431", message, load.span, remedy=remedy))
-    for servo in [c for c in model.constraints if c.actuator and contacts]:
-        message = (
-            f"`{servo.actuator}` holds `{servo.name}`, beside the one-sided constraint `{min(contacts)}`"
-        )
-        faults.append(Fault("LAG0431", message, servo.span, remedy=_AS_LOAD))
+                faults.append(Fault("LAG0431", message, load.span, remedy="leave out one of these equations"))
     if faults:
         raise Refused(faults)
 

@@ -151,20 +151,19 @@ def _at_event(system: System, run: Trajectory) -> str:
 def _paradox(system: System, run: Trajectory) -> str:
     """The message of a run in which laws of contacts, or loads of reactions, have no solution or several."""
     interface = system.interface
-    if interface.loading_rows:
-        row = run.culprit if run.culprit in interface.loading_rows else interface.loading_rows[0]
-        label = interface.row_labels[row]
-        at = ", ".join(f"{n} = {v:.6g}" for n, v in zip(interface.q_names[:MOST_NAMED], run.x))
+    names = [contact.name for contact in interface.contacts]
+    row = run.culprit - len(names)
+    at = ", ".join(f"{n} = {v:.6g}" for n, v in zip(interface.q_names[:MOST_NAMED], run.x))
+    if row >= 0 and (interface.loading_rows or interface.pushed_contacts):
+        label = names[row - interface.nc] if row >= interface.nc else interface.row_labels[row]
         actuator = dict(interface.servos).get(label.partition("[")[0])
         if actuator:
             return (f"`{actuator}` cannot hold the constraint `{label}` ({at}): it does not change the "
                     "acceleration of the constraint there, or several actuators do so alike")  # fmt: skip
         return (f"the loads that depend on `reaction({label})` leave it open ({at}): no value solves the "
                 "equations, or several do, as in a mechanism that locks itself")  # fmt: skip
-    names = [contact.name for contact in system.interface.contacts]
     name = names[run.culprit] if 0 <= run.culprit < len(names) else names[0]
-    at = ", ".join(f"{n} = {v:.6g}" for n, v in zip(system.interface.q_names[:MOST_NAMED], run.x))
-    newton = any(contact.slips and not contact.poisson for contact in system.interface.contacts)
+    newton = any(contact.slips and not contact.poisson for contact in interface.contacts)
     impact = "; Newton's law of impact may also add energy there, `law = poisson` does not" if newton else ""
     return (f"the laws of contact have no solution, or several, where `{name}` touches ({at}): rigid "
             f"bodies do not decide how the motion goes on{impact}")  # fmt: skip

@@ -143,9 +143,7 @@ def test_linear_models_know_them() -> None:
 @pytest.mark.parametrize(
     ("text", "code"),
     [
-        ("constraint floor: x >= 0;\n  force F = {0, 0, -0.1*reaction(floor)} at b;", "LAG0431"),
         ("constraint again: 2*der(z) = 0;\n  force F = {-0.1*reaction(again), 0, 0} at b;", "LAG0431"),
-        ("constraint floor: x >= 0;\n  force F = {0, 0, -0.1*reaction(rail)} at b;", "LAG0431"),
         ("force F = -1 [kg]*acceleration(b) at b;", "LAG0219"),
     ],
 )

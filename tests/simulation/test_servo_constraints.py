@@ -102,7 +102,6 @@ end M;"""
         ("constraint path: x = 0 (of = motor);", "LAG0209"),
         ("constraint path: {x, y} = {0, 0} (by = motor);", "LAG0221"),
         ("constraint one: x = 0 (by = motor);\n  constraint two: y = 0 (by = motor);", "LAG0221"),
-        ("constraint path: x = 0 (by = motor);\n  constraint floor: y >= 0;", "LAG0431"),
     ],
 )
 def test_refusals(text: str, code: str) -> None:

@@ -234,14 +234,15 @@ def _work(program: Program) -> str:
     power = program.functions.get("power")
     used = power.inputs if power is not None else ()
     modes = ("modes",) if program.interface.relations else ()
-    given = ("p", "t", "x", *modes, "a", "lam")
+    forces = ("contact_forces",) if program.interface.pushed_contacts else ()
+    given = ("p", "t", "x", *modes, "a", "lam", *forces)
     unused = "".join(f"    (void){name};\n" for name in given if name not in used)
     body = "    e[0] = 0.0;\n"
     if power is not None:
         body = f"    lagc_fn_{power.spelled}({', '.join(used)}, e);\n"
     formal = {"p": "const lagc_params *p", "t": "lagc_real t"}
     head = ", ".join(formal.get(name, f"const lagc_real *{name}") for name in given)
-    name = "work_on" if modes else "work"
+    name = ("pushed_" if forces else "") + ("work_on" if modes else "work")
     return f"static void lagc_fn_{name}({head}, lagc_real *e)\n{{\n{unused}{body}}}\n"
 
 

@@ -181,7 +181,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     sums = max(len(interface.part_ends) - len(interface.condition_ends), 0)
     values, lanes, squares, *_ = interface.series
     relations, free = len(interface.relations), len(interface.relations) - interface.timed_relations
-    loaded = len(interface.loading_rows)
+    loaded, pushed = len(interface.loading_rows), len(interface.pushed_contacts)
     own = {
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NINT": nq + nv + interface.nz,
         "NDISC": len(interface.discretes), "NC": interface.nc, "NH": interface.nh,
@@ -197,8 +197,9 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NSEARCH": free + interface.features + interface.poles,
         "NEDGES": 2 * relations if "edges" in interface.functions else 0,
         "NLOADED": loaded, "NHELD": sum(interface.held_rows),
-        "NLOADSLOPES": loaded * nv, "NLOADCOLUMNS": loaded * (nv + interface.nc),
-        "NLOADMATRIX": loaded * loaded, "NCURVED": loaded if interface.curved_loads else 0,
+        "NPUSHED": pushed, "NLOADS": loaded + pushed,
+        "NLOADSLOPES": (loaded + pushed) * nv, "NLOADCOLUMNS": loaded * (nv + interface.nc),
+        "NLOADMATRIX": loaded * loaded, "NCURVED": loaded + pushed if interface.curved_loads else 0,
         "NIMPULSE": sum(c.impulse >= 0 for c in interface.contacts), "NLATE": interface.late_relations,
         "NKNOWN": nv + interface.nc + sum(1 + c.slips for c in interface.contacts),
         "NCON": len(interface.contacts), "NSLIP": sum(c.slips for c in interface.contacts),
@@ -286,6 +287,7 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
             k + sum(c.slips for c in interface.contacts[:k]) for k in range(len(interface.contacts))
         ],
         "loading_row": interface.loading_rows, "load_held": interface.held_rows,
+        "pushed_contact": interface.pushed_contacts,
         "impulse_state": [c.impulse for c in interface.contacts],
         "contact_slips": [c.slips for c in interface.contacts],
         "contact_poisson": [int(c.poisson) for c in interface.contacts],

@@ -181,4 +181,6 @@ def _work(program: Program) -> str:
     power = program.functions.get("power")
     body = f"fn_{power.spelled}({', '.join(power.inputs)}, e)" if power is not None else "e[0] = 0.0"
     name, modes = ("work_on", "modes, ") if program.interface.relations else ("work", "")
-    return f"def fn_{name}(p, t, x, {modes}a, lam, e):\n    {body}\n"
+    forces = "contact_forces, " if program.interface.pushed_contacts else ""
+    name = f"pushed_{name}" if forces else name
+    return f"def fn_{name}(p, t, x, {modes}a, lam, {forces}e):\n    {body}\n"

@@ -190,9 +190,12 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0431": Entry(
         "a load of a reaction that is not a multiplier of its own",
-        "A force or torque may depend on `reaction(c)` if `c` is an equation that no other one implies, and "
-        "if the model has no one-sided constraints. An actuator holds no constraint beside those either.",
-        _on_particle("  constraint floor: x >= 0;\n  force F = {0, -0.1*reaction(floor), 0} at p;\n"),
+        "A force or torque may depend on `reaction(c)` if `c` is a one-sided constraint, or an equation that "
+        "no other one implies.",
+        _on_particle(
+            "  constraint rail: x = 0;\n  constraint again: 2*der(x) = 0;\n"
+            "  force F = {0, -0.1*reaction(again), 0} at p;\n"
+        ),
         _on_particle("  constraint rail: x = 0;\n  force F = {0, -0.1*reaction(rail), 0} at p;\n"),
     ),
     "LAG0430": Entry(

@@ -264,6 +264,21 @@ def correct_unknowns(w: Work) -> Real:
     return turned
 
 
+def shares_force(i: int, w: Work) -> bool:
+    """Return whether the normal force of a closed contact is one of many, after `least_norm_change`: its unit
+    vector is no sum of the rows, which are orthonormal then."""
+    n = w.law_unknowns
+    if w.law_rank < n:
+        for e in range(n):
+            if w.law_contact[e] == i and w.law_unknown[e] == w.law_first[i]:
+                total = 0.0
+                for k in range(w.law_rank):
+                    own = w.law_matrix[w.law_order[k] * n + e]
+                    total += own * own
+                return not total > 1.0 - LEAST_PIVOT
+    return False
+
+
 def solve_modes(w: Work) -> bool:
     """Compute w.law_p and w.law_u in the modes w.law_mode, with slip directions as unknowns where
     w.law_turns says so. Return False if the modes contradict each other."""

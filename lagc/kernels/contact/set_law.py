@@ -108,6 +108,8 @@ def search_modes(w: Work) -> int:
     if NSLIP > 0:
         if not is_frictionless(w):
             return search_with_friction(w)
+    if NLOADS > 0:  # W is not symmetric
+        return search_with_friction(w)
     found = LAW_FOUND if holds_as_before(w) else solve_planar(w)
     if found != LAW_FOUND:
         return found

@@ -12,6 +12,13 @@ from math import fabs
 from lagc.kernels.contact.enumeration import LAW_FOUND
 from lagc.kernels.contact.frozen_modes import CONTACT_OPEN, CONTACT_STICKS
 from lagc.kernels.contact.impact import IMPACT_DONE, IMPACT_ENDLESS, IMPACT_NONE, impact
+from lagc.kernels.contact.responses import (
+    add_responses,
+    keep_begin,
+    respond,
+    servos_follow,
+    set_accelerations,
+)
 from lagc.kernels.contact.set_law import set_law
 from lagc.kernels.contact.slips import (
     PARTS,
@@ -24,19 +31,18 @@ from lagc.kernels.contact.slips import (
     turn_slips,
 )
 from lagc.kernels.contact.touching import (
-    add_responses,
     close,
     cone_margin,
     find_touching,
     list_contacts,
+    moves_freely,
     rates_at,
-    respond,
     seat,
-    set_accelerations,
     set_frictions,
     set_gaps,
     slip_along,
     slip_relation,
+    solve_loaded,
 )
 from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
@@ -77,6 +83,10 @@ def strike_contacts(p: Params, s: State, w: Work) -> Status:
     status = respond(p, s.t, s.x, w)
     if failed(status):
         return status
+    if NHELD > 0:
+        if not servos_follow(p, s.t, s.x, w):
+            w.culprit += NCON
+            return PARADOX
     set_speeds(s, w)
     set_frictions(p, s.t, s.x, w)
     fn_restitutions(p, s.t, s.x, w.restitutions)
@@ -116,27 +126,49 @@ def closed_mode(n: int, w: Work) -> int:
     return -1 if w.law_slips[n] == 1 and w.law_direction[2 * n] < 0.0 else 1
 
 
+def decide_loaded(p: Params, s: State, w: Work) -> Status:
+    """Find the modes of the listed contacts, with loads that depend on reactions."""
+    keep_begin(w.contact_rates, w.contact_lam, w)
+    set_frictions(p, s.t, s.x, w)
+    find_slips(s, w)
+    status = solve_loaded(p, s.t, s.x, w.contact_rates, w.contact_lam, True, w)
+    if not failed(status) and slides_back(w):
+        status = solve_loaded(p, s.t, s.x, w.contact_rates, w.contact_lam, True, w)
+    return status
+
+
 def decide(p: Params, s: State, w: Work) -> Status:
     """Find which contacts in w.touched stay closed, w.contact_closed, and the rates w.contact_rates."""
     for i in range(NCON):
         w.contact_closed[i] = 0
     list_contacts(True, w)
+    if NLOADED > 0:
+        if w.law_count == 0:
+            s.rhs += 1
+            for i in range(NCROW):
+                w.contact_forces[i] = 0.0
+            return moves_freely(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
     status = rhs_at(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
     s.rhs += 1
     if failed(status) or w.law_count == 0:
         return status
-    status = respond(p, s.t, s.x, w)
-    if failed(status):
-        return status
-    set_accelerations(w.contact_rates, w)
-    set_frictions(p, s.t, s.x, w)
-    find_slips(s, w)
-    found = set_law(w)
-    if found <= LAW_FOUND and slides_back(w):
+    if NLOADS > 0:
+        status = decide_loaded(p, s, w)
+        if failed(status):
+            return status
+    else:
+        status = respond(p, s.t, s.x, w)
+        if failed(status):
+            return status
+        set_accelerations(w.contact_rates, w)
+        set_frictions(p, s.t, s.x, w)
+        find_slips(s, w)
         found = set_law(w)
-    if found > LAW_FOUND:
-        w.culprit = w.touching[w.law_culprit]
-        return PARADOX
+        if found <= LAW_FOUND and slides_back(w):
+            found = set_law(w)
+        if found > LAW_FOUND:
+            w.culprit = w.touching[w.law_culprit]
+            return PARADOX
     add_responses(w.contact_rates, w)
     for n in range(w.law_count):
         w.contact_closed[w.touching[n]] = closed_mode(n, w)

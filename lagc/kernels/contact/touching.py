@@ -11,11 +11,23 @@ finies unilaterales, Ann. Sci. Ecole Norm. Sup. 34 (1917) 95-179. An open contac
 from math import fabs, sqrt
 
 from lagc.kernels.arithmetic.quaternions import normalise
-from lagc.kernels.constraints.projection import assemble_at, project, solve_at
-from lagc.kernels.contact.frozen_modes import CONTACT_SLIPS, CONTACT_STICKS, solve_frozen
-from lagc.kernels.dynamics.rhs import assemble_entries, factor_safely, rhs_at, store_rates
+from lagc.kernels.constraints.projection import project
+from lagc.kernels.contact.enumeration import LAW_FOUND, LAW_NONE
+from lagc.kernels.contact.frozen_modes import CONTACT_SLIPS, CONTACT_STICKS, shares_force, solve_frozen
+from lagc.kernels.contact.responses import (
+    add_responses,
+    keep_begin,
+    loads_follow,
+    move_with_loads,
+    reactions_agree,
+    respond,
+    set_accelerations,
+    set_loads,
+)
+from lagc.kernels.contact.set_law import set_law
+from lagc.kernels.dynamics.loaded_reactions import MOST_LOAD_STEPS, motion_at
+from lagc.kernels.dynamics.rhs import rhs_at, store_rates
 from lagc.kernels.language.vocabulary import *
-from lagc.kernels.linear_algebra.cholesky import solve_lower, solve_upper
 
 MOST_SEATINGS = 4  # Newton iterations of the gaps of contacts that touch
 CANCELLED = 64.0  # units in the last place of the terms of an acceleration: it is zero
@@ -117,78 +129,6 @@ def cone_margin(i: int, w: Work) -> Real:
     return margin
 
 
-def factor_motion(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
-    """Factor K at (t, x)."""
-    if NC > 0:
-        return assemble_at(p, t, x, w)
-    if STRAIGHT:
-        assemble_entries(p, t, x, w)
-        fn_factor(w.kkt_entries, w.health)
-        if w.health[0] >= SINGULAR:
-            return OK
-        w.culprit = size(NV)
-        return SINGULAR_MASS
-    return factor_safely(p, t, x, w)
-
-
-def solve_motion(w: Work) -> None:
-    """Solve K w.contact_solution = w.contact_rhs."""
-    if NC > 0:
-        solve_at(w.contact_rhs, w.contact_solution, w)
-    elif STRAIGHT:
-        fn_solve(w.kkt_entries, w.contact_rhs, w.contact_solution)
-    else:
-        w.contact_solution[:] = w.contact_rhs
-        w.a[:] = part(w.contact_rhs, 0, NV)
-        solve_lower(w, w.a)
-        solve_upper(w, w.a)
-        w.contact_solution[:NV] = w.a
-
-
-def respond(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
-    """Compute w.contact_responses, X by rows, and w.law_w for the rows w.contact_rows of listed contacts."""
-    status = factor_motion(p, t, x, w)
-    if failed(status):
-        return status
-    for r in range(w.law_rows):
-        row = w.touching_rows[r]
-        for k in range(NR):
-            w.contact_rhs[k] = 0.0
-        for j in range(NV):
-            w.contact_rhs[j] = w.contact_rows[row * NV + j]
-        solve_motion(w)
-        for k in range(NR):
-            w.contact_responses[r * NR + k] = w.contact_solution[k]
-        for q in range(w.law_rows):
-            total = 0.0
-            other = w.touching_rows[q]
-            for j in range(NV):
-                total += w.contact_rows[other * NV + j] * w.contact_solution[j]
-            w.law_w[q * w.law_rows + r] = total
-    return OK
-
-
-def set_accelerations(a: Vec[NX], w: Work) -> None:
-    """Set w.law_b to the accelerations of the listed rows for the rates `a`, and w.law_sizes."""
-    for r in range(w.law_rows):
-        row = w.touching_rows[r]
-        total = w.contact_bias[row]
-        magnitude = fabs(total)
-        for j in range(NV):
-            each = w.contact_rows[row * NV + j] * a[NQ + j]
-            total += each
-            magnitude += fabs(each)
-        w.law_b[r] = total
-        w.law_sizes[r] = magnitude
-
-
-def add_responses(values: Vec[NX], w: Work) -> None:
-    """Add X p to the speeds, or accelerations, of `values`."""
-    for r in range(w.law_rows):
-        for j in range(NV):
-            values[NQ + j] += w.contact_responses[r * NR + j] * w.law_p[r]
-
-
 def add_accelerations(values: Vec[NX], w: Work) -> None:
     """Add X p to the accelerations of `values`. Those that forces cancel to round-off are zero: what lies at
     rest has no motion whose error could be measured."""
@@ -205,6 +145,9 @@ def add_accelerations(values: Vec[NX], w: Work) -> None:
 def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
     """Add the forces w.law_p to rates and multipliers, and store them in w.contact_forces with their range in
     w.force_low and w.force_high."""
+    if NPUSHED > 0:  # the power of their loads
+        for r in range(w.law_rows):
+            w.contact_forces[w.touching_rows[r]] = w.law_p[r]
     add_accelerations(xdot, w)
     for i in range(NC):
         for r in range(w.law_rows):
@@ -235,10 +178,78 @@ def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
                     w.cone_high[contact] = margin
 
 
+def open_push(w: Work) -> int:
+    """Return a listed contact whose normal force loads depend on and other contacts share; -1 without."""
+    for n in range(w.law_count):
+        for k in range(NPUSHED):
+            if pushed_contact[k] == w.touching[n] and shares_force(n, w):
+                return n
+    return -1
+
+
+def solve_loaded(
+    p: Params, t: Real, x: Vec[NX], rates: Vec[NX], lam: Vec[NC], decides: bool, w: Work
+) -> Status:
+    """Solve the law of the listed contacts with loads that depend on reactions, by Newton's method for these:
+    in the modes w.law_mode or, if it `decides`, in those that it finds. w.load_begin is the motion without
+    both; `rates` and `lam` become the motion without forces of contacts. Returns PARADOX, with w.culprit: a
+    contact; or, counted behind these, a constraint equation or a contact whose force loads leave open."""
+    for turn in range(MOST_LOAD_STEPS):
+        status = respond(p, t, x, w)
+        if failed(status):
+            return status
+        begins = False
+        if NCURVED > 0:
+            begins = turn == 0  # with the reactions without these loads
+        if not begins:
+            set_loads(p, t, x, w)
+            if not (loads_follow(w) and move_with_loads(rates, lam, w)):
+                w.culprit += NCON
+                return PARADOX
+        set_accelerations(rates, w)
+        if decides:
+            found = set_law(w)
+        else:
+            found = LAW_FOUND if solve_frozen(w) else LAW_NONE
+        if found > LAW_FOUND:
+            if not begins:
+                w.culprit = w.touching[w.law_culprit]
+                return PARADOX
+            for r in range(w.law_rows):
+                w.law_p[r] = 0.0
+        if not decides:
+            shared = open_push(w)
+            if shared >= 0:
+                w.culprit = NCON + NC + w.touching[shared]
+                return PARADOX
+        agree = reactions_agree(lam, w)
+        if NCURVED > 0:
+            if begins or not agree:
+                agree = False
+        else:
+            agree = True
+        if agree:
+            return OK
+    w.culprit = NCON + NC + w.touching[0]
+    return PARADOX
+
+
+def moves_freely(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
+    """Compute xdot and lam with loads that depend on reactions where no contact touches; a culprit of PARADOX
+    is counted behind the contacts."""
+    status = motion_at(p, t, x, xdot, lam, w)
+    if status == PARADOX:
+        w.culprit += NCON
+    return status
+
+
 def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
     """Compute xdot and lam at (t, x) with the contacts that touch by the modes in x, and their forces."""
     for r in range(NCROW):
         w.contact_forces[r] = 0.0
+    if NLOADED > 0:
+        if not find_touching(x, w):
+            return moves_freely(p, t, x, xdot, lam, w)
     status = rhs_at(p, t, x, xdot, lam, w)
     if failed(status) or not find_touching(x, w):
         return status
@@ -247,13 +258,19 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
     if NSPACE > 0:
         set_slip_directions(w)
     set_frictions(p, t, x, w)
-    status = respond(p, t, x, w)
-    if failed(status):
-        return status
-    set_accelerations(xdot, w)
-    if not solve_frozen(w):
-        w.culprit = w.touching[w.law_culprit]
-        return PARADOX
+    if NLOADS > 0:
+        keep_begin(xdot, lam, w)
+        status = solve_loaded(p, t, x, xdot, lam, False, w)
+        if failed(status):
+            return status
+    else:
+        status = respond(p, t, x, w)
+        if failed(status):
+            return status
+        set_accelerations(xdot, w)
+        if not solve_frozen(w):
+            w.culprit = w.touching[w.law_culprit]
+            return PARADOX
     take_forces(p, t, x, xdot, lam, w)
     return OK
 

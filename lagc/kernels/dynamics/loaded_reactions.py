@@ -23,7 +23,9 @@ MOST_LOAD_STEPS = 30  # of Newton's method
 
 def update_load(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """Compute w.load_force and w.load_slopes at w.load_lam."""
-    if NMODE > 0:
+    if NPUSHED > 0:
+        fn_pushed_on(p, t, x, w.modes, w.load_lam, w.contact_forces, w.load_force, w.load_slopes)
+    elif NMODE > 0:
         fn_loaded_on(p, t, x, w.modes, w.load_lam, w.load_force, w.load_slopes)
     else:
         fn_loaded(p, t, x, w.load_lam, w.load_force, w.load_slopes)
@@ -150,7 +152,7 @@ def solve_load(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
                 done = False
             if not acts_along(k):
                 w.load_reach[k] = fabs(w.load_lam[row])
-        if done:
+        if done and (not NHELD > 0 or turn > 0):
             return True
         linearize_load(w)
         if eliminate_load(w) == 0.0:

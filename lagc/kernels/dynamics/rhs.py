@@ -178,7 +178,9 @@ def store_rates(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
     xdot[:NQ] = w.qdot
     xdot[NQ : NQ + NV] = w.a
     if NZ > 0:
-        if NMODE > 0:
+        if NPUSHED > 0:
+            fn_pushed_work_on(p, t, x, w.modes, w.a, lam, w.contact_forces, w.power)
+        elif NMODE > 0:
             fn_work_on(p, t, x, w.modes, w.a, lam, w.power)
         else:
             fn_work(p, t, x, w.a, lam, w.power)

@@ -26,6 +26,7 @@ reinit_target: IVec[NJUMP]  # the state that it is assigned to
 derived_bounds: Mat[NLIMITS, TWO]  # bounds of values computed from parameters
 loading_row: IVec[NLOADED]  # the constraint equations whose multipliers loads depend on
 load_held: IVec[NLOADED]  # 1: an actuator holds this equation, and its gradient does not act
+pushed_contact: IVec[NPUSHED]  # the contacts whose normal forces loads depend on
 contact_first: IVec[NCON]  # first row of each contact, that of its gap; its slip rows follow
 impulse_state: IVec[NCON]  # index in x of the impulse of the last impact of each; -1: it is not asked for
 contact_slips: IVec[NCON]  # slip rows of each

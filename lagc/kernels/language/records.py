@@ -147,20 +147,29 @@ class Work:
         old_indicators: Vec[NMODE]
         old_indicator_rates: Vec[NMODE]
         old_rates: Vec[NX]  # of the state
-    if NLOADED > 0:
+    if NLOADS > 0:
         # Loads that depend on reactions
-        load_free: Vec[NC]  # multipliers without them
+        if NLOADED > 0:
+            load_free: Vec[NC]  # multipliers without them
         load_lam: Vec[NC]
         load_force: Vec[NV]
-        load_slopes: Vec[NLOADSLOPES]  # derivatives of the forces by these multipliers, one after the other
-        load_rhs: Vec[NR]
-        load_answer: Vec[NR]
-        load_total: Vec[NR]  # accelerations and multipliers that the loads add
-        load_columns: Vec[NLOADCOLUMNS]
-        load_matrix: Vec[NLOADMATRIX]
-        load_sizes: Vec[NLOADMATRIX]  # of the terms of its entries
-        load_step: Vec[NLOADED]
-        load_reach: Vec[NLOADED]  # of the terms of each multiplier
+        load_slopes: Vec[NLOADSLOPES]  # derivatives of the forces by these reactions, one after the other
+        if NLOADED > 0:
+            load_rhs: Vec[NR]
+            load_answer: Vec[NR]
+            load_total: Vec[NR]  # accelerations and multipliers that the loads add
+            load_columns: Vec[NLOADCOLUMNS]
+            load_matrix: Vec[NLOADMATRIX]
+            load_sizes: Vec[NLOADMATRIX]  # of the terms of its entries
+            load_step: Vec[NLOADED]
+            load_reach: Vec[NLOADED]  # of the terms of each multiplier
+        if NCON > 0:
+            load_begin: Vec[NR]  # accelerations and multipliers without loads and contacts
+            load_rest: Vec[NV]  # forces at reactions of zero, by their slopes
+            load_pushes: Vec[NCROW]
+            if NLOADED > 0:
+                load_matrix_kept: Vec[NLOADMATRIX]
+                load_sizes_kept: Vec[NLOADMATRIX]
     if NLATE > 0:
         # Relations that accelerations or reactions decide
         late_values: Vec[NLATE]  # their indicators

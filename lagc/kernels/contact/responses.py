@@ -1,0 +1,245 @@
+"""Responses of the motion to forces along the rows of contacts, with loads that depend on reactions.
+
+For K = [M G^T; G 0] and rows R of contacts, X = K^-1 R^T and W = R X. Loads f(s) of reactions s, which are
+multipliers and normal forces of contacts, are linear near given s: f + D (s' - s). A unit of a normal force
+then has the response K^-1 (R^T + D_n), and each response is followed by the loads of its multipliers:
+
+    z + K^-1 D_lam s_lam      s_lam = its multipliers, or 0 = these where an actuator holds the row
+
+so that W is no longer symmetric.
+"""
+
+from math import fabs
+
+from lagc.kernels.constraints.projection import assemble_at, solve_at
+from lagc.kernels.dynamics.loaded_reactions import eliminate_load, linearize_load, update_load
+from lagc.kernels.dynamics.rhs import assemble_entries, factor_safely
+from lagc.kernels.language.vocabulary import *
+from lagc.kernels.linear_algebra.cholesky import solve_lower, solve_upper
+
+
+def factor_motion(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
+    """Factor K at (t, x)."""
+    if NC > 0:
+        return assemble_at(p, t, x, w)
+    if STRAIGHT:
+        assemble_entries(p, t, x, w)
+        fn_factor(w.kkt_entries, w.health)
+        if w.health[0] >= SINGULAR:
+            return OK
+        w.culprit = size(NV)
+        return SINGULAR_MASS
+    return factor_safely(p, t, x, w)
+
+
+def solve_motion(w: Work) -> None:
+    """Solve K w.contact_solution = w.contact_rhs."""
+    if NC > 0:
+        solve_at(w.contact_rhs, w.contact_solution, w)
+    elif STRAIGHT:
+        fn_solve(w.kkt_entries, w.contact_rhs, w.contact_solution)
+    else:
+        w.contact_solution[:] = w.contact_rhs
+        w.a[:] = part(w.contact_rhs, 0, NV)
+        solve_lower(w, w.a)
+        solve_upper(w, w.a)
+        w.contact_solution[:NV] = w.a
+
+
+def respond(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
+    """Compute w.contact_responses, X by rows, and w.law_w for the rows w.contact_rows of listed contacts."""
+    status = factor_motion(p, t, x, w)
+    if failed(status):
+        return status
+    for r in range(w.law_rows):
+        row = w.touching_rows[r]
+        for k in range(NR):
+            w.contact_rhs[k] = 0.0
+        for j in range(NV):
+            w.contact_rhs[j] = w.contact_rows[row * NV + j]
+        solve_motion(w)
+        for k in range(NR):
+            w.contact_responses[r * NR + k] = w.contact_solution[k]
+        for q in range(w.law_rows):
+            total = 0.0
+            other = w.touching_rows[q]
+            for j in range(NV):
+                total += w.contact_rows[other * NV + j] * w.contact_solution[j]
+            w.law_w[q * w.law_rows + r] = total
+    return OK
+
+
+def set_accelerations(a: Vec[NX], w: Work) -> None:
+    """Set w.law_b to the accelerations of the listed rows for the rates `a`, and w.law_sizes."""
+    for r in range(w.law_rows):
+        row = w.touching_rows[r]
+        total = w.contact_bias[row]
+        magnitude = fabs(total)
+        for j in range(NV):
+            each = w.contact_rows[row * NV + j] * a[NQ + j]
+            total += each
+            magnitude += fabs(each)
+        w.law_b[r] = total
+        w.law_sizes[r] = magnitude
+
+
+def add_responses(values: Vec[NX], w: Work) -> None:
+    """Add X p to the speeds, or accelerations, of `values`."""
+    for r in range(w.law_rows):
+        for j in range(NV):
+            values[NQ + j] += w.contact_responses[r * NR + j] * w.law_p[r]
+
+
+def follow_loads(w: Work) -> bool:
+    """Add to a response, w.contact_solution, that of the loads of its multipliers. Return False, with the
+    constraint equation as w.culprit, if they leave these open."""
+    if NLOADED > 0:
+        for k in range(NLOADMATRIX):
+            w.load_matrix[k] = w.load_matrix_kept[k]
+            w.load_sizes[k] = w.load_sizes_kept[k]
+        for k in range(NLOADED):
+            w.load_step[k] = w.contact_solution[NV + loading_row[k]]
+        if eliminate_load(w) == 0.0:
+            return False
+        for k in range(NLOADED):
+            for i in range(NR):
+                w.contact_solution[i] += w.load_step[k] * w.load_columns[k * NR + i]
+        for k in range(NLOADED):
+            w.contact_solution[NV + loading_row[k]] = w.load_step[k]
+    return True
+
+
+def respond_to_slope(k: int, w: Work) -> None:
+    """Compute w.contact_solution, the response to derivative k of the loads."""
+    for i in range(NR):
+        w.contact_rhs[i] = w.load_slopes[k * NV + i] if i < NV else 0.0
+    solve_motion(w)
+
+
+def loads_follow(w: Work) -> bool:
+    """Let loads follow the forces of the listed rows: change w.contact_responses and w.law_w. Return False,
+    with w.culprit, if they leave a multiplier open."""
+    for r in range(w.law_rows):
+        row = w.touching_rows[r]
+        for i in range(NR):
+            w.contact_solution[i] = 0.0
+        for k in range(NPUSHED):
+            if contact_first[pushed_contact[k]] == row:
+                respond_to_slope(NLOADED + k, w)
+        for i in range(NR):
+            w.contact_solution[i] += w.contact_responses[r * NR + i]
+        if not follow_loads(w):
+            return False
+        for i in range(NR):
+            w.contact_responses[r * NR + i] = w.contact_solution[i]
+        for q in range(w.law_rows):
+            total = 0.0
+            for j in range(NV):
+                total += w.contact_rows[w.touching_rows[q] * NV + j] * w.contact_solution[j]
+            w.law_w[q * w.law_rows + r] = total
+    return True
+
+
+def keep_load_matrix(w: Work) -> None:
+    """Compute the responses to loads of multipliers."""
+    if NLOADED > 0:
+        linearize_load(w)
+        for k in range(NLOADMATRIX):
+            w.load_matrix_kept[k] = w.load_matrix[k]
+            w.load_sizes_kept[k] = w.load_sizes[k]
+
+
+def set_loads(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
+    """Linearize the loads at the reactions w.load_lam and w.contact_forces, with w.load_rest, their value
+    for reactions of zero."""
+    update_load(p, t, x, w)
+    if NCURVED > 0:
+        w.load_rest[:] = w.load_force
+        for k in range(NLOADS):
+            if k < NLOADED:
+                own = w.load_lam[loading_row[k]]
+            else:
+                own = w.contact_forces[contact_first[pushed_contact[k - NLOADED]]]
+            for i in range(NV):
+                w.load_rest[i] -= own * w.load_slopes[k * NV + i]
+    keep_load_matrix(w)
+
+
+def servos_follow(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
+    """Let the actuators of servo constraints follow the forces of the listed rows, and no other load: in an
+    impact, their paths hold by impulses of the actuators. Return False, with w.culprit, if one does not."""
+    for i in range(NC):
+        w.load_lam[i] = 0.0
+    update_load(p, t, x, w)
+    for k in range(NLOADS):
+        held = False
+        if k < NLOADED:
+            held = load_held[k] > 0
+        if not held:
+            for i in range(NV):
+                w.load_slopes[k * NV + i] = 0.0
+    keep_load_matrix(w)
+    return loads_follow(w)
+
+
+def move_with_loads(rates: Vec[NX], lam: Vec[NC], w: Work) -> bool:
+    """Compute accelerations and multipliers without forces of contacts, from w.load_begin without these
+    loads. Return False, with w.culprit, if the loads leave a multiplier open."""
+    for i in range(NR):
+        w.contact_solution[i] = 0.0
+    if NCURVED > 0:
+        for i in range(NR):
+            w.contact_rhs[i] = w.load_rest[i] if i < NV else 0.0
+        solve_motion(w)
+    for i in range(NR):
+        w.contact_solution[i] += w.load_begin[i]
+    if not follow_loads(w):
+        return False
+    for i in range(NV):
+        rates[NQ + i] = w.contact_solution[i]
+    for i in range(NC):
+        lam[i] = w.contact_solution[NV + i]
+    return True
+
+
+def keep_begin(rates: Vec[NX], lam: Vec[NC], w: Work) -> None:
+    """Store accelerations and multipliers without loads of reactions in w.load_begin, and begin with
+    reactions of zero."""
+    for i in range(NV):
+        w.load_begin[i] = rates[NQ + i]
+    for i in range(NC):
+        w.load_begin[NV + i] = lam[i]
+        w.load_lam[i] = 0.0
+    for i in range(NCROW):
+        w.contact_forces[i] = 0.0
+
+
+def reactions_agree(lam: Vec[NC], w: Work) -> bool:
+    """Set the reactions w.load_lam and w.contact_forces to those of the forces w.law_p. Return whether they
+    were these, to 1e-10 of them or the round-off of their terms."""
+    agree = True
+    if NLOADED > 0:
+        for k in range(NLOADED):
+            row = loading_row[k]
+            total = lam[row]
+            terms = fabs(total)
+            for r in range(w.law_rows):
+                own = w.contact_responses[r * NR + NV + row] * w.law_p[r]
+                total += own
+                terms += fabs(own)
+            change = fabs(total - w.load_lam[row])
+            if not change <= LOAD_STEP * fabs(total) + 64.0 * SPACING * terms:
+                agree = False
+            w.load_lam[row] = total
+    for i in range(NCROW):
+        w.load_pushes[i] = 0.0
+    for n in range(w.law_count):
+        row = w.law_first[n]
+        force = w.law_p[row]
+        first = contact_first[w.touching[n]]
+        w.load_pushes[first] = force
+        roundoff = w.law_scale[row] * w.law_roundoff
+        if not fabs(force - w.contact_forces[first]) <= LOAD_STEP * fabs(force) + roundoff:
+            agree = False
+    w.contact_forces[:] = w.load_pushes
+    return agree
