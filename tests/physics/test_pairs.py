@@ -37,12 +37,17 @@ def _double(f: dict[str, float], t: float) -> dict[str, float]:
 
 
 _ANGLES = _same("theta", "z", "E")
+_DISC = _same("s", "phi", "slip", "E")
 _BEAD = _same("theta", "E")
 _LADDER = _same("theta", "E")
 _SLEIGH = _same("x", "y", "theta", "side")
 _SLIDE = _same("x", "y", "E")
+_ON_SPHERE = _same("x", "y", "N", "E")
+_ON_WALL = _same("x", "y", "theta", "W", "E")
 _SPHERE = _same("x", "y", "psi", "theta", "phi")
+_TUBE = _same("x", "y", "r", "N")
 _TWO_ANGLES = _same("theta1", "theta2", "E")
+_WEDGE = _same("X", "x", "y", "E")
 _WHEEL = _same("x", "theta")
 
 PAIRS: list[tuple[str, str, float, Map, Map]] = [
@@ -53,6 +58,11 @@ PAIRS: list[tuple[str, str, float, Map, Map]] = [
     ("course/wheel_rolling_explicit", "course/wheel_rolling_implicit", 5.0, _WHEEL, _WHEEL),
     ("course/sphere_on_a_plane_explicit", "course/sphere_on_a_plane_implicit", 5.0, _SPHERE, _SPHERE),
     ("course/moving_slide_explicit", "course/moving_slide_implicit", 1.0, _SLIDE, _SLIDE),
+    ("course/rough_tube_explicit", "course/rough_tube_implicit", 1.0, _TUBE, _TUBE),
+    ("course/rough_wedge_explicit", "course/rough_wedge_implicit", 0.5, _WEDGE, _WEDGE),
+    ("course/leaving_sphere_explicit", "course/leaving_sphere_implicit", 0.3, _ON_SPHERE, _ON_SPHERE),
+    ("course/leaving_wall_explicit", "course/leaving_wall_implicit", 0.5, _ON_WALL, _ON_WALL),
+    ("course/disc_on_a_slope_explicit", "course/disc_on_a_slope_implicit", 1.0, _DISC, _DISC),
     ("classic/bead_on_hoop", "classic/bead_on_hoop_angle", 5.0, _BEAD, _BEAD),
     ("classic/spherical_pendulum", "classic/spherical_pendulum_angles", 5.0, _spherical, _ANGLES),
     ("classic/double_pendulum_explicit", "classic/double_pendulum", 2.0, _double, _TWO_ANGLES),

@@ -137,7 +137,7 @@ def test_nothing_in_the_library_only_seems_so() -> None:
             assert all(c.proved for c in found.constraints)
             continue
         assert all(c.proved for c in (*found.conserved, *found.constraints))
-        if path.stem in ("journal_bearing", "driven_cart_pole"):
+        if path.stem in ("journal_bearing", "driven_cart_pole", "rough_tube_explicit"):
             assert found.not_examined == ("energy", "momenta")
             continue
         assert not any((found.seems.cyclic, found.seems.redundant, found.seems.degrees_of_freedom,
