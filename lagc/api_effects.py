@@ -244,6 +244,9 @@ class _Variant:
         labels = {row.label: row.effect for row in equations.rows}
         given += [(labels[label], work) for label, work in found.rows.items()]
         given += [(equations.whens[k].clause.effect, work) for k, work in found.clauses.items()]
+        owners = {row.contact.effect for row in equations.contacts}
+        if len(owners) == 1 and found.of_contacts:
+            given.append((owners.pop(), found.rest))
         sums: dict[str, float] = {}
         for effect, work in given:
             if effect is not None:

@@ -163,7 +163,10 @@ def assignments(words: list[str], option: str) -> dict[str, tuple[float, str | N
         name = name.strip(_SPACES)
         value = _valued(quantity)
         if not name or value is None or any(space in name for space in _SPACES):
-            raise Usage(f"`{option} {word}` is not of the form name=value or name=value[unit]")
+            like = f"{name if name and not quantity else 'x'}=0.1[m]"
+            raise Usage(
+                f"`{option} {word}` is not of the form name=value or name=value[unit], as `{option} '{like}'`"
+            )
         if name in found:
             raise Usage(f"`{option} {name}` is given twice")
         found[name] = value

@@ -115,7 +115,8 @@ def simulate(
 
 
 def _events(system: System, trajectory: Trajectory) -> tuple[Event, ...]:
-    """The events of relations and clauses, and those of contacts, in the order of time."""
+    """The events of relations and clauses, and those of contacts, in the order of time. At one time clauses
+    that change no state come last: they are no cause of another one."""
     found = [Event(t, name) for t, k in trajectory.events for name in event_names(system, k)]
     contacts = contacts_of(trajectory)
     for t, k, kind, impulse, loss, end in contacts:
@@ -125,7 +126,8 @@ def _events(system: System, trajectory: Trajectory) -> tuple[Event, ...]:
         if kind != STRIKES:
             said = KINDS[kind]
             found.append(Event(end if kind == RESTS else t, f"{name} {said}", name, said))
-    return tuple(sorted(found, key=lambda event: event.t) if contacts else found)
+    idle = {name for when in system.interface.whens if not when.states for name in when.names}
+    return tuple(sorted(found, key=lambda event: (event.t, event.name in idle)) if contacts else found)
 
 
 def rest_note(system: System, run: Trajectory) -> list[str]:

@@ -32,7 +32,7 @@ AGREE = 1e-8  # of the largest work or energy
 class Works:
     """Works and energies in J.  `actions` are those of each action, potentials included, `rows` those of
     constraints by their label, `clauses` those of `when` clauses by their number; `rest` is that of contacts
-    and drives.  `bar`: how well the sums agree.
+    and drives, `of_contacts` if there are no drives.  `bar`: how well the sums agree.
 
     end = start + actions that are not conservative + rows + clauses + rest"""
 
@@ -40,6 +40,7 @@ class Works:
     rows: Mapping[str, float]
     clauses: Mapping[int, float]
     rest: float
+    of_contacts: bool
     start: float
     end: float
     bar: float
@@ -87,9 +88,10 @@ def works(
     total = work_of(system, run.states[-1]) - work_of(system, run.states[0])
     known = graph.sum(c.power for c in equations.contributions if not c.conservative)
     size = max(map(abs, [*sums, start, end]), default=0.0)
-    alone = (equations.power is known and not equations.contacts) or abs(total - given) <= AGREE * size
+    driven = equations.power is not known
+    alone = not (driven or equations.contacts) or abs(total - given) <= AGREE * size
     named = dict(zip([c.name for c in equations.contributions], sums))
-    return Works(named, by_row, clauses, 0.0 if alone else total - given, start, end, bar)
+    return Works(named, by_row, clauses, 0.0 if alone else total - given, not driven, start, end, bar)
 
 
 def _panels(cuts: Sequence[tuple[float, float]], longest: float) -> list[tuple[float, float]]:

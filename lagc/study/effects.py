@@ -89,7 +89,7 @@ class Change:
     ends: str = ""
     per: dict[str, float] = field(default_factory=dict)
     acted: bool = True
-    work: float | None = None  # of its actions and clauses in the full scene, J; None if it has none
+    work: float | None = None  # of actions, clauses, contacts in the full scene, J; None: it has none
     events: tuple[str, ...] = ()  # its own ones, which vanish
     nearest: tuple[tuple[str, float], ...] = ()  # of its conditions to 0, if it did not act
     until: dict[float, float] = field(default_factory=dict)  # s that it stays below an accuracy

@@ -372,7 +372,9 @@ def keep_scale(context: Context, quantity: Quantity, names: Iterable[str]) -> No
     if modifier is not None:
         scalar = elements(context, modifier, [], quantity.type.dimension, "`scale`")[0]
         if not scalar.node.is_const or not scalar.node.value > 0.0:
-            raise Wrong("LAG0208", "`scale` must be a fixed positive number", modifier.argument.span)
+            remedy = "write the size to which the accuracy is relative: `scale = 0.1 [m]`"
+            message = "`scale` must be a fixed positive number"
+            raise Wrong("LAG0208", message, modifier.argument.span, remedy)
         context.scales.update(dict.fromkeys(names, scalar.node.value))
 
 

@@ -31,6 +31,8 @@ from lagc.semantics.values.unit_hints import is_bare, unit_remedy
 from lagc.symbolic.graph import Node
 from lagc.syntax import tree
 
+_MOST = 6  # names in a remedy
+
 
 def _number(context: Context, e: tree.Number, environment: Environment) -> Value:
     if not math.isfinite(e.value):
@@ -95,7 +97,12 @@ def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
         )
     function = written(e.name)
     if function is not None:
-        raise Wrong("LAG0201", f"`{e.name}` is a function", e.span, remedy=f"write `{function}`")
+        raise Wrong(
+            "LAG0201",
+            f"`{e.name}` is a function",
+            e.span,
+            remedy=_taken(e, instance) or f"write `{function}`",
+        )
     known = [
         *environment.bindings,
         *instance.entries,
@@ -112,8 +119,24 @@ def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
         or _strength(e.name, instance)
         or _rate(e.name, instance)
         or did_you_mean(e.name, known)
+        or _taken(e, instance)
         or f"declare it, as in `parameter Length {e.name} = 1 [m];`",
     )
+
+
+def _taken(e: tree.Name, instance: Instance) -> str | None:
+    """Return a remedy for the argument of a function of constraints: which there are."""
+    for function, remedy in (
+        (
+            "reaction",
+            "declare it, `constraint c: left = right;`, or ask for `reaction` of a body or parameter",
+        ),
+        ("impulse", "declare a one-sided constraint, as in `constraint floor: ball.z >= 0;`"),
+    ):
+        if e.span.source.text[: e.span.start].endswith(f"{function}("):
+            names = [f"`{x.path}`" for x in instance.entries.values() if x.kind in ("constraint", "joint")]
+            return f"there are {', '.join(names[:_MOST])}" if names else remedy
+    return None
 
 
 def _strength(name: str, instance: Instance) -> str | None:

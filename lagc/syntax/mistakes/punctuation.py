@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
+
 from lagc.diagnostics.faults import Fault, Span
 from lagc.diagnostics.suggest import OPERATORS, looks_like_unit
 from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Token
 from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
 
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
+_ARGUMENTS = re.compile(r"\s*\(\s*\w+\s*=[^=].*$")
 _OPENING = {closing: opening for opening, closing in _CLOSING.items()}
 _OPERATORS = frozenset(("<=", ">=", "==", "<>", *"=+-*/^<>,:({["))
 
@@ -89,7 +92,10 @@ def _two_bounds(w: Where, first: Token) -> str | None:
             (w.token.end, len(w.source.text)),
         )
     )
-    bounds = f"{left} {first.text} {middle}", f"{middle} {w.token.text} {right.partition(';')[0]}"
+    last = right.partition(";")[0]
+    found = _ARGUMENTS.search(last)
+    own, bound = (found[0], last[: found.start()]) if found else ("", last)  # arguments belong to both
+    bounds = f"{left} {first.text} {middle}{own}", f"{middle} {w.token.text} {bound}{own}"
     if any("\n" in bound or len(bound) > 60 for bound in bounds):
         return "write two constraints, one for each bound"
     return (
