@@ -282,8 +282,10 @@ def _verified(
 
 
 def _rest(system: System, x: list[float], times: Sequence[float]) -> tuple[list[float], str] | None:
-    """Return the state in which the system stays and the reason, or None if it moves."""
+    """Return the state in which the system stays and the reason, or None if it moves or cannot."""
     discrete = len(system.interface.discretes)
+    if system.interface.servos and rates_at(system, times[0], x) is None:
+        return None
     if locked(system, x, times[0]):
         return [*x[: system.nq], *[0.0] * (system.nv + system.nz), *x[system.nx - discrete :]], LOCKED
     if len(times) > 1 and rests(system, x, times):

@@ -187,7 +187,7 @@ def arrived(run: Trajectory) -> bool:
 def rates_at(system: System, t: float, x: Sequence[float]) -> list[float] | None:
     """Return dx/dt at (t, x), or None if it is not determined."""
     xdot, lam = [0.0] * system.nx, [0.0] * system.nc
-    return None if system.rhs(t, x, xdot, lam) in FAILED else xdot
+    return None if system.rhs(t, x, xdot, lam) in (*FAILED, PARADOX) else xdot
 
 
 def row_gradients(system: System, t: float, x: Sequence[float]) -> list[list[float]]:
@@ -264,6 +264,17 @@ def state_name(system: System, k: int) -> str:
 def speed_name(system: System, k: int) -> str:
     names = system.interface.v_names
     return f"`{names[k]}`" if 0 <= k < len(names) else "some speed"
+
+
+def idle_actuator(system: System, status: int, culprit: int) -> tuple[str, str] | None:
+    """Return the constraint equation of an evaluation that failed since its actuator cannot hold it, and the
+    actuator; None if that is not the reason."""
+    row = culprit - len(system.interface.contacts)
+    if status != PARADOX or not 0 <= row < system.nc:
+        return None
+    label = system.interface.row_labels[row]
+    actuator = dict(system.interface.servos).get(label.partition("[")[0])
+    return (label, actuator) if actuator else None
 
 
 def row_name(system: System, k: int) -> str:

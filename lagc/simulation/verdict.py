@@ -33,6 +33,7 @@ from lagc.simulation.system import (
     contradicting,
     contradiction,
     event_names,
+    idle_actuator,
     more,
     rates_at,
     row_name,
@@ -155,11 +156,11 @@ def _paradox(system: System, run: Trajectory) -> str:
     row = run.culprit - len(names)
     at = ", ".join(f"{n} = {v:.6g}" for n, v in zip(interface.q_names[:MOST_NAMED], run.x))
     if row >= 0 and (interface.loading_rows or interface.pushed_contacts):
-        label = names[row - interface.nc] if row >= interface.nc else interface.row_labels[row]
-        actuator = dict(interface.servos).get(label.partition("[")[0])
-        if actuator:
-            return (f"`{actuator}` cannot hold the constraint `{label}` ({at}): it does not change the "
+        idle = idle_actuator(system, run.status, run.culprit)
+        if idle:
+            return (f"`{idle[1]}` cannot hold the constraint `{idle[0]}` ({at}): it does not change the "
                     "acceleration of the constraint there, or several actuators do so alike")  # fmt: skip
+        label = names[row - interface.nc] if row >= interface.nc else interface.row_labels[row]
         return (f"the loads that depend on `reaction({label})` leave it open ({at}): no value solves the "
                 "equations, or several do, as in a mechanism that locks itself")  # fmt: skip
     name = names[run.culprit] if 0 <= run.culprit < len(names) else names[0]

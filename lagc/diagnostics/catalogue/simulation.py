@@ -199,6 +199,12 @@ end Pendulum;
         "Sensitivities do not follow loads of reactions yet. Sensitivities, linear models, derivatives, "
         "implicit methods and methods by power series do not follow contacts yet.",
     ),
+    "LAG0625": Entry(
+        "an actuator that cannot hold its constraint",
+        "A constraint with `by = motor` needs a motor that changes its acceleration. At the initial state it "
+        "does not: as a force on a cart does not move the bob of a pendulum that hangs below it. Hold a "
+        "quantity that the actuator accelerates, or begin in another configuration.",
+    ),
     "LAG0624": Entry(
         "a start beyond the bound of a one-sided constraint",
         "Its gap is negative at the initial state, by the depth in the message. Give initial values with a "

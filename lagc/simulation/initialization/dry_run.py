@@ -15,7 +15,7 @@ from lagc.simulation.backends.python import NumpyModel, compiled, executed
 from lagc.simulation.global_error.equilibrium_start import locked
 from lagc.simulation.initialization.initialize import NoStart, begin, strange_outputs, undetermined
 from lagc.simulation.request import Request
-from lagc.simulation.system import FAILED, System
+from lagc.simulation.system import FAILED, System, idle_actuator
 
 __all__ = ["NoStart", "try_start"]
 
@@ -39,11 +39,11 @@ def try_start(program: Program, parameters: Sequence[float]) -> list[str]:
     request = Request().completed(program.interface.simulate)
     system = _Model(program).bind(parameters)
     x = begin(system, request).x
-    if request.stop == 0.0 or locked(system, x, 0.0):
+    if request.stop == 0.0 or (not system.interface.servos and locked(system, x, 0.0)):
         return _strange(system, x)
     equations: Any = system.equations()
     status = equations.first(0.0, x, [0.0] * system.nx, [0.0] * system.nc)
-    if status in FAILED:
+    if status in FAILED or idle_actuator(system, status, equations.culprit):
         raise undetermined(system, status, equations.culprit, x)
     return _strange(system, x)
 

@@ -22,6 +22,7 @@ from lagc.simulation.system import (
     Trajectory,
     contradicting,
     contradiction,
+    idle_actuator,
     more,
     speed_name,
     state_name,
@@ -145,14 +146,24 @@ def guess_and_levels(
 
 def demand(system: System, run: Trajectory) -> None:
     """Raises NoStart where the motion is not determined at the start of `run`: not even a step was tried."""
-    if run.status in FAILED and run.steps == run.rejected == 0:
+    failed = run.status in FAILED or idle_actuator(system, run.status, run.culprit)
+    if failed and run.steps == run.rejected == 0:
         raise undetermined(system, run.status, run.culprit, run.x)
 
 
 def undetermined(system: System, status: int, k: int, x: Sequence[float]) -> NoStart:
-    """Explain the status (one of FAILED) of the equations at the start; k is its culprit."""
+    """Explain the status of the equations at the start, one of FAILED or that of an actuator that cannot hold
+    its constraint; k is its culprit."""
     interface = system.interface
-    if status == SINGULAR_MASS:
+    idle = idle_actuator(system, status, k)
+    if idle is not None:
+        message = (
+            f"`{idle[1]}` cannot hold the constraint `{idle[0]}` at the start: it does not change the "
+            "acceleration of the constraint there, or several actuators do so alike"
+        )
+        remedy = "let an actuator hold a quantity that it accelerates, or begin in another configuration"
+        fault, anchors = Fault("LAG0625", message, remedy=remedy), [("row", idle[0])]
+    elif status == SINGULAR_MASS:
         if not 0 <= k < system.nv:
             from lagc.simulation.initialization.inertia_check import weightless_speed  # where it is asked
 
