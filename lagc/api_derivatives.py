@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from operator import index
 from typing import TYPE_CHECKING, Any
 
@@ -43,11 +44,17 @@ class Differentiable:
         self, parameters: Mapping[str, Any] | None = None, x: Sequence[float] | None = None
     ) -> NumpySystem:
         """The system with derivatives and the parameters of this model, replaced by those given. Discrete
-        variables are inputs that are held at their values in the whole state `x` (None: at their starts)."""
+        variables are inputs that are held at their values in the whole state `x` (None: at their starts).
+        Contacts are held in their modes in `x`, as equations and loads."""
         values, own = self._bound(parameters), self.interface
-        model = self._loaded.differentiated.model
+        if own.contacts and x is not None:
+            from lagc.simulation.linearization.contact_modes import modes_of
+
+            model = self._loaded.held(modes_of(own, x)).model
+        else:
+            model = self._loaded.differentiated.model
         if own.discretes:
-            whole = self._loaded.system("numpy").bind(values).start() if x is None else x
+            whole = self._acting(parameters).start() if x is None else x
             fields, held = (*own.parameters, *own.inputs), whole[own.nx - len(own.discretes) :]
             known = {f.name: value for f, value in zip((*fields, *own.discretes), (*values, *held))}
             values = [known[f.name] for f in (*model.interface.parameters, *model.interface.inputs)]
@@ -145,7 +152,7 @@ class Differentiable:
         progress: Callable[[float], None] | None = None,
     ) -> Linear:
         """Return the linear model about x = (q, v), which must satisfy the constraints, or about the motion
-        at the time t (s).
+        at the time t (s). It belongs to the modes of contacts there.
 
         `progress` is called as in a run.  Raises Refused if there is no initial state or t is invalid,
         ValueError if x has a wrong length, ArithmeticError if the motion does not reach t or derivatives
@@ -159,13 +166,38 @@ class Differentiable:
         if not 0.0 <= t < float("inf"):
             fault = f"the time of a linear model must be finite and not negative: {t:g} s"
             raise Refused([Fault("LAG0604", fault)])
-        notes, whole = tuple[str, ...](), None
+        notes, n = tuple[str, ...](), self.interface.nq + self.interface.nv
         if x is None:
             whole, notes = self._at(t, parameters, starts, progress)
-            x = whole[: self.interface.nq + self.interface.nv]
-        system = self.differentiated(parameters, whole)
-        found = linearize(system, t, reals("x", x, system.nx, system.interface.state_names))
+        else:
+            whole = self._whole(t, reals("x", x, n, self.interface.state_names), parameters)
+        found = linearize(self.differentiated(parameters, whole), t, whole[:n])
+        if self.interface.contacts:
+            from lagc.simulation.linearization.contact_modes import in_mode
+
+            found = in_mode(self._acting(parameters), found, whole)
         return replace(found, notes=(*notes, *found.notes)) if notes else found
+
+    def _acting(self, parameters: Mapping[str, Any] | None) -> NumpySystem:
+        """The system without derivatives."""
+        from lagc.simulation.backends.python import NumpySystem
+
+        found = self._loaded.system("numpy").bind(self._bound(parameters))
+        assert isinstance(found, NumpySystem)
+        return found
+
+    def _whole(self, t: float, x: Sequence[float], parameters: Mapping[str, Any] | None) -> list[float]:
+        """The whole state of x = (q, v): discrete variables have their starts, contacts are in their modes
+        there."""
+        if not self.interface.discretes:
+            return list(x)
+        system = self._acting(parameters)
+        whole = [*x, *system.start()[len(x) :]]
+        if self.interface.contacts:
+            from lagc.simulation.linearization.contact_modes import settled
+
+            return settled(system, t, whole)
+        return whole
 
     def equilibria(
         self,
@@ -186,31 +218,52 @@ class Differentiable:
         from lagc.base.records import replace
         from lagc.host.budgets import stage
         from lagc.simulation.linearization import equilibria
+        from lagc.simulation.linearization.contact_modes import Elsewhere, in_mode
         from lagc.simulation.linearization.linear_model import linearize
 
         if tries is not None and not 0 <= index(tries) <= MOST_TRIES:
             raise ValueError(f"`tries` must be from 0 to {MOST_TRIES:,}")
         guess, _ = self._at(0.0, parameters, starts)
-        system = self.differentiated(parameters, guess)
-        guess = guess[: system.nx]
-        most = equilibria.tries_for(system) if tries is None else tries
-        with stage("looking for equilibria", PER_OPERATION * self.interface.operations):
-            found = equilibria.equilibria(system, guess, 0.0, most, seed)
-            linear: list[Linear] = []
-            reasons: list[str] = []
-            for e in found:
-                try:
-                    linear.append(replace(linearize(system, 0.0, e.x), free=e.free))
-                except ArithmeticError as error:
-                    reasons.append(str(error))
+        found: list[tuple[float, Linear]] = []
+        reasons: list[str] = []
+        for system, whole, share in self._at_rest(guess, parameters):
+            most = equilibria.tries_for(system, share) if tries is None else tries
+            with stage("looking for equilibria", PER_OPERATION * self.interface.operations):
+                for e in equilibria.equilibria(system, whole[: system.nx], 0.0, most, seed):
+                    try:
+                        one = replace(linearize(system, 0.0, e.x), free=e.free)
+                        if self.interface.contacts:
+                            one = in_mode(self._acting(parameters), one, [*e.x, *whole[len(e.x) :]])
+                        found.append((e.energy, one))
+                    except Elsewhere:
+                        continue
+                    except ArithmeticError as error:
+                        reasons.append(str(error))
+        linear = [one for _, one in (*found[:1], *sorted(found[1:], key=lambda pair: pair[0]))]
         if reasons and not linear:
             raise ArithmeticError(reasons[0])
-        notes = [f"{len(reasons)} of {len(found)} found have no linear model: {r}" for r in reasons[:1]]
+        many = len(found) + len(reasons)
+        notes = [f"{len(reasons)} of {many} found have no linear model: {r}" for r in reasons[:1]]
         rests = [one for one in linear if one.equilibrium] or linear  # or else all change with time
         if len(rests) < len(linear):
-            left_out = f"{len(linear) - len(rests)} of {len(found)} found are left out"
+            left_out = f"{len(linear) - len(rests)} of {many} found are left out"
             notes.append(f"{left_out}: forces balance there, but the constraints determine no rest")
         return [replace(rests[0], notes=(*rests[0].notes, *notes)), *rests[1:]] if notes else rests
+
+    def _at_rest(
+        self, start: list[float], parameters: Mapping[str, Any] | None
+    ) -> Iterator[tuple[NumpySystem, list[float], float]]:
+        """The systems in which equilibria are looked for, with whole states and shares of the tries: with
+        contacts, one for each of their modes."""
+        yield self.differentiated(parameters, start), start, 1.0
+        if self.interface.contacts:
+            from lagc.diagnostics.faults import Refused
+            from lagc.simulation.linearization.contact_modes import other_modes
+
+            others = other_modes(self.interface, start)
+            for whole in others:
+                with suppress(Refused):  # no motion meets all of these
+                    yield self.differentiated(parameters, whole), whole, 1.0 / len(others)
 
     def _at(
         self,
@@ -234,6 +287,9 @@ class Differentiable:
             notes = (f"{error}: {run.message}",)
         if run.times[-1] < t:
             raise ArithmeticError(f"the motion does not reach t = {t:g} s: {run.message}")
+        for event in run.events:
+            if event.kind == "impact" and event.t == t:
+                raise ArithmeticError(f"`{event.contact}` has an impact at t = {t:g} s")
         return run.states[-1], notes
 
     def _columns(self, point: Point, of: str, word: str) -> Array:

@@ -59,8 +59,9 @@ def run(options: argparse.Namespace) -> int:
     time = quantity(options.at, "s", "--at") or 0.0
     starts = quantities(options.starts, "--start")
     compilation = Compilation(model_library.read(options.file), choice_of(options))
-    # A long motion runs in C, without derivatives; discrete variables are no states of the derivatives.
-    runs = time or "discrete" in compilation.source.text
+    # A long motion runs in C, without derivatives; discrete variables and modes of contacts are no states of
+    # the derivatives.
+    runs = time or any(word in compilation.source.text for word in ("discrete", ">=", "<=", "import"))
     model = CompiledModel(compilation if runs else compilation.differentiated, "auto" if time else "numpy")
     spare(compilation, options.output, _picture(model.interface, options.plot))
     try:

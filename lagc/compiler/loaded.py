@@ -7,7 +7,7 @@ from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from lagc.base.records import RLock, once
+from lagc.base.records import RLock, once, replace
 from lagc.compiler.pipeline import Compilation
 from lagc.diagnostics.faults import Refused
 from lagc.host.budgets import running
@@ -38,6 +38,7 @@ class Loaded:
         self.root = root or self
         self.others: dict[str, Loaded] = {}  # of a root, by method
         self.followers: dict[str, System] = {}  # with what sensitivities need
+        self.in_modes: dict[tuple[int, ...], NumpySystem] = {}  # by the modes that contacts are held in
         self.numpy_s = 0.0  # the longest run of `auto` in NumPy so far
         began = perf_counter()
         self.preferred = self.first = self._preferred()
@@ -49,7 +50,7 @@ class Loaded:
         return {name: getattr(self, name) for name in kept}
 
     def __setstate__(self, state: dict[str, object]) -> None:
-        vars(self).update(state, lock=RLock(), systems={}, numpy_s=0.0, followers={}, others={})
+        vars(self).update(state, lock=RLock(), systems={}, numpy_s=0.0, followers={}, others={}, in_modes={})
         self.preferred = self._preferred()
 
     @property
@@ -83,6 +84,20 @@ class Loaded:
         found = Loaded(self.compilation.differentiated, "numpy").system("numpy")
         assert isinstance(found, NumpySystem)
         return found
+
+    def held(self, modes: tuple[int, ...]) -> NumpySystem:
+        """The system with derivatives that holds its contacts in these modes."""
+        from lagc.simulation.backends.python import NumpySystem
+
+        with self.lock:
+            if modes not in self.in_modes:
+                own = self.compilation
+                choice = replace(own.choice, contact_modes=modes)
+                made = Compilation(own.source, choice, own.roots).differentiated
+                found = Loaded(made, "numpy").system("numpy")
+                assert isinstance(found, NumpySystem)
+                self.in_modes[modes] = found
+            return self.in_modes[modes]
 
     def sensitive(self, backend: str) -> System:
         """The system that follows sensitivities: in C for a run in C, and for `auto` with a compiler."""

@@ -24,6 +24,7 @@ from lagc.compiler.artifact import (
     store_head,
     version_key,
 )
+from lagc.compiler.held import DERIVED, refuse_contacts, with_held
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host import cache
 from lagc.host.budgets import stage
@@ -51,7 +52,8 @@ PER_OPERATION = 1e-3  # s for each operation of the right-hand side
 class Choice:
     """A model of a file, with its scene, effects and values. Values of structural parameters become part of
     the code, as do `inputs` that are not numbers, the condition `until` that ends a run, and `outputs`, the
-    names of what it is for (None: all).  Other parameters stay symbols."""
+    names of what it is for (None: all).  Other parameters stay symbols.  `contact_modes`: those in which
+    contacts are held as equations and loads (None: they act)."""
 
     model: str | None = None
     scene: str | None = None
@@ -61,6 +63,7 @@ class Choice:
     inputs: Inputs = field(default_factory=dict)
     until: str | None = None
     outputs: tuple[str, ...] | None = None
+    contact_modes: tuple[int, ...] | None = None
 
 
 class _Uncollected(ContextDecorator):
@@ -133,6 +136,10 @@ def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
             values, model = wanted, resolved(wanted)
             built_in.update(dict.fromkeys(model.built_in))
         model = replace(model, built_in=tuple(built_in))
+        if choice.contact_modes is not None:
+            from lagc.mechanics.formulation.held_contacts import hold_contacts
+
+            model = hold_contacts(model, choice.contact_modes)
         if choice.outputs is None:
             return model
         from lagc.semantics.scenes.asked import asked_for
@@ -274,7 +281,8 @@ class Compilation:
         choice = self.choice
         inputs = [(name, _said(given)) for name, given in sorted(choice.inputs.items())]
         effects = choice.with_effects, choice.without_effects
-        chosen = repr((choice.model, choice.scene, *effects, inputs, choice.until, choice.outputs))
+        chosen = repr((choice.model, choice.scene, *effects, inputs, choice.until, choice.outputs,
+                       choice.contact_modes))  # fmt: skip
         texts = [self.source.text, *(text for _, text in inputs), choice.until or ""]
         reads = any(word in text for word in ("import", "table") for text in texts)
         folder = folder_of(self.source.name) if reads else ""
@@ -302,9 +310,6 @@ class Compilation:
         store_head(self._head_name, head)
         store_artifact(self._artifact_name(target, head), artifact)
         return artifact
-
-
-DERIVED = ("derivatives", "sensitivities")
 
 
 class _Variant(Compilation):
@@ -347,31 +352,6 @@ class _Variant(Compilation):
 
     def taking(self, method: str) -> Compilation:
         return self.base.taking(method)
-
-
-def refuse_contacts(model: Model, variant: str) -> None:
-    """Raise Refused (LAG0623) if a model has one-sided constraints, which no variant follows."""
-    if model.contacts:
-        asked = {"derivatives": "linear models and derivatives", "sensitivities": "sensitivities",
-                 **dict.fromkeys(IMPLICIT, "implicit methods, such as radau5,"),
-                 **dict.fromkeys(SERIES, "methods by power series, such as taylor,")}  # fmt: skip
-        message = f"{asked[variant]} do not follow the one-sided constraint `{model.contacts[0].name}` yet"
-        other = "compare runs with values that differ a little" if variant in DERIVED else "take dop853"
-        remedy = f"{other}, or write it with `=` where it always touches"
-        raise Refused([Fault("LAG0623", message, model.contacts[0].span, remedy=remedy)])
-
-
-def with_held(model: Model) -> Model:
-    """Return a model whose discrete variables are inputs: linear models and derivatives hold them."""
-    from lagc.semantics.model import Input
-    from lagc.symbolic.evaluate import evaluate
-
-    values = {p.symbol: float("nan") if p.value is None else p.value for p in model.parameters}
-    held = [
-        Input(x.name, x.symbol, x.unit, evaluate([x.start], values)[0], -inf, inf, x.span, x.description)
-        for x in model.discretes
-    ]
-    return replace(model, inputs=(*model.inputs, *held), discretes=(), whens=())
 
 
 def _said(given: Source | Points) -> str:

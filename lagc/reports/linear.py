@@ -54,6 +54,8 @@ def text(linear: Linear, verbose: bool = False, times: int = 1) -> str:
     if n < len(names):
         lines.append(f"  and {len(names) - n} more: --json or -v shows them")
     lines.append(f"  states  {_listed(linear.states, verbose) or 'none: the constraints leave no motion'}")
+    touching = ", ".join([f"{name} {said}" for name, said in linear.contacts.items()])
+    lines += [f"  contacts {touching}"] if touching else []
     for label, of in (("inputs", linear.inputs), ("outputs", linear.outputs)):
         lines += [f"  {label:7} {_listed(of, verbose)}"] if of else []
     if verbose or len(linear.states) <= FEW:

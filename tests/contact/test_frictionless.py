@@ -304,13 +304,7 @@ def test_a_start_beyond_a_bound_is_refused_with_its_depth() -> None:
 
 
 @pytest.mark.parametrize(
-    "command",
-    [
-        ["linearize"],
-        ["sim", "--sensitivity", "m"],
-        ["sim", "--method", "radau5"],
-        ["sim", "--method", "taylor"],
-    ],
+    "command", [["sim", "--sensitivity", "m"], ["sim", "--method", "radau5"], ["sim", "--method", "taylor"]]
 )
 def test_what_does_not_follow_contacts_says_so(
     command: list[str], capsys: pytest.CaptureFixture[str]

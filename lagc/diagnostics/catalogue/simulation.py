@@ -196,7 +196,7 @@ end Pendulum;
     ),
     "LAG0623": Entry(
         "a question that does not combine with one-sided constraints, or with loads of reactions",
-        "Sensitivities do not follow loads of reactions yet. Sensitivities, linear models, derivatives, "
+        "Sensitivities do not follow loads of reactions yet. Sensitivities, derivatives, "
         "implicit methods and methods by power series do not follow contacts yet.",
     ),
     "LAG0625": Entry(

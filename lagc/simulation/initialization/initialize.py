@@ -50,7 +50,7 @@ class NoStart(Refused):
 
 def begin(system: System, request: Request) -> Start:
     """Return the consistent start. Raises NoStart with the conditions that cannot be met (LAG0610) or the
-    start value that is not finite (LAG0611), and as `_energies` and `_touching`."""
+    start value that is not finite (LAG0611), and as `_energies` and `touching`."""
     keep_limits(system)
     doing("finding the start")
     began = perf_counter()
@@ -65,20 +65,26 @@ def begin(system: System, request: Request) -> Start:
             raise NoStart(fault, anchors, start.x, system)
     _energies(system, start.x)
     if system.interface.contacts:
-        start = replace(start, x=_touching(system, start.x))
+        start = replace(start, x=touching(system, 0.0, start.x))
     return replace(start, seconds=perf_counter() - began)
 
 
-def _touching(system: System, x: Sequence[float]) -> list[float]:
-    """Return x with the modes of the contacts that touch. Raises NoStart (LAG0624) if a gap is negative, by
-    more than round-off of lengths as those of the coordinates, or else of the parameters."""
+def size_of_gaps(system: System, x: Sequence[float], unit: str) -> float:
+    """Return the size of lengths as those of the coordinates, or else of the parameters of this unit."""
+    size = max((abs(v) for v in x[: system.nq]), default=0.0)
+    if size == 0.0:
+        fields = (*system.interface.parameters, *system.interface.inputs)
+        size = max((abs(v) for f, v in zip(fields, system.parameters) if f.unit == unit), default=0.0)
+    return size
+
+
+def touching(system: System, t: float, x: Sequence[float]) -> list[float]:
+    """Return x with the modes of the contacts that touch. Raises NoStart (LAG0624) if a gap is negative by
+    more than round-off."""
     interface, found = system.interface, list(x)
     first = system.nx - len(interface.contacts)
-    for i, (contact, gap) in enumerate(zip(interface.contacts, system.gaps(0.0, x))):
-        size = max((abs(v) for v in x[: system.nq]), default=0.0)
-        if size == 0.0:
-            own = zip((*interface.parameters, *interface.inputs), system.parameters)
-            size = max((abs(v) for f, v in own if f.unit == contact.unit), default=0.0)
+    for i, (contact, gap) in enumerate(zip(interface.contacts, system.gaps(t, x))):
+        size = size_of_gaps(system, x, contact.unit)
         if gap < -PENETRATION * size:
             depth = f"{-gap:.6g} {contact.unit}".rstrip()
             message = f"the start is {depth} beyond the bound `{contact.name}`"

@@ -78,12 +78,14 @@ def equilibria(
     return kept
 
 
-def tries_for(system: NumpySystem) -> int:
-    """The number of random states: fewer for large systems, by the operations of their singular values (G.
-    H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 2013, 8.6.3)."""
+def tries_for(system: NumpySystem, share: float = 1.0) -> int:
+    """The number of random states: a share of the usual one, which is smaller for large systems, by the
+    operations of their singular values (G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 2013,
+    8.6.3)."""
     states = system.nq + system.nv
     rows, columns = states + system.nh + system.nc, states + system.nc
-    return max(FEWEST, min(TRIES, int(MOST_WORK / (LATE * (4.0 * rows * columns**2 + 22.0 * columns**3)))))
+    most = MOST_WORK / (LATE * (4.0 * rows * columns**2 + 22.0 * columns**3))
+    return max(FEWEST, int(share * min(TRIES, most)))
 
 
 class _Search:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lagc.base.records import dataclass, replace
+from lagc.base.records import dataclass, field, replace
 from lagc.simulation.linearization.derivatives import ROUNDING, Array, Point, largest_beside, rounded
 from lagc.simulation.linearization.independent_states import independent, is_higher_order_rigid
 from lagc.simulation.linearization.stability import Spectrum, is_energy_minimum, spectrum
@@ -46,7 +46,7 @@ class Linear:
     conservative system at a strict minimum of the potential energy.  `free`: for an equilibrium, the number
     of directions in which it is one of a family.  `higher_order_rigid`: the constraints allow some of the
     motions only to first order.  `varying`: A changes along the motion, although no state that changes now
-    acts on others."""
+    acts on others.  `contacts`: what each contact does."""
 
     system: NumpySystem
     t: float
@@ -67,6 +67,7 @@ class Linear:
     free: int = 0
     higher_order_rigid: bool = False
     varying: bool = False
+    contacts: dict[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         sizes = f"{len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs"
@@ -179,6 +180,7 @@ class Linear:
             "t": self.t,
             "x": dict(zip(names, self.x)),
             "multipliers": dict(zip(interface.row_labels, self.lam)),
+            "contacts": dict(self.contacts),
             "equilibrium": self.equilibrium, "steady": self.steady, "momentary": self.momentary,
             "stability": self.stability,
             "free": self.free,
