@@ -11,7 +11,14 @@ from lagc.mechanics.balance.generalized_forces import Acting, act
 from lagc.mechanics.balance.outputs import of_motion, output_equations
 from lagc.mechanics.formulation.constraints import Classified, classify
 from lagc.mechanics.formulation.contacts import contact_rows
-from lagc.mechanics.formulation.equations import Contribution, EquationsOfMotion, Law, Row, WhenEquations
+from lagc.mechanics.formulation.equations import (
+    ContactRow,
+    Contribution,
+    EquationsOfMotion,
+    Law,
+    Row,
+    WhenEquations,
+)
 from lagc.mechanics.formulation.euler_lagrange import free_terms, with_rates
 from lagc.mechanics.formulation.inertia import inertial_loads, moving_parts
 from lagc.mechanics.formulation.jacobian import added
@@ -53,6 +60,7 @@ def derive(model: Model) -> EquationsOfMotion:
         conditions = of_motion(conditions, states, parts, acting, free, totals, labels)
     kept = tuple([x.row for x in classified])
     contributions = tuple([x.contribution for x in acting])
+    contacts = contact_rows(states)
     return EquationsOfMotion(
         model=model,
         graph=graph,
@@ -82,7 +90,7 @@ def derive(model: Model) -> EquationsOfMotion:
         initial_conditions=tuple(zip(states.in_speeds(initial), [c.span for c in model.initial_conditions])),
         whens=(*when_equations(states, conditions), *stops),
         outputs=output_equations(states, parts, acting, free, totals, labels),
-        contacts=contact_rows(states),
+        contacts=contacts,
         rates=states.rates,
         dropped=tuple([x.reason for x in dropped]),
         warnings=(
@@ -90,6 +98,7 @@ def derive(model: Model) -> EquationsOfMotion:
             *cuts,
             *doubts,
             *_warnings(states, kept, contributions),
+            *_aside(states, kept, contacts),
             *_shared(states, dropped),
         ),
     )
@@ -142,6 +151,15 @@ def _shared(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:
     from lagc.mechanics.redundancy.redundancy import shared_reactions
 
     return shared_reactions(states, dropped)
+
+
+def _aside(states: States, rows: Sequence[Row], contacts: Sequence[ContactRow]) -> tuple[Fault, ...]:
+    """Warnings of slips that are not along the surface."""
+    if not any(contact.slips for contact in contacts):
+        return ()
+    from lagc.mechanics.lint.slip_directions import slips_aside  # loaded where something slips
+
+    return tuple(slips_aside(states, rows, contacts))
 
 
 def _warnings(

@@ -64,3 +64,42 @@ def test_the_work_of_an_effect_of_contacts_is_what_they_take() -> None:
     text = FALL.format(lines).replace("scene s\n", "scene s uses ground\n")
     (one,) = lagc.loads(text).compile(scene="s").effects().left_out
     assert one.work == pytest.approx(-0.75 * 5.0 * 9.81, rel=1e-6)
+
+
+SPACE = """model M
+  parameter Angle a = 20 [deg];
+  parameter Length r = 0.1 [m];
+  coordinate Length x, y, z(start = 1 [m]);
+  coordinate Orientation o;
+  body p = Solid(mass = 1 [kg], inertia = {{1, 1, 1}}, frame = rotate(world, o), com = {{x, y, z}});
+  constraint c: {};
+end M;
+"""
+SLOPE, TILTED = "z*cos(a) - x*sin(a) >= 0", "cos(a)*der(x) + sin(a)*der(z)"
+ROUND = "norm({x, 0, z}) >= 1 [m]"
+
+
+@pytest.mark.parametrize(
+    ("contact", "message"),
+    [(f"z >= 0 (@ = {slip})", message) for slip, message in (
+        ("{der(x), der(y)}", ""),
+        ("{der(x) - r*o.rate.y, der(y) + r*o.rate.x}", ""),
+        ("{cos(a)*der(x) - sin(a)*der(y), sin(a)*der(x) + cos(a)*der(y)}", ""),
+        ("{der(x), der(x) + der(y)}", "not perpendicular"),
+        ("{der(x), 2*der(y)}", "2 times the scale"),
+        ("{der(x), der(z)}", "not perpendicular"),
+        ("0.5*der(x)", "0.5 times the scale"),
+    )] + [
+        (f"{SLOPE} (@ = {{{TILTED}, der(y)}})", ""),
+        (f"{SLOPE} (@ = {{der(x), der(y)}})", "not perpendicular"),
+        (f"z >= x*tan(a) (@ = {{{TILTED}, der(y)}})", "times the scale"),
+        (f"{ROUND} (@ = {{(x*der(z) - z*der(x))/(1 [m]), der(y)}})", ""),
+        (f"{ROUND} (@ = {{(x*der(z) - z*der(x))/(2 [m]), der(y)}})", "0.5 times the scale"),
+    ],
+)  # fmt: skip
+def test_slips_that_are_no_velocities_along_the_surface_have_a_warning(contact: str, message: str) -> None:
+    """They are so on the surface, whatever the state at the start."""
+    found = lagc.loads(SPACE.format(contact.replace("@", "friction = 0.3, slip"))).check()
+    aside = [fault for fault in found if fault.code == "LAG0432"]
+    assert [fault.severity for fault in aside] == ["warning"] * bool(message)
+    assert all(message in fault.message for fault in aside), aside

@@ -198,6 +198,15 @@ ENTRIES: dict[str, Entry] = {
         ),
         _on_particle("  constraint rail: x = 0;\n  force F = {0, -0.1*reaction(rail), 0} at p;\n"),
     ),
+    "LAG0432": Entry(
+        "a slip that is no velocity along the surface",
+        "This is a warning. The friction of a contact with `slip` is the coefficient times the push along "
+        "the gradient of the gap, and acts along the gradient of the slip. So the gap is a distance, the "
+        "slip a velocity along the surface, and two slips are perpendicular to each other. A slip with a factor "
+        "has a friction with this factor. With `at` in place of `slip` all this follows from the place.",
+        _on_particle("  constraint slope: y >= 0.5*x (friction = 0.3, slip = der(x));\n"),
+        _on_particle("  constraint slope: y >= 0.5*x (friction = 0.3, at = p);\n"),
+    ),
     "LAG0430": Entry(
         "a reaction of a parameter that changes an inertia",
         "`reaction(l)` is the force that holds the parameter `l`. If a mass or an inertia depends on `l`, "
