@@ -202,8 +202,9 @@ ENTRIES: dict[str, Entry] = {
         "a slip that is no velocity along the surface",
         "This is a warning. The friction of a contact with `slip` is the coefficient times the push along "
         "the gradient of the gap, and acts along the gradient of the slip. So the gap is a distance, the "
-        "slip a velocity along the surface, and two slips are perpendicular to each other. A slip with a factor "
-        "has a friction with this factor. With `at` in place of `slip` all this follows from the place.",
+        "slip a velocity along the surface, and two slips are perpendicular to each other. A slip with a "
+        "factor has a friction with this factor. With `at` in place of `slip` all this follows from the "
+        "place.",
         _on_particle("  constraint slope: y >= 0.5*x (friction = 0.3, slip = der(x));\n"),
         _on_particle("  constraint slope: y >= 0.5*x (friction = 0.3, at = p);\n"),
     ),
