@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import lagc
 from lagc.diagnostics.faults import Refused
@@ -52,6 +54,34 @@ def test_planet_turns_faster_than_its_arm() -> None:
     assert run.final["planet_speed"] == pytest.approx((1.0 + R / r) * acceleration * 2.0, rel=1e-8)
     planet = own * (1.0 + R / r) * acceleration  # the mesh turns the planet by the force planet/r on the sun
     assert run.final["on_housing"] == pytest.approx(-planet / r * R, rel=1e-8)
+
+
+def test_rack_swings_on_its_spring() -> None:
+    run = _run("rack_and_pinion", 1.0)
+    r, m, J, k, M = 0.03, 1.5, 2e-3, 400.0, 0.6
+    w = math.sqrt(k / (m + J / r**2))
+    exact = M / (r * k) * (1.0 - np.cos(w * np.array(run.t)))
+    assert run["x"] == pytest.approx(exact, abs=1e-9)
+    push = k * exact + m * (M / r - k * exact) / (m + J / r**2)
+    assert run["push"] == pytest.approx(push, rel=1e-7)
+
+
+def test_gyroscope_nods_in_its_gimbals() -> None:
+    """Its equation for the dip alone, with the momenta of spin and about the vertical."""
+    run = _run("gyroscope_in_gimbals", 0.2)
+    own, inner, outer, m, d = 1.2e-3, 3e-4, 4e-4, 0.1, 0.08
+    across, spin = own + m * d * d, 2e-3 * 200.0
+
+    def rates(t: float, y: Any) -> list[float]:
+        s, c = math.sin(y[0]), math.cos(y[0])
+        turn = spin * s / (outer + inner + across * c * c)
+        return [y[1], (m * 9.81 * d - spin * turn - across * turn**2 * s) * c / (across + inner), turn]
+
+    exact = solve_ivp(
+        rates, (0.0, 0.2), [0.0] * 3, "DOP853", t_eval=run.t, max_step=1e-3, rtol=1e-12, atol=1e-14
+    ).y
+    assert run["dip"] == pytest.approx(exact[0], abs=1e-9)
+    assert run["post.angle"] == pytest.approx(exact[2], abs=1e-9)
 
 
 def test_coin_rolls_as_with_its_own_coordinates() -> None:

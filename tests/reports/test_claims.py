@@ -91,10 +91,15 @@ def assert_true(e: EquationsOfMotion) -> None:
     assert not (tries and kept)
 
 
+LOADED = ("journal_bearing", "driven_cart_pole", "rough_tube_explicit")
+
+
 @pytest.mark.sample(0, 8)
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
 def test_claims_over_the_library(path: Path) -> None:
     name = str(path.relative_to(MODELS).with_suffix(""))
+    if path.stem in (*LOADED, "rolling_cart"):
+        pytest.skip("its loads depend on reactions: states alone do not have them")
     for scene in derived(name).model.scenes:
         assert_true(derived(name, scene))
 
@@ -137,7 +142,7 @@ def test_nothing_in_the_library_only_seems_so() -> None:
             assert all(c.proved for c in found.constraints)
             continue
         assert all(c.proved for c in (*found.conserved, *found.constraints))
-        if path.stem in ("journal_bearing", "driven_cart_pole", "rough_tube_explicit"):
+        if path.stem in LOADED:
             assert found.not_examined == ("energy", "momenta")
             continue
         assert not any((found.seems.cyclic, found.seems.redundant, found.seems.degrees_of_freedom,
