@@ -375,20 +375,14 @@ class CompiledModel(Differentiable, Measurable, Comparable):
     def run(self, request: Request, parameters: Sequence[float], progress: Progress | None = None) -> Run:
         """Simulate a `Request` with the array p of all parameters, then inputs, in SI units."""
         parameters = [float(value) for value in parameters]
-        system = None
         if request.sensitivity:
-            from lagc.simulation.sensitivity.sensitivities import directions
-            from lagc.simulation.sensitivity.verified_sensitivities import sensitivities
+            from lagc.compiler.followed import directions_of, follow
 
-            artifact = self.artifact
-            wanted = directions(self.interface, request.sensitivity, artifact.unused, artifact.built_in)
-            system = self._loaded.differentiated.model.bind(parameters)
+            directions_of(self._loaded, request.sensitivity)
         found = self._loaded.simulate(request, parameters, progress)
         run = Run(**{name: getattr(found, name) for name in names(Solution)})
-        if system is not None:
-            complete = request.completed(self.interface.simulate)
-            followed = self._loaded.sensitive(run.system.backend).bind(parameters)
-            sensitivities(system, followed, run, complete, wanted, running(progress))
+        if request.sensitivity:
+            follow(self._loaded, run, request, parameters, running(progress))
         return run
 
     def rhs(self, t: float, x: Sequence[float], parameters: Mapping[str, Value] | None = None) -> Array:

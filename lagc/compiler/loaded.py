@@ -37,8 +37,8 @@ class Loaded:
         self.systems: dict[str, System] = {}
         self.root = root or self
         self.others: dict[str, Loaded] = {}  # of a root, by method
-        self.followers: dict[str, System] = {}  # with what sensitivities need
-        self.in_modes: dict[tuple[int, ...], NumpySystem] = {}  # by the modes that contacts are held in
+        self.followers: dict[tuple[str, tuple[int, ...] | None], System] = {}  # with what sensitivities need
+        self.held_systems: dict[tuple[int, ...], NumpySystem] = {}  # by the modes of contacts
         self.numpy_s = 0.0  # the longest run of `auto` in NumPy so far
         began = perf_counter()
         self.preferred = self.first = self._preferred()
@@ -50,7 +50,9 @@ class Loaded:
         return {name: getattr(self, name) for name in kept}
 
     def __setstate__(self, state: dict[str, object]) -> None:
-        vars(self).update(state, lock=RLock(), systems={}, numpy_s=0.0, followers={}, others={}, in_modes={})
+        vars(self).update(
+            state, lock=RLock(), systems={}, numpy_s=0.0, followers={}, others={}, held_systems={}
+        )
         self.preferred = self._preferred()
 
     @property
@@ -85,35 +87,40 @@ class Loaded:
         assert isinstance(found, NumpySystem)
         return found
 
+    def in_modes(self, modes: tuple[int, ...]) -> Compilation:
+        """The compilation that holds contacts in these modes."""
+        own = self.compilation
+        return Compilation(own.source, replace(own.choice, contact_modes=modes), own.roots)
+
     def held(self, modes: tuple[int, ...]) -> NumpySystem:
         """The system with derivatives that holds its contacts in these modes."""
         from lagc.simulation.backends.python import NumpySystem
 
         with self.lock:
-            if modes not in self.in_modes:
-                own = self.compilation
-                choice = replace(own.choice, contact_modes=modes)
-                made = Compilation(own.source, choice, own.roots).differentiated
-                found = Loaded(made, "numpy").system("numpy")
+            if modes not in self.held_systems:
+                found = Loaded(self.in_modes(modes).differentiated, "numpy").system("numpy")
                 assert isinstance(found, NumpySystem)
-                self.in_modes[modes] = found
-            return self.in_modes[modes]
+                self.held_systems[modes] = found
+            return self.held_systems[modes]
 
-    def sensitive(self, backend: str) -> System:
-        """The system that follows sensitivities: in C for a run in C, and for `auto` with a compiler."""
+    def sensitive(self, backend: str, modes: tuple[int, ...] | None = None) -> System:
+        """The system that follows sensitivities: in C for a run in C, and for `auto` with a compiler. It
+        holds contacts in `modes`."""
         from lagc.simulation.backends.compile import CannotCompile
         from lagc.simulation.supervision import has_compiler
 
         wanted = "c" if backend == "c" or (self.asked == "auto" and has_compiler()) else "numpy"
+        own = self.compilation if modes is None else self.in_modes(modes)
         with self.lock:
-            if wanted not in self.followers:
+            if (wanted, modes) not in self.followers:
                 try:
-                    self.followers[wanted] = Loaded(self.compilation.sensitive, wanted).system(wanted)
+                    found = Loaded(own.sensitive, wanted).system(wanted)
                 except CannotCompile:
                     if self.asked == "c":
                         raise
-                    self.followers[wanted] = Loaded(self.compilation.sensitive, "numpy").system("numpy")
-            return self.followers[wanted]
+                    found = Loaded(own.sensitive, "numpy").system("numpy")
+                self.followers[wanted, modes] = found
+            return self.followers[wanted, modes]
 
     def taking(self, method: str) -> Loaded:
         """The same model with this method of integration."""

@@ -303,9 +303,7 @@ def test_a_start_beyond_a_bound_is_refused_with_its_depth() -> None:
     assert refused.value.faults[0].code == "LAG0624" and "0.25 m" in refused.value.faults[0].message
 
 
-@pytest.mark.parametrize(
-    "command", [["sim", "--sensitivity", "m"], ["sim", "--method", "radau5"], ["sim", "--method", "taylor"]]
-)
+@pytest.mark.parametrize("command", [["sim", "--method", "radau5"], ["sim", "--method", "taylor"]])
 def test_what_does_not_follow_contacts_says_so(
     command: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -196,8 +196,8 @@ end Pendulum;
     ),
     "LAG0623": Entry(
         "a question that does not combine with one-sided constraints, or with loads of reactions",
-        "Sensitivities do not follow loads of reactions yet. Sensitivities, derivatives, "
-        "implicit methods and methods by power series do not follow contacts yet.",
+        "Sensitivities do not follow loads of reactions and contacts that slide yet. Derivatives, implicit "
+        "methods and methods by power series do not follow contacts yet.",
     ),
     "LAG0625": Entry(
         "an actuator that cannot hold its constraint",

@@ -39,14 +39,11 @@ def directions(
 ) -> tuple[Direction, ...]:
     """The directions named `l`, `start(theta)` or `start(der(theta))`, each once; all entries of an array.
     Raises Refused: LAG0601, LAG0606 for an unknown name, LAG0607 for a parameter that is part of the code."""
-    if interface.contacts:
-        message = f"sensitivities do not follow the one-sided constraint `{interface.contacts[0].name}` yet"
-        raise Refused([Fault("LAG0623", message, remedy="compare runs with values that differ a little")])
     if interface.loading_rows:
         label = interface.row_labels[interface.loading_rows[0]]
         message = f"sensitivities do not follow loads that depend on `reaction({label})` yet"
         raise Refused([Fault("LAG0623", message, remedy="compare runs with values that differ a little")])
-    if interface.discretes:
+    if len(interface.discretes) > len(interface.contacts):
         message = (
             f"`{interface.discretes[0].name}` is a discrete variable: its jumps are not differentiated, so "
             "runs of this model have no sensitivities"
@@ -128,8 +125,9 @@ class Sensitivities:
         return {f"d({name})/d({d.name})": (name, d) for name in quantities for d in self.directions}
 
     def units(self, units: Mapping[str, str]) -> dict[str, str]:
-        """The units of the columns, from those of the quantities."""
-        return {column: _quotient(units[name], d.unit) for column, (name, d) in self.named(units).items()}
+        """The units of the columns, from those of the quantities. Modes of contacts have no derivatives."""
+        return {column: _quotient(units[name], d.unit) for column, (name, d) in self.named(units).items()
+                if column in self._names}  # fmt: skip
 
     def __contains__(self, column: str) -> bool:
         return column in self._names
