@@ -21,9 +21,9 @@ def refuse_contacts(model: Model, variant: str) -> None:
         asked = {"derivatives": "derivatives", "sensitivities": "sensitivities",
                  **dict.fromkeys(IMPLICIT, "implicit methods, such as radau5,"),
                  **dict.fromkeys(SERIES, "methods by power series, such as taylor,")}  # fmt: skip
-        message = f"{asked[variant]} do not follow the one-sided constraint `{model.contacts[0].name}` yet"
+        message = f"{asked[variant]} do not follow {model.contacts[0].title} yet"
         other = "compare runs with values that differ a little" if variant in DERIVED else "take dop853"
-        remedy = f"{other}, or write it with `=` where it always touches"
+        remedy = f"{other}, or {model.contacts[0].otherwise}"
         raise Refused([Fault("LAG0623", message, model.contacts[0].span, remedy=remedy)])
 
 

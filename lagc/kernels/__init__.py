@@ -35,6 +35,7 @@ FILES = (
     "constraints/projection",
     "dynamics/loaded_reactions",
     "contact/responses",
+    "contact/normal_forces",
     "contact/touching",
     "integrators/explicit_runge_kutta",
     "integrators/stage_equations",

@@ -196,6 +196,8 @@ def evaluate_start(p: Params, s: State, direction: Real, w: Work) -> Status:
             return start_modes(p, s, direction, elsewhere, w)
         w.modes[:] = s.modes
         update_edges(w)
+        if NTWO > 0:
+            w.normal_signs[:] = s.normal_signs
         if NSPACE > 0:
             turn_slips(p, s, w)
     status = OK

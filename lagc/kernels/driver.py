@@ -207,6 +207,8 @@ def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
     s.dense_place = OPEN if a.leaves_end_rate else STAGES
     if NMODE > 0:
         s.modes_old[:] = w.modes
+        if NTWO > 0:
+            s.normal_signs_old[:] = w.normal_signs
         if NSPACE > 0:
             s.slip_axes_old[:] = w.slip_axes
             s.slip_roundoff_old[:] = w.slip_roundoff

@@ -25,6 +25,8 @@ def recompute_stages(s: State, t: Real, x: Vec[NX], w: Work) -> Status:
     """Compute the stages of the last step again: a later failed attempt has overwritten them."""
     if NMODE > 0:
         w.modes[:] = s.modes_old
+        if NTWO > 0:
+            w.normal_signs[:] = s.normal_signs_old
         if NSPACE > 0:
             w.slip_axes[:] = s.slip_axes_old
             w.slip_roundoff[:] = s.slip_roundoff_old
@@ -48,6 +50,8 @@ def compute_dense_output(s: State, w: Work) -> Status:
         x = s.x_end if s.is_new_call else s.x
     if NMODE > 0:
         w.modes[:] = s.modes_old
+        if NTWO > 0:
+            w.normal_signs[:] = s.normal_signs_old
         if NSPACE > 0:
             w.slip_axes[:] = s.slip_axes_old
             w.slip_roundoff[:] = s.slip_roundoff_old

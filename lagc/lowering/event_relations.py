@@ -95,7 +95,7 @@ def _with_late_choices(equations: EquationsOfMotion, relations: Sequence[EventRe
 
 def _forces(equations: EquationsOfMotion) -> list[Node]:
     """Return the symbols of the forces of contacts."""
-    return [contact.multiplier for contact in equations.contacts]
+    return [force for contact in equations.contacts for force in contact.forces]
 
 
 def _touching(equations: EquationsOfMotion, count: int) -> list[EventRelation]:
@@ -335,7 +335,7 @@ def _with(equations: EquationsOfMotion, f: _Freezing) -> EquationsOfMotion:
         replace(
             contact, gap=f.one(contact.gap), rate=f.one(contact.rate), bias=f.one(contact.bias),
             slips=tuple([replace(x, rate=f.one(x.rate), bias=f.one(x.bias)) for x in contact.slips]),
-            frictions=tuple(f.all(contact.frictions)),
+            frictions=tuple(f.all(contact.frictions)), normals=tuple(f.all(contact.normals)),
         )
         for contact in with_jacobians(equations.contacts, gradients)
     ]  # fmt: skip

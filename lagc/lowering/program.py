@@ -161,6 +161,7 @@ class Contact:
     slips: int = 0  # slip rows
     poisson: bool = False  # its law of impact; else that of Newton
     impulse: int = -1  # index in x of the impulse of its last impact; -1: nothing asks for it
+    normals: int = 0  # components of the normal force of a two-sided contact
 
 
 def _ranges(sizes: Mapping[str, int]) -> dict[str, range]:
@@ -381,6 +382,7 @@ class Program:
       contact_rows (p,t,x,modes)  -> R[], u[], bias[]   gradient by v, rate, acceleration for v' = 0
       contact_sizes (p,t,x,c)     -> s[]    the same of gaps
       restitutions (p,t,x)        -> r[]    of each contact
+      normals     (p,t,x,modes)   -> N[], bias[]  of two-sided contacts: slopes by a, lam and forces, rest
       frictions   (p,t,x,modes)   -> f[]    friction of slip and of sticking of each contact
       features    (p,t,x)         -> e[]    terms that may be narrow
       feature_bounds (p,box)      -> e[]    least and largest value of each, in a box

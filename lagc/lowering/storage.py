@@ -59,7 +59,7 @@ def places(
         found[variable.symbol] = ("x", first + k)
     row = 0
     for contact in equations.contacts:
-        found[contact.multiplier] = ("contact_forces", row)
+        found.update((force, ("contact_forces", row + k)) for k, force in enumerate(contact.forces))
         row += len(contact.jacobians)
     state = (*STATE, "modes") if modes else STATE
     return Places(equations, found, tuple([p.symbol for p in parameters]), state)

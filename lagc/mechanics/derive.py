@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from lagc.diagnostics.faults import Fault, Refused
@@ -10,7 +10,7 @@ from lagc.mechanics.balance.energy import energies
 from lagc.mechanics.balance.generalized_forces import Acting, act
 from lagc.mechanics.balance.outputs import of_motion, output_equations
 from lagc.mechanics.formulation.constraints import Classified, classify
-from lagc.mechanics.formulation.contacts import contact_rows
+from lagc.mechanics.formulation.contacts import contact_rows, with_normals
 from lagc.mechanics.formulation.equations import (
     ContactRow,
     Contribution,
@@ -54,13 +54,13 @@ def derive(model: Model) -> EquationsOfMotion:
     given = added(graph, [*(x.contribution.forces for x in acting), *held])
     initial = [c.residual for c in model.initial_conditions]
     zero, labels = graph.zero, [x.label for x in dropped]
-    _refuse_reactions(model, dropped)
+    _refuse_reactions(model, dropped, classified, states)
     conditions = [when.condition for when in model.whens]
     if any(symbol.record.kind in _OF_MOTION for symbol in symbols(conditions)):
         conditions = of_motion(conditions, states, parts, acting, free, totals, labels)
     kept = tuple([x.row for x in classified])
     contributions = tuple([x.contribution for x in acting])
-    contacts = contact_rows(states)
+    contacts = _contacts(states, lambda nodes: of_motion(nodes, states, parts, acting, free, totals, labels))
     return EquationsOfMotion(
         model=model,
         graph=graph,
@@ -128,9 +128,23 @@ def _constrained(states: States) -> tuple[list[Classified], list[Dropped], tuple
     return kept, idle + dropped, warnings
 
 
-def _refuse_reactions(model: Model, dropped: Sequence[Dropped]) -> None:
-    """Raise Refused, LAG0431, if a load depends on the multiplier of a row that others imply."""
+_FRICTION = "write the friction as a load of `reaction(c)` too, smooth at rest as `tanh(s/s0)` is"
+
+
+def _contacts(states: States, of: Callable[[Sequence[Node]], list[Node]]) -> tuple[ContactRow, ...]:
+    """Return the rows of contacts; `of` gives quantities of the motion."""
+    contacts = contact_rows(states)
+    normals = [node for contact in contacts for node in contact.normals]
+    return with_normals(contacts, of(normals)) if normals else contacts
+
+
+def _refuse_reactions(
+    model: Model, dropped: Sequence[Dropped], classified: Sequence[Classified], states: States
+) -> None:
+    """Raise Refused, LAG0431, if a load or friction depends on the multiplier of a row that others imply, or
+    a load on any reaction, or an actuator holds a constraint, beside friction of a two-sided contact."""
     shared = {label for row in dropped if row.others for label in (row.label, *row.others)}
+    rough = [contact for contact in model.contacts if contact.normals]
     faults = []
     for load in [x for x in model.actions if isinstance(x, Force | Torque)]:
         for owner in sorted(s.record.owner for s in symbols(load.vector) if s.record.kind == "multiplier"):
@@ -140,6 +154,23 @@ def _refuse_reactions(model: Model, dropped: Sequence[Dropped]) -> None:
                     "imply this one"
                 )
                 faults.append(Fault("LAG0431", message, load.span, remedy="leave out one of these equations"))
+            elif rough:
+                message = f"`{load.name}` depends on `reaction({owner})`, beside {rough[0].title}"
+                faults.append(Fault("LAG0431", message, load.span, remedy=_FRICTION))
+    for servo in [c for c in model.constraints if c.actuator and rough]:
+        message = f"`{servo.actuator}` holds `{servo.name}`, beside {rough[0].title}"
+        faults.append(Fault("LAG0431", message, servo.span, remedy=_FRICTION))
+    if rough and classified:
+        from lagc.mechanics.redundancy.redundancy import dependent_rows  # loaded where there are rows
+
+        rows = [x.row for x in classified]
+        shared |= {rows[k].label for x in dependent_rows(states, rows) for k in (x.row, *x.others)}
+    for contact in rough:
+        for owner in sorted({s.record.owner for s in symbols(contact.normals)} & shared):
+            message = (
+                f"{contact.title} depends on a force that is one of many: other equations imply `{owner}`"
+            )
+            faults.append(Fault("LAG0431", message, contact.span, remedy="leave out one of these equations"))
     if faults:
         raise Refused(faults)
 
@@ -155,11 +186,12 @@ def _shared(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:
 
 def _aside(states: States, rows: Sequence[Row], contacts: Sequence[ContactRow]) -> tuple[Fault, ...]:
     """Warnings of slips that are not along the surface."""
-    if not any(contact.slips for contact in contacts):
+    one_sided = [contact for contact in contacts if not contact.normals]
+    if not any(contact.slips for contact in one_sided):
         return ()
     from lagc.mechanics.lint.slip_directions import slips_aside  # loaded where something slips
 
-    return tuple(slips_aside(states, rows, contacts))
+    return tuple(slips_aside(states, rows, one_sided))
 
 
 def _warnings(

@@ -27,7 +27,10 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
     model, analysis = equations.model, analyse(equations)
     written = Expressions(equations, whole)
     jumps = any(when.changes for when in equations.whens)
-    until = ", between events" if jumps else ", while contacts are open" if equations.contacts else ""
+    others = (
+        ", without friction" if all(c.normals for c in equations.contacts) else ", while contacts are open"
+    )
+    until = ", between events" if jumps else others if equations.contacts else ""
     interface = program.interface
     parts = analysis.kinetic_parts or ()
     (*texts, potential), energy_parts = written.texts([*parts, equations.potential])
@@ -231,7 +234,7 @@ def text(facts: Facts, verbose: bool = False) -> str:
         _section("discrete variables", map(_discrete_line, facts.get("discretes", ())), verbose),
         _section("joints", map(_joint_line, facts.get("joints", ())), verbose),
         _section("constraints", map(_constraint_line, facts["constraints"]), verbose),
-        _section("one-sided constraints", map(_contact_line, facts["contacts"]), verbose),
+        _section("contacts", map(_contact_line, facts["contacts"]), verbose),
         _section("actions", map(_action_line, facts["actions"]), verbose),
         _count_text(facts),
         _section("cyclic coordinates", _cyclic_lines(facts) or ["none"], verbose),
@@ -290,14 +293,14 @@ def _discretes(equations: EquationsOfMotion, written: Expressions) -> Facts:
 
 
 def _contact(contact: Contact, written: Expressions) -> Facts:
+    opens = {"gap": contact.gap, "restitution": contact.restitution}
     given = {"friction": contact.friction, "static": contact.static}
     slip = [written.text(node) for node in contact.slip]
     return {
         "name": contact.label,
         "line": contact.span.line,
-        "gap": written.text(contact.gap),
+        **({} if contact.normals else {name: written.text(node) for name, node in opens.items()}),
         "unit": contact.unit,
-        "restitution": written.text(contact.restitution),
         **({"law": "poisson"} if contact.poisson else {}),
         **{name: written.text(node) for name, node in given.items() if node is not None},
         **({"slip": slip[0] if len(slip) == 1 else f"{{{', '.join(slip)}}}"} if slip else {}),
@@ -306,9 +309,9 @@ def _contact(contact: Contact, written: Expressions) -> Facts:
 
 
 def _contact_line(fact: Facts) -> str:
-    named = ("restitution", "law", "friction", "static", "slip")
-    laws = [f"{name} {fact[name]}" for name in named if name in fact]
-    return f"{fact['name']} (line {fact['line']}): {fact['gap']} >= 0, {', '.join(laws)}"
+    laws = [f"{n} {fact[n]}" for n in ("restitution", "law", "friction", "static", "slip") if n in fact]
+    gap = fact["gap"] + " >= 0" if "gap" in fact else "always touches"
+    return f"{fact['name']} (line {fact['line']}): {gap}, {', '.join(laws)}"
 
 
 def _discrete_line(fact: Facts) -> str:

@@ -281,9 +281,10 @@ class Constraint:
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """A one-sided constraint gap >= 0, in coordinates, parameters and time. `state` is a discrete variable: 0
-    open, 1 touching; with friction 1 or -1 slipping forwards or backwards, 2 sticking. In space there is no
-    -1."""
+    """A one-sided constraint gap >= 0, in coordinates, parameters and time; or the friction of a constraint
+    gap = 0 or a joint, a contact that always touches, with its `normals` in multipliers and reactions.
+    `state` is a discrete variable: 0 open, 1 touching; with friction 1 or -1 slipping forwards or backwards,
+    2 sticking. In space there is no -1."""
 
     name: str
     label: str  # the name of the constraint, or `name[1]` ... for a vector
@@ -297,6 +298,19 @@ class Contact:
     friction: Node | None = None  # its coefficient
     static: Node | None = None  # that of a contact that sticks
     poisson: bool = False  # the restitution is one of impulses; else of velocities
+    normals: tuple[Node, ...] = ()  # components of the normal force of a two-sided contact, which never opens
+
+    @property
+    def title(self) -> str:
+        return (
+            f"the friction of `{self.label}`" if self.normals else f"the one-sided constraint `{self.label}`"
+        )
+
+    @property
+    def otherwise(self) -> str:
+        """The remedy where contacts are not followed."""
+        load = "write it as a load of `reaction(c)`, smooth at rest as `tanh(s/s0)` is"
+        return load if self.normals else "write it with `=` where it always touches"
 
     @property
     def states(self) -> str:

@@ -331,11 +331,12 @@ def _joint(context: Context, entry: Entry) -> Value:
 
 def _constraint(context: Context, entry: Entry) -> Value:
     assert isinstance(entry.source, tree.Constraint)
-    if entry.source.relation == "=":
+    two_sided = entry.source.relation == "="
+    if two_sided and all(argument.name == "by" for argument in entry.source.arguments):
         return declare_constraint(context, entry)
-    from lagc.semantics.declarations.contacts import declare_contact  # where there are some
+    from lagc.semantics.declarations.contacts import declare_contact, declare_rough  # where there are some
 
-    return declare_contact(context, entry)
+    return declare_rough(context, entry) if two_sided else declare_contact(context, entry)
 
 
 DECLARE: dict[str, Callable[[Context, Entry], Value]] = {

@@ -164,7 +164,8 @@ def _paradox(system: System, run: Trajectory) -> str:
         return (f"the loads that depend on `reaction({label})` leave it open ({at}): no value solves the "
                 "equations, or several do, as in a mechanism that locks itself")  # fmt: skip
     name = names[run.culprit] if 0 <= run.culprit < len(names) else names[0]
-    newton = any(contact.slips and not contact.poisson for contact in interface.contacts)
+    rough = (contact for contact in interface.contacts if contact.slips and not contact.normals)
+    newton = any(not contact.poisson for contact in rough)
     impact = "; Newton's law of impact may also add energy there, `law = poisson` does not" if newton else ""
     return (f"the laws of contact have no solution, or several, where `{name}` touches ({at}): rigid "
             f"bodies do not decide how the motion goes on{impact}")  # fmt: skip

@@ -182,6 +182,8 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     values, lanes, squares, *_ = interface.series
     relations, free = len(interface.relations), len(interface.relations) - interface.timed_relations
     loaded, pushed = len(interface.loading_rows), len(interface.pushed_contacts)
+    normals = sum(c.normals for c in interface.contacts)
+    known = nv + interface.nc + sum(1 + c.slips for c in interface.contacts)
     own = {
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NINT": nq + nv + interface.nz,
         "NDISC": len(interface.discretes), "NC": interface.nc, "NH": interface.nh,
@@ -201,9 +203,12 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NLOADSLOPES": (loaded + pushed) * nv, "NLOADCOLUMNS": loaded * (nv + interface.nc),
         "NLOADMATRIX": loaded * loaded, "NCURVED": loaded + pushed if interface.curved_loads else 0,
         "NIMPULSE": sum(c.impulse >= 0 for c in interface.contacts), "NLATE": interface.late_relations,
-        "NKNOWN": nv + interface.nc + sum(1 + c.slips for c in interface.contacts),
+        "NKNOWN": known,
         "NCON": len(interface.contacts), "NSLIP": sum(c.slips for c in interface.contacts),
         "NSPACE": sum(c.slips == 2 for c in interface.contacts),
+        "NTWO": sum(c.normals > 0 for c in interface.contacts),
+        "NNORMAL": normals, "NNORMALROWS": normals * known,
+        "NNORMALEFFECTS": normals * sum(1 + c.slips for c in interface.contacts),
         "NPOISSON": sum(c.poisson for c in interface.contacts),
         "NLEAP": len(interface.whens) + len(interface.contacts),
         "NBOX": 2 * (1 + nq + nv) + len(interface.discretes),
@@ -290,6 +295,10 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "pushed_contact": interface.pushed_contacts,
         "impulse_state": [c.impulse for c in interface.contacts],
         "contact_slips": [c.slips for c in interface.contacts],
+        "contact_normals": [c.normals for c in interface.contacts],
+        "normal_first": [
+            sum(c.normals for c in interface.contacts[:k]) for k in range(len(interface.contacts))
+        ],
         "contact_poisson": [int(c.poisson) for c in interface.contacts],
         "reinit_target": [state for c in interface.whens for state in c.states],
         "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],

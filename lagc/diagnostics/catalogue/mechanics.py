@@ -191,7 +191,8 @@ ENTRIES: dict[str, Entry] = {
     "LAG0431": Entry(
         "a load of a reaction that is not a multiplier of its own",
         "A force or torque may depend on `reaction(c)` if `c` is a one-sided constraint, or an equation that "
-        "no other one implies.",
+        "no other one implies. Dry friction needs such an equation too. Beside dry friction of constraints "
+        "with `=` and of joints, loads depend on no reaction, and no actuator holds a constraint.",
         _on_particle(
             "  constraint rail: x = 0;\n  constraint again: 2*der(x) = 0;\n"
             "  force F = {0, -0.1*reaction(again), 0} at p;\n"

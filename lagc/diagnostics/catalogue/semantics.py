@@ -266,9 +266,10 @@ ENTRIES: dict[str, Entry] = {
         _drawn("joint j = Revolute(world, b, axis = world.y, at = {0, 0, 0});"),
     ),
     "LAG0235": Entry(
-        "a one-sided constraint that bounds no position",
+        "a one-sided constraint that bounds no position, or friction that is not given in full",
         "`constraint c: a >= b (restitution = e);` bounds an expression of coordinates, parameters and "
-        "time. The restitution is from 0 to 1.",
+        "time. The restitution is from 0 to 1. Friction has a coefficient from 0, and a `slip` or a place "
+        "`at`; that of a `Revolute` joint a `radius`.",
         _body("constraint c: der(x) <= 0;"),
         _body("constraint c: x <= 0;"),
     ),

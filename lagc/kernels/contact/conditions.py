@@ -69,6 +69,9 @@ def is_admissible(w: Work) -> bool:
     for i in range(w.law_count):
         first = w.law_first[i]
         normal = w.law_p[first] / w.law_scale[first]
+        if NTWO > 0:
+            if w.law_two_sided[i] == 2:  # its direction follows
+                normal = fabs(normal)
         if not is_closed(w.law_mode[i]) and w.law_row_scale[first] * w.law_u[first] < -zero_u:
             return False
         if w.law_two_sided[i] == 0 and normal < w.law_least[i] / w.law_scale[first] - LAW_ZERO * force:

@@ -41,6 +41,9 @@ def tangential_choices(w: Work, i: int) -> int:
 def choices(w: Work, i: int) -> int:
     """Return in how many modes a contact may be."""
     n = tangential_choices(w, i)
+    if NTWO > 0:
+        if w.law_two_sided[i] == 2:
+            return n
     return 2 * n if w.law_two_sided[i] > 0 or w.law_least[i] > 0.0 else n + 1
 
 

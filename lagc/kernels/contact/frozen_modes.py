@@ -32,6 +32,39 @@ def is_sticking(mode: int) -> bool:
     return mode == CONTACT_STICKS or mode == LEAST_STICKS
 
 
+def count_scaled(w: Work, j: int) -> None:
+    """Count the scaled b of a row, and its round-off, in w.law_size and w.law_roundoff."""
+    size = w.law_row_scale[j] * fabs(w.law_b[j])
+    if size > w.law_size:
+        w.law_size = size
+    roundoff = LAW_ROUNDOFF * SPACING * w.law_row_scale[j] * w.law_sizes[j]
+    if roundoff > w.law_roundoff:
+        w.law_roundoff = roundoff
+
+
+def scale_two_sided(w: Work) -> None:
+    """Scale the normal forces of two-sided contacts by the largest of them. Slips in a given direction do not
+    count: where a mechanism has no motion along one, its scale has no bound."""
+    w.law_size = 0.0
+    w.law_roundoff = 0.0
+    force = 0.0
+    for i in range(w.law_count):
+        first = w.law_first[i]
+        if w.law_two_sided[i] > 0 and w.law_sizes[first] > force:
+            force = w.law_sizes[first]
+        begin = first if w.law_two_sided[i] == 0 else first + 1
+        if w.law_two_sided[i] == 0 or w.law_slides[i] == 0:
+            for j in range(begin, first + w.law_slips[i] + 1):
+                count_scaled(w, j)
+    scale = force / w.law_size if w.law_size > 0.0 else force
+    for i in range(w.law_count):
+        first = w.law_first[i]
+        if w.law_two_sided[i] > 0:
+            w.law_scale[first] = scale if scale > 0.0 else 1.0
+            w.law_row_scale[first] = 1.0 / w.law_scale[first]
+            count_scaled(w, first)
+
+
 def set_law_scales(w: Work) -> None:
     """Set w.law_scale and w.law_row_scale, which make the blocks of W on the diagonal about 1 and measure
     all rows by the root of their energy, w.law_size, the largest scaled b, and w.law_roundoff, the largest
@@ -60,6 +93,8 @@ def set_law_scales(w: Work) -> None:
             roundoff = LAW_ROUNDOFF * SPACING * w.law_row_scale[j] * w.law_sizes[j]
             if roundoff > w.law_roundoff:
                 w.law_roundoff = roundoff
+    if NTWO > 0:
+        scale_two_sided(w)
 
 
 def list_unknowns(w: Work, turning: bool) -> None:
@@ -311,5 +346,7 @@ def solve_frozen(w: Work) -> bool:
         w.law_mu[i] = w.law_friction[i]
         if w.law_two_sided[i] == 0:
             w.law_sign[i] = 1
+        if NTWO > 0:
+            w.law_slides[i] = 1 if w.law_mode[i] == CONTACT_SLIPS else 0
     set_law_scales(w)
     return solve_modes(w)

@@ -11,7 +11,8 @@ from math import fabs
 
 from lagc.kernels.contact.enumeration import LAW_FOUND
 from lagc.kernels.contact.frozen_modes import CONTACT_OPEN, CONTACT_STICKS
-from lagc.kernels.contact.impact import IMPACT_DONE, IMPACT_ENDLESS, IMPACT_NONE, impact
+from lagc.kernels.contact.impact import IMPACT_DONE, IMPACT_ENDLESS, IMPACT_NONE
+from lagc.kernels.contact.normal_forces import find_law, normal_sign, set_normals_given, strike_all
 from lagc.kernels.contact.responses import (
     add_responses,
     keep_begin,
@@ -19,12 +20,13 @@ from lagc.kernels.contact.responses import (
     servos_follow,
     set_accelerations,
 )
-from lagc.kernels.contact.set_law import set_law
 from lagc.kernels.contact.slips import (
     PARTS,
     RELEASES,
+    TURNS,
     find_slips,
     let_slip,
+    pass_slips,
     slides_back,
     speed_size,
     stop_slips,
@@ -94,7 +96,9 @@ def strike_contacts(p: Params, s: State, w: Work) -> Status:
         w.law_restitution[n] = w.restitutions[w.touching[n]]
         if NPOISSON > 0:
             w.law_poisson[n] = contact_poisson[w.touching[n]]
-    found = impact(w)
+    if NTWO > 0:
+        fn_normals_on(p, s.t, s.x, w.modes, w.normal_rows, w.normal_bias)
+    found = strike_all(w)
     if found != IMPACT_NONE:
         if found != IMPACT_DONE:
             w.culprit = w.touching[0]
@@ -107,6 +111,9 @@ def strike_contacts(p: Params, s: State, w: Work) -> Status:
         for n in range(w.law_count):
             w.contact_struck[w.touching[n]] = w.law_impulse[w.law_first[n]]
             w.contact_lost[w.touching[n]] = w.law_loss[n]
+            if NTWO > 0:
+                if contact_normals[w.touching[n]] > 0:
+                    w.contact_struck[w.touching[n]] = 0.0
         fn_contact_rows_on(p, s.t, s.x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
         set_speeds(s, w)
     for n in range(w.law_count):
@@ -163,15 +170,24 @@ def decide(p: Params, s: State, w: Work) -> Status:
         set_accelerations(w.contact_rates, w)
         set_frictions(p, s.t, s.x, w)
         find_slips(s, w)
-        found = set_law(w)
+        if NTWO > 0:
+            fn_normals_on(p, s.t, s.x, w.modes, w.normal_rows, w.normal_bias)
+            set_normals_given(w.contact_rates, w.contact_lam, w)
+            pass_slips(w)
+        found = find_law(w)
         if found <= LAW_FOUND and slides_back(w):
-            found = set_law(w)
+            found = find_law(w)
         if found > LAW_FOUND:
             w.culprit = w.touching[w.law_culprit]
             return PARADOX
     add_responses(w.contact_rates, w)
     for n in range(w.law_count):
         w.contact_closed[w.touching[n]] = closed_mode(n, w)
+        if NTWO > 0:
+            contact = w.touching[n]
+            if contact_normals[contact] == 1:
+                falls = w.contact_hit[contact] == TURNS and s.normal_signs[contact] != 0
+                w.normal_signs[contact] = -s.normal_signs[contact] if falls else normal_sign(n, w)
         if NSPACE > 0:
             for k in range(2):
                 w.slip_axes[2 * w.touching[n] + k] = w.law_direction[2 * n + k]
@@ -313,6 +329,8 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
         return OK
     list_contacts(True, w)
     status = close(p, s.t, s.x, w)
+    if NTWO > 0:
+        s.normal_signs[:] = w.normal_signs
     if NSPACE > 0:
         s.slip_axes[:] = w.slip_axes
         turn_slips(p, s, w)

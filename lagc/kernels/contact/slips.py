@@ -23,7 +23,9 @@ RELEASES = 2  # a force has fallen to zero
 STOPS = 3  # a slip has ended
 SLIDES = 4  # static friction no longer holds
 PARTS = 5  # a jump has put it apart
+TURNS = 6  # the normal force of a two-sided contact changes its sign
 LEFT_BY_STOP = 1.0  # speed at which a slip in space ends, over the error of a step
+PASSING = by_type(1e-2, 1e-5, "1e-12")  # of the acceleration of a slip: friction that cannot stop it
 ALONG_STOP = 0.01  # the same along its direction
 ASIDE_STOP = 0.2  # the same across it, in a step
 
@@ -64,6 +66,46 @@ def is_pushed(i: int, w: Work) -> bool:
     """Return whether static friction no longer holds a contact, whose direction of slip is given."""
     given = w.contact_slides[2 * i] != 0.0 or w.contact_slides[2 * i + 1] != 0.0
     return w.contact_hit[i] == SLIDES and given
+
+
+def is_passing(n: int, push: Real, rate: Real, w: Work) -> bool:
+    """Return whether friction of a normal force `push` cannot stop a slip with this acceleration: a mechanism
+    has no motion along the slip row, as a crank at its dead centre, and the slip passes zero there."""
+    k = w.law_first[n] + 1
+    return w.law_w[k * w.law_rows + k] * w.law_static[n] * push <= PASSING * fabs(rate)
+
+
+def pass_slips(w: Work) -> None:
+    """Let listed contacts whose slip passes zero slip along its acceleration, which forces do not change."""
+    largest = 0.0
+    for n in range(w.law_count):
+        k = w.law_first[n] + 1
+        if w.law_slips[n] > 0 and w.law_w[k * w.law_rows + k] > largest:
+            largest = w.law_w[k * w.law_rows + k]
+    for n in range(w.law_count):
+        k = w.law_first[n] + 1
+        if w.law_slips[n] == 1 and w.law_moves[n] == 0 and contact_normals[w.touching[n]] > 0:
+            push = 0.0
+            for m in range(contact_normals[w.touching[n]]):
+                push += fabs(w.normal_given[normal_first[w.touching[n]] + m])
+            seen = fabs(w.law_b[k]) > CONTACT_ROUNDOFF * w.law_sizes[k]
+            if seen and is_passing(n, push, w.law_b[k], w):
+                w.law_moves[n] = 1
+                w.law_direction[2 * n] = 1.0 if w.law_b[k] > 0.0 else -1.0
+                w.law_b[k] = 0.0
+                for r in range(w.law_rows):
+                    w.law_w[k * w.law_rows + r] = 0.0
+                w.law_w[k * w.law_rows + k] = largest  # the scale of its forces
+
+
+def keep_passing(w: Work) -> None:
+    """Do not stop the slips of listed contacts that pass zero."""
+    for n in range(w.law_count):
+        i = w.touching[n]
+        if contact_normals[i] > 0 and w.contact_hit[i] == STOPS:
+            rate = w.law_u[w.law_first[n] + 1]
+            if is_passing(n, fabs(w.law_p[w.law_first[n]]), rate, w):
+                w.contact_hit[i] = 0
 
 
 def find_slips(s: State, w: Work) -> None:
@@ -190,6 +232,8 @@ def stop_slips(p: Params, s: State, w: Work) -> Status:
     s.rhs += 1
     if failed(status):
         return status
+    if NTWO > 0:
+        keep_passing(w)
     find_touching(s.x, w)
     for i in range(NCON):
         if NSLIP > 0:

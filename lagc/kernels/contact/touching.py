@@ -14,6 +14,7 @@ from lagc.kernels.arithmetic.quaternions import normalise
 from lagc.kernels.constraints.projection import project
 from lagc.kernels.contact.enumeration import LAW_FOUND, LAW_NONE
 from lagc.kernels.contact.frozen_modes import CONTACT_SLIPS, CONTACT_STICKS, shares_force, solve_frozen
+from lagc.kernels.contact.normal_forces import set_normals_given, solve_touching
 from lagc.kernels.contact.responses import (
     add_responses,
     keep_begin,
@@ -268,7 +269,10 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
         if failed(status):
             return status
         set_accelerations(xdot, w)
-        if not solve_frozen(w):
+        if NTWO > 0:
+            fn_normals_on(p, t, x, w.modes, w.normal_rows, w.normal_bias)
+            set_normals_given(xdot, lam, w)
+        if not solve_touching(w):
             w.culprit = w.touching[w.law_culprit]
             return PARADOX
     take_forces(p, t, x, xdot, lam, w)

@@ -24,6 +24,9 @@ def hold(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     is filled with zeros."""
     fn_modes(p, t, x, w.modes)
     w.modes_fixed = True
+    if NTWO > 0:
+        for i in range(NCON):
+            w.normal_signs[i] = 0
     if NSPACE > 0:
         for i in range(NCON):
             w.slip_axes[2 * i] = 0.0

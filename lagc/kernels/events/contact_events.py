@@ -2,7 +2,7 @@
 
 from lagc.kernels.contact.jumps import bounds_jump, settle_jump
 from lagc.kernels.contact.settle import set_contact_slack, settle
-from lagc.kernels.contact.slips import REACHES, RELEASES, SLIDES, STOPS
+from lagc.kernels.contact.slips import REACHES, RELEASES, SLIDES, STOPS, TURNS
 from lagc.kernels.contact.touching import slip_relation
 from lagc.kernels.events.mode_change import MOST_CHANGES, change_modes
 from lagc.kernels.events.modes import choose_modes, update_edges
@@ -34,6 +34,9 @@ def take_hits(s: State, w: Work) -> bool:
         if w.crossed[k] > 0:
             w.crossed[k] = 0
             w.contact_hit[i] = RELEASES if mode != 0.0 else REACHES
+            if NTWO > 0:
+                if contact_normals[i] > 0:
+                    w.contact_hit[i] = TURNS
             w.culprit = k
             found = True
     return found

@@ -271,6 +271,14 @@ class Work:
                 slip_axes: Vec[NDIRECT]  # direction in which each contact slips at the beginning of a step
                 slip_roundoff: Vec[NCON]  # of its slip
                 slips_held: bool  # they keep these directions
+            if NTWO > 0:
+                # Two-sided contacts: their normal forces as sums of accelerations, multipliers and forces
+                normal_rows: Vec[NNORMALROWS]  # derivatives of each component
+                normal_bias: Vec[NNORMAL]
+                normal_given: Vec[NNORMAL]  # without the forces of contacts
+                normal_effects: Vec[NNORMALEFFECTS]  # their derivatives by the forces of listed rows
+                normal_axes: Vec[NNORMAL]  # direction of each normal force
+                normal_signs: IVec[NCON]  # of normal forces with one component; 0: not known
         x_settled: Vec[NX]
         rates_settled: Vec[NX]
         # Law of contacts that touch: u = W p + b. First the problem
@@ -469,6 +477,9 @@ class State:
         crossing_times: Vec[NFREE]  # last crossing of each indicator that depends on the state
     if NCON > 0:
         bounce_speeds: Vec[NCON]  # after the last impact of each contact; 0: there was none
+        if NTWO > 0:
+            normal_signs: IVec[NCON]  # of the next step
+            normal_signs_old: IVec[NCON]  # of the last step
         if NSPACE > 0:
             slip_axes: Vec[NDIRECT]  # of the next step
             slip_roundoff: Vec[NCON]

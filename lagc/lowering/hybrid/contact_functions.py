@@ -9,6 +9,7 @@ from lagc.lowering.program_functions import made
 from lagc.lowering.storage import STATE, Places
 from lagc.symbolic.derivative import gradient
 from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import substitute
 
 
 def contact_functions(at: Places, along: Places) -> list[Function]:
@@ -33,6 +34,7 @@ def contact_functions(at: Places, along: Places) -> list[Function]:
         ),
         made(at, "gaps", STATE, (("g", gaps),), "gap of each contact", labels, rare=True),
         _rows(along),
+        *([_normals(along)] if any(contact.normals for contact in contacts) else []),
         _sizes(at),
         made(at, "restitutions", STATE, (("r", laws),), "restitution of each contact", labels, rare=True),
     ]
@@ -49,6 +51,20 @@ def _rows(along: Places) -> Function:
         biases += [contact.bias, *(slip.bias for slip in contact.slips)]
     parts = (("R", gradients), ("u", rates), ("bias", biases))
     return made(along, "contact_rows", along.state, parts, "rows of the contacts")
+
+
+def _normals(along: Places) -> Function:
+    """Return the components of the normal forces of two-sided contacts, sums of accelerations, multipliers
+    and forces of contacts: the derivatives by these, and the rest."""
+    equations, graph = along.equations, along.graph
+    nodes = [node for contact in equations.contacts for node in contact.normals]
+    known = [*equations.a, *equations.lam, *(f for contact in equations.contacts for f in contact.forces)]
+    found: list[Node] = []
+    for node in nodes:
+        slopes = gradient(graph, {node: graph.one}, known)
+        found += [slopes.get(x, graph.zero) for x in known]
+    rest = substitute(graph, nodes, dict.fromkeys(known, graph.zero))
+    return made(along, "normals", along.state, (("N", found), ("bias", rest)), "normal forces")
 
 
 def _sizes(at: Places) -> Function:

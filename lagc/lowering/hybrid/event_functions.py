@@ -46,8 +46,8 @@ def _late(along: Places, late: Sequence[EventRelation]) -> Function:
     equations = along.equations
     given = [*equations.a, *equations.lam]
     arrays = {**along.arrays, **{node: ("known", k) for k, node in enumerate(given)}}
-    for contact in equations.contacts:
-        arrays[contact.multiplier] = ("known", len(given) + arrays[contact.multiplier][1])
+    for force in [force for contact in equations.contacts for force in contact.forces]:
+        arrays[force] = ("known", len(given) + arrays[force][1])
     parts = (("e", [relation.side for relation in late]), ("m", [relation.own for relation in late]))
     inputs, about = (*along.state, "known"), "event indicators of accelerations and reactions, their modes"
     return made(replace(along, arrays=arrays), "late", inputs, parts, about, rare=True)

@@ -39,7 +39,7 @@ class Components:
             self.add([row.multiplier, *(v[j] for j in row.jacobian)], [row.residual, row.rate, row.gamma])
         for contact in equations.contacts:
             touched = [v[j] for own in contact.jacobians for j in own]
-            self.add([contact.multiplier, contact.contact.state, *touched], contact.nodes)
+            self.add([*contact.forces, contact.contact.state, *touched], contact.nodes)
         for residual, _ in equations.initial_conditions:
             self.add([s for s in symbols([residual]) if s in known], [])
         for when in equations.whens:

@@ -155,7 +155,7 @@ def independent(equations: EquationsOfMotion, system: ArticulatedBody) -> tuple[
         _tie_to(parts, len(equations.v) + k, [row.residual, row.gamma], number)
     for contact in equations.contacts:
         reached = [equations.v[j] for row in contact.jacobians for j in row]
-        _tie_to(parts, min(contact.jacobian), [*contact.nodes, *reached], number)
+        _tie_to(parts, min(j for row in contact.jacobians for j in row), [*contact.nodes, *reached], number)
     for when in equations.whens:
         for state, value in when.changes:
             if state in number:

@@ -70,7 +70,8 @@ def _held(states: States, rates: Sequence[Node]) -> tuple[dict[Node, Node], dict
     ]
     inertial = gradient(graph, seeds(graph, [*pairs, *inertial_loads(states, parts).items()]), rates)
     weights = [(x.row.rate, x.row.multiplier) for x in classify(states) if x.row.law is Law.PERFECT]
-    weights += [(contact.rate, contact.multiplier) for contact in contact_rows(states, friction=False)]
+    for contact in contact_rows(states):
+        weights += zip([contact.rate, *(slip.rate for slip in contact.slips)], contact.forces)
     pushed = gradient(graph, seeds(graph, weights), rates)
     found: dict[Node, Node] = {}
     for rate in rates:

@@ -8,8 +8,9 @@ F. Pfeiffer, C. Glocker, Multibody Dynamics with Unilateral Contacts, Wiley 1996
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
+from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.mechanics.formulation.equations import ContactRow, SlipRow
 from lagc.mechanics.formulation.jacobian import gradients
@@ -21,8 +22,8 @@ from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import symbols
 
 
-def contact_rows(states: States, friction: bool = True) -> tuple[ContactRow, ...]:
-    """Return the rows of the model's contacts in the order of declaration, their slip rows if `friction`."""
+def contact_rows(states: States) -> tuple[ContactRow, ...]:
+    """Return the rows of the model's contacts in the order of declaration. Two-sided contacts have no gap."""
     contacts, graph = states.model.contacts, states.graph
     if not contacts:
         return ()
@@ -31,12 +32,28 @@ def contact_rows(states: States, friction: bool = True) -> tuple[ContactRow, ...
     biases = tangent(graph, rates, states.drift)
     jacobians = gradients(graph, rates, states.place_of_v)
     restitutions = states.in_speeds([c.restitution for c in contacts])
-    return tuple([
-        ContactRow(c, graph.symbol("multiplier", c.label), gap, rate, jacobian, bias, restitution,
-                   *(_friction(states, c, jacobian) if friction else ()))
+    found = [
+        ContactRow(c, graph.symbol("multiplier", c.label, "normal" if c.normals else ""), gap, rate, jacobian,
+                   bias, restitution, *_friction(states, c, jacobian), c.normals)
         for c, gap, rate, jacobian, bias, restitution in zip(
             contacts, gaps, rates, jacobians, biases, restitutions)
-    ])  # fmt: skip
+    ]  # fmt: skip
+    return tuple([_without_gap(row) if row.normals else row for row in found])
+
+
+def _without_gap(row: ContactRow) -> ContactRow:
+    zero = row.gap.graph.zero
+    return replace(row, gap=zero, rate=zero, jacobian={}, bias=zero)
+
+
+def with_normals(contacts: Sequence[ContactRow], nodes: Sequence[Node]) -> tuple[ContactRow, ...]:
+    """Return contacts with these components of their normal forces, in the order of `ContactRow.normals`. One
+    that is always zero is left out beside another one."""
+    given, found = iter(nodes), list[ContactRow]()
+    for contact in contacts:
+        own = [next(given) for _ in contact.normals]
+        found.append(replace(contact, normals=tuple([node for node in own if not node.is_zero] or own[:1])))
+    return tuple(found)
 
 
 def _friction(
@@ -56,5 +73,7 @@ def _friction(
             remedy = "write the velocity with which it slides: `slip = der(x)`"
             raise Refused([Fault("LAG0235", message, contact.span, remedy=remedy)])
     given = states.in_speeds([contact.friction, contact.static or contact.friction])
-    rows = [SlipRow(*row) for row in zip(rates, jacobians, biases)]
+    symbol = states.graph.symbol
+    forces = [symbol("multiplier", contact.label, f"slip{k + 1}") for k in range(len(rates))]
+    rows = [SlipRow(*row) for row in zip(rates, jacobians, biases, forces)]
     return tuple(rows), tuple([factor * node for node in given])

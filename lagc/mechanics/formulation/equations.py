@@ -75,6 +75,7 @@ class SlipRow:
     rate: Node
     jacobian: Mapping[int, Node]
     bias: Node
+    force: Node  # a symbol: the friction along the slip
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +92,9 @@ class ContactRow:
     restitution: Node
     slips: tuple[SlipRow, ...] = ()  # 1 or 2 with friction
     frictions: tuple[Node, ...] = ()  # the coefficients while it slips and while it sticks
+    normals: tuple[
+        Node, ...
+    ] = ()  # of a two-sided contact, in t, q, v, a, lam and forces of contacts; no gap
 
     @property
     def label(self) -> str:
@@ -100,7 +104,12 @@ class ContactRow:
     def nodes(self) -> list[Node]:
         """All that it is made of but its gradient."""
         slips = [node for slip in self.slips for node in (slip.rate, slip.bias)]
-        return [self.gap, self.rate, self.bias, self.restitution, *slips, *self.frictions]
+        return [self.gap, self.rate, self.bias, self.restitution, *slips, *self.frictions, *self.normals]
+
+    @property
+    def forces(self) -> list[Node]:
+        """The symbols of the forces along its normal row and its slip rows."""
+        return [self.multiplier, *(slip.force for slip in self.slips)]
 
     @property
     def jacobians(self) -> list[Mapping[int, Node]]:

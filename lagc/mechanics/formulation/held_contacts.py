@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.base.records import replace
+from lagc.diagnostics.faults import Fault, Refused
 from lagc.mechanics.formulation.jacobian import gradients
 from lagc.mechanics.formulation.slips import along_surface
 from lagc.mechanics.formulation.states import States, build_states
@@ -28,7 +29,11 @@ STICKS = 2
 def hold_contacts(model: Model, modes: Sequence[int]) -> Model:
     """Return `model` without contacts, in these modes: 0 open, 1 and -1 sliding forwards and backwards or
     without friction, 2 sticking. The multiplier of a contact is still its push; those of a contact `c` that
-    sticks are `c.slip[1]`, `c.slip[2]`."""
+    sticks are `c.slip[1]`, `c.slip[2]`. Raises Refused, LAG0623, for friction of two-sided contacts."""
+    for contact in model.contacts:
+        if contact.normals:
+            message = f"linear models do not follow {contact.title} yet"
+            raise Refused([Fault("LAG0623", message, contact.span, remedy=contact.otherwise)])
     states = build_states(model)
     constraints, loads = list(model.constraints), _without(model, modes)
     for contact, mode in zip(model.contacts, modes):

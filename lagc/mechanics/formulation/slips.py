@@ -10,7 +10,7 @@ initial state.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.mechanics.formulation.jacobian import gradients
@@ -31,8 +31,9 @@ def along_surface(states: States, contact: Contact, normal: Gradient) -> tuple[l
     given = states.in_speeds(contact.slip)
     if len(given) < 3:
         return given, states.graph.one
-    parts = [dict(row) for row in gradients(states.graph, given, states.place_of_v)]
-    n = _normal(states, dict(normal), parts)
+    freed = {states.place_of_v[rate] for release in states.model.releases for rate in release.rates}
+    parts = [_without(row, freed) for row in gradients(states.graph, given, states.place_of_v)]
+    n = _normal(states, _without(normal, freed), parts)
     if n is None:
         message = f"the velocity of the place of `{contact.label}` does not show the direction of its surface"
         remedy = (
@@ -43,6 +44,10 @@ def along_surface(states: States, contact: Contact, normal: Gradient) -> tuple[l
     velocity = (given[0], given[1], given[2])
     found = [dot(direction, velocity) for direction in _across(states, n)]
     return [node for node in found if not node.is_zero], norm(n)
+
+
+def _without(row: Gradient, columns: Set[int]) -> Gradient:
+    return {j: node for j, node in row.items() if j not in columns}
 
 
 def _normal(states: States, normal: Gradient, parts: Sequence[Gradient]) -> Vector | None:

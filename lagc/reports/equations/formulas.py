@@ -277,7 +277,8 @@ def _rows(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
 
 def _contacts(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
     """Return the gaps of contacts, which are not negative."""
-    algebra, contacts = collector.algebra, equations.contacts
+    algebra = collector.algebra
+    contacts = [contact for contact in equations.contacts if not contact.normals]
     return [
         Formula("contact", contact.label, collector.collect(tidy(equations, algebra, p)), ZERO)
         for contact, p in zip(contacts, algebra.polynomials([contact.gap for contact in contacts]))
@@ -314,7 +315,7 @@ def _roots(equations: EquationsOfMotion) -> list[Node]:
 def conditions(equations: EquationsOfMotion) -> list[Node]:
     """Of what the formulas of constraints and events are made."""
     events = [node for when in equations.whens for pair in when.changes for node in pair]
-    gaps = [contact.gap for contact in equations.contacts]
+    gaps = [contact.gap for contact in equations.contacts if not contact.normals]
     return [*[row.residual for row in equations.rows], *gaps, *events]
 
 

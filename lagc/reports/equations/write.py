@@ -32,19 +32,23 @@ TITLES = {
     "event": "at events",
 }
 
+_COMMENTS = {"text": "//", "latex": "%", "sympy": "#"}
+
 
 def write(equations: EquationsOfMotion, format: str = "text", full: bool = True) -> str:
     """The equations in `format`: text, latex or sympy.  Not in `full`, many are written by their rules."""
     found = page(equations, full)
+    rough = [f"`{contact.label}`" for contact in equations.contacts if contact.normals]
+    note = f"\n{_COMMENTS[format]} without the dry friction of {', '.join(rough)}\n" if rough else ""
     if format == "latex":
         from lagc.reports.equations.latex import write_latex
 
-        return write_latex(found)
+        return write_latex(found) + note
     if format == "sympy":
         from lagc.reports.equations.script import write_script
 
-        return write_script(equations, found)
-    return write_text(found)
+        return write_script(equations, found) + note
+    return write_text(found) + note
 
 
 def write_text(found: Page) -> str:

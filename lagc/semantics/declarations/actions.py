@@ -226,7 +226,8 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
     source = entry.source
     assert isinstance(source, tree.Constraint)
     no_modifiers(entry)
-    motor = _actuator(context, entry, source) if source.arguments else None
+    by = any(argument.name == "by" for argument in source.arguments)
+    motor = _actuator(context, entry, source) if by else None
     left, right = all_values(context, [source.left, source.right], entry.environment)
     differences = residuals(left, right, source)
     entry.size = None if isinstance(left, Scalar) else len(differences)

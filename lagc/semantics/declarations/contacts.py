@@ -12,10 +12,11 @@ from math import inf
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as objects
 from lagc.semantics.context import Context
-from lagc.semantics.declarations.actions import no_modifiers, residuals, timely
+from lagc.semantics.declarations.actions import declare_constraint, no_modifiers, residuals, timely
 from lagc.semantics.names.scope import (
     Array,
     Entry,
+    Environment,
     Reference,
     Scalar,
     Value,
@@ -26,14 +27,17 @@ from lagc.semantics.names.scope import (
 from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import BIT, VELOCITY
 from lagc.semantics.units import NONE, Dimension, describe, dimension, over, si_text
+from lagc.semantics.units import unit as unit_of
 from lagc.semantics.values.builtin_functions import Argument
 from lagc.semantics.values.evaluate import all_values, evaluate, evaluate_as
 from lagc.semantics.values.kinematics import SPEED, velocity_of
 from lagc.semantics.values.unit_hints import expect_of
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector, sub
+from lagc.symbolic.walk import substitute
 from lagc.syntax import tree
 
+_ROUGH = ("friction", "static", "slip", "at", "on", "against")
 _ARGUMENTS = ("restitution", "friction", "static", "slip", "at", "on", "against", "law")
 SECOND = dimension(s=1)
 _PLACES = (
@@ -51,7 +55,7 @@ def declare_contact(context: Context, entry: Entry) -> Value:
     source = entry.source
     assert isinstance(source, tree.Constraint)
     no_modifiers(entry)
-    written = _arguments(entry, source)
+    written = _arguments(source, _ARGUMENTS, "a one-sided constraint")
     left, right = all_values(context, [source.left, source.right], entry.environment)
     differences = residuals(left, right, source)
     entry.size = None if isinstance(left, Scalar) else len(differences)
@@ -63,7 +67,7 @@ def declare_contact(context: Context, entry: Entry) -> Value:
         context.clock.set_rate(symbol, context.graph.zero)
         restitution = context.graph.zero
         if "restitution" in written:
-            restitution = _number(context, entry, "restitution", written["restitution"], 1.0)
+            restitution = _number(context, entry.environment, "restitution", written["restitution"], 1.0)
         entry.objects.append(
             objects.Contact(
                 entry.path, label, gap, si_text(found or NONE), symbol, restitution, entry.span, entry.effect,
@@ -71,6 +75,35 @@ def declare_contact(context: Context, entry: Entry) -> Value:
             )
         )  # fmt: skip
     return Reference(entry)
+
+
+def declare_rough(context: Context, entry: Entry) -> Value:
+    """Declare a constraint with `=` and its friction, a contact that always touches."""
+    source = entry.source
+    assert isinstance(source, tree.Constraint)
+    written = _arguments(source, _ROUGH, "a constraint with `=` and friction")
+    value = declare_constraint(context, entry)
+    (row,) = entry.objects
+    assert isinstance(row, objects.Constraint)
+    span = source.arguments[0].span
+    if not row.labels:
+        raise Wrong("LAG0235", f"`{row.name}` always holds, so it has no normal force", span)
+    if any(context.clock.mask(node) & VELOCITY for node in row.residuals):
+        message = f"`{row.name}` restricts velocities, so it has no normal force that presses"
+        remedy = "give friction to the constraint of positions that keeps the contact"
+        raise Wrong("LAG0235", message, span, remedy)
+    dimension = unit_of(row.units[0] or "1").dimension
+    slip, friction, static = _friction(context, entry, written, dimension)
+    symbol = context.graph.symbol("discrete", entry.path)
+    context.clock.set_rate(symbol, context.graph.zero)
+    normal = context.graph.symbol("multiplier", entry.path)
+    entry.objects.append(
+        objects.Contact(
+            entry.path, entry.path, row.residuals[0], row.units[0], symbol, context.graph.zero, entry.span,
+            entry.effect, slip, friction, static, normals=(normal,),
+        )
+    )  # fmt: skip
+    return value
 
 
 def _friction(
@@ -104,13 +137,36 @@ def _friction(
     if entry.size is not None:
         raise Wrong(
             "LAG0235",
-            "a vector of one-sided constraints has no friction",
+            "a vector of constraints has no friction",
             span,
             "write a constraint for each component, with its own slip",
         )
-    slip = _slip(context, entry, written, over(found or NONE, SECOND))
-    friction = _number(context, entry, "friction", written["friction"])
-    static = _number(context, entry, "static", written["static"]) if "static" in written else None
+    meant = over(found or NONE, SECOND)
+    slip = _slip(context, entry, written, meant)
+    return slip, *coefficients(context, entry, written, slip, SPEED if len(slip) == 3 else meant)
+
+
+def coefficients(
+    context: Context,
+    entry: Entry,
+    written: Mapping[str, tree.Expression],
+    slip: tuple[Node, ...],
+    meant: Dimension,
+) -> tuple[Node, Node | None]:
+    """Return the friction of a contact while it slides and while it sticks. In both, `slip` is the speed of
+    the slip, unless the model has something of this name."""
+    graph, where = context.graph, entry.environment
+    own = "slip" in where.instance.entries
+
+    def coefficient(name: str) -> Node:
+        if own or "slip" not in written[name].span.text:
+            return _number(context, where, name, written[name])
+        speed = graph.sqrt(graph.sum([node * node for node in slip]))
+        found = _number(context, where.bind({"slip": Scalar(speed, meant)}), name, written[name])
+        return substitute(graph, [found], {graph.unary("abs", speed): speed})[0]
+
+    friction = coefficient("friction")
+    static = coefficient("static") if "static" in written else None
     if static is not None and static.is_const and friction.is_const and static.value < friction.value:
         raise Wrong(
             "LAG0235",
@@ -118,7 +174,7 @@ def _friction(
             written["static"].span,
             "exchange both, or leave out `static`",
         )
-    return slip, friction, static
+    return friction, static
 
 
 def _is_poisson(written: Mapping[str, tree.Expression]) -> bool:
@@ -213,16 +269,14 @@ def _check(context: Context, source: tree.Constraint, gap: Node) -> None:
         )
 
 
-def _arguments(entry: Entry, source: tree.Constraint) -> dict[str, tree.Expression]:
+def _arguments(source: tree.Constraint, known: tuple[str, ...], what: str) -> dict[str, tree.Expression]:
     """Return the arguments of a contact by name."""
     found: dict[str, tree.Expression] = {}
     for argument in source.arguments:
         name, span = argument.name, argument.name_span or argument.span
-        if name not in _ARGUMENTS:
-            remedy = (name and did_you_mean(name, _ARGUMENTS)) or f"the arguments are {', '.join(_ARGUMENTS)}"
-            raise Wrong(
-                "LAG0209", f"a one-sided constraint has no `{name or argument.span.text}`", span, remedy
-            )
+        if name not in known:
+            remedy = (name and did_you_mean(name, known)) or f"the arguments are {', '.join(known)}"
+            raise Wrong("LAG0209", f"{what} has no `{name or argument.span.text}`", span, remedy)
         if name in found:
             raise Wrong("LAG0209", f"`{name}` is given twice", span)
         if argument.value is None or argument.arguments:
@@ -231,9 +285,11 @@ def _arguments(entry: Entry, source: tree.Constraint) -> dict[str, tree.Expressi
     return found
 
 
-def _number(context: Context, entry: Entry, name: str, written: tree.Expression, most: float = inf) -> Node:
+def _number(
+    context: Context, where: Environment, name: str, written: tree.Expression, most: float = inf
+) -> Node:
     """Return a number that is not negative and, if it is constant, at most `most`."""
-    value = evaluate_as(context, written, entry.environment, NONE)
+    value = evaluate_as(context, written, where, NONE)
     scalar = scalar_of(value, written.span, f"the {name}")
     expect_of(written, scalar.dimension, NONE, f"the {name}", "a number")
     timely(context, scalar.node, written.span, f"the {name}")

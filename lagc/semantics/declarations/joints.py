@@ -34,11 +34,14 @@ def declare_joint(context: Context, entry: Entry) -> Value:
         for inner in entry.inner:
             joint.coordinate(inner.name)
         entry.objects.append(_said(joint, tuple([inner.path for inner in entry.inner]), 0))
+        a, b = (linkage.pose(end) for end in joint.ends)
+        entry.objects += _friction(context, joint, a, b, False)
         return Reference(entry)
     if any(end in linkage.unplaced for end in joint.ends):
         raise Poisoned  # reported
     for inner in entry.inner:
         _refuse_coordinate(context, entry, inner)
+    rough: list[objects.Contact] = []
     if joint.name in _OF_JOINTS:
         rows = _OF_JOINTS[joint.name](context, joint)
     else:
@@ -48,14 +51,28 @@ def declare_joint(context: Context, entry: Entry) -> Value:
 
             b = release_far_side(context, entry, b, joint.point("at"))
         rows = _ROWS.get(joint.name, _pair)(context, joint, a, b)
+        rough = _friction(context, joint, a, b, True)
     entry.size = None if joint.name in _SINGLE else len(rows)
     labels = [entry.path if entry.size is None else f"{entry.path}[{k + 1}]" for k in range(len(rows))]
     kept = [(label, *row) for label, row in zip(labels, rows) if not row[0].is_zero]
     names, residuals, units = zip(*kept) if kept else ((), (), ())
     call = joint.call
     own = Constraint(entry.path, names, residuals, units, entry.span, call, call, entry.effect)
-    entry.objects[:0] = [own, _said(joint, (), len(kept))]
+    entry.objects[:0] = [own, _said(joint, (), len(kept)), *rough]
     return Reference(entry)
+
+
+def _friction(context: Context, joint: Joint, a: Pose, b: Pose, closes: bool) -> list[objects.Contact]:
+    """Return the friction of a joint, if it has any."""
+    if "friction" in joint.written:
+        from lagc.semantics.declarations.rough_joints import rub  # where there is some
+
+        return [rub(context, joint, a, b, closes)]
+    for name in ("static", "radius"):
+        if name in joint.written and isinstance(joint.kind, Pair):
+            remedy = "write the coefficient of friction: `friction = 0.1`"
+            raise Wrong("LAG0235", f"`{name}` needs `friction` beside it", joint.span(name), remedy)
+    return []
 
 
 def _said(joint: Joint, coordinates: tuple[str, ...], equations: int) -> objects.Joint:

@@ -51,8 +51,8 @@ _SLIDE, _XY = {"z": "slide"}, {"x": "x", "y": "y"}
 
 KINDS: dict[str, Pair | Condition] = {
     "Weld": Pair(_POINT, 2),
-    "Revolute": Pair(_AXIS, 4, turns=ABOUT_Z, angles=("angle",)),
-    "Prismatic": Pair(_AXIS, 3, _SLIDE),
+    "Revolute": Pair((*_AXIS, "friction", "static", "radius"), 4, turns=ABOUT_Z, angles=("angle",)),
+    "Prismatic": Pair((*_AXIS, "friction", "static"), 3, _SLIDE),
     "Cylindrical": Pair(_AXIS, 4, _SLIDE, ABOUT_Z, ("angle",)),
     "Screw": Pair((*ENDS, "axis", "at", "pitch", "along"), 5, turns=ABOUT_Z, angles=("angle",), helical=True),
     "Spherical": Pair(_POINT, 3, turns=ANY_TURN),

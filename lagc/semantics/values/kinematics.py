@@ -270,7 +270,7 @@ def _of_contacts(context: Context, entry: Entry) -> Value:
 def _impulse(context: Context, span: Span, of: Argument) -> Value:
     """Return the normal impulse of the last impact of a contact, 0 before the first: a discrete variable."""
     entry = of.value.entry if isinstance(of.value, Reference) else None
-    contacts = [] if entry is None else [c for c in entry.objects if isinstance(c, Contact)]
+    contacts = [] if entry is None else [c for c in entry.objects if isinstance(c, Contact) and not c.normals]
     if entry is None or not contacts:
         message = f"`impulse` takes a one-sided constraint; this is {kind(of.value)}"
         remedy = "declare it: `constraint floor: ball.z >= 0;`, then `impulse(floor)`"

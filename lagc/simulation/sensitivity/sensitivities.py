@@ -39,6 +39,10 @@ def directions(
 ) -> tuple[Direction, ...]:
     """The directions named `l`, `start(theta)` or `start(der(theta))`, each once; all entries of an array.
     Raises Refused: LAG0601, LAG0606 for an unknown name, LAG0607 for a parameter that is part of the code."""
+    rough = [contact.name for contact in interface.contacts if contact.normals]
+    if rough:
+        message = f"sensitivities do not follow the friction of `{rough[0]}` yet"
+        raise Refused([Fault("LAG0623", message, remedy="compare runs with values that differ a little")])
     if interface.loading_rows:
         label = interface.row_labels[interface.loading_rows[0]]
         message = f"sensitivities do not follow loads that depend on `reaction({label})` yet"
