@@ -93,20 +93,28 @@ def _coordinate_sizes(system: System, run: Trajectory, x: list[float]) -> list[f
 
 
 def kink(system: System, run: Trajectory, t: float, x: list[float]) -> str:
-    """Name a constraint that is not differentiable at (t, x), or return "". Along the motion, r(t + h) - 2
-    r(t) + r(t - h) is proportional to h^2 if r is smooth, and to h at a kink."""
+    """Name a constraint or a bound that is not differentiable at (t, x), or return "". Along the motion,
+    r(t + h) - 2 r(t) + r(t - h) is proportional to h^2 if r is smooth, and to h at a kink."""
     rates = rates_at(system, t, x) if len(x) == system.nx else None
     if rates is None:
         return ""
-    here = system.position(t, x)
+
+    def residuals(d: float) -> list[float]:
+        at = t + d, [a + d * b for a, b in zip(x, rates)]
+        return [*system.position(*at), *system.gaps(*at)]
+
+    here, contacts = residuals(0.0), system.interface.contacts
     differences: list[list[float]] = []
     for offset in OFFSETS:
         h = offset * _elapsed(run, t)
-        before, after = (system.position(t + d, [a + d * b for a, b in zip(x, rates)]) for d in (-h, h))
-        differences.append([abs(a - 2.0 * b + c) for a, b, c in zip(before, here, after)])
+        differences.append([abs(a - 2.0 * b + c) for a, b, c in zip(residuals(-h), here, residuals(h))])
     for k, of_row in enumerate(zip(*differences)):
         ratios = [a / b for a, b in pairwise(of_row) if b > 0.0]
         if any(all(5.0 < r < 20.0 for r in three) for three in zip(ratios, ratios[1:], ratios[2:])):
+            if k >= len(here) - len(contacts):
+                name = contacts[k - len(here)].name
+                return (f"the bound `{name}` has a kink there: write a constraint for each of its sides, as "
+                        "`y >= x` and `y >= -x` instead of `y >= abs(x)`")  # fmt: skip
             return f"{row_name(system, k)} is not differentiable there: the speeds would have to jump"
     return ""
 

@@ -353,3 +353,20 @@ def test_a_restitution_by_parameters_is_from_0_to_1(given: str, named: str) -> N
     model = _model(f"  parameter Real k = 3;\n  constraint floor: z >= 0 (restitution = {given});")
     with pytest.raises(Refused, match=f"{named}.* above its maximum, 1"):
         model.compile(backend="numpy").simulate(1.0)
+
+
+@pytest.mark.full
+def test_a_bound_with_a_kink_is_named_where_a_body_passes_it_without_end() -> None:
+    """Between two planes a particle loses a share of its speed at the kink, in ever shorter times."""
+    text = """model Vee
+  coordinate Length x(start = 0.5 [m], rate = 1 [m/s]), y(start = 1 [m]);
+  Gravity field(g = 9.81 [m/s2], direction = {0, -1, 0});
+  body ball = Particle(mass = 1 [kg], at = {x, y, 0});
+  constraint floor: y >= 0.5*abs(x);
+end Vee;
+"""
+    run = lagc.loads(text).compile(backend="c").simulate(10.0, accuracy=1e-6)
+    assert run.status == "failed" and "`floor` has a kink there: write a constraint for each" in run.message
+    two = text.replace("floor: y >= 0.5*abs(x)", "left: y >= -0.5*x;\n  constraint right: y >= 0.5*x")
+    run = lagc.loads(two).compile(backend="c").simulate(10.0, accuracy=1e-6)
+    assert run.status == "ok" and run.final["x"] == pytest.approx(0.0, abs=1e-6)

@@ -92,12 +92,14 @@ def is_admissible(w: Work) -> bool:
     return True
 
 
-def differs(w: Work) -> bool:
-    """Return whether w.law_u is not the kept one: each of them may be off by what counts as zero."""
+def differs(w: Work, motion: bool) -> bool:
+    """Return whether w.law_u is not the kept one, in all rows or, with `motion` False, in normal rows. Each
+    of them may be off by what counts as zero."""
     least = DISTINCT * w.law_size + 2.0 * zero_rate(w, largest_force(w))
-    for j in range(w.law_rows):
-        if fabs(w.law_u[j] - w.law_kept_u[j]) * w.law_row_scale[j] > least:
-            return True
+    for i in range(w.law_count):
+        for j in range(w.law_first[i], w.law_first[i] + (w.law_slips[i] + 1 if motion else 1)):
+            if fabs(w.law_u[j] - w.law_kept_u[j]) * w.law_row_scale[j] > least:
+                return True
     return False
 
 

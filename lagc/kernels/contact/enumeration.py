@@ -20,6 +20,7 @@ from lagc.kernels.contact.frozen_modes import (
     LEAST_SLIPS,
     LEAST_STICKS,
     is_closed,
+    is_sticking,
     solve_modes,
 )
 from lagc.kernels.language.vocabulary import *
@@ -124,29 +125,45 @@ def name_culprit(w: Work, found: int) -> None:
             w.law_culprit = i
 
 
+def shares_load(w: Work) -> bool:
+    """Return whether contacts share their load in many ways, of which w.law_p is the smallest forces."""
+    sticking = 0
+    for i in range(w.law_count):
+        if is_sticking(w.law_mode[i]):
+            sticking += 1
+    return w.law_rank < w.law_unknowns and sticking < 2  # rows of two that stick depend on each other
+
+
 def enumerate_modes(w: Work) -> int:
     """Try all modes; return LAW_ONE, LAW_NONE or LAW_SEVERAL. Of modes with the same u the last one gives p:
-    it has the most contacts closed and sticking."""
+    it has the most contacts closed and sticking. Solutions that differ in slips alone may share the load of
+    the same contacts in many ways; then the smallest forces are taken, and LAW_FOUND is returned."""
     found = LAW_NONE
+    apart = False
     for i in range(w.law_count):
         w.law_choice[i] = 0
-    while found != LAW_SEVERAL:
+    while not apart:
         for i in range(w.law_count):
             choose(w, i, w.law_choice[i])
         guess_directions(w)
         if solve_modes(w) and is_admissible(w):
-            if found == LAW_ONE and differs(w):
-                found = LAW_SEVERAL
-                read_modes(w)
-                w.law_other_mode[:] = w.law_mode
-            else:
-                found = LAW_ONE
+            if found == LAW_NONE or not differs(w, True):
+                found = LAW_ONE if found == LAW_NONE else found
                 keep_solution(w)
+            else:
+                apart = differs(w, False)
+                if not apart and shares_load(w):
+                    found = LAW_FOUND
+                    keep_solution(w)
+                elif apart or found == LAW_ONE:
+                    found = LAW_SEVERAL
+                    read_modes(w)
+                    w.law_other_mode[:] = w.law_mode
         if not advance_choice(w):
             break
     if found != LAW_NONE:
         restore_solution(w)
         read_modes(w)
-    if found != LAW_ONE:
+    if found > LAW_FOUND:
         name_culprit(w, found)
     return found

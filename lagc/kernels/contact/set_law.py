@@ -76,7 +76,7 @@ def solve_planar(w: Work) -> int:
         return LAW_NONE
     read_modes(w)
     keep_solution(w)
-    if not solve_modes(w) or differs(w):
+    if not solve_modes(w) or differs(w, True):
         return LAW_FAILED
     if not is_admissible(w):  # dependent rows: the smallest forces are not admissible, the others are
         w.law_p[:] = w.law_kept_p

@@ -363,8 +363,8 @@ def report_contacts(s: State, begins: bool, w: Work) -> bool:
         s.contact_kinds[i] = kind
         s.contact_impulses[i] = w.contact_struck[i]
         if NIMPULSE > 0:
-            if impulse_state[i] >= 0 and w.contact_struck[i] > 0.0:
-                s.x[impulse_state[i]] = w.contact_struck[i]
+            if impulse_state[i] >= 0 and (w.contact_struck[i] > 0.0 or kind == RESTS):
+                s.x[impulse_state[i]] = 0.0 if kind == RESTS else w.contact_struck[i]  # ever softer impacts
         s.contact_losses[i] = w.contact_lost[i]
     w.contacts_acted = True
     return found

@@ -103,7 +103,7 @@ def sweep_to_solution(w: Work) -> bool:
             if solve_modes(w):
                 if is_admissible(w):
                     return True
-                if not differs(w):
+                if not differs(w, True):
                     # Dependent rows: the smallest forces are not admissible, those of the sweeps are.
                     w.law_p[:] = w.law_kept_p
                     if is_admissible(w):

@@ -16,7 +16,6 @@ from lagc.kernels.contact.enumeration import LAW_FOUND, LAW_NONE
 from lagc.kernels.contact.frozen_modes import CONTACT_SLIPS, CONTACT_STICKS, shares_force, solve_frozen
 from lagc.kernels.contact.normal_forces import set_normals_given, solve_touching
 from lagc.kernels.contact.responses import (
-    add_responses,
     keep_begin,
     loads_follow,
     move_with_loads,
@@ -130,9 +129,9 @@ def cone_margin(i: int, w: Work) -> Real:
     return margin
 
 
-def add_accelerations(values: Vec[NX], w: Work) -> None:
-    """Add X p to the accelerations of `values`. Those that forces cancel to round-off are zero: what lies at
-    rest has no motion whose error could be measured."""
+def add_cancelling(values: Vec[NX], w: Work) -> None:
+    """Add X p to the speeds, or accelerations, of `values`. Those that this cancels to round-off are zero:
+    what lies at rest has no motion whose error could be measured."""
     for j in range(NV):
         total = values[NQ + j]
         terms = fabs(total)
@@ -149,7 +148,7 @@ def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
     if NPUSHED > 0:  # the power of their loads
         for r in range(w.law_rows):
             w.contact_forces[w.touching_rows[r]] = w.law_p[r]
-    add_accelerations(xdot, w)
+    add_cancelling(xdot, w)
     for i in range(NC):
         for r in range(w.law_rows):
             lam[i] += w.contact_responses[r * NR + NV + i] * w.law_p[r]
@@ -363,7 +362,7 @@ def close(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
         w.law_b[r] = w.contact_speeds[w.touching_rows[r]]
         w.law_sizes[r] = 0.0
     solve_frozen(w)
-    add_responses(x, w)
+    add_cancelling(x, w)
     return OK
 
 
