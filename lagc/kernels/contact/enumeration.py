@@ -126,7 +126,7 @@ def name_culprit(w: Work, found: int) -> None:
 
 
 def shares_load(w: Work) -> bool:
-    """Return whether contacts share their load in many ways, of which w.law_p is the smallest forces."""
+    """Return whether contacts share their load in many ways; w.law_p are the smallest forces then."""
     sticking = 0
     for i in range(w.law_count):
         if is_sticking(w.law_mode[i]):
