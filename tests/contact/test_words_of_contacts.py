@@ -40,6 +40,8 @@ def test_both_bounds_keep_the_arguments(bound: str, last: str) -> None:
     ("lines", "remedy"),
     [("constraint edge: y >= 0; output Force F = reaction(nothing);", "there are `edge`"),
      ("constraint edge: y >= 0; output Force F = reaction(floor);", "there are `edge`"),
+     ("constraint edge: y >= 0 (friction = 0.1, slip = y);", "write `slip = der(y)`"),
+     ("constraint edge: y >= 0 (friction = 0.1, slip = {y, 2*y});", "`slip = {der(y), der(2*y)}`"),
      ("output Real F = impulse(nothing);", "declare a one-sided constraint"),
      ("output Length h(scale = -1 [mm]) = y;", "`scale = 0.1 [m]`")],
 )  # fmt: skip

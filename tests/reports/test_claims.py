@@ -143,7 +143,8 @@ def test_nothing_in_the_library_only_seems_so() -> None:
             continue
         assert all(c.proved for c in (*found.conserved, *found.constraints))
         if path.stem in LOADED:
-            assert found.not_examined == ("energy", "momenta")
+            (left,) = found.not_examined
+            assert left.startswith("energy and momenta: loads depend on reactions")
             continue
         assert not any((found.seems.cyclic, found.seems.redundant, found.seems.degrees_of_freedom,
                         found.seems.positional_freedom, found.not_examined))  # fmt: skip

@@ -248,7 +248,7 @@ class Work:
         contact_rates: Vec[NX]
         contact_lam: Vec[NC]
         # Contacts at an event
-        contact_hit: IVec[NCON]  # 1: its gap, 2: its force has fallen to zero, see `settle`
+        contact_hit: IVec[NCON]  # what has happened, by the kinds in `slips`
         contacts_acted: bool  # at this event already
         contacts_go_on: bool  # speeds have not jumped: contacts that touched before keep touching
         modes_before: Vec[NMODE]  # of relations, before the event

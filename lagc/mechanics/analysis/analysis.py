@@ -217,7 +217,8 @@ def _conserved(
     """Return the quantities that are constant along the motion with the independent `rows`, by index, `sure`
     or not that these are all; and those that were not examined. Where loads depend on multipliers none is."""
     if symbols(equations.given_forces) & set(equations.lam):
-        return [], [equations.balance if equations.balance != WHOLE else "energy", "momenta"]
+        energy = equations.balance if equations.balance != WHOLE else "energy"
+        return [], [f"{energy} and momenta: loads depend on reactions, which are not known without a run"]
     kept = [row for _, row in rows]
     small = len(equations.v) + len(rows) <= LARGEST
     tries = _tries(states, kept, met, small)

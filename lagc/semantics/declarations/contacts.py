@@ -26,7 +26,7 @@ from lagc.semantics.names.scope import (
 )
 from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import BIT, VELOCITY
-from lagc.semantics.units import NONE, Dimension, describe, dimension, over, si_text
+from lagc.semantics.units import NONE, Dimension, describe, dimension, over, si_text, times
 from lagc.semantics.units import unit as unit_of
 from lagc.semantics.values.builtin_functions import Argument
 from lagc.semantics.values.evaluate import all_values, evaluate, evaluate_as
@@ -210,6 +210,12 @@ def _slip(
         raise Wrong("LAG0235", f"the slip has {len(nodes)} components", span, _SLIPS)
     if len(nodes) == 3:
         meant = SPEED  # the push is then taken along the normal of the surface, whatever the gap measures
+    if own == times(meant, SECOND):
+        parts = source.elements if isinstance(source, tree.Vector) else (source,)
+        rates = ", ".join([f"der({part.span.text})" for part in parts])
+        remedy = f"write its rate: `slip = {{{rates}}}`" if len(parts) > 1 else f"write `slip = {rates}`"
+        message = f"the slip is a position; it must be {describe(meant)}"
+        raise Wrong("LAG0302", message, span, remedy)
     expect_of(source, own, meant, "the slip", describe(meant))
     constant = [k for k, node in enumerate(nodes) if not context.clock.mask(node) & VELOCITY]
     for k, node in enumerate(nodes):
