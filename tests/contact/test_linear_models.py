@@ -223,6 +223,14 @@ def test_a_state_that_approaches_has_an_impact() -> None:
         _block().linearize(x=[0.0, -0.1, 0.0, 0.0])
 
 
+def test_just_before_an_impact_two_modes_meet() -> None:
+    ball = lagc.load("bouncing_ball").compile(backend="numpy")
+    fall = (2.0 / 9.81) ** 0.5
+    assert ball.linearize(0.99 * fall).contacts == {"floor": "open"}
+    with pytest.raises(ArithmeticError, match="`floor` is open there, with a gap of zero"):
+        ball.linearize(fall * (1.0 - 1e-12))
+
+
 def test_pushes_that_many_share() -> None:
     """A plate on four feet: the pushes are not determined, and a note says so."""
     text = """model Plate

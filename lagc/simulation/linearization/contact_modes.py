@@ -98,7 +98,8 @@ def edges(acting: NumpySystem, whole: Sequence[float], found: Linear) -> Iterato
         own, first = slips[first + 1 : first + 1 + contact.slips], first + 1 + contact.slips
         said, name = word_of(contact, mode), contact.name
         if mode == 0:
-            size = ZERO * size_of_gaps(acting, whole, contact.unit)
+            alike = [x for x, unit in zip(size_of_states(acting), interface.q_units) if unit == contact.unit]
+            size = ZERO * max([size_of_gaps(acting, whole, contact.unit), *alike])
             if gaps[k] <= size:
                 yield f"`{name}` is open there, with a gap of zero", gaps[k] < -size
             continue
