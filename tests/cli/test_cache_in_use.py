@@ -271,17 +271,8 @@ def test_runs_that_are_killed_spoil_no_other(
     monkeypatch.setenv("LAGC_CACHE", str(tmp_path / "cache"))
     cache.notes.clear()
     moments = random.Random(5)
-    command = [
-        sys.executable,
-        "-m",
-        "lagc",
-        "sim",
-        str(folder / "a.lag"),
-        "--stop",
-        "1",
-        "--json",
-        "--backend",
-    ]
+    options = ("--stop", "1", "--json", "--backend")
+    command = [sys.executable, "-m", "lagc", "sim", str(folder / "a.lag"), *options]
 
     def final(process: subprocess.Popen[str]) -> Any:
         said, _ = process.communicate()

@@ -10,21 +10,9 @@ from lagc.cli.main import main
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 VALUES = (
-    "1e300",
-    "-1e300",
-    "1e308",
-    "1e18",
-    "1e-300",
-    "5e-324",
-    "0",
-    "-0.0",
-    "-1",
-    "nan",
-    "inf",
-    "1e999",
-    "0.5",
+    "1e300", "-1e300", "1e308", "1e18", "1e-300", "5e-324", "0", "-0.0", "-1", "nan", "inf", "1e999", "0.5",
     "1e7",
-)
+)  # fmt: skip
 STRUCTURAL = """model S
   structural Integer n = 3;
   parameter Mass m = 1 [kg];

@@ -31,14 +31,8 @@ def test_cases_are_listed_with_their_figures(capsys: Capture) -> None:
 def test_a_case_is_explained_and_measured(capsys: Capture) -> None:
     assert main(["hard", "contradiction", "--backend", "numpy"]) == DONE
     shown = capsys.readouterr().out
-    for word in (
-        "what is hard",
-        "source",
-        "why",
-        "four_bar_again.lag",
-        "lagc sim four_bar_again",
-        "kept: 1 of 1",
-    ):
+    model, line = "four_bar_again.lag", "lagc sim four_bar_again"
+    for word in ("what is hard", "source", "why", model, line, "kept: 1 of 1"):
         assert word in shown
 
 

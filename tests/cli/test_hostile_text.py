@@ -26,17 +26,8 @@ EVIL = [
               0x061C, 0x200E, 0x200F, 0x2028, 0x2029, 0xFEFF, 0xE000, 0xE0041)
 ]  # fmt: skip
 HOSTILE = [
-    "\x1b[31mred",
-    "\x1b]0;title\x07",
-    "a\rb",
-    "\x9b2J",
-    "\u202egal.x",
-    "=1+1",
-    "<script>",
-    '"',
-    "\\",
-    "%s{}",
-]
+    "\x1b[31mred", "\x1b]0;title\x07", "a\rb", "\x9b2J", "\u202egal.x", "=1+1", "<script>", '"', "\\", "%s{}",
+]  # fmt: skip
 
 
 def texts(count: int, seed: int = 1) -> list[str]:

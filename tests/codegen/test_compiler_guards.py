@@ -18,12 +18,8 @@ from tests.codegen.tools import call, of_model, write
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not there")
 REORDERED = [
-    "-ffast-math",
-    "-Ofast",
-    "-funsafe-math-optimizations",
-    "-ffinite-math-only",
-    "-freciprocal-math",
-]
+    "-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-ffinite-math-only", "-freciprocal-math",
+]  # fmt: skip
 WIDER = ["-mfpmath=387", "-mfpmath=387 -std=c99", "-mfpmath=sse+387"]
 KNOWN = "-DSIMPLE_PENDULUM_ANY_ARITHMETIC"
 FUSED = re.compile(r"\bvfn?m(?:add|sub)\w+")

@@ -28,16 +28,9 @@ from tests.codegen.programs import TABLES, TRUTHS, Builder, program, random_func
 from tests.codegen.tools import bits
 
 FLAGS = [
-    "-std=c99",
-    "-O2",
-    "-ffp-contract=off",
-    "-Wall",
-    "-Wextra",
-    "-Wpedantic",
-    "-Wconversion",
-    "-Wshadow",
+    "-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow",
     "-Werror",
-]
+]  # fmt: skip
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 HARD = [
     0.0,

@@ -215,17 +215,9 @@ def test_c_and_python_mean_the_same(straight: bool, tmp_path: Path) -> None:
     text += "void parted(double x, int k, double *pair) { lagc_parted(x, k, pair); }\n"
     (tmp_path / "a.c").write_text(text)
     words = [
-        "gcc",
-        "-std=c99",
-        "-O2",
-        "-Wall",
-        "-Wextra",
-        "-Wconversion",
-        "-Werror",
-        "-ffp-contract=off",
-        "-fPIC",
+        "gcc", "-std=c99", "-O2", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-ffp-contract=off", "-fPIC",
         "-shared",
-    ]
+    ]  # fmt: skip
     done = subprocess.run([*words, "a.c", "-o", "a.so", "-lm"], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     library_ = ctypes.CDLL(str(tmp_path / "a.so"))

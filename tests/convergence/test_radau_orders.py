@@ -10,13 +10,7 @@ import numpy as np
 
 import lagc
 from lagc.kernels.integrators.tableaus import radau5
-
-PENDULUM = """model Pendulum
-  parameter Angle start = 1 [rad];
-  coordinate Angle theta(start = start);
-  body b = Particle(mass = 1 [kg], at = {1 [m]*sin(theta), 0 [m], -1 [m]*cos(theta)});
-  Gravity field(g = 9.81 [m/s2], direction = {0, 0, -1});
-end Pendulum;"""
+from tests.simulation.test_radau import PENDULUM
 
 
 def test_coefficients_solve_the_collocation_conditions() -> None:

@@ -19,15 +19,8 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
 ERRORS = [
-    errno.ENOSPC,
-    errno.EACCES,
-    errno.EIO,
-    errno.EINTR,
-    errno.EMFILE,
-    errno.EROFS,
-    errno.ENOENT,
-    errno.ELOOP,
-]
+    errno.ENOSPC, errno.EACCES, errno.EIO, errno.EINTR, errno.EMFILE, errno.EROFS, errno.ENOENT, errno.ELOOP,
+]  # fmt: skip
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL, signal.SIGQUIT, signal.SIGPIPE]
 ENDS = {0, 1, 2, 3, 4, 74, 130, *(128 + s for s in SIGNALS)}
 MODEL = """\
@@ -124,16 +117,8 @@ class Disturber:
             self._run(folder, command, shim=False)
             for path in _paths(folder):
                 path.unlink()
-        for name in (
-            "model.lag",
-            "out.csv",
-            "out.npz",
-            "out.svg",
-            "Old.lag",
-            "gen/m.c",
-            "gen/m.h",
-            "gen/m.py",
-        ):
+        old = ("out.csv", "out.npz", "out.svg", "Old.lag", "gen/m.c", "gen/m.h", "gen/m.py")
+        for name in ("model.lag", *old):
             (folder / name).parent.mkdir(exist_ok=True)
             (folder / name).write_text(MODEL if name == "model.lag" else f"the old {name}\n")
         return folder

@@ -122,17 +122,8 @@ class Expressions:
             return self.scalar(wanted, on, depth - 1, smooth)
 
         forms = [
-            "sum",
-            "sum",
-            "scaled",
-            "product",
-            "product",
-            "quotient",
-            "vector",
-            "function",
-            "square",
-            "call",
-        ]
+            "sum", "sum", "scaled", "product", "product", "quotient", "vector", "function", "square", "call",
+        ]  # fmt: skip
         form = chance.choice(forms if smooth else [*forms, "kink", "condition"])
         if form == "sum":
             return f"({again()} {chance.choice('+-')} {again()})"

@@ -13,6 +13,7 @@ import lagc
 from lagc.reports.linear import heading
 from lagc.simulation.linearization import equilibria
 from lagc.simulation.linearization.linear_model import Linear
+from tests.simulation.test_groups_at_rest import PLATFORM
 
 G = 9.81
 CLOSE = 1e-10  # relative: eigenvalues of small matrices, of equilibria that Newton's method found
@@ -558,19 +559,7 @@ def test_a_panel_is_no_pair_of_pendulums(n: int) -> None:
 
 @pytest.mark.full
 def test_rows_that_are_redundant_everywhere_halt_nothing() -> None:
-    text = """model Platform
-  coordinate Length x, z;
-  coordinate Angle a;
-  point C = {x, 0, z - 1 [m]};
-  frame F = rotate_y(world, a);
-  body p = Solid(mass = 5 [kg], inertia = {1, 1, 1}, frame = F, com = C);
-  for i in 1:3 loop
-    constraint rod[i]: norm(C + (i - 2)*0.4 [m]*F.x - {(i - 2)*0.4 [m], 0, 0}) = 1 [m];
-  end for;
-  Gravity field(g = 9.81, direction = {0, 0, -1});
-end Platform;
-"""
-    linear = lagc.loads(text).compile(backend="numpy").equilibria()[0]
+    linear = lagc.loads(PLATFORM).compile(backend="numpy").equilibria()[0]
     assert not linear.higher_order_rigid and linear.stability != "unstable"
     assert_spectrum(linear, [1j * sqrt(G), -1j * sqrt(G)])
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from typing import Any
 
 import mpmath
 import numpy as np
@@ -25,8 +24,8 @@ from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.simulation.system import NOT_FINITE, OK, SINGULAR_MASS
 from lagc.symbolic.graph import Node
-from lagc.symbolic.walk import reachable
 from tests.lowering import large
+from tests.lowering.exact import values
 from tests.lowering.interpret import interpret
 from tests.mechanics.numbers import consistent_state, random_state
 from tests.mechanics.random_systems import model, random_system
@@ -56,42 +55,20 @@ def run(e: EquationsOfMotion, functions: Sequence[Function], state: Mapping[Node
     return np.array([*found["xdot"][len(e.q) : len(e.q) + len(e.v)], *found["lam"], *found["health"][:2]])
 
 
-_VALUES = {"sin": mpmath.sin, "cos": mpmath.cos, "sqrt": mpmath.sqrt, "abs": abs}
-
-
-def in_digits(nodes: Sequence[Node], state: Mapping[Node, float]) -> list[Any]:
-    known: dict[Node, Any] = {node: mpmath.mpf(x) for node, x in state.items()}
-    for node in reachable(nodes):
-        if node in known:
-            continue
-        x = [known[a] for a in node.args]
-        if node.op == "const":
-            known[node] = mpmath.mpf(node.value)
-        elif node.op == "add":
-            known[node] = x[0] + x[1]
-        elif node.op == "scale":
-            known[node] = mpmath.mpf(node.value) * x[0]
-        elif node.op == "mul":
-            known[node] = mpmath.fprod(base**power for base, power in zip(x, node.value))
-        else:
-            known[node] = _VALUES[node.op](*x)
-    return [known[node] for node in nodes]
-
-
 def dense(e: EquationsOfMotion, state: Mapping[Node, float]) -> tuple[np.ndarray, float]:
     """Accelerations and multipliers of [M -G^T; G 0] in many digits, and the condition of the matrix, its
     rows and columns scaled by the square roots of their largest entries."""
     n, size = len(e.v), len(e.v) + len(e.rows)
     with mpmath.workdps(DIGITS):
         k, right = mpmath.zeros(size), mpmath.zeros(size, 1)
-        for (i, j), value in zip(e.mass_matrix, in_digits(list(e.mass_matrix.values()), state)):
+        for (i, j), value in zip(e.mass_matrix, values(list(e.mass_matrix.values()), state)):
             k[i, j] = k[j, i] = value
         for r, row in enumerate(e.rows):
-            for j, value in zip(row.jacobian, in_digits(list(row.jacobian.values()), state)):
+            for j, value in zip(row.jacobian, values(list(row.jacobian.values()), state)):
                 k[n + r, j], k[j, n + r] = value, -value
-        for i, (tau, h) in enumerate(zip(in_digits(e.given_forces, state), in_digits(e.bias_forces, state))):
+        for i, (tau, h) in enumerate(zip(values(e.given_forces, state), values(e.bias_forces, state))):
             right[i] = tau - h
-        for r, gamma in enumerate(in_digits([row.gamma for row in e.rows], state)):
+        for r, gamma in enumerate(values([row.gamma for row in e.rows], state)):
             right[n + r] = gamma
         found = mpmath.lu_solve(k, right)
         a = np.array([[float(k[i, j]) for j in range(size)] for i in range(size)])

@@ -12,22 +12,9 @@ from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
 
 ONE = (
-    "sin",
-    "cos",
-    "tan",
-    "asin",
-    "acos",
-    "atan",
-    "sinh",
-    "cosh",
-    "tanh",
-    "exp",
-    "log",
-    "sqrt",
-    "abs",
-    "floor",
+    "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "abs", "floor",
     "sign",
-)
+)  # fmt: skip
 TWO = ("atan2", "pow", "min", "max", "lt", "le", "eq")
 
 

@@ -98,15 +98,8 @@ def stairs(b: Builder, x: Node, rng: random.Random) -> Node:
 
 
 BREAKERS: list[Breaker] = [
-    half_of_a_line,
-    stairs,
-    far_step,
-    far_stop,
-    far_well,
-    tiny,
-    beyond_a_stop,
-    both_conditions,
-]
+    half_of_a_line, stairs, far_step, far_stop, far_well, tiny, beyond_a_stop, both_conditions,
+]  # fmt: skip
 
 
 @pytest.mark.sample(6, 12)

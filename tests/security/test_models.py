@@ -35,17 +35,8 @@ model NAME0 "TEXT0"
 end NAME0;
 """
 HOSTILE_NAMES = [
-    "__import__",
-    "eval",
-    "exec",
-    "open",
-    "__class__",
-    "__builtins__",
-    "os",
-    "system",
-    "goto",
-    "__file__",
-]
+    "__import__", "eval", "exec", "open", "__class__", "__builtins__", "os", "system", "goto", "__file__",
+]  # fmt: skip
 HOSTILE_TEXTS = [
     '*/ int evil = system(\\"id\\"); /*',
     '\\"\\"\\"\\nimport os\\nos.system(\'touch pwned\')\\n\\"\\"\\"',
@@ -259,12 +250,8 @@ def test_the_shape_of_code_tells_more_than_words() -> None:
 def test_generated_code_calls_nothing_but_itself_and_mathematics(number: int) -> None:
     """No input or output, no allocation, no module but those of arithmetic and types."""
     names = [
-        "classic/four_bar",
-        "classic/heavy_top_quaternion",
-        "classic/kepler",
-        "course/wheel_implicit",
-        "",
-    ]
+        "classic/four_bar", "classic/heavy_top_quaternion", "classic/kepler", "course/wheel_implicit", "",
+    ]  # fmt: skip
     path = ROOT / "models" / f"{names[number]}.lag"
     c, python = rendered(path.read_text() if names[number] else HOSTILE)
     assert set(re.findall(r"^\s*#\s*include\s*(\S+)", c, re.M)) <= {

@@ -92,22 +92,9 @@ def test_a_quantity(type_name: str, expression: str, expected: float) -> None:
 
 def test_short_and_reserved_names_are_free() -> None:
     names = [
-        "t",
-        "q",
-        "I",
-        "E",
-        "int",
-        "double",
-        "lambda",
-        "main",
-        "None",
-        "def",
-        "class",
-        "nan",
-        "auto",
-        "pi",
+        "t", "q", "I", "E", "int", "double", "lambda", "main", "None", "def", "class", "nan", "auto", "pi",
         "world",
-    ]
+    ]  # fmt: skip
     for name in names:
         model = read_body(f"parameter Real {name} = 3; output Real y = 2*{name};")
         assert output(model, "y") == 6.0, name

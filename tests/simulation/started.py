@@ -113,17 +113,8 @@ def _library(program: Program) -> ctypes.CDLL:
     size = f"sizeof({prefix(program.interface.model)}_start_work)"
     (folder / "all.c").write_text(f'#include "{unit}"\nsize_t room(void) {{ return {size}; }}\n')
     command = [
-        "gcc",
-        "-std=c99",
-        "-O0",
-        "-ffp-contract=off",
-        "-fPIC",
-        "-shared",
-        "all.c",
-        "-lm",
-        "-o",
-        "all.so",
-    ]
+        "gcc", "-std=c99", "-O0", "-ffp-contract=off", "-fPIC", "-shared", "all.c", "-lm", "-o", "all.so",
+    ]  # fmt: skip
     subprocess.run(command, cwd=folder, check=True)
     return ctypes.CDLL(str(folder / "all.so"))
 

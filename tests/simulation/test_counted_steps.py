@@ -58,24 +58,8 @@ def program(request: Any, tmp_path_factory: Any) -> Path:
     folder: Path = tmp_path_factory.mktemp(request.param)
     (folder / "cart_pole.lag").write_text(block("modelica"))
     model = str(folder / "cart_pole.lag")
-    assert (
-        main(
-            [
-                "build",
-                model,
-                "--method",
-                "rk4",
-                "--target",
-                "c",
-                "--real",
-                request.param,
-                "-o",
-                str(folder),
-                "-q",
-            ]
-        )
-        == 0
-    )
+    options = f"--method rk4 --target c --real {request.param} -q"
+    assert main(["build", model, *options.split(), "-o", str(folder)]) == 0
     (folder / "count.c").write_text(COUNT)
     libraries = ["-lquadmath", "-lm"] if request.param == "quad" else ["-lm"]
     command = ["gcc", "-std=gnu99", "-O2", "count.c", "cart_pole.c", *libraries, "-o", "count"]

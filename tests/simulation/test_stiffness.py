@@ -9,27 +9,11 @@ import pytest
 import lagc
 from lagc.simulation.simulate import stability_note
 from lagc.simulation.system import Options
+from tests.simulation.test_radau import SLIDE, SPRING
 
 pytestmark = pytest.mark.usefixtures("own_cache")
-DAMPED = """model Damped "x'' + c x' + k x = 0, with decays of 1e6/s and 1e-2/s"
-  parameter Mass m = 1e-3 [kg];
-  parameter Stiffness k = 10 [N/m];
-  parameter Damping c = 1e3 [N.s/m];
-  coordinate Length x(start = 1 [m]);
-  body b = Particle(mass = m, at = {x, 0, 0});
-  potential V = 1/2*k*x^2;
-  dissipation D = 1/2*c*der(x)^2;
-end Damped;"""
-PAIR = """model Pair "a slow pendulum on a spring that rings at 1e4 rad/s and decays"
-  parameter Stiffness k = 1e8 [N/m];
-  parameter Damping c = 2e3 [N.s/m];
-  coordinate Length r(start = 1 [m]);
-  coordinate Angle theta(start = 60 [deg]);
-  body bob = Particle(mass = 1 [kg], at = {r*sin(theta), 0, -r*cos(theta)});
-  potential spring = 1/2*k*(r - 1 [m])^2;
-  dissipation damper = 1/2*c*der(r)^2;
-  Gravity field(g = 9.81 [m/s2], direction = {0, 0, -1});
-end Pair;"""
+# Decays of 1e6/s and 1e-2/s; a slow pendulum on a spring that rings at 1e4 rad/s and decays.
+DAMPED, PAIR = SLIDE, SPRING.replace("k = 1e6", "k = 1e8").replace("c = 0", "c = 2e3")
 
 
 def integrated(text: str, stop: float, backend: str = "c", **given: Any) -> Any:

@@ -246,18 +246,6 @@ int main(void) {
     assert int(status) == 0 and float(theta) == pytest.approx(exact, abs=digits) and int(steps) < 40
 
 
-@pytest.mark.parametrize(
-    "given, words",
-    [
-        ({"sensitivity": "k"}, "Runge-Kutta methods only"),
-        ({"rtol": 1e-6, "accuracy": 1e-6}, "chooses the tolerance"),
-    ],
-)
-def test_refusals(given: dict[str, Any], words: str) -> None:
-    with pytest.raises(Refused, match=re.escape(words)):
-        simulated(SPRING, 1.0, **given)
-
-
 def test_a_function_without_a_recurrence_is_named() -> None:
     with pytest.raises(Refused, match=r"LAG0591.*pow with an exponent that varies"):
         simulated(driven("-(2 + x)^x"), 1.0, rtol=1e-6)

@@ -23,20 +23,9 @@ from typing import TypeVar
 from lagc.host.cache.folders import Folder, Unfit, hashed, note, notes, reason
 
 __all__ = [
-    "PYTHON",
-    "Folder",
-    "code",
-    "digest",
-    "folder",
-    "holds",
-    "key",
-    "load",
-    "notes",
-    "opened",
-    "reason",
-    "store",
-    "unused",
-]
+    "PYTHON", "Folder", "code", "digest", "folder", "holds", "key", "load", "notes", "opened", "reason",
+    "store", "unused",
+]  # fmt: skip
 
 T = TypeVar("T")
 PYTHON = f"{sys.implementation.cache_tag} {sys.hexversion:x}"  # the interpreter that code belongs to

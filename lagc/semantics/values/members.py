@@ -24,14 +24,8 @@ from lagc.syntax import tree
 
 MOST_NAMED = 8  # names listed in a remedy
 _MOTION = (
-    "velocity",
-    "acceleration",
-    "angular_velocity",
-    "kinetic",
-    "momentum",
-    "angular_momentum",
-    "position",
-)
+    "velocity", "acceleration", "angular_velocity", "kinetic", "momentum", "angular_momentum", "position",
+)  # fmt: skip
 _SHORT = {"v": "velocity", "r": "position", "r_0": "position", "a": "acceleration", "w": "angular_velocity"}
 _AXES = ("x", "y", "z")
 
