@@ -8,10 +8,8 @@ import os
 from lagc.cli.signals import SIGNALS
 
 YOUNG = 50_000  # new objects before garbage collection; with Python's 700 it takes 2 % of a short run
-ALONE = (
-    "OPENBLAS_NUM_THREADS",
-    "MKL_NUM_THREADS",
-)  # one thread for linear algebra, because the matrices are small
+# One thread for linear algebra, because the matrices are small.
+ALONE = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def program() -> int:

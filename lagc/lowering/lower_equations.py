@@ -31,14 +31,8 @@ from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.derivative import Slopes
 from lagc.symbolic.graph import Node
 
-OFTEN = (
-    "rhs",
-    "watch",
-    "system",
-    "residual",
-    "contact_rows",
-    "frictions",
-)  # are called at every stage of a step
+# Called at every stage of a step.
+OFTEN = ("rhs", "watch", "system", "residual", "contact_rows", "frictions")
 
 
 def optimize(

@@ -255,9 +255,8 @@ class Interface:
     methods: tuple[str, ...] = ()  # of integration that generated code has; none: all that it can have
     series: tuple[int, int, int, int, int] = (0, 0, 0, 0, 0)  # see `lagc.lowering.series.counts`
     scales: dict[str, float] = field(default_factory=dict)  # that quantities are declared with
-    derivatives: dict[str, tuple[tuple[int, int], ...]] = field(
-        default_factory=dict
-    )  # places of their entries
+    # places of their entries
+    derivatives: dict[str, tuple[tuple[int, int], ...]] = field(default_factory=dict)
 
     @property
     def state_names(self) -> tuple[str, ...]:

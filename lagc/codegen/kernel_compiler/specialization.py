@@ -174,9 +174,8 @@ class Statics:
                 return _number(value, node)
             if isinstance(value, ast.Name):  # of a constant
                 return ast.copy_location(ast.Name(value.id, ast.Load()), node)
-            return ast.copy_location(
-                ast.Name(f"{owner.NAME}_{node.attr}", ast.Load()), node
-            )  # of its kernels
+            kernel = ast.Name(f"{owner.NAME}_{node.attr}", ast.Load())
+            return ast.copy_location(kernel, node)
         elif any(isinstance(n, ast.Name) and n.id in self.known for n in ast.walk(node)):
             try:
                 value = self.static(node)

@@ -29,16 +29,8 @@ if TYPE_CHECKING:
     from lagc.lowering.program import Interface
     from lagc.simulation.solution import Solution
 
-COLORS = (
-    "#0072b2",
-    "#d55e00",
-    "#009e73",
-    "#cc79a7",
-    "#e69f00",
-    "#56b4e9",
-    "#7f7f7f",
-    "#000000",
-)  # Okabe, Ito
+# Okabe, Ito
+COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000")
 ENDINGS = (".png", ".svg", ".pdf")
 LEGEND = 12  # lines an axis names one by one
 WIDTH = 8.0  # inches, of a column of panels

@@ -36,20 +36,8 @@ _RESULTS: dict[str, Any] = {
     **dict.fromkeys(("follow",), c_int),
     **dict.fromkeys(("work_size", "state_size", "tangent_work_size"), c_size_t),
     **dict.fromkeys(("position", "velocity", "scales", "energies", "start", "displace", "gaps"), None),
-    **dict.fromkeys(
-        (
-            "solve",
-            "begin",
-            "bind",
-            "hold",
-            "conditions",
-            "some_conditions",
-            "measures",
-            "limits",
-            "event_facts",
-        ),
-        None,
-    ),
+    **dict.fromkeys(("solve", "begin", "bind", "hold", "conditions", "some_conditions"), None),
+    **dict.fromkeys(("measures", "limits", "event_facts"), None),
 }
 
 

@@ -39,9 +39,8 @@ def executed(code: Sequence[CodeType]) -> dict[str, Any]:
     return space
 
 
-ROOM = (
-    2**21
-)  # largest number of directions times operations of a right-hand side, for derivatives computed at once
+# Largest number of directions times operations of a right-hand side, for derivatives computed at once.
+ROOM = 2**21
 
 
 class NumpyModel(Compiled):

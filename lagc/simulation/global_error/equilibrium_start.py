@@ -10,9 +10,8 @@ from lagc.simulation.system import FAILED, OK, System, Trajectory, rates_at, row
 
 ULP = 2.0**-52
 DIRECTIONS = 8  # combinations of signs by which time, state and parameters are perturbed
-CLEAR = (
-    2.0**26
-)  # ratio of a rate to its round-off estimate: a rate with half its digits correct is not round-off
+# Ratio of a rate to its round-off estimate: a rate with half its digits correct is not round-off.
+CLEAR = 2.0**26
 SEVERAL = 2.0  # ratio of a rate to its round-off estimate: it is round-off
 NORMAL = sys.float_info.min  # a rounding unit of smaller numbers may be all of the number
 MET = 1e-13  # scaled residual: with a larger one, a mechanism near a singular configuration may seem locked

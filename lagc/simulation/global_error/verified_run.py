@@ -210,11 +210,8 @@ class _Search:
         checks = [(self.times[0], 0, 0.0)]
 
         def watch(run: Trajectory) -> bool:
-            from lagc.simulation.supervision import (
-                check_length,
-                check_stability,
-                is_stuck,
-            )  # only for long runs
+            # Only for long runs.
+            from lagc.simulation.supervision import check_length, check_stability, is_stuck
 
             if self.long and tol == FINE and not self.runs:
                 check_length(run, self.times[0], self.times[-1], self.long)
