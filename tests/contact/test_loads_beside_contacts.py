@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
@@ -257,6 +258,38 @@ def test_a_force_that_several_contacts_share_is_refused() -> None:
     end Beam;"""
     run = lagc.loads(text.replace("LABEL", "left")).compile(backend="numpy").simulate(1.0)
     assert run.status == "failed" and "`reaction(left)`" in run.message
+
+
+LEANING = """model Leaning
+  PARAMETER
+  coordinate Length x(rate = SPEED [m/s]);
+  coordinate Angle a(start = 0.3 [rad]);
+  body cart = Particle(mass = 2 [kg], at = x*world.AXIS);
+  body tip = Particle(mass = 1 [kg], at = (x + l*cos(a))*world.AXIS + l*sin(a)*world.z);
+  Gravity field(g = 9.81 [m/s2]);
+  force pull = 3 [N]*world.AXIS at cart;
+  constraint floor: position(tip).z >= 0.5 [m]*sin(0.3) (friction = 0.2, at = position(tip));
+  HOLD
+  output Force T = reaction(OWNER);
+end Leaning;
+"""
+
+
+@pytest.mark.parametrize(("speed", "axis"), [("2", "y"), pytest.param("-2", "x", marks=pytest.mark.full)])
+def test_a_release_that_moves_a_contact_counts_its_friction(speed: str, axis: str) -> None:
+    """What holds the length of a bar whose tip slides is the multiplier of an explicit equation; and by hand,
+    with the angle held by the floor, m x'' = -mu N s for the tip gives the force along the bar."""
+    released = LEANING.replace("PARAMETER", "parameter Length l = 0.5 [m];").replace("HOLD", "")
+    held = LEANING.replace("PARAMETER", "coordinate Length l(start = 0.5 [m]);")
+    held = held.replace("HOLD", "constraint hold: l = 0.5 [m];")
+    texts = [released.replace("OWNER", "l"), held.replace("OWNER", "hold")]
+    found = [ended(text.replace("SPEED", speed).replace("AXIS", axis), 0.1).final["T"] for text in texts]
+    assert found[0] == pytest.approx(found[1], rel=1e-9)
+    side = math.copysign(1.0, float(speed))
+    # N = m g - T sin(a) and x'' = (F - mu N side)/3; along x, x'' = T cos(a) - mu N side, with T on the tip
+    matrix = [[math.sin(0.3), 1.0], [math.cos(0.3), -0.2 * side * (1.0 - 1.0 / 3.0)]]
+    right = [G, 3.0 / 3.0]
+    assert found[0] == pytest.approx(float(np.linalg.solve(matrix, right)[0]), rel=1e-9)
 
 
 @pytest.mark.full

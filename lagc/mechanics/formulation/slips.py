@@ -20,6 +20,7 @@ from lagc.semantics.model import Contact
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector, cross, dot, norm
+from lagc.symbolic.walk import substitute
 
 Gradient = Mapping[int, Node]
 
@@ -27,11 +28,13 @@ Gradient = Mapping[int, Node]
 def along_surface(states: States, contact: Contact, normal: Gradient) -> tuple[list[Node], Node]:
     """Return the slip of a contact in its components along the surface, and the normal force over that along
     the gap: the slip as it is given, and 1; of a velocity in space its parts across the normal. `normal` is
-    the gradient of the rate of the gap. Raises Refused if the normal is not found."""
+    the gradient of the rate of the gap. Virtual releases change neither. Raises Refused if the normal is not
+    found."""
     given = states.in_speeds(contact.slip)
     if len(given) < 3:
         return given, states.graph.one
-    freed = {states.place_of_v[rate] for release in states.model.releases for rate in release.rates}
+    released = [rate for release in states.model.releases for rate in release.rates]
+    freed = {states.place_of_v[rate] for rate in released}
     parts = [_without(row, freed) for row in gradients(states.graph, given, states.place_of_v)]
     n = _normal(states, _without(normal, freed), parts)
     if n is None:
@@ -43,7 +46,8 @@ def along_surface(states: States, contact: Contact, normal: Gradient) -> tuple[l
         raise Refused([Fault("LAG0235", message, contact.span, remedy=remedy)])
     velocity = (given[0], given[1], given[2])
     found = [dot(direction, velocity) for direction in _across(states, n)]
-    return [node for node in found if not node.is_zero], norm(n)
+    held = substitute(states.graph, found, dict.fromkeys(released, states.graph.zero))
+    return [node for node, own in zip(found, held) if not own.is_zero], norm(n)
 
 
 def _without(row: Gradient, columns: Set[int]) -> Gradient:
