@@ -11,6 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lagc
+from lagc.diagnostics.faults import Refused
 
 BACKENDS = ["numpy", pytest.param("c", marks=pytest.mark.full)]
 G = 9.81
@@ -290,6 +291,19 @@ def test_a_release_that_moves_a_contact_counts_its_friction(speed: str, axis: st
     matrix = [[math.sin(0.3), 1.0], [math.cos(0.3), -0.2 * side * (1.0 - 1.0 / 3.0)]]
     right = [G, 3.0 / 3.0]
     assert found[0] == pytest.approx(float(np.linalg.solve(matrix, right)[0]), rel=1e-9)
+
+
+@pytest.mark.full
+def test_linear_models_know_them_and_sensitivities_say_so() -> None:
+    """N = m g + c x, so x'' = -(k + mu c) x/m - r g x' for a load -mu N - r N x'."""
+    text = block("{-0.2*reaction(floor) - k*reaction(floor)*der(x)/(1 [m/s]), 0, -5 [N/m]*x}")
+    text = text.replace("rate = 2", "rate = 0").replace(
+        "  output", "  potential s = 1/2*3 [N/m]*x^2;\n  output"
+    )
+    model = lagc.loads(text).compile(backend="numpy")
+    assert model.linearize().A[1] == pytest.approx([-(3.0 + 0.2 * 5.0) / 2.0, -0.5 * G], rel=1e-9)
+    with pytest.raises(Refused, match="reaction\\(floor\\)"):
+        model.simulate(0.1, sensitivity=["k"])
 
 
 @pytest.mark.full

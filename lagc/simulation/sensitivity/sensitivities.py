@@ -43,8 +43,9 @@ def directions(
     if rough:
         message = f"sensitivities do not follow the friction of `{rough[0]}` yet"
         raise Refused([Fault("LAG0623", message, remedy="compare runs with values that differ a little")])
-    if interface.loading_rows:
-        label = interface.row_labels[interface.loading_rows[0]]
+    if interface.loading_rows or interface.pushed_contacts:
+        labels = [interface.row_labels[k] for k in interface.loading_rows]
+        label = [*labels, *(interface.contacts[k].name for k in interface.pushed_contacts)][0]
         message = f"sensitivities do not follow loads that depend on `reaction({label})` yet"
         raise Refused([Fault("LAG0623", message, remedy="compare runs with values that differ a little")])
     if len(interface.discretes) > len(interface.contacts):
