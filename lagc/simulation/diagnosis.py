@@ -147,7 +147,10 @@ def _stiffness(system: System, run: Trajectory, t: float, x: list[float]) -> str
         return ""
     times = fastest / max(own, 1e-300)
     found = f"the motion is too stiff for this method: its fastest component is {times:.1g} times faster"
-    return found if system.interface.stiff else f"{found}; if that decays, take the method radau5"
+    contacts = system.interface.contacts
+    if any(contact.slips == 2 for contact in contacts):
+        return f"{found}; a slip in space begins smoothly with `static` a hundredth above `friction`"
+    return found if contacts or system.interface.stiff else f"{found}; if that decays, take the method radau5"
 
 
 def _spectral_radius(system: System, run: Trajectory, t: float, x: list[float], rates: list[float]) -> float:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import lagc
 from lagc.diagnostics.faults import Refused
@@ -150,6 +152,27 @@ def test_a_pull_that_turns_and_grows_lets_a_block_slip_against_its_friction() ->
     (slips,) = run.events
     assert slips.kind == "slips" and slips.t == pytest.approx(0.5, abs=1e-9)
     assert math.atan2(run.final["der(y)"], run.final["der(x)"]) == pytest.approx(0.5, abs=1e-3)
+
+
+@pytest.mark.full
+def test_a_slip_under_a_pull_that_turns_needs_static_friction() -> None:
+    """m u' = F - mu m g u/|u|. With mu_s = mu it begins without a rate: a run says what to write."""
+    text = """  parameter Real mu_s = 0.3;
+  force F = 0.6*9.81 [N]*time/(0.5 [s])*{cos(1 [rad/s]*time), sin(1 [rad/s]*time), 0} on block at {x, y, z};
+  constraint floor: z >= 0 (friction = 0.3, static = mu_s, at = block);"""
+    compiled = _model(text, stop="0.8 [s]").compile(backend="c")
+    run = compiled.simulate(accuracy=1e-8, parameters={"mu_s": 0.303})
+    assert run.status == "ok" and run.events[0].t == pytest.approx(0.505, abs=1e-9)
+
+    def rates(t: float, u: Any) -> Any:
+        pull = 0.6 * G * t * np.array([math.cos(t), math.sin(t)])
+        return pull - 0.3 * G * u / np.hypot(*u)
+
+    start = 1e-12 * np.array([math.cos(0.505), math.sin(0.505)])
+    exact = solve_ivp(rates, (0.505, 0.8), start, "Radau", rtol=1e-10, atol=1e-14).y[:, -1]
+    assert [run.final["der(x)"], run.final["der(y)"]] == pytest.approx(exact, abs=1e-7)
+    fails = compiled.simulate(accuracy=1e-8)
+    assert fails.status == "failed" and "`static`" in fails.message and "radau5" not in fails.message
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
