@@ -100,6 +100,8 @@ def test_claims_over_the_library(path: Path) -> None:
     name = str(path.relative_to(MODELS).with_suffix(""))
     if path.stem in (*LOADED, "rolling_cart"):
         pytest.skip("its loads depend on reactions: states alone do not have them")
+    if path.stem == "walls":
+        pytest.skip("no state of the samples reaches a wall: momentum stays there")
     for scene in derived(name).model.scenes:
         assert_true(derived(name, scene))
 
