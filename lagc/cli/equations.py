@@ -1,8 +1,8 @@
 """Print the equations of motion as a person would write them.
 
-One equation for each generalized speed, then the constraints; a prime is a time derivative.  `--format
-latex` prints text for a document that uses the package amsmath, `--format sympy` a Python script that
-builds the equations with SymPy.
+One equation for each generalized speed, then the constraints; a prime is a time derivative.  A model with
+contacts has a system for each mode, or one with the laws of all.  `--format latex` prints text for a
+document that uses the package amsmath, `--format sympy` a Python script that builds the equations with SymPy.
 """
 
 from __future__ import annotations

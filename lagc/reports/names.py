@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 from lagc.base.records import dataclass
 from lagc.base.text import one_line
-from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import ContactRow, EquationsOfMotion
 from lagc.reports.algebra.expansion import TABLE
 from lagc.symbolic.graph import Node
 from lagc.symbolic.operators import OPERATORS
@@ -48,6 +48,9 @@ def names(equations: EquationsOfMotion) -> Names:
     for row in equations.rows:
         word = _free(taken, f"lambda_{row.label}", f"multiplier_{row.label}")
         found[row.multiplier] = Name(word, word)
+    for symbol, word, _ in forces_of_contacts(equations):
+        word = _free(taken, word)
+        found[symbol] = Name(word, word)
     found[equations.time] = Name(_free(taken, "t", "time"), "time")
     taken |= OPERATORS.keys()
     for table in model.tables:
@@ -55,6 +58,39 @@ def names(equations: EquationsOfMotion) -> Names:
         source = one_line(f"column {table.column} of {table.file}") if table.file else word
         found[TABLE + table.name] = Name(word, source)
     return found
+
+
+def forces_of_contacts(equations: EquationsOfMotion) -> list[tuple[Node, str, str]]:
+    """Return the symbols of forces and slips of contacts, and of the impulses of Poisson's law, each with a
+    name and what it is."""
+    found = list[tuple[Node, str, str]]()
+    for contact in equations.contacts:
+        label = contact.label
+        found.append((contact.multiplier, f"{'N' if contact.normals else 'lambda'}_{label}",
+                      f"normal force of {label}"))  # fmt: skip
+        for k, slip in enumerate(contact.slips, 1):
+            number = str(k) if len(contact.slips) > 1 else ""
+            found.append((slip.force, f"F{number}_{label}", f"friction of {label}"))
+            speed = slip_speeds(contact)[k - 1]
+            found += [(speed, f"u{number}_{label}", f"slip of {label}")] if speed != slip.rate else []
+        found += [(symbol, f"P{k}_{label}", f"impulse {k} of {label}") for k, symbol in impulses(contact)]
+    return found
+
+
+def slip_speeds(contact: ContactRow) -> list[Node]:
+    """Return the slips of a contact, by symbols where they are no symbols."""
+    symbol = contact.gap.graph.symbol
+    return [
+        slip.rate if slip.rate.op == "symbol" else symbol("slip", contact.label, str(k))
+        for k, slip in enumerate(contact.slips, 1)
+    ]
+
+
+def impulses(contact: ContactRow) -> list[tuple[int, Node]]:
+    """Return the impulses of compression, 1, and of restitution, 2, of a contact with Poisson's law."""
+    if not contact.contact.poisson:
+        return []
+    return [(k, contact.gap.graph.symbol("impulse", contact.label, str(k))) for k in (1, 2)]
 
 
 def _free(taken: set[str], *words: str) -> str:

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.reports.names import names
+from lagc.reports.names import forces_of_contacts, names
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 
@@ -47,8 +47,9 @@ def script_residuals(text: str, values: Mapping[str, float | Value], time: float
     stand_in = SimpleNamespace(
         Symbol=symbol, Function=function, Rational=lambda a, b: a / b, Float=float, pi=math.pi,
         Eq=equal, Lt=lambda a, b: a < b, Le=lambda a, b: a <= b,
+        Ge=lambda a, b: a >= b, Ne=lambda a, b: a != b,
         Abs=abs, Min=min, Max=max, sign=lambda x: (x > 0) - (x < 0),
-        And=lambda a, b: a and b, Or=lambda a, b: a or b, Piecewise=lambda a, b: a[0] if a[1] else b[0],
+        And=lambda *parts: all(parts), Or=lambda a, b: a or b, Piecewise=lambda a, b: a[0] if a[1] else b[0],
         **{name: getattr(math, name) for name in FUNCTIONS},
     )  # fmt: skip
     space: dict[str, Any] = {"sympy": stand_in, "__name__": "script"}
@@ -81,6 +82,7 @@ def values_at(equations: EquationsOfMotion, state: Mapping[Node, float]) -> dict
         if not name.startswith("der("):
             found[v] = moving(state[v], acceleration[name])
     found |= {lam: state[lam] for lam in equations.lam}
+    found |= {symbol: state.get(symbol, 0.0) for symbol, _, _ in forces_of_contacts(equations)}
     shown = names(equations)
     assert len({shown[node].base for node in found}) == len(found)
     return {shown[node].base: value for node, value in found.items()}

@@ -11,7 +11,7 @@ from fractions import Fraction
 from functools import cached_property
 from math import inf
 
-from lagc.base.records import dataclass
+from lagc.base.records import dataclass, replace
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.reports.algebra.collect import Collector, Sum, positive_first
 from lagc.reports.algebra.expansion import HIGHEST, LONG, Algebra, Parts, TooLarge
@@ -23,6 +23,7 @@ from lagc.reports.algebra.trigonometric_identities import (
     unit_quaternion,
     without_noise,
 )
+from lagc.reports.equations.modes import Law
 from lagc.reports.names import pi_of
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.walk import reachable
@@ -85,9 +86,9 @@ class SharedAlgebra(NamingAlgebra):
 
 @dataclass(frozen=True, slots=True)
 class Formula:
-    """`left` = `right`. The kinds are shared, kinematic, motion, position, velocity, event; `label` names the
-    origin. At an event, `left` takes the value `right` when the `condition` of a clause becomes true; clauses
-    have numbers."""
+    """`left` = `right`. The kinds are shared, kinematic, motion, position, velocity, event, and those of laws
+    of contacts (see `modes.Law`); `label` names the origin. At an event, `left` takes the value `right` when
+    the `condition` of a clause becomes true; clauses have numbers."""
 
     kind: str
     label: str
@@ -102,7 +103,7 @@ WORK, PER_ENTRY = 60_000, 100  # products, and for each entry of M
 MOST_WORK = 1_000_000  # some seconds
 
 
-def formulas(equations: EquationsOfMotion) -> Formulas:
+def formulas(equations: EquationsOfMotion, laws: Sequence[Law] = ()) -> Formulas:
     """Return the formulas of `equations`, multiplied out, or with shared parts s1, s2, ... if that is too
     long."""
     known = nonnegative(equations)
@@ -111,12 +112,12 @@ def formulas(equations: EquationsOfMotion) -> Formulas:
         algebra = kind(known, work)
         with suppress(TooLarge):
             collector = collector_of(equations, algebra)
-            found = everything(equations, collector, motion_polynomials(equations, algebra))
+            found = everything(equations, collector, motion_polynomials(equations, algebra), laws)
             algebra.rest()
             return with_long_sums(equations, collector, found)
-    naming = NamingAlgebra(equations.graph, shared(_roots(equations)), known)
+    naming = NamingAlgebra(equations.graph, shared(_roots(equations, laws)), known)
     collector = collector_of(equations, naming)
-    found = everything(equations, collector, motion_polynomials(equations, naming))
+    found = everything(equations, collector, motion_polynomials(equations, naming), laws)
     return Formulas(collector, found, naming.definitions)
 
 
@@ -154,7 +155,7 @@ class Formulas:
 
 
 def everything(
-    equations: EquationsOfMotion, collector: Collector, motion: Sequence[Polynomial]
+    equations: EquationsOfMotion, collector: Collector, motion: Sequence[Polynomial], laws: Sequence[Law] = ()
 ) -> list[Formula]:
     """All formulas, with those of `motion`, a polynomial a speed that vanishes."""
     return [
@@ -164,7 +165,7 @@ def everything(
             for name, p in zip(equations.v_names, motion)
         ],
         *_rows(equations, collector),
-        *_contacts(equations, collector),
+        *_laws(equations, collector, laws),
         *_events(equations, collector),
     ]
 
@@ -177,17 +178,18 @@ def collector_of(equations: EquationsOfMotion, algebra: Algebra) -> Collector:
     """Return a collector of terms in the order of the symbols of `equations`."""
     model = equations.model
     algebra.pi = pi_of(equations)
+    forces = [force for contact in equations.contacts for force in contact.forces]
     parameters = [*(p.symbol for p in model.parameters), *model.given]
     if algebra.pi is not None:
         parameters.insert(0, algebra.pi)
-    for node in (*parameters, *equations.q, *equations.v, *equations.a, *equations.lam):
+    for node in (*parameters, *equations.q, *equations.v, *equations.a, *equations.lam, *forces):
         algebra.symbol(node)
     return Collector(
         algebra,
         parameters={algebra.symbol(n) for n in parameters},
         leading=[algebra.symbol(n) for n in equations.a],
         rates={algebra.symbol(n) for n in equations.v},
-        trailing=[algebra.symbol(n) for n in equations.lam],
+        trailing=[algebra.symbol(n) for n in (*equations.lam, *forces)],
         cancelled={algebra.symbol(p.symbol) for p in model.parameters if p.minimum >= 0 or p.value},
     )
 
@@ -275,14 +277,18 @@ def _rows(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
     return formulas
 
 
-def _contacts(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
-    """Return the gaps of contacts, which are not negative."""
-    algebra = collector.algebra
-    contacts = [contact for contact in equations.contacts if not contact.normals]
-    return [
-        Formula("contact", contact.label, collector.collect(tidy(equations, algebra, p)), ZERO)
-        for contact, p in zip(contacts, algebra.polynomials([contact.gap for contact in contacts]))
-    ]
+def _laws(equations: EquationsOfMotion, collector: Collector, laws: Sequence[Law]) -> list[Formula]:
+    algebra, found = collector.algebra, list[Formula]()
+    for law in laws:
+        given = [law.left, law.right, *([law.condition] if law.condition is not None else [])]
+        left, right, *others = [
+            collector.collect(tidy(equations, algebra, p)) for p in algebra.polynomials(given)
+        ]
+        if law.kind == "closed" and not right.terms and all(term.coefficient < 0 for term in left.terms):
+            left = Sum(tuple([replace(term, coefficient=-term.coefficient) for term in left.terms]))
+        condition = others[0] if others else None
+        found.append(Formula(law.kind, law.label, Sum(positive_first(left.terms)), right, condition))
+    return found
 
 
 def _events(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
@@ -300,7 +306,7 @@ def _events(equations: EquationsOfMotion, collector: Collector) -> list[Formula]
     return formulas
 
 
-def _roots(equations: EquationsOfMotion) -> list[Node]:
+def _roots(equations: EquationsOfMotion, laws: Sequence[Law]) -> list[Node]:
     """Of what the formulas are made."""
     return [
         *equations.qdot,
@@ -308,15 +314,15 @@ def _roots(equations: EquationsOfMotion) -> list[Node]:
         *equations.bias_forces,
         *equations.given_forces,
         *[entry for row in equations.rows for entry in row.jacobian.values()],
-        *conditions(equations),
+        *conditions(equations, laws),
     ]
 
 
-def conditions(equations: EquationsOfMotion) -> list[Node]:
-    """Of what the formulas of constraints and events are made."""
+def conditions(equations: EquationsOfMotion, laws: Sequence[Law]) -> list[Node]:
+    """Of what the formulas of constraints, contacts and events are made."""
     events = [node for when in equations.whens for pair in when.changes for node in pair]
-    gaps = [contact.gap for contact in equations.contacts if not contact.normals]
-    return [*[row.residual for row in equations.rows], *gaps, *events]
+    held = [node for law in laws for node in (law.left, law.right)]
+    return [*[row.residual for row in equations.rows], *held, *events]
 
 
 def shared(roots: Sequence[Node]) -> set[Node]:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.reports.algebra.expansion import TABLE
 from lagc.reports.algebra.polynomials import Exponent
+from lagc.reports.equations.modes import IMPACTS, modes
 from lagc.reports.equations.page import Page, page
 from lagc.reports.equations.plain_text import TextWriter
 from lagc.reports.names import Names, where
@@ -31,38 +33,56 @@ DOTS = ("", r"\dot", r"\ddot")
 
 def equations_latex(equations: EquationsOfMotion) -> str:
     """For a notebook: the equations as one displayed block, some where they are many."""
-    found = page(equations, full=False)
-    rows = _rows(found, LatexWriter(found.names, found.ruled))
+    rows, _ = _systems([(mode.title, page(mode.equations, False, mode.laws)) for mode in modes(equations)])
     return f"$$\n\\begin{{aligned}}\n{rows}\n\\end{{aligned}}\n$$"
 
 
-def write_latex(found: Page) -> str:
+def write_latex(modes: Sequence[tuple[str, Page]]) -> str:
     """Return the text between \\begin{document} and \\end{document}; it needs the package amsmath."""
-    writer = LatexWriter(found.names, found.ruled)
-    text = f"\\begin{{align*}}\n{_rows(found, writer)}\n\\end{{align*}}"
+    rows, writers = _systems(modes)
+    text = f"\\begin{{align*}}\n{rows}\n\\end{{align*}}"
+    seen = {name for each in writers for name in each.seen}
     legend = [
-        rf"${writer.letters(short, short)}$ is \texttt{{{full.translate(VERBATIM)}}}"
-        for short, full in where(writer.seen)
+        rf"${writers[0].letters(short, short)}$ is \texttt{{{full.translate(VERBATIM)}}}"
+        for short, full in where(seen)
     ]
     return text + ("\nwhere " + ",\n".join(legend) if legend else "")
 
 
+def _systems(modes: Sequence[tuple[str, Page]]) -> tuple[str, list[LatexWriter]]:
+    """Return the rows of all modes, with a row for each title, and the writers."""
+    blocks, writers = list[str](), list[LatexWriter]()
+    for title, found in modes:
+        writers.append(LatexWriter(found.names, found.ruled))
+        rows = _rows(found, writers[-1])
+        blocks.append(
+            rf"  & \text{{{title.translate(VERBATIM).replace('`', '')}:}} \\" + f"\n{rows}" if title else rows
+        )
+    return " \\\\\n".join(blocks), writers
+
+
 def _rows(found: Page, writer: LatexWriter) -> str:
     lines = []
-    for _, kind in found.by_kind():
-        for line in kind:
-            relation, when = "=", ""
-            if line.kind == "contact":
-                relation = r"\ge"
-            if line.condition is not None:
-                relation, when = r"\mathrel{:=}", rf" \quad \text{{when }} {writer.total(line.condition)}"
-            sides = f"{writer.total(line.left)} &{relation} {writer.total(line.right)}"
-            lines.append(f"  {sides}{when}{writer.counters(line.counters)}")
+    for kind, group in found.by_kind():
+        if kind in IMPACTS:
+            lines.append(r"  & \text{at impacts:}")
+        for line in group:
+            lines.append(f"  {writer.line(line)}")
     return " \\\\\n".join(lines)
 
 
 class LatexWriter(TextWriter):
     times = r" \, "
+    relations: Mapping[str, str] = {
+        "=": "{} &= {}",
+        "contact": r"{} &\ge {}",
+        "complement": r"0 \le {} &\perp {} \ge 0",
+        "bound": r"{} &\le {}",
+        "stick": r"{} &\le {} \quad \text{{if }} {} = 0",
+        "slip": r"{} &= {} \quad \text{{if }} {} \ne 0",
+        "impact": r"{} &\mathrel{{:=}} {}",
+        "event": r"{} &\mathrel{{:=}} {} \quad \text{{when }} {}",
+    }
 
     def __init__(self, names: Names, cut: bool = False) -> None:
         super().__init__(names, cut)

@@ -29,6 +29,7 @@ from lagc.reports.equations.formulas import (
     tidy,
     with_long_sums,
 )
+from lagc.reports.equations.modes import Law
 from lagc.reports.names import Name, Names, names, taken
 from lagc.reports.patterns.formula_trees import Former, Line, indices
 from lagc.reports.patterns.index_rules import ruled, summed
@@ -40,7 +41,10 @@ TERMS = 60_000  # of all equations, where they are written as sums that are long
 LOCAL = 30  # terms of what is not long, as where only neighbours act on each other
 ONE, ALL, EACH = 20_000, 2_000_000, 1_000  # products: at most for one of them, for all, or for each
 SHORT = 8  # terms and series of such an equation
-KINDS = ("shared", "kinematic", "motion", "position", "velocity", "contact", "event")
+KINDS = (
+    "shared", "kinematic", "motion", "position", "velocity", "closed", "contact", "complement", "bound",
+    "stick", "slip", "impact", "poisson", "event",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -57,33 +61,33 @@ class Page:
         return [(kind, lines) for kind, lines in kinds if lines]
 
 
-def page(equations: EquationsOfMotion, full: bool = True) -> Page:
-    """Return the lines of all equations, in `full` or by their rules if they are many. Raises Refused
-    (LAG0590) if a number is not finite."""
+def page(equations: EquationsOfMotion, full: bool = True, laws: Sequence[Law] = ()) -> Page:
+    """Return the lines of all equations and `laws`, in `full` or by their rules if they are many. Raises
+    Refused (LAG0590) if a number is not finite."""
     try:
         if full or max(len(equations.v), len(equations.rows)) <= MOST:
-            return _plain(equations)
-        return _by_rule(equations)
+            return _plain(equations, laws)
+        return _by_rule(equations, laws)
     except NotFinite:
         message = "a factor in the equations of motion is not a finite number"
         remedy = "the numbers of the model are too large, or too different, to be multiplied"
         raise Refused([Fault("LAG0590", message, remedy=remedy)]) from None
 
 
-def _plain(equations: EquationsOfMotion) -> Page:
-    found, shown = formulas(equations), _shown(equations)
+def _plain(equations: EquationsOfMotion, laws: Sequence[Law]) -> Page:
+    found, shown = formulas(equations, laws), _shown(equations)
     letter = _letter(equations)
     for number, node in enumerate(found.named, 1):
         shown[node] = Name(f"{letter}{number}", f"{letter}{number}")
     return Page(tuple(_lines(found, shown)), shown, False, set())
 
 
-def _by_rule(equations: EquationsOfMotion) -> Page:
+def _by_rule(equations: EquationsOfMotion, laws: Sequence[Law]) -> Page:
     motion = residuals(equations)
     try:
-        found = _in_sums(equations, motion)
+        found = _in_sums(equations, motion, laws)
     except TooLarge:
-        found = _in_parts(equations, motion)
+        found = _in_parts(equations, motion, laws)
     return _ruled(equations, found)
 
 
@@ -112,7 +116,7 @@ def _ruled(equations: EquationsOfMotion, found: Formulas) -> Page:
     return Page(tuple(ruled(short, free)), shown, True, free)
 
 
-def _in_sums(equations: EquationsOfMotion, motion: Sequence[Node]) -> Formulas:
+def _in_sums(equations: EquationsOfMotion, motion: Sequence[Node], laws: Sequence[Law]) -> Formulas:
     """Multiplied out.  Raises TooLarge where the first tells that this is no good, or one is too long."""
     _try_sum(equations, motion)
     algebra = ShortAlgebra(nonnegative(equations))
@@ -123,7 +127,7 @@ def _in_sums(equations: EquationsOfMotion, motion: Sequence[Node]) -> Formulas:
         algebra.limit = min(algebra.spent + ONE, limit)
         every.append(tidy(equations, algebra, algebra.polynomials([node])[0]))
     algebra.limit = limit
-    found = everything(equations, collector, every)
+    found = everything(equations, collector, every, laws)
     algebra.rest()
     return with_long_sums(equations, collector, found)
 
@@ -139,12 +143,12 @@ def _try_sum(equations: EquationsOfMotion, motion: Sequence[Node]) -> None:
         raise TooLarge
 
 
-def _in_parts(equations: EquationsOfMotion, motion: Sequence[Node]) -> Formulas:
+def _in_parts(equations: EquationsOfMotion, motion: Sequence[Node], laws: Sequence[Law]) -> Formulas:
     """With names for what is shared."""
-    roots = [*equations.qdot, *motion, *conditions(equations)]
+    roots = [*equations.qdot, *motion, *conditions(equations, laws)]
     algebra = SharedAlgebra(equations.graph, shared(roots), nonnegative(equations))
     collector = collector_of(equations, algebra)
-    found = everything(equations, collector, algebra.polynomials(motion))
+    found = everything(equations, collector, algebra.polynomials(motion), laws)
     return Formulas(collector, found, algebra.definitions)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from decimal import Context
 from fractions import Fraction
@@ -38,6 +38,16 @@ class TextWriter:
     """Writes forms; a subclass changes a notation by overriding one small method."""
 
     times = "*"
+    relations: Mapping[str, str] = {
+        "=": "{} = {}",
+        "contact": "{} >= {}",
+        "complement": "0 <= {}  _|_  {} >= 0",
+        "bound": "{} <= {}",
+        "stick": "{} <= {}  if {} = 0",
+        "slip": "{} = {}  if {} <> 0",
+        "impact": "{} := {}",
+        "event": "{} := {}  when {}",
+    }
 
     def __init__(self, names: Names, cut: bool = False) -> None:
         """`cut`: of sums of many terms some are written."""
@@ -45,13 +55,10 @@ class TextWriter:
         self.seen: set[Name] = set()
 
     def line(self, line: Line) -> str:
-        relation, when = "=", ""
-        if line.kind == "contact":
-            relation = ">="
-        if line.condition is not None:
-            relation, when = ":=", f"  when {self.total(line.condition)}"
-        return (
-            f"{self.total(line.left)} {relation} {self.total(line.right)}{when}{self.counters(line.counters)}"
+        condition = "" if line.condition is None else self.total(line.condition)
+        written = self.relations.get(line.kind, self.relations["="])
+        return written.format(self.total(line.left), self.total(line.right), condition) + self.counters(
+            line.counters
         )
 
     # -- sums and products ----------------------------------------------------

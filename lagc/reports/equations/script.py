@@ -12,9 +12,10 @@ from lagc.base.records import dataclass
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.reports.algebra.expansion import TABLE
 from lagc.reports.algebra.polynomials import Exponent
+from lagc.reports.equations.modes import IMPACTS
 from lagc.reports.equations.page import Page
 from lagc.reports.equations.plain_text import TextWriter
-from lagc.reports.names import Name, Names, pi_of
+from lagc.reports.names import Name, Names, forces_of_contacts, pi_of
 from lagc.reports.patterns.formula_trees import (
     INDEX,
     Counters,
@@ -31,12 +32,17 @@ from lagc.symbolic.operators import TRUTHS, spelling
 
 RULED = {"sum", "range", "parts"}  # what scripts of rules use besides
 WORDS = spelling("sympy")
+LAWS = ("closed", "complement", "bound", "stick", "slip")
+PRINTED = {"mode": "(mode, modes[mode])"}
 
 
-def write_script(equations: EquationsOfMotion, found: Page) -> str:
+def write_script(equations: EquationsOfMotion, modes: Sequence[tuple[str, Page]]) -> str:
     """Return the text of the script: symbols, shared parts, the list `equations` of sympy.Eq, and with `when`
     clauses the list `events` of pairs: a condition, and a dict of states with their new values. By rules,
-    arrays are dicts by index, and shared parts are functions of time in the list `parts`."""
+    arrays are dicts by index, and shared parts are functions of time in the list `parts`. With contacts, the
+    dict `modes` has lists of equations and conditions by the titles of modes, `impacts` pairs of what changes
+    and its new value, `laws` the laws of two-sided contacts."""
+    _, found = modes[0]
     declared = _declared(equations, found.names)
     parts = _parts(found) if found.ruled else []
     declared += [(name, "Function", "", "") for name in parts if indices(name)]
@@ -47,7 +53,7 @@ def write_script(equations: EquationsOfMotion, found: Page) -> str:
     time = found.names[equations.time].base
     lines += [f't = sympy.Symbol("{time}", real=True)', *_declarations(declared, writer)]
     lines += _together([name for name in parts if not indices(name)])
-    body = _body(found, writer)
+    body = _body(found, writer, modes[1:])
     for op, name in found.names.items():
         if isinstance(op, str) and name in writer.seen:  # a table
             value = f"sympy.Function({name.base!r}, real=True)"
@@ -55,7 +61,7 @@ def write_script(equations: EquationsOfMotion, found: Page) -> str:
     return "\n".join([*lines, "", *body])
 
 
-def _body(found: Page, writer: ScriptWriter) -> list[str]:
+def _body(found: Page, writer: ScriptWriter, modes: Sequence[tuple[str, Page]]) -> list[str]:
     """Return the lines behind the declarations."""
     lines, shown = list[str](), ["equation"]
     shared = [line for line in found.lines if line.kind == "shared"]
@@ -65,7 +71,9 @@ def _body(found: Page, writer: ScriptWriter) -> list[str]:
         lines += [f"{line.label} = {writer.total(line.right)}" for line in shared]
     lines.append("equations = [")
     lines += [
-        writer.equation(line) for line in found.lines if line.kind not in ("shared", "contact", "event")
+        writer.equation(line)
+        for line in found.lines
+        if line.kind not in ("shared", "contact", "event", *LAWS, *IMPACTS)
     ]
     lines.append("]")
     gaps = [line for line in found.lines if line.kind == "contact"]
@@ -73,13 +81,40 @@ def _body(found: Page, writer: ScriptWriter) -> list[str]:
         lines.append("gaps = [  # are not negative; the equations are those of open contacts")
         lines += [f"    {writer.total(line.left)}," for each in gaps for line in all_of(each)]
         lines.append("]")
+    laws = [line for line in found.lines if line.kind in LAWS]
+    if laws:
+        lines += ["laws = [", *[writer.equation(line) for line in laws], "]"]
+        shown.append("law")
+    if modes:
+        lines += _modes(modes, writer)
+        shown.append("mode")
     events = [line for line in found.lines if line.kind == "event"]
     if events:
         lines += ["events = [", *[writer.event(clause) for clause in _clauses(events)], "]"]
         shown.append("event")
     lines += ["", 'if __name__ == "__main__":']
     for one in shown:
-        lines += [f"    for {one} in {one}s:", f"        sympy.pprint({one})"]
+        lines += [f"    for {one} in {one}s:", f"        sympy.pprint({PRINTED.get(one, one)})"]
+    return lines
+
+
+def _modes(modes: Sequence[tuple[str, Page]], writer: ScriptWriter) -> list[str]:
+    """Return the lines that make `modes` and `impacts`."""
+    lines = ["modes = {}"]
+    for title, found in modes:
+        own = ScriptWriter(found, writer.variables)
+        shared = [line for line in found.lines if line.kind == "shared"]
+        if found.ruled:
+            parts = _parts(found)
+            indexed: list[Declared] = [(name, "Function", "", "") for name in parts if indices(name)]
+            lines += [*_declarations(indexed, own), *_together([name for name in parts if not indices(name)])]
+        else:
+            lines += [f"{line.label} = {own.total(line.right)}" for line in shared]
+        kept = [x for x in found.lines if x.kind not in IMPACTS and (found.ruled or x.kind != "shared")]
+        lines += [f"modes[{title.replace('`', '')!r}] = [", *[own.equation(line) for line in kept], "]"]
+        impacts = [own.equation(line) for line in found.lines if line.kind in IMPACTS]
+        lines += ["impacts = [", *impacts, "]"] if impacts else []
+        writer.seen |= own.seen
     return lines
 
 
@@ -138,6 +173,7 @@ def _variables(equations: EquationsOfMotion, found: Page) -> dict[str, str]:
     shared = {line.label for line in found.lines if line.kind == "shared"}
     taken = {"t", "sympy", "equations", "equation"} | (RULED if found.ruled else shared)
     taken |= {"events", "event"} if equations.whens else set()
+    taken |= {"gaps", "laws", "law", "modes", "mode", "impacts"} if equations.contacts else set()
     variables = {"pi": "sympy.pi"} if pi_of(equations) is not None else {}
     for node, name in found.names.items():
         base = INDEX.sub("", name.base) if found.ruled else name.base
@@ -166,6 +202,7 @@ def _declared(equations: EquationsOfMotion, names: Names) -> list[Declared]:
     moving += [(q, unit, "") for q, unit in zip(equations.q, equations.q_units)]
     moving += [(v, unit, "") for v, unit in zip(equations.v, equations.v_units) if v.record.order == 0]
     moving += [(row.multiplier, "", f"multiplier of {row.label}") for row in equations.rows]
+    moving += [(node, "", about) for node, _, about in forces_of_contacts(equations)]
     found += [(node, "Function", unit, description) for node, unit, description in moving]
     return [
         (names[node].base, how, unit, ", ".join([x for x in (_source(names[node]), description) if x]))
@@ -219,13 +256,25 @@ def _with(code: str, comment: str) -> str:
 
 
 class ScriptWriter(TextWriter):
+    relations: Mapping[str, str] = {
+        "=": "sympy.Eq({}, {})",
+        "contact": "sympy.Ge({}, {})",
+        "complement": "sympy.And(sympy.Ge({0}, 0), sympy.Ge({1}, 0), sympy.Eq(({0})*({1}), 0))",
+        "bound": "sympy.Le({}, {})",
+        "stick": "sympy.Or(sympy.Ne({2}, 0), sympy.Le({0}, {1}))",
+        "slip": "sympy.Or(sympy.Eq({2}, 0), sympy.Eq({0}, {1}))",
+        **dict.fromkeys(IMPACTS, "({}, {})"),
+    }
+
     def __init__(self, found: Page, variables: Mapping[str, str]) -> None:
         super().__init__(found.names)
         self.variables, self.ruled, self.taken = variables, found.ruled, found.taken
 
     def equation(self, line: Line) -> str:
         """As an entry of a list."""
-        equation = f"sympy.Eq({self.total(line.left)}, {self.total(line.right)})"
+        condition = "" if line.condition is None else self.total(line.condition)
+        relation = self.relations.get(line.kind, self.relations["="])
+        equation = relation.format(self.total(line.left), self.total(line.right), condition)
         label = _plain(self.indexed(line.label, line))
         if line.counters:
             equation = f"*[{equation}{self.counters(line.counters)}]"

@@ -14,6 +14,7 @@ from lagc.reports.algebra.expansion import TooLarge
 from lagc.reports.algebra.polynomials import NotFinite
 from lagc.reports.algebra.trigonometric_identities import ShortAlgebra
 from lagc.reports.equations.formulas import collector_of, nonnegative, tidy
+from lagc.reports.equations.modes import IMPACTS, modes
 from lagc.reports.equations.page import Page, in_parts, page
 from lagc.reports.equations.plain_text import TextWriter
 from lagc.reports.names import Name, names, taken, where
@@ -29,36 +30,43 @@ TITLES = {
     "position": "constraints on positions",
     "velocity": "constraints on velocities",
     "contact": "one-sided constraints (the equations of motion are those of open contacts)",
+    **dict.fromkeys(("closed", "stick", "slip"), "dry friction"),
+    "impact": "at impacts: rates of gaps after and before (impulses act as the forces above)",
+    "poisson": "at impacts: impulses of restitution and of compression (they act as the forces above)",
     "event": "at events",
 }
-
-_COMMENTS = {"text": "//", "latex": "%", "sympy": "#"}
 
 
 def write(equations: EquationsOfMotion, format: str = "text", full: bool = True) -> str:
     """The equations in `format`: text, latex or sympy.  Not in `full`, many are written by their rules."""
-    found = page(equations, full)
-    rough = [f"`{contact.label}`" for contact in equations.contacts if contact.normals]
-    note = f"\n{_COMMENTS[format]} without the dry friction of {', '.join(rough)}\n" if rough else ""
+    found = [(mode.title, page(mode.equations, full, mode.laws)) for mode in modes(equations)]
     if format == "latex":
         from lagc.reports.equations.latex import write_latex
 
-        return write_latex(found) + note
+        return write_latex(found)
     if format == "sympy":
         from lagc.reports.equations.script import write_script
 
-        return write_script(equations, found) + note
-    return write_text(found) + note
+        return write_script(equations, found)
+    return write_text(found)
 
 
-def write_text(found: Page) -> str:
-    writer = TextWriter(found.names, found.ruled)
-    lines: list[str] = []
-    for kind, group in found.by_kind():
-        if len(found.lines) > 1:
-            lines += ["", f"// {TITLES[kind]}"] if lines else [f"// {TITLES[kind]}"]
-        lines += [writer.line(line) for line in group]
-    legend = where(writer.seen)
+def write_text(modes: Sequence[tuple[str, Page]]) -> str:
+    """Return the lines of all modes, each with its title, and the legend of names."""
+    lines, seen = list[str](), set[Name]()
+    for title, found in modes:
+        writer = TextWriter(found.names, found.ruled)
+        if title:
+            lines += ["", f"// {title}"]
+        before = title
+        for kind, group in found.by_kind():
+            after = title if title and kind not in IMPACTS else TITLES[kind]
+            if after != before and len(found.lines) > 1:
+                lines += ["", f"// {after}"] if lines else [f"// {after}"]
+            before = after
+            lines += [writer.line(line) for line in group]
+        seen |= writer.seen
+    legend = where(seen)
     if legend:
         lines += ["", "where " + ", ".join(f"{short} = {full}" for short, full in legend)]
     return "\n".join(lines)
