@@ -82,7 +82,8 @@ def values_at(equations: EquationsOfMotion, state: Mapping[Node, float]) -> dict
         if not name.startswith("der("):
             found[v] = moving(state[v], acceleration[name])
     found |= {lam: state[lam] for lam in equations.lam}
-    found |= {symbol: state.get(symbol, 0.0) for symbol, _, _ in forces_of_contacts(equations)}
+    for symbol, _, _ in forces_of_contacts(equations):  # none acts; a slip has a direction
+        found[symbol] = state.get(symbol, float(symbol.record.kind == "slip"))
     shown = names(equations)
     assert len({shown[node].base for node in found}) == len(found)
     return {shown[node].base: value for node, value in found.items()}

@@ -29,6 +29,7 @@ def states(equations: EquationsOfMotion) -> list[dict[Node, float]]:
     found = []
     for state in samples(equations.model, 4 * STATES, vary=False):
         state.update((symbol, chance.draw()) for symbol in (*equations.v, *equations.a, *equations.lam))
+        state.update((force, 0.0) for contact in equations.contacts for force in contact.forces)  # open
         if all(math.isfinite(t) for terms in motion_terms(equations, state) for t in terms):
             found.append(state)
     return found[:STATES]
