@@ -172,3 +172,29 @@ def test_every_model_with_contacts_is_written(path: Path) -> None:
             text = write(equations, format, full)
             assert format == "latex" or all(contact.label in text for contact in equations.contacts)
         exec(text, {"__name__": "script"})
+
+
+CHAIN = """model Chain
+  parameter Mass m(min = 0) = 1 [kg]; parameter Length l(min = 0) = 1 [m];
+  coordinate Angle th[14](each start = 0.1 [rad]);
+  Gravity field;
+  point P[0] = {0 [m], 0 [m], 0 [m]};
+  for i in 1:14 loop
+    point P[i] = P[i-1] + {l*sin(sum(th[k] for k in 1:i)), 0 [m], -l*cos(sum(th[k] for k in 1:i))};
+    body b[i] = Particle(mass = m, at = P[i]);
+    constraint floor[i]: P[i].z >= -5 [m] (friction = 0.3, slip = der(P[i].x));
+  end for;
+end Chain;"""
+
+
+@pytest.mark.full
+def test_modes_of_large_models_have_their_own_parts() -> None:
+    """As recursions: each force is in a part or an equation of motion."""
+    pytest.importorskip("sympy")
+    space: dict[str, Any] = {"__name__": "script"}
+    exec(write(equations_of(CHAIN), "sympy", False), space)
+    (system,) = space["modes"].values()
+    assert len(space["equations"]) == 14
+    assert len(space["impacts"]) == 14
+    moved = str([equation for equation in system if equation.is_Equality])
+    assert all(f"{force}_floor[{i}]" in moved for force in ("F", "lambda") for i in range(1, 15))

@@ -36,6 +36,9 @@ LAWS = ("closed", "complement", "bound", "stick", "slip")
 PRINTED = {"mode": "(mode, modes[mode])"}
 
 
+Titled: TypeAlias = tuple[str, "ScriptWriter", Page]  # a mode
+
+
 def write_script(equations: EquationsOfMotion, modes: Sequence[tuple[str, Page]]) -> str:
     """Return the text of the script: symbols, shared parts, the list `equations` of sympy.Eq, and with `when`
     clauses the list `events` of pairs: a condition, and a dict of states with their new values. By rules,
@@ -53,15 +56,17 @@ def write_script(equations: EquationsOfMotion, modes: Sequence[tuple[str, Page]]
     time = found.names[equations.time].base
     lines += [f't = sympy.Symbol("{time}", real=True)', *_declarations(declared, writer)]
     lines += _together([name for name in parts if not indices(name)])
-    body = _body(found, writer, modes[1:])
+    every = [(title, ScriptWriter(each, _variables(equations, each)), each) for title, each in modes[1:]]
+    body = _body(found, writer, every)
+    seen = {name for each in (writer, *(own for _, own, _ in every)) for name in each.seen}
     for op, name in found.names.items():
-        if isinstance(op, str) and name in writer.seen:  # a table
+        if isinstance(op, str) and name in seen:  # a table
             value = f"sympy.Function({name.base!r}, real=True)"
             lines.append(_with(f"{writer.variables[name.base]} = {value}", _source(name)))
     return "\n".join([*lines, "", *body])
 
 
-def _body(found: Page, writer: ScriptWriter, modes: Sequence[tuple[str, Page]]) -> list[str]:
+def _body(found: Page, writer: ScriptWriter, modes: Sequence[Titled]) -> list[str]:
     """Return the lines behind the declarations."""
     lines, shown = list[str](), ["equation"]
     shared = [line for line in found.lines if line.kind == "shared"]
@@ -86,7 +91,7 @@ def _body(found: Page, writer: ScriptWriter, modes: Sequence[tuple[str, Page]]) 
         lines += ["laws = [", *[writer.equation(line) for line in laws], "]"]
         shown.append("law")
     if modes:
-        lines += _modes(modes, writer)
+        lines += _modes(modes)
         shown.append("mode")
     events = [line for line in found.lines if line.kind == "event"]
     if events:
@@ -98,11 +103,10 @@ def _body(found: Page, writer: ScriptWriter, modes: Sequence[tuple[str, Page]]) 
     return lines
 
 
-def _modes(modes: Sequence[tuple[str, Page]], writer: ScriptWriter) -> list[str]:
+def _modes(modes: Sequence[Titled]) -> list[str]:
     """Return the lines that make `modes` and `impacts`."""
     lines = ["modes = {}"]
-    for title, found in modes:
-        own = ScriptWriter(found, writer.variables)
+    for title, own, found in modes:
         shared = [line for line in found.lines if line.kind == "shared"]
         if found.ruled:
             parts = _parts(found)
@@ -114,7 +118,6 @@ def _modes(modes: Sequence[tuple[str, Page]], writer: ScriptWriter) -> list[str]
         lines += [f"modes[{title.replace('`', '')!r}] = [", *[own.equation(line) for line in kept], "]"]
         impacts = [own.equation(line) for line in found.lines if line.kind in IMPACTS]
         lines += ["impacts = [", *impacts, "]"] if impacts else []
-        writer.seen |= own.seen
     return lines
 
 
