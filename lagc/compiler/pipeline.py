@@ -393,6 +393,9 @@ def delivered(compilation: Compilation, differentiate: bool, methods: Sequence[s
     these methods of integration."""
     from lagc.simulation.request import bound_parameters
 
+    for method in methods:
+        if method not in EXPLICIT:
+            refuse_contacts(compilation.model, method)
     stiff, expand = (not set(kind).isdisjoint(methods) for kind in (IMPLICIT, SERIES))
     found = optimize(compilation.equations, False, differentiate, stiff=stiff, expand=expand)
     interface = found.interface
@@ -407,6 +410,8 @@ def delivered(compilation: Compilation, differentiate: bool, methods: Sequence[s
 
 def with_all_methods(compilation: Compilation) -> Program:
     """The program of a compilation with all methods that its equations admit."""
+    if compilation.model.contacts:
+        return delivered(compilation, False)
     try:
         return delivered(compilation, False, METHODS)
     except Refused as refused:

@@ -365,6 +365,12 @@ def _laws(model: Model) -> Iterator[Limit]:
         for name, node, most in numbers:
             if node is not None and not node.is_const:
                 yield Limit(f"{name} of {contact.label}", node, "", 0.0, most, contact.span)
+        if contact.static is not None and contact.friction is not None:
+            more = contact.static - contact.friction
+            if not more.is_const:
+                name = f"static friction less friction of {contact.label}"
+                remedy = "give `static` a value from that of `friction` on, or leave it out"
+                yield Limit(name, more, "", 0.0, inf, contact.span, remedy)
 
 
 def _within(values: tuple[float, float], limit: Limit) -> bool:

@@ -27,10 +27,10 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
     model, analysis = equations.model, analyse(equations)
     written = Expressions(equations, whole)
     jumps = any(when.changes for when in equations.whens)
-    others = (
-        ", without friction" if all(c.normals for c in equations.contacts) else ", while contacts are open"
-    )
-    until = ", between events" if jumps else others if equations.contacts else ""
+    rough = [bool(c.normals) for c in equations.contacts]  # and the others are one-sided
+    open_ones = [", while contacts are open"] if not all(rough) else []
+    smooth = [" and without friction" if open_ones else ", without friction"] if any(rough) else []
+    until = ", between events" if jumps else "".join([*open_ones, *smooth])
     interface = program.interface
     parts = analysis.kinetic_parts or ()
     (*texts, potential), energy_parts = written.texts([*parts, equations.potential])

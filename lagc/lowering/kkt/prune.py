@@ -138,7 +138,8 @@ def independent(equations: EquationsOfMotion, system: ArticulatedBody) -> tuple[
     ties = [*system.entries.items(), *system.coefficients.items()]
     for (i, j), _ in ties:
         parts.tie(i, j)
-    number = {symbol: j for j, symbol in enumerate(equations.v)}
+    number = {symbol: j for own in (equations.v, equations.a) for j, symbol in enumerate(own)}
+    number.update({row.multiplier: len(equations.v) + k for k, row in enumerate(equations.rows)})
     for q, qdot in zip(equations.q, equations.qdot):
         near = sorted(number[s] for s in symbols([qdot]) if s in number)
         for j in near[1:]:

@@ -25,7 +25,7 @@ from lagc.semantics.names.scope import (
     vector_value,
 )
 from lagc.semantics.refusals import Wrong
-from lagc.semantics.time_derivatives import BIT, VELOCITY
+from lagc.semantics.time_derivatives import BIT, MOVING, VELOCITY
 from lagc.semantics.units import NONE, Dimension, describe, dimension, over, si_text, times
 from lagc.semantics.units import unit as unit_of
 from lagc.semantics.values.builtin_functions import Argument
@@ -154,7 +154,8 @@ def coefficients(
     meant: Dimension,
 ) -> tuple[Node, Node | None]:
     """Return the friction of a contact while it slides and while it sticks. In both, `slip` is the speed of
-    the slip, unless the model has something of this name."""
+    the slip, unless the model has something of this name. A contact that sticks holds at least as much as one
+    that slides."""
     graph, where = context.graph, entry.environment
     own = "slip" in where.instance.entries
 
@@ -174,6 +175,8 @@ def coefficients(
             written["static"].span,
             "exchange both, or leave out `static`",
         )
+    if static is not None and context.clock.mask(static - friction) & MOVING:  # others are compared once
+        static = graph.binary("max", static, friction)
     return friction, static
 
 

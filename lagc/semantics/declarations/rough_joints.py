@@ -30,6 +30,9 @@ def rub(context: Context, joint: Joint, a: Pose, b: Pose, closes: bool) -> objec
     friction, static = coefficients(context, entry, joint.written, (slip,), over(NONE, S) if turns else SPEED)
     if turns:
         radius = joint.number("radius", M)
+        if radius.is_const and radius.value < 0.0:
+            message = f"the radius of a pin is not negative: {radius.value:g} m"
+            raise Wrong("LAG0235", message, joint.span("radius"), "write the radius without its sign")
         friction, static = friction * radius, None if static is None else static * radius
     symbol = context.graph.symbol("discrete", entry.path)
     context.clock.set_rate(symbol, context.graph.zero)
