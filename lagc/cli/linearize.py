@@ -61,7 +61,8 @@ def run(options: argparse.Namespace) -> int:
     compilation = Compilation(model_library.read(options.file), choice_of(options))
     # A long motion runs in C, without derivatives; discrete variables and modes of contacts are no states of
     # the derivatives.
-    runs = time or any(word in compilation.source.text for word in ("discrete", ">=", "<=", "import"))
+    held = ("discrete", ">=", "<=", "friction", "import")
+    runs = time or any(word in compilation.source.text for word in held)
     model = CompiledModel(compilation if runs else compilation.differentiated, "auto" if time else "numpy")
     spare(compilation, options.output, _picture(model.interface, options.plot))
     try:

@@ -13,7 +13,7 @@ import numpy as np
 from lagc.base.records import replace
 from lagc.compiler.loaded import Loaded
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.mechanics.formulation.held_contacts import STICKS
+from lagc.mechanics.formulation.held_contacts import MODE_STICKS
 from lagc.simulation.linearization.contact_modes import modes_of
 from lagc.simulation.request import Request
 from lagc.simulation.sensitivity.sensitivities import Direction, directions
@@ -76,7 +76,7 @@ def follow(
 def _refuse_sliding(interface: Interface, modes: Sequence[int]) -> None:
     """Raise Refused (LAG0623) if a contact slides at the start."""
     for contact, mode in zip(interface.contacts, modes):
-        if contact.slips and mode not in (0, STICKS):
+        if contact.slips and mode not in (0, MODE_STICKS):
             message = (
                 f"sensitivities do not follow contacts that slide yet, as `{contact.name}` does at the start"
             )

@@ -16,15 +16,20 @@ DERIVED = ("derivatives", "sensitivities")
 
 
 def refuse_contacts(model: Model, variant: str) -> None:
-    """Raise Refused (LAG0623) if a model has one-sided constraints, which no variant follows."""
+    """Raise Refused (LAG0623) if a model has contacts or dry friction, which no variant follows."""
     if model.contacts:
         asked = {"derivatives": "derivatives", "sensitivities": "sensitivities",
                  **dict.fromkeys(IMPLICIT, "implicit methods, such as radau5,"),
                  **dict.fromkeys(SERIES, "methods by power series, such as taylor,")}  # fmt: skip
-        message = f"{asked[variant]} do not follow {model.contacts[0].title} yet"
+        contact = model.contacts[0]
+        message = f"{asked[variant]} do not follow {contact.title} yet"
         other = "compare runs with values that differ a little" if variant in DERIVED else "take dop853"
-        remedy = f"{other}, or {model.contacts[0].otherwise}"
-        raise Refused([Fault("LAG0623", message, model.contacts[0].span, remedy=remedy)])
+        if not contact.normals or variant not in (
+            *SERIES,
+            "sensitivities",
+        ):  # those refuse loads of reactions
+            other += f", or {contact.otherwise}"
+        raise Refused([Fault("LAG0623", message, contact.span, remedy=other)])
 
 
 def with_held(model: Model) -> Model:

@@ -153,7 +153,7 @@ class Clause:
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """A one-sided constraint as a run needs it."""
+    """A one-sided constraint, or the friction of a constraint with `=` or a joint, as a run needs it."""
 
     name: str
     unit: str  # of its gap
@@ -226,7 +226,7 @@ class Interface:
     discretes: tuple[Field, ...] = ()  # variables that clauses `when` alone change: the last of x
     booleans: tuple[int, ...] = ()  # 1: a truth value, stored as 0 or 1
     features: int = 0  # terms that may be narrow
-    contacts: tuple[Contact, ...] = ()  # one-sided constraints: the last of `discretes` and of `relations`
+    contacts: tuple[Contact, ...] = ()  # the last of `discretes` and of `relations`
     poles: int = 0  # divisors that may come near zero
     late_relations: int = 0  # those that accelerations or reactions decide, before those of contacts
     loading_rows: tuple[int, ...] = ()  # constraint equations whose multipliers loads depend on

@@ -128,9 +128,6 @@ def _constrained(states: States) -> tuple[list[Classified], list[Dropped], tuple
     return kept, idle + dropped, warnings
 
 
-_FRICTION = "write the friction as a load of `reaction(c)` too, smooth at rest as `tanh(s/s0)` is"
-
-
 def _contacts(states: States, of: Callable[[Sequence[Node]], list[Node]]) -> tuple[ContactRow, ...]:
     """Return the rows of contacts; `of` gives quantities of the motion."""
     contacts = contact_rows(states)
@@ -156,10 +153,10 @@ def _refuse_reactions(
                 faults.append(Fault("LAG0431", message, load.span, remedy="leave out one of these equations"))
             elif rough:
                 message = f"`{load.name}` depends on `reaction({owner})`, beside {rough[0].title}"
-                faults.append(Fault("LAG0431", message, load.span, remedy=_FRICTION))
+                faults.append(Fault("LAG0431", message, load.span, remedy=rough[0].otherwise))
     for servo in [c for c in model.constraints if c.actuator and rough]:
         message = f"`{servo.actuator}` holds `{servo.name}`, beside {rough[0].title}"
-        faults.append(Fault("LAG0431", message, servo.span, remedy=_FRICTION))
+        faults.append(Fault("LAG0431", message, servo.span, remedy=rough[0].otherwise))
     if rough and classified:
         from lagc.mechanics.redundancy.redundancy import dependent_rows  # loaded where there are rows
 

@@ -282,9 +282,9 @@ class Constraint:
 @dataclass(frozen=True, slots=True)
 class Contact:
     """A one-sided constraint gap >= 0, in coordinates, parameters and time; or the friction of a constraint
-    gap = 0 or a joint, a contact that always touches, with its `normals` in multipliers and reactions.
-    `state` is a discrete variable: 0 open, 1 touching; with friction 1 or -1 slipping forwards or backwards,
-    2 sticking. In space there is no -1."""
+    gap = 0 or a joint, whose gap is the constant 0: a contact that always touches, with its `normals` in
+    multipliers and reactions. `state` is a discrete variable: 0 open, 1 touching; with friction 1 or -1
+    slipping forwards or backwards, 2 sticking. In space there is no -1."""
 
     name: str
     label: str  # the name of the constraint, or `name[1]` ... for a vector
@@ -308,9 +308,12 @@ class Contact:
 
     @property
     def otherwise(self) -> str:
-        """The remedy where contacts are not followed."""
-        load = "write it as a load of `reaction(c)`, smooth at rest as `tanh(s/s0)` is"
-        return load if self.normals else "write it with `=` where it always touches"
+        """The remedy where contacts are not followed. Loads do not depend on reactions of joints."""
+        if not self.normals:
+            return "write it with `=` where it always touches"
+        if self.gap.is_zero:
+            return "write the friction as a smooth load, `-c*tanh(s/s0)`"
+        return f"write the friction as a load of `reaction({self.label})`, smooth at rest as `tanh(s/s0)` is"
 
     @property
     def states(self) -> str:

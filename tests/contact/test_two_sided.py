@@ -11,6 +11,7 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 import lagc
+from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
 
 BACKENDS = ["numpy", pytest.param("c", marks=pytest.mark.full)]
@@ -303,7 +304,7 @@ def test_without_friction_nothing_changes() -> None:
             "LAG0235: the friction is -0.1, and not from 0",
         ),
         ("constraint rail: y = 0 (slip = der(x));", "LAG0235: `slip` needs `friction` beside it"),
-        ("constraint rail: y = 0 (friction = 0.1, slip = x);", "LAG0302: the slip must be"),
+        ("constraint rail: y = 0 (friction = 0.1, slip = x);", "LAG0302: the slip is a position; it must be"),
         (
             "constraint rail: der(y) = 0 (friction = 0.1, slip = der(x));",
             "LAG0235: `rail` restricts velocities",
@@ -312,10 +313,7 @@ def test_without_friction_nothing_changes() -> None:
             "constraint rail: {x, y} = {0, 0} (friction = 0.1, slip = der(x));",
             "LAG0235: a vector of constraints",
         ),
-        (
-            "constraint rail: y = 0 (restitution = 0.1);",
-            "LAG0209: a constraint with `=` and friction has no `res",
-        ),
+        ("constraint rail: y = 0 (restitution = 0.1);", "LAG0209: a constraint with `=` has no `res"),
         ("constraint rail: y = y (friction = 0.1, slip = der(x));", "LAG0235: `rail` always holds"),
         (
             "constraint rail: y = 0 (friction = 0.1, slip = der(x)); constraint again: 2*y = 0;",
@@ -325,7 +323,17 @@ def test_without_friction_nothing_changes() -> None:
             "constraint rail: y = 0 (friction = 0.1, slip = der(x)); output Force p = impulse(rail)/(1 [s]);",
             "LAG0221: `impulse` takes a one-sided constraint",
         ),
-        ("constraint rail: y = 0 (friction = ?, slip = der(x));", "LAG0"),
+        ("constraint rail: y = 0 (friction = ?, slip = der(x));", "LAG0101: `?` is not a character"),
+        ("constraint rail: y = 0 (bye = pull);", "LAG0209: a constraint with `=` has no `bye`"),
+        (
+            "force pull = {1 [N], 0, 0} at block; "
+            "constraint rail: y = 0 (by = pull, friction = 0.1, slip = der(x));",
+            "LAG0209: an actuator and friction do not combine",
+        ),
+        (
+            "force pull = {1 [N], 0, 0} at block; constraint rail: y = 0 (by = pull, by = pull);",
+            "LAG0209: `by` is given once",
+        ),
         (
             "constraint rail: y = 0 (friction = 0.1, slip = der(x)); "
             "force drag = -0.1*reaction(rail)*world.x at block;",
@@ -367,14 +375,24 @@ end Pin;
 @pytest.mark.parametrize("method", ["radau5", "taylor"])
 def test_methods_without_contacts_name_the_friction(method: str) -> None:
     model = _model("constraint rail: y = 0 (friction = 0.1, slip = der(x));")
-    with pytest.raises(Refused, match="the friction of `rail`"):
+    with pytest.raises(Refused, match="the friction of `rail`") as caught:
         model.compile(backend="numpy").simulate(1.0, method=method)
+    remedy = caught.value.faults[0].remedy
+    assert remedy is not None and ("a load of `reaction(rail)`" in remedy) == (method == "radau5")
 
 
 def test_linear_models_name_the_friction() -> None:
     compiled = _model("constraint rail: y = 0 (friction = 0.1, slip = der(x));").compile(backend="numpy")
     with pytest.raises(Refused, match="the friction of `rail`"):
         compiled.linearize()
+
+
+def test_friction_of_a_joint_is_to_be_written_without_its_reaction(capsys: Any) -> None:
+    """Loads do not depend on reactions of joints. The command says what the library says."""
+    assert main(["linearize", "rough_pin"]) == 1
+    said = capsys.readouterr().err
+    assert "linear models do not follow the friction of `pin`" in said and "a smooth load" in said
+    assert "reaction" not in said
 
 
 def test_sensitivities_name_the_friction() -> None:

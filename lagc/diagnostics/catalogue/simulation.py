@@ -195,9 +195,10 @@ end Pendulum;
         "change coordinates and speeds.",
     ),
     "LAG0623": Entry(
-        "a question that does not combine with one-sided constraints, or with loads of reactions",
-        "Sensitivities do not follow loads of reactions and contacts that slide yet. Derivatives, implicit "
-        "methods and methods by power series do not follow contacts yet.",
+        "a question that does not combine with contacts, dry friction or loads of reactions",
+        "Derivatives, implicit methods and methods by power series do not follow one-sided constraints and "
+        "dry friction yet. Linear models and sensitivities do not follow dry friction of constraints with "
+        "`=` and of joints yet; sensitivities do not follow loads of reactions and contacts that slide.",
     ),
     "LAG0625": Entry(
         "an actuator that cannot hold its constraint",

@@ -215,8 +215,10 @@ def _conserved(
     sure: bool,
 ) -> tuple[list[Conserved], list[str]]:
     """Return the quantities that are constant along the motion with the independent `rows`, by index, `sure`
-    or not that these are all; and those that were not examined. Where loads depend on multipliers none is."""
-    if symbols(equations.given_forces) & set(equations.lam):
+    or not that these are all; and those that were not examined. Where loads depend on
+    reactions none is."""
+    pushes = [contact.multiplier for contact in equations.contacts]
+    if symbols(equations.given_forces) & {*equations.lam, *pushes}:
         energy = equations.balance if equations.balance != WHOLE else "energy"
         return [], [f"{energy} and momenta: loads depend on reactions, which are not known without a run"]
     kept = [row for _, row in rows]

@@ -1,4 +1,4 @@
-"""Rows of the one-sided constraints: gap, its rate and its acceleration in the speeds.
+"""Rows of the contacts, one-sided or rough: gap, its rate and its acceleration in the speeds.
 
     gap(t,q) >= 0      d(gap)/dt = R v + d(gap)/dt|_q      d2(gap)/dt2 = R a + bias
     slip(t,q,v)                                            d(slip)/dt = R_t a + bias_t

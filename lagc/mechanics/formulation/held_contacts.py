@@ -23,7 +23,7 @@ from lagc.symbolic.vectors import norm
 from lagc.symbolic.walk import substitute
 from lagc.syntax.tree import Name
 
-STICKS = 2
+MODE_STICKS = 2
 
 
 def hold_contacts(model: Model, modes: Sequence[int]) -> Model:
@@ -39,8 +39,8 @@ def hold_contacts(model: Model, modes: Sequence[int]) -> Model:
     for contact, mode in zip(model.contacts, modes):
         if mode:
             slips, factor = _slips(states, contact)
-            constraints.append(_closed(contact, slips if mode == STICKS else []))
-            if slips and mode != STICKS:
+            constraints.append(_closed(contact, slips if mode == MODE_STICKS else []))
+            if slips and mode != MODE_STICKS:
                 loads.append(_sliding(model, contact, mode, slips, factor))
     own = {contact.state for contact in model.contacts}
     return replace(

@@ -263,7 +263,7 @@ def _actuator(context: Context, entry: Entry, source: tree.Constraint) -> Entry:
     """Return the force or torque that holds a constraint: `(by = motor)`."""
     argument = source.arguments[0]
     if argument.name != "by" or argument.value is None or len(source.arguments) > 1:
-        message = "a constraint with `=` has no argument but `by`, the force or torque that holds it"
+        message = "`by` is given once, and names the force or torque that holds the constraint"
         remedy = "write `constraint path: x = f(time) (by = motor);`, or no argument"
         raise Wrong("LAG0209", message, argument.span, remedy)
     value = evaluate(context, argument.value, entry.environment)

@@ -81,7 +81,10 @@ def declare_rough(context: Context, entry: Entry) -> Value:
     """Declare a constraint with `=` and its friction, a contact that always touches."""
     source = entry.source
     assert isinstance(source, tree.Constraint)
-    written = _arguments(source, _ROUGH, "a constraint with `=` and friction")
+    written = _arguments(source, (*_ROUGH, "by"), "a constraint with `=`")
+    if "by" in written:
+        message = "an actuator and friction do not combine in one constraint"
+        raise Wrong("LAG0209", message, written["by"].span, "leave out `by`, or the friction")
     value = declare_constraint(context, entry)
     (row,) = entry.objects
     assert isinstance(row, objects.Constraint)

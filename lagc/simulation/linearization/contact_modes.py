@@ -16,7 +16,7 @@ import numpy as np
 
 from lagc.base.records import replace
 from lagc.codegen.python.support.contacts import RESTS, STRIKES
-from lagc.mechanics.formulation.held_contacts import STICKS
+from lagc.mechanics.formulation.held_contacts import MODE_STICKS
 from lagc.simulation.error_measure import contacts_of
 from lagc.simulation.initialization.initialize import size_of_gaps, touching
 from lagc.simulation.linearization.derivatives import DEPENDENT, Array, Point
@@ -42,7 +42,7 @@ def word_of(contact: Contact, mode: int) -> str:
         return "open"
     if contact.slips == 0:
         return "touches"
-    if mode == STICKS:
+    if mode == MODE_STICKS:
         return "sticks"
     return "slips" if contact.slips == 2 else "slips backwards" if mode < 0 else "slips forwards"
 
@@ -66,7 +66,7 @@ def settled(system: NumpySystem, t: float, x: Sequence[float]) -> list[float]:
 
 def other_modes(interface: Interface, whole: Sequence[float]) -> list[list[float]]:
     """Return the whole state in other modes in which it may be at rest, none if there are too many."""
-    each = [(0, 1) if c.slips == 0 else (0, STICKS, 1, -1)[: 5 - c.slips] for c in interface.contacts]
+    each = [(0, 1) if c.slips == 0 else (0, MODE_STICKS, 1, -1)[: 5 - c.slips] for c in interface.contacts]
     first = interface.nx - len(each)
     if np.prod([len(modes) for modes in each]) > MOST_MODES:
         return []
@@ -103,7 +103,7 @@ def edges(acting: NumpySystem, whole: Sequence[float], found: Linear) -> Iterato
             if gaps[k] <= size:
                 yield f"`{name}` is open there, with a gap of zero", gaps[k] < -size
             continue
-        if contact.slips and mode != STICKS:
+        if contact.slips and mode != MODE_STICKS:
             speed = hypot(*(value for value, _ in own))
             if speed <= ZERO * hypot(*(size for _, size in own)):
                 yield f"`{name}` {said} there, with a slip of zero", True
@@ -114,7 +114,7 @@ def edges(acting: NumpySystem, whole: Sequence[float], found: Linear) -> Iterato
         push, size = pushes[name]
         if push <= ZERO * size:
             yield f"`{name}` {said} there, with a push of zero", push < -ZERO * size
-        elif mode == STICKS:
+        elif mode == MODE_STICKS:
             parts = [pushes.get(f"{name}.slip[{n + 1}]", (0.0, 0.0)) for n in range(contact.slips)]
             margin = frictions[2 * k + 1] * push - hypot(*(part for part, _ in parts))
             size += hypot(*(of for _, of in parts))
