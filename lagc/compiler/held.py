@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from lagc.semantics.model import Model
 
 DERIVED = ("derivatives", "sensitivities")
+UNLOADED = (*SERIES, "sensitivities")  # these do not follow loads of reactions either
 
 
 def refuse_contacts(model: Model, variant: str) -> None:
@@ -24,10 +25,7 @@ def refuse_contacts(model: Model, variant: str) -> None:
         contact = model.contacts[0]
         message = f"{asked[variant]} do not follow {contact.title} yet"
         other = "compare runs with values that differ a little" if variant in DERIVED else "take dop853"
-        if not contact.normals or variant not in (
-            *SERIES,
-            "sensitivities",
-        ):  # those refuse loads of reactions
+        if not contact.normals or variant not in UNLOADED:
             other += f", or {contact.otherwise}"
         raise Refused([Fault("LAG0623", message, contact.span, remedy=other)])
 
