@@ -37,6 +37,7 @@ from lagc.symbolic.vectors import Vector, sub
 from lagc.symbolic.walk import substitute
 from lagc.syntax import tree
 
+_BY = ("by",)
 _ROUGH = ("friction", "static", "slip", "at", "on", "against")
 _ARGUMENTS = ("restitution", "friction", "static", "slip", "at", "on", "against", "law")
 SECOND = dimension(s=1)
@@ -81,7 +82,7 @@ def declare_rough(context: Context, entry: Entry) -> Value:
     """Declare a constraint with `=` and its friction, a contact that always touches."""
     source = entry.source
     assert isinstance(source, tree.Constraint)
-    written = _arguments(source, (*_ROUGH, "by"), "a constraint with `=`")
+    written = _arguments(source, (*_ROUGH, *_BY), "a constraint with `=`")
     if "by" in written:
         message = "an actuator and friction do not combine in one constraint"
         raise Wrong("LAG0209", message, written["by"].span, "leave out `by`, or the friction")
@@ -288,6 +289,10 @@ def _arguments(source: tree.Constraint, known: tuple[str, ...], what: str) -> di
         name, span = argument.name, argument.name_span or argument.span
         if name not in known:
             remedy = (name and did_you_mean(name, known)) or f"the arguments are {', '.join(known)}"
+            if name in _ARGUMENTS:
+                remedy = f"write `>=` or `<=` for a bound that may be hit: only this has a `{name}`"
+            elif name in _BY:
+                remedy = "write `=`: an actuator holds what is equal"
             raise Wrong("LAG0209", f"{what} has no `{name or argument.span.text}`", span, remedy)
         if name in found:
             raise Wrong("LAG0209", f"`{name}` is given twice", span)
