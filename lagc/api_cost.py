@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from lagc.simulation.system import System
     from lagc.study.cost import Study, Verified
     from lagc.study.probe import Array, Probe
-    from lagc.symbolic.graph import Node
 
 BUDGET = 30.0  # s
 POINTS = 301  # recorded times
@@ -102,7 +101,7 @@ class Measurable:
             return None
 
         def sizes(table: Array) -> Array:
-            return term_sizes(self._loaded.compilation.equations, system, times, table)
+            return term_sizes(self._loaded.compilation.equations, system, x0, times, table)
 
         names = (*interface.q_names, *interface.v_names, *(o.name for o in interface.outputs))
         begun = Study(names, times[-1], len(times), interface.operations, budget=budget, began=began)
@@ -115,31 +114,25 @@ class Measurable:
             raise Refused([Fault("LAG0620", message, remedy="see `lagc sim` for the reason")]) from None
 
 
-def term_sizes(equations: EquationsOfMotion, system: System, times: Sequence[float], table: Array) -> Array:
-    """The size of the terms of each state and output over a motion, from LOOKED rows of its values.
+def term_sizes(
+    equations: EquationsOfMotion, system: System, x0: Sequence[float], times: Sequence[float], table: Array
+) -> Array:
+    """The size of the terms of each state and output over a motion from the state x0 of a system in Python,
+    from LOOKED rows of its values; contacts are as in x0.
 
     A state has the largest value of its unit."""
     import numpy as np
 
     from lagc.mechanics.numeric.cancellation import magnitudes
+    from lagc.simulation.values import values_at
 
-    nx, model = system.nq + system.nv, equations.model
-    held = system.start()[nx + system.nz :]  # discrete variables
+    nx = system.nq + system.nv
     units = [*equations.q_units, *equations.v_units]
     largest = np.abs(table[:, :nx]).max(axis=0)
     states = [max(x for x, other in zip(largest, units) if other == unit) for unit in units]
-    symbols: list[Node] = [equations.time, *equations.q, *equations.v, *equations.a, *equations.lam]
-    symbols += [variable.symbol for variable in model.discretes]
-    given: list[Node] = [*(p.symbol for p in model.parameters), *(u.symbol for u in model.inputs)]
     outputs = np.zeros(len(equations.outputs))
-    known = dict(
-        zip([f.name for f in (*system.interface.parameters, *system.interface.inputs)], system.parameters)
-    )
     for k in range(0, len(table), max(len(table) // LOOKED, 1)):
-        x = table[k, :nx].tolist()
-        a, lam = system.accelerations(times[k], [*x, *[0.0] * system.nz, *held])
-        values = dict(zip(symbols, [times[k], *x, *a, *lam, *held]))
-        values.update((s, known.get(s.record.name, 0.0)) for s in given)
+        values = values_at(equations, system, times[k], [*table[k, :nx].tolist(), *x0[nx:]])
         found = magnitudes([o.expression for o in equations.outputs], values)
         outputs = np.maximum(outputs, [size for _, size in found])
     return np.array([*states, *outputs])

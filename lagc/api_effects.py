@@ -237,7 +237,9 @@ class _Variant:
         from lagc.simulation.works import works
 
         equations, system = self.loaded.compilation.equations, self.loaded.system("c").bind(self.values)
-        found = works(equations, system, list(motion.states[0]), float(motion.times[-1]), motion.method)
+        pointwise = self.loaded.system("numpy").bind(self.values) if equations.contacts else None
+        x, stop = list(motion.states[0]), float(motion.times[-1])
+        found = works(equations, system, x, stop, motion.method, pointwise)
         if found is None:
             return None, {}
         given = [(c.effect, found.actions[c.name]) for c in equations.contributions]

@@ -15,6 +15,7 @@ from lagc.base.records import dataclass
 from lagc.codegen.python.support.base import MOST_CORNERS
 from lagc.mechanics.formulation.equations import EquationsOfMotion, Law
 from lagc.simulation.system import Options, System, Trajectory, arrived, work_of
+from lagc.simulation.values import values_at
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import reachable
@@ -47,10 +48,16 @@ class Works:
 
 
 def works(
-    equations: EquationsOfMotion, system: System, x: Sequence[float], stop: float, method: str
+    equations: EquationsOfMotion,
+    system: System,
+    x: Sequence[float],
+    stop: float,
+    method: str,
+    pointwise: System | None = None,
 ) -> Works | None:
     """Return the works of a run from the state x at 0; None if it fails before `stop`, or has so many
-    events or so long powers that the sums would take long."""
+    events or so long powers that the sums would take long.  `pointwise`: the system that tells forces at
+    single states, in Python if there are contacts; default: the same."""
     options = Options(method=method, rtol=RTOL, max_steps=0, report=True)
     graph = equations.graph
     rows = [row for row in equations.rows if row.time_dependent or not row.holonomic]
@@ -72,7 +79,8 @@ def works(
         if len(parts) * len(NODES) * max(len(within), 1) > MOST:
             break
         before, panels = sums, 2 * panels
-        sums = _sums(equations, powers, within, system, options, x, parts)
+        states = system.integrate(options, 0.0, x, [0.0, *_nodes(parts)]).states[1:]
+        sums = _sums(equations, powers, within, pointwise or system, states, parts)
         size = max(map(abs, [*sums, start, end]))
         if before is not None:
             bar = max((abs(a - b) for a, b in zip(sums, before)), default=0.0)
@@ -104,29 +112,20 @@ def _panels(cuts: Sequence[tuple[float, float]], longest: float) -> list[tuple[f
     return found
 
 
+def _nodes(panels: Sequence[tuple[float, float]]) -> list[float]:
+    return [begin + node * length for begin, length in panels for node in NODES]
+
+
 def _sums(
     equations: EquationsOfMotion, powers: Sequence[Node], within: Sequence[Node], system: System,
-    options: Options, x: Sequence[float], panels: Sequence[tuple[float, float]],
+    states: Sequence[Sequence[float]], panels: Sequence[tuple[float, float]],
 ) -> list[float]:  # fmt: skip
-    """Return the integrals of the powers."""
-    interface, model = system.interface, equations.model
-    given = zip((*interface.parameters, *interface.inputs), system.parameters)
-    values = {field.name: value for field, value in given}
-    names = [*((p.symbol, p.name) for p in model.parameters), *((u.symbol, u.name) for u in model.inputs)]
-    fixed = {symbol: values[name] for symbol, name in names if name in values}
-    place = {name: k for k, name in enumerate(interface.state_names)}
-    first = interface.nx - len(interface.discretes)
-    place.update({field.name: first + k for k, field in enumerate(interface.discretes)})
-    symbols = [*equations.q, *equations.v, *(d.symbol for d in model.discretes)]
-    read = [(s, place[s.record.name]) for s in symbols if s.record.name in place]
-    times = [begin + node * length for begin, length in panels for node in NODES]
-    states = system.integrate(options, 0.0, x, [0.0, *times]).states[1:]
-    found = [0.0] * len(powers)
-    for k, (t, y) in enumerate(zip(times, states)):
+    """Return the integrals of the powers from the states at the nodes."""
+    own = {*equations.lam, *(force for contact in equations.contacts for force in contact.forces)}
+    forces, found = not own.isdisjoint(within), [0.0] * len(powers)
+    for k, (t, y) in enumerate(zip(_nodes(panels), states)):
         weight = WEIGHTS[k % len(WEIGHTS)] * panels[k // len(WEIGHTS)][1]
-        known = {**fixed, equations.time: t, **{s: y[i] for s, i in read}}
-        if equations.rows:
-            known.update(zip(equations.lam, system.accelerations(t, y)[1]))
+        known = values_at(equations, system, t, y, forces)
         for i, power in enumerate(evaluate(powers, known, within)):
             found[i] += weight * power
     return found

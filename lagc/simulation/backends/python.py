@@ -114,6 +114,12 @@ class NumpySystem(CompiledSystem):
         found: int = self._thread.workspace.equations.culprit
         return found
 
+    @property
+    def contact_forces(self) -> list[float]:
+        """The forces along the rows of the contacts at the last evaluation of this thread."""
+        found: list[float] = self._thread.workspace.equations.work.contact_forces
+        return found
+
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
         status: int = self._thread.workspace.rhs(t, x, xdot, lam)
         return status
@@ -308,7 +314,7 @@ class NumpySystem(CompiledSystem):
             if "a" in names or "lam" in names:
                 given["a"], given["lam"] = self.accelerations(t, x)
                 if self.interface.contacts:
-                    given["contact_forces"] = workspace.equations.work.contact_forces
+                    given["contact_forces"] = self.contact_forces
             function(*(given[n] for n in names), result)
         return result
 

@@ -1,0 +1,78 @@
+"""Each command on the library's models with contacts: it answers, or refuses by name."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import lagc
+from lagc.api_cost import term_sizes
+from lagc.cli.main import main
+from lagc.host.model_library import library_models
+from lagc.simulation.works import works
+from tests.simulation.test_generated import needs_compiler
+
+np = pytest.importorskip("numpy")
+
+Capture = pytest.CaptureFixture[str]
+pytestmark = pytest.mark.usefixtures("own_cache")
+MODELS = [name for name in library_models() if name.startswith("contact/")]
+RUBBED = """\
+model Rubbed
+  parameter Mass m = 2 [kg];
+  coordinate Length x(rate = 1 [m/s]), z;
+  body b = Particle(mass = m, at = {x, 0, z});
+  Gravity field(g = 9.81 [m/s2]);
+  constraint floor: z >= 0;
+  force resist = {-0.2*reaction(floor), 0, 0} at b;
+  output Force N = reaction(floor);
+  scene s
+    simulate(stop = 0.4 [s]);
+  end s;
+end Rubbed;
+"""
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("name", MODELS)
+def test_commands_answer(name: str, tmp_path: Path, capsys: Capture) -> None:
+    for words in (["explain"], ["equations"], ["build", "-o", str(tmp_path)],
+                  ["build", "--target", "numpy", "-o", str(tmp_path)]):  # fmt: skip
+        assert main([words[0], name, *words[1:]]) == 0, (words, capsys.readouterr().err)
+    status = main(["linearize", name])
+    shown = capsys.readouterr()
+    assert status == 0 or "error[LAG062" in shown.err + shown.out  # two modes meet, or friction of `=`
+    model = lagc.load(name).compile(backend="numpy")  # `cost` itself takes a compiler and 10 s
+    x0 = model.system.start()
+    sizes = term_sizes(model.equations, model.system, x0, [0.0], np.array([x0]))
+    assert len(sizes) == len(model.equations.state_names) + len(model.equations.outputs)
+
+
+def test_a_load_of_a_reaction_works_and_its_terms_have_sizes() -> None:
+    """A block slides with mu N = mu m g against it: it loses mu m g s on s = v t - mu g t^2/2."""
+    model = lagc.loads(RUBBED).compile(backend="numpy")
+    equations, system, stop = model.equations, model.system, 0.4
+    run = model.simulate(accuracy=1e-9, points=9)
+    found = works(equations, system, run.states[0], stop, "dop853")
+    way = stop - 0.5 * 0.2 * 9.81 * stop**2
+    assert found is not None
+    assert found.actions["resist"] == pytest.approx(-0.2 * 2.0 * 9.81 * way, rel=1e-8)
+    assert found.end - found.start == pytest.approx(found.actions["resist"], rel=1e-8)
+    assert found.rest == 0.0
+    table = np.array([run[name] for name in ("x", "z", "der(x)", "der(z)", "N")]).T
+    sizes = term_sizes(equations, system, run.states[0], run.times, table)
+    assert sizes[4] == pytest.approx(2.0 * 9.81, rel=1e-6)
+
+
+@pytest.mark.full
+@needs_compiler
+def test_effects_of_loads_of_reactions_are_told(capsys: Capture) -> None:
+    """What the two effects take is what the cart loses: its wheels roll."""
+    assert main(["effects", "rolling_cart", "--json", "-q"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    works = [effect["work"] for effect in told["effects"]]
+    energy = told["energy"]
+    assert len(works) == 2 and max(works) < 0.0
+    assert energy["end"] - energy["start"] == pytest.approx(sum(works), rel=1e-8)
