@@ -35,7 +35,7 @@ from lagc.symbolic.graph import Node
 from tests.hard.test_mechanisms import BENNETT
 from tests.hard.test_vanishing_rows import text as track
 from tests.lowering import large
-from tests.lowering.test_lift import in_digits
+from tests.lowering.exact import values as in_digits
 from tests.mechanics.numbers import consistent_state, jacobian, mass_matrix, random_state
 from tests.mechanics.random_systems import model, random_system
 from tests.mechanics.test_mobility import Made, bennett, cranks, frames, general_7r, planar, sarrus, spherical
