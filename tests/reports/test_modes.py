@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from lagc.mechanics.derive import derive
-from lagc.mechanics.formulation.held_contacts import STICKS, hold_contacts
+from lagc.mechanics.formulation.held_contacts import MODE_STICKS, hold_contacts
 from lagc.mechanics.numeric.samples import Chance, samples
 from lagc.reports.equations.modes import modes
 from lagc.reports.equations.write import write
@@ -112,11 +112,11 @@ def test_each_mode_is_the_model_held_in_it(name: str) -> None:
     """The forces, and those of constraints, for any multipliers."""
     equations, chance = derived(f"contact/{name}"), Chance(4711)
     (contact,) = equations.contacts
-    for mode, held_as in zip(modes(equations)[1:], (STICKS, 1) if contact.slips else (1,)):
+    for mode, held_as in zip(modes(equations)[1:], (MODE_STICKS, 1) if contact.slips else (1,)):
         held = derive(hold_contacts(equations.model, [held_as]))
         state = next(samples(equations.model, 1, vary=False))
         state.update((symbol, chance.draw()) for symbol in (*equations.v, *equations.a, *contact.forces))
-        if held_as != STICKS and len(contact.slips) == 1 and evaluate([contact.slips[0].rate], state)[0] < 0:
+        if held_as != MODE_STICKS and len(contact.slips) == 1 and evaluate([contact.slips[0].rate], state)[0] < 0:
             held = derive(hold_contacts(equations.model, [-1]))
         for law in [x for x in mode.laws if x.kind == "closed" and x.left.record is not None]:
             state[law.left] = evaluate([law.right], state)[0]

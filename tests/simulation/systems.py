@@ -59,6 +59,9 @@ class Handmade(ABC):
     def position(self, t: float, x: Vector) -> list[float]:
         return []
 
+    def gaps(self, t: float, x: Vector) -> list[float]:
+        return []
+
     def velocity(self, t: float, x: Vector) -> list[float]:
         return []
 
