@@ -116,7 +116,8 @@ def test_each_mode_is_the_model_held_in_it(name: str) -> None:
         held = derive(hold_contacts(equations.model, [held_as]))
         state = next(samples(equations.model, 1, vary=False))
         state.update((symbol, chance.draw()) for symbol in (*equations.v, *equations.a, *contact.forces))
-        if held_as != MODE_STICKS and len(contact.slips) == 1 and evaluate([contact.slips[0].rate], state)[0] < 0:
+        slides = held_as != MODE_STICKS and len(contact.slips) == 1
+        if slides and evaluate([contact.slips[0].rate], state)[0] < 0:
             held = derive(hold_contacts(equations.model, [-1]))
         for law in [x for x in mode.laws if x.kind == "closed" and x.left.record is not None]:
             state[law.left] = evaluate([law.right], state)[0]
