@@ -87,12 +87,7 @@ def set_law_scales(w: Work) -> None:
         if begin > first and w.law_w[first * w.law_rows + first] != 0.0:
             w.law_row_scale[first] = 1.0 / (scale * fabs(w.law_w[first * w.law_rows + first]))
         for j in range(first, end):
-            size = w.law_row_scale[j] * fabs(w.law_b[j])
-            if size > w.law_size:
-                w.law_size = size
-            roundoff = LAW_ROUNDOFF * SPACING * w.law_row_scale[j] * w.law_sizes[j]
-            if roundoff > w.law_roundoff:
-                w.law_roundoff = roundoff
+            count_scaled(w, j)
     if NTWO > 0:
         scale_two_sided(w)
 

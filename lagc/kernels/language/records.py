@@ -286,7 +286,7 @@ class Work:
         law_rows: int  # their rows
         law_first: IVec[NCON]  # normal row of each; its slip rows follow
         law_slips: IVec[NCON]  # slip rows of each: 0, 1 or 2
-        law_two_sided: IVec[NCON]  # 1: it never opens, its normal force has either sign
+        law_two_sided: IVec[NCON]  # it never opens; 1: its normal force has a sign, 2: a direction
         law_friction: Vec[NCON]  # coefficient of friction while it slips
         law_static: Vec[NCON]  # the same while it sticks
         law_moves: IVec[NCON]  # 1: it slips already, along law_direction

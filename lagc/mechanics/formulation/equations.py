@@ -92,9 +92,8 @@ class ContactRow:
     restitution: Node
     slips: tuple[SlipRow, ...] = ()  # 1 or 2 with friction
     frictions: tuple[Node, ...] = ()  # the coefficients while it slips and while it sticks
-    normals: tuple[
-        Node, ...
-    ] = ()  # of a two-sided contact, in t, q, v, a, lam and forces of contacts; no gap
+    # Components of the normal force of a two-sided contact, in t, q, v, a, lam and forces of contacts; no gap
+    normals: tuple[Node, ...] = ()
 
     @property
     def label(self) -> str:

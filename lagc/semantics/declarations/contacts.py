@@ -161,13 +161,12 @@ def coefficients(
     the slip, unless the model has something of this name. A contact that sticks holds at least as much as one
     that slides."""
     graph, where = context.graph, entry.environment
-    own = "slip" in where.instance.entries
+    speed = graph.sqrt(graph.sum([node * node for node in slip]))
+    if "slip" not in where.instance.entries:
+        where = where.bind({"slip": Scalar(speed, meant)})
 
     def coefficient(name: str) -> Node:
-        if own or "slip" not in written[name].span.text:
-            return _number(context, where, name, written[name])
-        speed = graph.sqrt(graph.sum([node * node for node in slip]))
-        found = _number(context, where.bind({"slip": Scalar(speed, meant)}), name, written[name])
+        found = _number(context, where, name, written[name])
         return substitute(graph, [found], {graph.unary("abs", speed): speed})[0]
 
     friction = coefficient("friction")
