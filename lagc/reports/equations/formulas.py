@@ -88,7 +88,8 @@ class SharedAlgebra(NamingAlgebra):
 class Formula:
     """`left` = `right`. The kinds are shared, kinematic, motion, position, velocity, event, and those of laws
     of contacts (see `modes.Law`); `label` names the origin. At an event, `left` takes the value `right` when
-    the `condition` of a clause becomes true; clauses have numbers."""
+    the `condition` of a clause becomes true; clauses have numbers. An equation of motion is `left` times
+    its `factor`."""
 
     kind: str
     label: str
@@ -96,6 +97,7 @@ class Formula:
     right: Sum
     condition: Sum | None = None
     clause: int = 0
+    factor: Sum | None = None
 
 
 ZERO = Sum(())
@@ -161,9 +163,10 @@ def everything(
     return [
         *_kinematic(equations, collector),
         *[
-            Formula("motion", name, collector.collect(collector.cancel(p)), ZERO)
+            Formula("motion", name, collector.collect(collector.cancel(p)), ZERO,
+                    factor=collector.collect(collector.common_factor(p)))
             for name, p in zip(equations.v_names, motion)
-        ],
+        ],  # fmt: skip
         *_rows(equations, collector),
         *_laws(equations, collector, laws),
         *_events(equations, collector),

@@ -31,7 +31,7 @@ from lagc.reports.equations.formulas import (
 )
 from lagc.reports.equations.modes import Law
 from lagc.reports.names import Name, Names, names, taken
-from lagc.reports.patterns.formula_trees import Former, Line, indices
+from lagc.reports.patterns.formula_trees import Former, Line, Total, indices
 from lagc.reports.patterns.index_rules import ruled, summed
 from lagc.reports.patterns.recursion import arrays, residuals
 from lagc.symbolic.graph import Node
@@ -49,12 +49,14 @@ KINDS = (
 
 @dataclass(frozen=True)
 class Page:
-    """`ruled`: lines and terms that follow a rule are written once."""
+    """`ruled`: lines and terms that follow a rule are written once. Otherwise `factors` has the factor by
+    which each equation of motion was divided."""
 
     lines: tuple[Line, ...]
     names: Names
     ruled: bool
     taken: set[str]  # what counters are not called
+    factors: tuple[Total, ...] = ()
 
     def by_kind(self) -> list[tuple[str, list[Line]]]:
         kinds = [(kind, [x for x in self.lines if x.kind == kind]) for kind in KINDS]
@@ -79,7 +81,9 @@ def _plain(equations: EquationsOfMotion, laws: Sequence[Law]) -> Page:
     letter = _letter(equations)
     for number, node in enumerate(found.named, 1):
         shown[node] = Name(f"{letter}{number}", f"{letter}{number}")
-    return Page(tuple(_lines(found, shown)), shown, False, set())
+    former = Former(found.collector, shown)
+    factors = tuple([former.total(x.factor) for x in found.found if x.factor is not None])
+    return Page(tuple(_lines(found, shown)), shown, False, set(), factors)
 
 
 def _by_rule(equations: EquationsOfMotion, laws: Sequence[Law]) -> Page:
