@@ -8,7 +8,7 @@ from lagc.base.records import dataclass
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.reports.derivation.actions import write_actions, write_forces
 from lagc.reports.derivation.conserved import write_conserved
-from lagc.reports.derivation.document import Block, math, plain
+from lagc.reports.derivation.document import Block, Picture, math, plain
 from lagc.reports.derivation.draft import Draft
 from lagc.reports.derivation.kinematics import write_kinematics, write_virtual_velocities
 from lagc.reports.derivation.kinetic_energy import write_kinetic_energy
@@ -73,6 +73,13 @@ class Derivation:
         from lagc.reports.derivation.html import to_page
 
         return to_page(self.blocks, self.language)
+
+    def pictures(self, ending: str) -> dict[str, bytes]:
+        """Return the files that a text with this ending refers to: SVG for .md, PDF for .tex."""
+        found = [block for block in self.blocks if isinstance(block, Picture)]
+        if ending == ".md":
+            return {f"{x.name}.svg": x.svg for x in found}
+        return {f"{x.name}.pdf": x.pdf for x in found} if ending == ".tex" else {}
 
     def _repr_html_(self) -> str:
         from lagc.reports.derivation.html import to_fragment

@@ -59,7 +59,7 @@ def _write_body(draft: Draft, body: Body) -> None:
     definition, lines = list[str](), list[tuple[str, ...]]()
     if has_mass:
         mass = in_parentheses(writer.text(body.mass, f"mass of {body.name}"))
-        definition.append(rf"\tfrac12\, {mass}\, {draft.velocity_letters(centre)}^2")
+        definition.append(rf"\tfrac{{1}}{{2}}\, {mass}\, {draft.velocity_letters(centre)}^2")
         lines.append(_translation_lines(draft, body, linear))
     if body.frame is not None and body.inertia is not None:
         spin = body.frame.angular_velocity
@@ -67,7 +67,7 @@ def _write_body(draft: Draft, body: Body) -> None:
         if not writer.is_zero(turning):
             omega = draft.rotation_letters(body.frame)
             definition.append(
-                rf"\tfrac12\, {omega} \cdot \mathbf{{I}}_{{{writer.name(body.name)}}}\, {omega}"
+                rf"\tfrac{{1}}{{2}}\, {omega} \cdot \mathbf{{I}}_{{{writer.name(body.name)}}}\, {omega}"
             )
             lines.append(_rotation_lines(draft, body, body.frame, turning))
     if definition:
