@@ -1,15 +1,16 @@
 """Write the worked solution of a model, from its declarations to its equations.
 
 Parameters, constraints, velocities, kinetic energy, the virtual power of each action, forces of constraints,
-and Lagrange's equations with every term named; the last lines are those of `lagc equations`.  Without -o it is
-printed in Markdown; the ending of the file chooses Markdown (.md), LaTeX (.tex), HTML (.html) or PDF (.pdf),
-which needs a LaTeX.  `--to motion` adds a run with its plot.
+and Lagrange's equations with every term named; the last lines are those of `lagc equations`.  Without -o it
+is printed in Markdown; the ending of the file chooses Markdown (.md), LaTeX (.tex), HTML (.html) or PDF
+(.pdf), which needs a LaTeX.  `--to motion` adds a run with its plot.
 """
 
 from __future__ import annotations
 
 import argparse
 import os
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from lagc.cli.options import add_general_options, add_model_options, choice_of
@@ -52,8 +53,10 @@ def run(options: argparse.Namespace) -> int:
     if options.to == "motion":
         from lagc.api import CompiledModel
         from lagc.compiler.pipeline import Compilation
-        from lagc.reports.derivation.run import with_motion
+        from lagc.reports.derivation.derivation import with_motion
 
+        if find_spec("matplotlib") is None:
+            raise Usage("a plot needs matplotlib: pip install matplotlib")
         found = with_motion(found, CompiledModel(Compilation(source, choice)).simulate())
     if options.json:
         print_json({"status": "ok", "model": equations.model.name, "scene": equations.model.scene,
@@ -70,20 +73,17 @@ def _write(found: Derivation, path: str, ending: str) -> None:
     """Write the solution, and beside it the plot that Markdown and LaTeX refer to.  Raises Usage if there is
     no LaTeX for a PDF."""
     from lagc.host import atomic_write
+    from lagc.reports.derivation.formats import NoLatex
 
+    try:
+        if ending == ".pdf":
+            data = found.pdf
+        else:
+            data = {".md": found.markdown, ".tex": found.latex, ".html": found.html}[ending].encode()
+    except NoLatex as missing:
+        raise Usage(str(missing)) from None
     folder = os.path.dirname(path)
-    files: dict[str, bytes] = {}
-    if ending == ".pdf":
-        from lagc.reports.derivation.pdf import NoLatex, to_pdf
-
-        try:
-            files[path] = to_pdf(found)
-        except NoLatex as missing:
-            raise Usage(str(missing)) from None
-    else:
-        text = {".md": found.markdown, ".tex": found.latex, ".html": found.html}
-        files[path] = text[ending].encode()
-        files.update((os.path.join(folder, name), data) for name, data in found.pictures(ending).items())
+    files = {path: data, **{os.path.join(folder, name): x for name, x in found.pictures(ending).items()}}
     try:
         with SIGNALS.patience():
             for name, data in files.items():

@@ -26,7 +26,7 @@ State = dict[Node, float]
 @cache
 def solution(name: str, scene: str | None = None) -> Derivation:
     """The solution of `course/simple_pendulum`, or of any other model of the library."""
-    return derivation_of(derived(name, scene))
+    return derivation_of(derived(name) if scene is None else derived(name, scene))
 
 
 def states(equations: EquationsOfMotion, found: Derivation, count: int = 2) -> list[State]:

@@ -3,170 +3,137 @@
 from __future__ import annotations
 
 from lagc.mechanics.analysis.analysis import RowKind
-from lagc.mechanics.formulation.equations import ContactRow, Row
-from lagc.reports.derivation.document import FormulaRow, ItemList, Table, Text, bold, joined, math, plain
+from lagc.mechanics.formulation.equations import ContactRow
+from lagc.mechanics.formulation.equations import Row as Constraint
+from lagc.reports.derivation.document import Items, Row, Table, bold, math
 from lagc.reports.derivation.draft import Draft
 from lagc.reports.derivation.implicit import implicit_constraints
+from lagc.reports.names import slip_speeds
 from lagc.semantics.model import Coordinate
 from lagc.symbolic.walk import depends
 
 
 def write_parameters(draft: Draft) -> None:
     """Name the parameters, and the implicit constraints that made them fewer."""
-    say, writer, model = draft.say, draft.writer, draft.model
-    draft.heading(2, say("h_parameters"))
-    rows: list[tuple[Text, ...]] = []
-    for c in model.coordinates:
+    say, symbol = draft.say, draft.writer.symbol
+    draft.heading("h_parameters")
+    rows = []
+    for c in draft.model.coordinates:
         if isinstance(c, Coordinate):
-            rows.append((math(writer.symbol(c.symbol)), plain(c.description), plain(c.unit or "1")))
+            rows.append((math(symbol(c.symbol)), c.description, c.unit or "1"))
         else:
-            letters = math(r",\, ".join([writer.symbol(x) for x in c.symbols]))
-            rates = math(r",\, ".join([writer.symbol(x) for x in c.rate_symbols]))
-            rows.append(
-                (
-                    letters,
-                    joined([plain(c.description)] * bool(c.description) + [say("orientation", rates)], ": "),
-                    plain("1"),
-                )
-            )
-    if any(meaning for _, meaning, _ in rows if any(span.text for span in meaning)):
-        head = tuple([say(key) for key in ("parameter", "meaning", "unit")])
-        draft.blocks.append(Table((head, *rows)))
+            letters, rates = (r",\, ".join(map(symbol, x)) for x in (c.symbols, c.rate_symbols))
+            meaning = ": ".join([*[c.description] * bool(c.description), say("orientation", math(rates))])
+            rows.append((math(letters), meaning, "1"))
+    if any(meaning for _, meaning, _ in rows):
+        draft.blocks.append(Table(((say("parameter"), say("meaning"), say("unit")), *rows)))
     else:
-        draft.paragraph(joined([(*letters, *plain(f" ({unit[0].text})")) for letters, _, unit in rows], ", "))
-    _write_speeds(draft)
-    if model.bodies:
+        draft.blocks.append(", ".join([f"{letters} ({unit})" for letters, _, unit in rows]))
+    if draft.model.speeds:
+        _write_speeds(draft)
+    if draft.model.bodies:
         _write_count_of_free(draft)
 
 
 def _write_speeds(draft: Draft) -> None:
     """Define the declared speeds, and the rates by them."""
-    model, writer, rates = draft.model, draft.writer, draft.rates
-    if not model.speeds:
-        return
-    spelt = rates.in_rates([speed.expression for speed in model.speeds])
-    draft.paragraph(draft.say("speeds"))
-    draft.formula(*[FormulaRow(writer.symbol(s.symbol), writer.lines(x, f"speed {s.name}"))
-                    for s, x in zip(model.speeds, spelt)])  # fmt: skip
-    draft.paragraph(draft.say("rates_of_speeds"))
-    solved = [(rate, x) for rate, x in rates.declared.rates.items() if rate != x]
-    draft.formula(
-        *[FormulaRow(writer.symbol(r), writer.lines(x, f"rate {r.record.name}")) for r, x in solved]
-    )
+    symbol, speeds = draft.writer.symbol, draft.model.speeds
+    spelt = draft.rates.in_rates([speed.expression for speed in speeds])
+    draft.paragraph("speeds")
+    draft.formula(*[draft.row(symbol(u.symbol), x, f"speed {u.name}") for u, x in zip(speeds, spelt)])
+    draft.paragraph("rates_of_speeds")
+    solved = [(rate, x) for rate, x in draft.rates.declared.rates.items() if rate != x]
+    draft.formula(*[draft.row(symbol(rate), x, f"rate {rate.record.name}") for rate, x in solved])
 
 
 def _write_count_of_free(draft: Draft) -> None:
-    say, bodies, n = draft.say, draft.model.bodies, len(draft.rates.symbols)
-    kinds = [
-        say("particle_3" if b.frame is None else "solid_6", math(draft.writer.name(b.name))) for b in bodies
-    ]
-    free, each = sum(3 if b.frame is None else 6 for b in bodies), joined(kinds, "; ")
+    bodies, n = draft.model.bodies, len(draft.rates.symbols)
+    kinds = {True: "particle_3", False: "solid_6"}
+    each = "; ".join([draft.say(kinds[b.frame is None], math(draft.writer.name(b.name))) for b in bodies])
+    free = sum(3 if b.frame is None else 6 for b in bodies)
     if free == n:
-        draft.paragraph(say("free_all", str(free), each))
-    elif free < n:  # a coordinate of what has no mass
-        draft.paragraph(say("free_more", str(free), each, str(n)))
+        draft.paragraph("free_all", free, each)
+    elif free < n:  # a coordinate of something without mass
+        draft.paragraph("free_more", free, each, n)
     else:
-        draft.paragraph(say("free_count", str(free), each, str(n), str(free - n)))
+        draft.paragraph("free_count", free, each, n, free - n)
         found = implicit_constraints(draft)
-        if found:
-            draft.blocks.append(ItemList(tuple([x.text for x in found])))
+        draft.blocks += [Items(tuple([x.text for x in found]))] if found else []
 
 
 def write_constraints(draft: Draft) -> None:
     """Write the explicit constraints, their kinds, and their rates in the form a_kj q_j' + b_k = 0."""
-    draft.heading(2, draft.say("h_constraints"))
     equations = draft.equations
+    draft.heading("h_constraints")
     if not equations.rows and not equations.contacts:
-        draft.paragraph(draft.say("none_explicit"))
+        draft.paragraph("none_explicit")
     kinds = {kind.label: kind for kind in draft.analysis.constraints}
     for row in equations.rows:
         _write_row(draft, row, kinds[row.label])
-    for reason in equations.dropped:
-        draft.paragraph(plain(reason.replace("`", "")))
+    draft.blocks += [reason.replace("`", "") for reason in equations.dropped]
     for contact in equations.contacts:
         _write_contact(draft, contact)
 
 
-def _write_row(draft: Draft, row: Row, kind: RowKind) -> None:
-    say, writer = draft.say, draft.writer
-    word = (
-        "holonomic"
-        if row.holonomic
-        else {True: "integrable", False: "nonholonomic"}.get(kind.integrable, "velocity_row")
-    )
-    side = _side(draft, row)
-    words = [word, "rheonomic" if row.time_dependent else "scleronomic", *([side] if side else [])]
-    draft.paragraph((*bold(row.label), *plain(": "), *joined([say(key) for key in words], ", ")))
+def _write_row(draft: Draft, row: Constraint, kind: RowKind) -> None:
     if row.holonomic:
-        draft.formula(FormulaRow("", writer.lines(row.residual, row.label), " = 0"))
-        draft.paragraph(say("its_rate", math(r"a_{kj}\,\dot q_j + b_k = 0")))
-    draft.formula(_rate_row(draft, row, " = 0"))
+        word = "holonomic"
+    elif kind.integrable is None:
+        word = "velocity_row"
+    else:
+        word = "integrable" if kind.integrable else "nonholonomic"
+    words = [word, "rheonomic" if row.time_dependent else "scleronomic"]
+    words += ["exterior"] if _moves_one_body(draft, row) else []
+    draft.blocks.append(f"{bold(row.label)}: " + ", ".join(map(draft.say, words)))
+    if row.holonomic:
+        draft.formula(draft.row("", row.residual, row.label, " = 0"))
+        draft.paragraph("its_rate", math(r"a_{kj}\,\dot q_j + b_k = 0"))
+    _write_rate(draft, row, " = 0")
 
 
-def _rate_row(draft: Draft, row: Row | ContactRow, relation: str) -> FormulaRow:
-    leading = [draft.writer.algebra.symbol(v) for v in draft.rates.symbols]
-    rate = draft.rates.in_rates_and_speeds(row.rate)
-    return FormulaRow("", draft.writer.lines(rate, f"rate of {row.label}", leading), relation)
+def _write_rate(draft: Draft, row: Constraint | ContactRow, relation: str) -> None:
+    """Write the rate of a constraint or of a gap, gathered by the rates of coordinates."""
+    writer = draft.writer
+    leading = [writer.algebra.symbol(v) for v in draft.rates.symbols]
+    (rate,) = draft.rates.in_rates([row.rate])
+    draft.formula(Row("", writer.lines(rate, f"rate of {row.label}", leading), relation))
 
 
-def _side(draft: Draft, row: Row) -> str:
-    """Return "exterior" where one body alone is moved, "interior" where several are: the constraint is between
-    them if its gradient does not vanish on one of them alone."""
-    rates = [
-        v for j, v in enumerate(draft.rates.symbols) if j in draft.rates.along(draft.graph.one, row.rate)
-    ]
-    moving = [
-        b for b in draft.model.bodies if depends([*b.velocity, *(b.frame.spin if b.frame else ())], rates)
-    ]
-    return "exterior" if len(moving) == 1 else ""
+def _moves_one_body(draft: Draft, row: Constraint) -> bool:
+    """Whether the rates that a constraint restricts move one body alone: it is exterior then."""
+    forces = draft.rates.along(draft.graph.one, row.rate)
+    rates = [v for j, v in enumerate(draft.rates.symbols) if j in forces]
+    bodies = [(*b.velocity, *(b.frame.spin if b.frame is not None else ())) for b in draft.model.bodies]
+    return len([body for body in bodies if depends(body, rates)]) == 1
 
 
 def _write_contact(draft: Draft, contact: ContactRow) -> None:
-    say, writer = draft.say, draft.writer
-    rubs = say("with_friction" if contact.slips else "without_friction")
-    kind = say("always_closed") if contact.normals else say("one_sided", rubs)
-    draft.paragraph((*bold(contact.label), *plain(": "), *kind))
+    say = draft.say
+    kind = say("one_sided", say("with_friction" if contact.slips else "without_friction"))
+    draft.blocks.append(f"{bold(contact.label)}: {say('always_closed') if contact.normals else kind}")
     if not contact.normals:
-        draft.formula(FormulaRow("", writer.lines(contact.gap, contact.label), r" \ge 0"))
-        draft.paragraph(say("its_rate", math(r"a_{kj}\,\dot q_j + b_k \ge 0")))
-        draft.formula(_rate_row(draft, contact, r" \ge 0"))
+        draft.formula(draft.row("", contact.gap, contact.label, r" \ge 0"))
+        draft.paragraph("its_rate", math(r"a_{kj}\,\dot q_j + b_k \ge 0"))
+        _write_rate(draft, contact, r" \ge 0")
     if contact.slips:
-        draft.paragraph(say("slip"))
-        draft.formula(*slip_rows(draft, contact))
-
-
-def slip_rows(draft: Draft, contact: ContactRow) -> list[FormulaRow]:
-    """Return the definitions of the slips of a contact; one that is a rate itself needs no letter."""
-    from lagc.reports.names import slip_speeds
-
-    leading = [draft.writer.algebra.symbol(v) for v in draft.rates.symbols]
-    found = []
-    for speed, slip in zip(slip_speeds(contact), contact.slips):
-        rate = draft.rates.in_rates_and_speeds(slip.rate)
-        lines = draft.writer.lines(rate, f"slip of {contact.label}", leading)
-        found.append(FormulaRow("" if speed == slip.rate else draft.writer.symbol(speed), lines))
-    return found
+        draft.paragraph("slip")
+        rates = draft.rates.in_rates([slip.rate for slip in contact.slips])
+        letters = ["" if speed == slip.rate else draft.writer.symbol(speed)
+                   for speed, slip in zip(slip_speeds(contact), contact.slips)]  # fmt: skip
+        draft.formula(*[draft.row(u, rate, f"slip of {contact.label}") for u, rate in zip(letters, rates)])
 
 
 def write_count(draft: Draft) -> None:
     """Count unknowns and equations: n + p, of one contact by its modes."""
     say, n, p = draft.say, len(draft.equations.v), len(draft.equations.rows)
-    draft.heading(2, say("h_count"))
+    draft.heading("h_count")
     contacts = draft.equations.contacts
-    if len(contacts) == 1 and not contacts[0].normals:
-        (contact,) = contacts
-        closed, conjunction = say("closed"), plain(f" {say.word('and')} ")
-        slips = (*closed, *conjunction, *say("slips")) if contact.slips else closed
-        rows: list[tuple[Text, Text]] = [(say("open"), _sum(n, p)), (slips, _sum(n, p + 1))]
-        if contact.slips:
-            rows.append(((*closed, *conjunction, *say("sticks")), _sum(n, p + 1 + len(contact.slips))))
-        draft.blocks.append(Table(((say("mode_column"), math("n + p")), *rows)))
-    else:
-        freedom = say("dof", str(draft.analysis.degrees_of_freedom))
-        draft.paragraph(
-            (*math(f"n + p = {n} + {p}"), *plain(": "), *say("count_line"), *plain(" "), *freedom)
-        )
-
-
-def _sum(n: int, p: int) -> Text:
-    return math(f"{n} + {p}")
+    if len(contacts) != 1 or contacts[0].normals:
+        freedom = say("dof", draft.analysis.degrees_of_freedom)
+        draft.blocks.append(f"{math(f'n + p = {n} + {p}')}: {say('count_line')} {freedom}")
+        return
+    slips = len(contacts[0].slips)
+    rows = [(say("open"), p), (say.all_of("closed", "slips") if slips else say("closed"), p + 1)]
+    rows += [(say.all_of("closed", "sticks"), p + 1 + slips)] if slips else []
+    head = (say("mode_column"), math("n + p"))
+    draft.blocks.append(Table((head, *[(mode, math(f"{n} + {p}")) for mode, p in rows])))

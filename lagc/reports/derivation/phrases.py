@@ -5,8 +5,6 @@
 
 from __future__ import annotations
 
-from lagc.reports.derivation.document import Span, Text
-
 LANGUAGES = ("en", "fr", "de")
 
 _TABLE = """
@@ -31,7 +29,7 @@ parameter | parameter | paramètre | Parameter
 meaning | meaning | signification | Bedeutung
 unit | unit | unité | Einheit
 value | value | valeur | Wert
-start | at t = 0 | à t = 0 | bei t = 0
+start | At t = 0: | À t = 0 : | Bei t = 0:
 orientation | unit quaternion; its rates are {}, the components of the rotation vector in the axes of the body | quaternion unitaire ; ses vitesses sont {}, les composantes du vecteur rotation dans les axes du solide | Einheitsquaternion; seine Geschwindigkeiten sind {}, die Komponenten der Winkelgeschwindigkeit in den Achsen des Körpers
 speeds | The speeds are declared: | Les vitesses sont déclarées : | Die Geschwindigkeiten sind erklärt:
 rates_of_speeds | Solved for the rates: | D'où les dérivées : | Nach den Ableitungen aufgelöst:
@@ -113,7 +111,7 @@ not_lagrangian | Not applicable: {}. | Sans objet : {}. | Entfällt: {}.
 because_row | {} is explicit | {} est explicite | {} ist explizit
 because_action | {} has no U | {} n'a pas de U | {} hat kein U
 nothing | Nothing was found. | Rien n'a été trouvé. | Nichts gefunden.
-conserved_line | {}, since {}{} | {}, car {}{} | {}, denn {}{}
+conserved_line | {}, since {} | {}, car {} | {}, denn {}
 since_energy | nothing brings power or takes it | rien n'apporte ni ne prend de puissance | nichts führt Leistung zu oder ab
 since_jacobi | only drives bring power (Jacobi's integral, not the energy) | seuls les entraînements apportent de la puissance (intégrale de Jacobi) | nur Antriebe führen Leistung zu (Jacobi-Integral, nicht die Energie)
 since_cyclic | {} is cyclic and no force acts along it | {} est cyclique et rien n'agit suivant lui | {} ist zyklisch und keine Kraft wirkt längs davon
@@ -136,7 +134,7 @@ stopped | The run stopped at t = {}: {} | Le calcul s'est arrêté à t = {} : {
 
 
 class Phrases:
-    """The sentences in one language. `say("dof", "2")` is a text, `say.word("dof")` its words."""
+    """The sentences in one language: `say("dof", 2)`."""
 
     def __init__(self, language: str):
         """Raise ValueError for a language that is not in `LANGUAGES`."""
@@ -144,13 +142,10 @@ class Phrases:
         rows = [line.split(" | ") for line in _TABLE.strip().splitlines()]
         self._rows = {row[0]: row[column].strip() for row in rows}
 
-    def word(self, key: str) -> str:
-        return self._rows[key]
-
-    def __call__(self, key: str, *given: Text | str) -> Text:
+    def __call__(self, key: str, *given: object) -> str:
         """Return the sentence with `given` in its places."""
-        first, *others = self._rows[key].split("{}")
-        spans = [Span("plain", first)]
-        for value, after in zip(given, others):
-            spans += [*((Span("plain", value),) if isinstance(value, str) else value), Span("plain", after)]
-        return tuple([span for span in spans if span.text])
+        return self._rows[key].format(*given)
+
+    def all_of(self, *keys: str) -> str:
+        """Return several words with "and" between them."""
+        return f" {self('and')} ".join(map(self, keys))

@@ -19,6 +19,7 @@ from lagc.semantics.model import (
     Coordinate,
     Dissipation,
     Force,
+    Frame,
     Lagrangian,
     Model,
     Orientation,
@@ -82,10 +83,6 @@ class Rates:
         """Return `nodes` with declared speeds replaced by their expressions in rates."""
         return self.declared.in_rates(list(nodes))
 
-    def in_rates_and_speeds(self, node: Node) -> Node:
-        """Return the rate of a constraint in rates, where it was solved for speeds."""
-        return node if self.declared.plain else self.in_rates([node])[0]
-
     def virtual(self, vector: Sequence[Node]) -> list[Node]:
         """Return the parts of velocities that are linear in the rates, with stars: drives have no share."""
         return tangent(self.graph, self.in_rates(vector), self.stars)
@@ -128,9 +125,9 @@ class Rates:
         found = gradient(self.graph, {energy: self.graph.one}, list(self.symbols))
         return [found.get(v, self.graph.zero) for v in self.symbols]
 
-    def slopes(self, energy: Node) -> list[Node]:
+    def slopes(self, energy: Node, displacement: dict[Node, Node] | None = None) -> list[Node]:
         """Return the derivatives along the displacement of each rate, the rates held."""
-        (change,) = tangent(self.graph, [energy], self.displacement)
+        (change,) = tangent(self.graph, [energy], displacement or self.displacement)
         found = gradient(self.graph, {change: self.graph.one}, list(self.stars.values()))
         return [found.get(star, self.graph.zero) for star in self.stars.values()]
 
@@ -226,9 +223,16 @@ def rates_of(equations: EquationsOfMotion) -> Rates:
 
 def with_named_frames(model: Model) -> Model:
     """Return the model with the name of a body for its frame where a joint brought that without one."""
-    frames = {body.frame: replace(body.frame, name=body.name)
-              for body in reversed(model.bodies) if body.frame is not None and not body.frame.name}  # fmt: skip
-    bodies = [replace(b, frame=frames.get(b.frame, b.frame)) if b.frame else b for b in model.bodies]
-    actions = [replace(a, frame=frames.get(a.frame, a.frame), reaction=frames.get(a.reaction, a.reaction)
-                       if a.reaction else None) if isinstance(a, Torque) else a for a in model.actions]  # fmt: skip
+    unnamed = [body for body in model.bodies if body.frame is not None and not body.frame.name]
+    frames: dict[Frame | None, Frame] = {}
+    for body in unnamed:
+        if body.frame is not None:
+            frames.setdefault(body.frame, replace(body.frame, name=body.name))
+    if not frames:
+        return model
+    bodies = [replace(b, frame=frames.get(b.frame, b.frame)) for b in model.bodies]
+    torques = [a for a in model.actions if isinstance(a, Torque)]
+    turned = [(frames.get(a.frame, a.frame), frames.get(a.reaction, a.reaction)) for a in torques]
+    named = {a.name: replace(a, frame=f, reaction=g) for a, (f, g) in zip(torques, turned)}
+    actions = [named.get(a.name, a) for a in model.actions]
     return replace(model, bodies=tuple(bodies), actions=tuple(actions))

@@ -107,7 +107,8 @@ class FormulaWriter:
             return False
 
     def node_of(self, p: Polynomial) -> Node:
-        """Return the expression of a polynomial. Raises TooLarge for functions of three arguments and tables."""
+        """Return the expression of a polynomial. Raises TooLarge for tables and functions of three
+        arguments."""
         graph, atoms, total = self.graph, self.algebra.atoms, self.graph.zero
         for monomial, c in p.items():
             term = graph.const(float(c))
@@ -204,7 +205,7 @@ class FormulaWriter:
             form = self.total(self.polynomial(node), leading)
         except (TooLarge, NotFinite):
             self.abbreviated += 1
-            return (rf"\text{{({self.say.word('parts').format(len(reachable([node])))})}}",)
+            return (rf"\text{{({self.say('parts', len(reachable([node])))})}}",)
         return self.shown(form, about, node if of is None else of, width)
 
     def shown(self, form: Total, about: str, node: Node, width: int = WIDTH) -> tuple[str, ...]:
@@ -213,7 +214,7 @@ class FormulaWriter:
         terms = [self.latex.part(x) for x in form.terms] or ["0"]
         if len(terms) > MOST and not self.full:
             self.abbreviated += 1
-            more = self.say.word("more_terms").format(len(terms) - SHOWN)
+            more = self.say("more_terms", len(terms) - SHOWN)
             terms = [*terms[:SHOWN], rf"\ldots \ \text{{({more})}}"]
         return broken(terms, width)
 
@@ -265,7 +266,21 @@ def broken(terms: Sequence[str], width: int = WIDTH) -> tuple[str, ...]:
     return (*lines, line)
 
 
+def is_sum(text: str) -> bool:
+    """Whether a formula has several terms, outside of all braces and parentheses."""
+    depth = 0
+    for piece in re.findall(r"\\left|\\right|[{}]| [-+] ", text):
+        depth += {"{": 1, r"\left": 1, "}": -1, r"\right": -1}.get(piece, 0)
+        if piece.strip() in "+-" and depth == 0:
+            return True
+    return False
+
+
+def split_sign(text: str) -> tuple[str, str]:
+    """Return the sign "-" of a single term and the term without it; "" and the formula otherwise."""
+    return ("-", text[1:]) if text.startswith("-") and not is_sum(text[1:]) else ("", text)
+
+
 def in_parentheses(text: str) -> str:
     """Return `text` in parentheses where it is a sum or has a sign."""
-    is_sum = re.search(r"(?<!^)(?<![{(^])\s[-+]\s", text) is not None
-    return rf"\left({text}\right)" if is_sum or text.startswith("-") else text
+    return rf"\left({text}\right)" if is_sum(text) or text.startswith("-") else text

@@ -163,10 +163,15 @@ def everything(
     return [
         *_kinematic(equations, collector),
         *[
-            Formula("motion", name, collector.collect(collector.cancel(p)), ZERO,
-                    factor=collector.collect(collector.common_factor(p)))
+            Formula(
+                "motion",
+                name,
+                collector.collect(collector.cancel(p)),
+                ZERO,
+                factor=collector.collect(collector.common_factor(p)),
+            )
             for name, p in zip(equations.v_names, motion)
-        ],  # fmt: skip
+        ],
         *_rows(equations, collector),
         *_laws(equations, collector, laws),
         *_events(equations, collector),
