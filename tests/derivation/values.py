@@ -30,8 +30,8 @@ def solution(name: str, scene: str | None = None) -> Derivation:
 
 
 def states(equations: EquationsOfMotion, found: Derivation, count: int = 2) -> list[State]:
-    """Random states with values for all symbols: rates and second derivatives are free, declared speeds follow
-    from them; virtual velocities, multipliers and forces of contacts are free."""
+    """Random states with values for all symbols: rates and second derivatives are free, declared speeds
+    follow from them; virtual velocities, multipliers and forces of contacts are free."""
     rates, declared = rates_of(equations), build_states(equations.model)
     chance, every = Chance(4711), list[State]()
     for state in samples(equations.model, count, spread=1.0):

@@ -9,10 +9,10 @@ model, are independent, and are as many as the parameters that the constraints s
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
-from lagc.mechanics.numeric.dense_linear import dimension
+from lagc.mechanics.numeric.dense_linear import dimension, least_norm
 from lagc.mechanics.numeric.dense_linear import dot as product
 from lagc.mechanics.numeric.samples import samples
 from lagc.reports.algebra.expansion import TooLarge
@@ -78,7 +78,7 @@ class _Search:
         self.points = [self._point("O", (zero, zero, zero))]
         self.points += [self._point(name(p.name), p.position) for p in draft.model.points]
         self.points += [*self.centres.values(), *self._partial_sums()]
-        self.references: dict[Node, tuple[list[float], float]] = {}  # by coordinate: a form is slope * rate
+        self.references: dict[Node, list[float]] = {}  # a form for the rate of a coordinate
 
     def _partial_sums(self) -> list[Point]:
         """Return the points that are partial sums of a centre's position, such as O + r x_C."""
@@ -128,20 +128,42 @@ class _Search:
         for k in [k for k in range(3) if not slopes[k]]:
             found.append(self._component(body, k, self._velocity(body, centre, AXES[k])))
         moving = [k for k in range(3) if slopes[k]]
+        turning = self._from_spin(body, {q: x for k in moving for q, x in slopes[k].items()})
+        if moving and all(slopes[k].keys() <= turning.keys() for k in moving):
+            forms = [self._less(body, k, slopes[k], turning) for k in moving]
+            return [*found, *[self._component(body, k, form) for k, form in zip(moving, forms)]]
         plain = {x for x in body.position if x in self.draft.rates.states.q}
         length = None if len(plain) == len(moving) else self._length(body, centre, known)
         if length is not None:
             return [*found, length]
         for k in moving:
-            form = self._velocity(body, centre, AXES[k])
-            if len(slopes[k]) == 1 and not slopes[k].keys() & self.references.keys():
-                ((coordinate, slope),) = slopes[k].items()
-                self.references[coordinate] = form, slope
-            elif slopes[k].keys() <= self.references.keys():
-                for coordinate, slope in slopes[k].items():
-                    reference, own = self.references[coordinate]
-                    form = [a - slope / own * b for a, b in zip(form, reference)]
-                found.append(self._component(body, k, form))
+            unknown = slopes[k].keys() - self.references.keys()
+            if not unknown:
+                found.append(self._component(body, k, self._less(body, k, slopes[k], self.references)))
+            elif len(unknown) == 1:
+                (coordinate,) = unknown
+                known = {q: slope for q, slope in slopes[k].items() if q != coordinate}
+                form = self._less(body, k, known, self.references)
+                self.references[coordinate] = [x / slopes[k][coordinate] for x in form]
+        return found
+
+    def _less(
+        self, body: Body, k: int, slopes: Mapping[Node, float], references: Mapping[Node, list[float]]
+    ) -> list[float]:
+        """Return the form of a component of a centre, less the share of coordinates."""
+        form = self._velocity(body, self.centres[body.name], AXES[k])
+        for coordinate, slope in slopes.items():
+            form = [a - slope * b for a, b in zip(form, references[coordinate])]
+        return form
+
+    def _from_spin(self, body: Body, slopes: Mapping[Node, float]) -> dict[Node, list[float]]:
+        """Return the rates that are a component of the rotation of the body, as forms."""
+        found, positions = dict[Node, list[float]](), self.draft.rates.positions
+        for j in [j for j, q in positions.items() if q in slopes and body.frame is not None]:
+            spins = [(i, w) for i, w in enumerate(self.spins[body.name][:-1]) if math.hypot(*w) > ROUNDING]
+            x, y, z = least_norm([w for _, w in spins], [float(i == j) for i, _ in spins]) or (0.0, 0.0, 0.0)
+            if spins and all(abs(product(w, (x, y, z)) - (i == j)) < ROUNDING for i, w in spins):
+                found[positions[j]] = self._turn(body, None, (x, y, z))
         return found
 
     def _length(self, body: Body, centre: Point, known: Sequence[Point]) -> Implicit | None:
