@@ -24,7 +24,9 @@ def counts(name: str) -> list[int]:
     ("classic/heavy_top", [3]),  # a ball joint
     ("classic/compound_pendulum", [5]),  # a pivot
     ("classic/four_bar", [5, 5, 5]),
-    ("classic/rolling_disc", [1]),  # the height of the centre
+    ("classic/spherical_pendulum_angles", [1]),  # the string
+    ("course/wheel_rolling_implicit", [1, 1, 1, 2]),  # the plane, the ground, rolling, the axis
+    ("course/rough_wedge_implicit", [1, 1, 1, 1]),  # both in the plane, the wedge on the ground, the face
 ])  # fmt: skip
 def test_known_mechanisms(name: str, expected: list[int]) -> None:
     assert counts(name) == expected

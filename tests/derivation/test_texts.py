@@ -66,7 +66,8 @@ def test_pages_are_well_formed_and_load_nothing(name: str) -> None:
 
 @pytest.mark.parametrize("latex, shown", [
     (r"\frac{a}{b}", "<mstyle><mfrac><mrow><mi>a</mi></mrow><mrow><mi>b</mi></mrow></mfrac></mstyle>"),
-    (r"\dot{\theta}^{2}", '<msup><mover accent="true"><mrow><mi>θ</mi></mrow><mo stretchy="false">˙</mo></mover>'
+    (r"\dot{\theta}^{2}", '<msup><mover accent="true"><mrow><mi>θ</mi></mrow><mo stretchy="false">˙</mo>'
+                          "</mover>"
                           "<mrow><mn>2</mn></mrow></msup>"),
     (r"x_{0}^{*}", "<msubsup><mi>x</mi><mrow><mn>0</mn></mrow><mrow><mo>*</mo></mrow></msubsup>"),
     (r"\text{a\_b}", "<mtext>a_b</mtext>"),

@@ -142,8 +142,8 @@ class _Search:
                 found.append(self._component(body, k, self._less(body, k, slopes[k], self.references)))
             elif len(unknown) == 1:
                 (coordinate,) = unknown
-                known = {q: slope for q, slope in slopes[k].items() if q != coordinate}
-                form = self._less(body, k, known, self.references)
+                others = {q: slope for q, slope in slopes[k].items() if q != coordinate}
+                form = self._less(body, k, others, self.references)
                 self.references[coordinate] = [x / slopes[k][coordinate] for x in form]
         return found
 
@@ -159,10 +159,10 @@ class _Search:
     def _from_spin(self, body: Body, slopes: Mapping[Node, float]) -> dict[Node, list[float]]:
         """Return the rates that are a component of the rotation of the body, as forms."""
         found, positions = dict[Node, list[float]](), self.draft.rates.positions
-        for j in [j for j, q in positions.items() if q in slopes and body.frame is not None]:
-            spins = [(i, w) for i, w in enumerate(self.spins[body.name][:-1]) if math.hypot(*w) > ROUNDING]
-            x, y, z = least_norm([w for _, w in spins], [float(i == j) for i, _ in spins]) or (0.0, 0.0, 0.0)
-            if spins and all(abs(product(w, (x, y, z)) - (i == j)) < ROUNDING for i, w in spins):
+        spins = [(i, w) for i, w in enumerate(self.spins.get(body.name, [])) if math.hypot(*w) > ROUNDING]
+        for j in [j for j, _ in spins if positions.get(j) in slopes]:
+            x, y, z = least_norm([w for _, w in spins], [float(i == j) for i, _ in spins])
+            if all(abs(product(w, (x, y, z)) - (i == j)) < ROUNDING for i, w in spins):
                 found[positions[j]] = self._turn(body, None, (x, y, z))
         return found
 
