@@ -240,22 +240,40 @@ def measure_terms(p: Params, v: Verification) -> None:
             v.terms[i] = term
 
 
-def check_block(p: Params, times: Vec[Any], o: Options, states: Rows[NX], outputs: Rows[NY], r: Report,
-                v: Verification) -> Status:  # fmt: skip
-    """Let the check follow the steps of the run since the last comparison, and compare."""
+def follow_to(p: Params, target: Real, o: Options, v: Verification) -> Status:
+    """Let the check reach a time, by one step if it is accurate enough, or a clause that ends it."""
+    while v.check.t < target:
+        v.check.h = target - v.check.t
+        status = step_once(p, v.check, target, o, v.check_work)
+        if failed(status):
+            return status
+        v.check.is_new_call = False
+    return OK
+
+
+def check_block(p: Params, times: Vec[Any], n: Length, ended: Status, o: Options, states: Rows[NX],
+                outputs: Rows[NY], r: Report, v: Verification) -> Status:  # fmt: skip
+    """Let the check follow the steps of the run since the last comparison, and compare.  Where a clause has
+    ended the run, it ends the check too, at another time, and both ends are compared."""
     last = v.steps_done
+    final = ended == TERMINATED or not v.run.t < times[n - 1]
+    closed = OK
     for m in range(last + 1):
         target = v.run.t if m == last else v.check_times[m]
-        while v.check.t < target:
-            v.check.h = target - v.check.t
-            status = step_once(p, v.check, target, o, v.check_work)
-            if failed(status):
-                return status
-            v.check.is_new_call = False
+        if closed == OK:
+            closed = follow_to(p, target, o, v)
+        if m == last and ended == TERMINATED and closed == OK:
+            closed = follow_to(p, times[n - 1], o, v)
+        if failed(closed) and closed != TERMINATED:
+            return closed
+        if closed == TERMINATED and m < last:
+            continue
         status = compare_recorded(p, times, o, states, outputs, target, r, v)
         if failed(status):
             return status
-        alike = passed_alike(v.check, v.block_changes[m]) if m < last else agree(v.run, v.check)
+        alike = m == last and final
+        if not alike:
+            alike = passed_alike(v.check, v.block_changes[m]) if m < last else agree(v.run, v.check)
         if not alike:
             r.skipped += 1
         elif m == last:
@@ -287,17 +305,19 @@ def run_attempt(p: Params, times: Vec[Any], n: Length, g: Goal, scales: Vec[NQUA
     while v.run.t < final:
         if g.slice > 0 and v.run.steps - before >= g.slice:
             return INTERRUPTED
-        status = step_run(p, times, n, o, states, outputs, r, v)
-        if failed(status):
-            return status
-        if v.steps_done == BLOCK or not v.run.t < final:
-            status = check_block(p, times, o, states, outputs, r, v)
+        ended = step_run(p, times, n, o, states, outputs, r, v)
+        if failed(ended) and ended != TERMINATED:
+            return ended
+        if v.steps_done == BLOCK or ended == TERMINATED or not v.run.t < final:
+            status = check_block(p, times, n, ended, o, states, outputs, r, v)
             if failed(status):
                 return status
-            error = estimate_errors(g, scales, o.method, v.run.t < final, v)
+            error = estimate_errors(g, scales, o.method, ended == OK and v.run.t < final, v)
             part = (v.run.t - first) / (final - first)
             if error <= g.accuracy:
                 r.until = v.run.t
+            if ended == TERMINATED:
+                return ended
             v.predicted = error / (part if part > LEAST_PART else LEAST_PART)
             if part < 1.0:
                 if last:
@@ -386,8 +406,8 @@ def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales
         r.steps = v.run.steps
         r.rtol = v.tolerance
         r.estimated = estimate_errors(g, scales, o.method, False, v)
-        whole = v.run.t >= times[n - 1]
+        whole = v.run.t >= times[n - 1] or status == TERMINATED
         g.law = (r.estimated if whole else v.predicted) / v.tolerance
         if last or (whole and r.estimated <= g.accuracy) or (g.most > 0 and r.rhs > g.most):
             return status
-        next_tolerance(g, whole, failed(status), r, v)
+        next_tolerance(g, whole, failed(status) and status != TERMINATED, r, v)

@@ -31,6 +31,7 @@ from lagc.lowering.program import Interface, Program
 
 # Public kernels of every model; a run of lagc does the last ones itself.
 ROOTS = ("begin", "step", "dense", "advance", "record", "verified", "check")
+EMBEDDED = ("verified", "check")  # of these the kernels that a run of lagc does itself
 CALLED = ("rhs_at", "system_at", "assemble_at", "solve_at")  # called by `public_functions`
 FOLLOWING = ("follow", "event_facts")  # with sensitivities
 _COPY_STATE = """\
@@ -55,7 +56,7 @@ class Runtime:
         self.program, self.complete, self.real = program, complete, real
         interface, functions = program.interface, program.functions
         self.searches = complete and interface.needs_consistency
-        roots = [name for name in ROOTS if complete or name != "check"]
+        roots = [name for name in ROOTS if complete or name not in EMBEDDED]
         roots += ["bind"] if interface.prepared else []
         roots += ["hold"] if interface.relations else []
         roots += ["seated"] if interface.contacts else []
@@ -77,7 +78,7 @@ class Runtime:
         records = self._records()
         found = [self._enumeration("Status"), records["Work"], self._enumeration("Method")]
         found += [records["Options"], _codes(codes(self.parts, "language/records")), records["State"]]
-        found += [records[name] for name in ("Goal", "Report", "Verification")]
+        found += [records[name] for name in ("Goal", "Report", "Verification") if self.complete]
         found += [records["TangentWork"]] if self.program.interface.follows else []
         if self.searches:
             found += [_codes(codes(self.parts, "initialization/workspace")), records["StartWork"]]
