@@ -91,7 +91,7 @@ class Context:
         self.warnings: dict[tuple[Span, Span], Fault] = {}  # one for each pair of places
         self._reported: set[tuple[str, Span | None, str]] = set()
         self.count = 0
-        self.depth = 0  # nested evaluations of declarations
+        self.chain: list[Entry] = []  # declarations that are evaluated, the outermost first
         self.callers: list[Span] = []  # places of the nested calls
         self.all_calls = 0
         self.called: set[int] = set()  # functions, by identity
@@ -153,7 +153,7 @@ class Context:
                 related=((entry.span, "declared here"),),
                 remedy="break the circle: one of these declarations must not depend on the others",
             )
-        if self.depth >= DEEPEST_CHAIN:
+        if len(self.chain) >= DEEPEST_CHAIN:
             raise Wrong(
                 "LAG0218",
                 f"a chain of more than {DEEPEST_CHAIN} declarations depend on one another",
@@ -161,7 +161,7 @@ class Context:
                 "put each declaration before those that depend on it",
             )
         entry.state = "running"
-        self.depth += 1
+        self.chain.append(entry)
         try:
             entry.value = self._declare(self, entry)
         except Wrong as wrong:
@@ -172,7 +172,7 @@ class Context:
             entry.state = "poisoned"
             raise
         finally:
-            self.depth -= 1
+            self.chain.pop()
         entry.state = "done"
         return entry.value
 

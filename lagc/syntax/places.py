@@ -38,7 +38,7 @@ _PLACES: dict[str, frozenset[str]] = {
     "annotation": frozenset({"file", "package", "model", "effect", "scene"}),
 }
 _IN_LOOPS = frozenset({
-    "frame", "point", "body", "joint", "friction", "potential", "kinetic", "lagrangian", "dissipation",
+    "frame", "point", "body", "joint", "potential", "kinetic", "lagrangian", "dissipation",
     "force", "torque", "constraint", "initial", "for", "when", "instance",
 })  # fmt: skip
 _BY_INDEX = {  # how an array outside of a loop gets a value for each element

@@ -189,7 +189,6 @@ CASES = [
     ("an array that is too large", "LAG0218", "coordinate Length «z[1000, 1000]»;"),
     ("a function that calls itself", "LAG0225", "function f(Real u) = «f(u)»; potential V = 1 [J]*f(1);"),
     ("a joint of a body with itself", "LAG0233", "joint j = Prismatic(b, «b», axis = world.x);"),
-    ("a friction", "LAG0220", "constraint c: x = 1 [m]; «friction f = Coulomb(on = c, mu = 0.3);»"),
     ("a bound of a rate", "LAG0235", "constraint c: «der(x) >= 0»;"),
     ("an equality in a `when`", "LAG0227", 'when «x == 1 [m]» then terminate("far"); end when;'),
     ("a `when` without a condition", "LAG0307", 'when «x» then terminate("far"); end when;'),

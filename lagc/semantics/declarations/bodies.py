@@ -6,7 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 from lagc.diagnostics.faults import Fault, Span
-from lagc.diagnostics.suggest import did_you_mean, foreign_model, moments
+from lagc.diagnostics.foreign_words import MODELS, foreign
+from lagc.diagnostics.suggest import did_you_mean, moments
 from lagc.semantics import model as objects
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.attributes import given_scalar
@@ -59,7 +60,7 @@ def declare_body(context: Context, entry: Entry) -> Value:
     if name not in _PARAMETERS:
         look_at_arguments(context, call, entry.environment)
         raise Wrong(
-            "LAG0221", NO_BODY, call.function.span, did_you_mean(name, _PARAMETERS) or foreign_model(name)
+            "LAG0221", NO_BODY, call.function.span, did_you_mean(name, _PARAMETERS) or foreign(MODELS, name)
         )
     given = _arguments(context, entry, call, name)
     if name == "Solid" and "frame" not in given:
