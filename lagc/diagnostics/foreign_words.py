@@ -127,6 +127,11 @@ CALLS: dict[str, str] = {
               "`when time >= next then ... reinit(next, next + T); end when;`; for values at given times "
               "write `table(time, ..., interpolation = \"held\")`",
 }  # fmt: skip
+SURPLUS = {  # calls of functions of the language with more arguments than they take
+    "der": "der({0})", "atan": "atan2({0}, {1})", "norm": "norm({{{all}}})", "normalize": "normalize({{{all}}})",
+    "position": "position({0})", "log": "log({0})/log({1})", "velocity": "velocity({0})",
+    "floor": "floor({0})", "abs": "norm({{{all}}})",
+}
 NAMES: dict[str, str] = {
     **dict.fromkeys(("Pi", "PI"), "pi"), **dict.fromkeys(("t", "Time", "TIME"), "time"),
     **dict.fromkeys(("True", "TRUE"), "true"), **dict.fromkeys(("False", "FALSE"), "false"),
@@ -284,6 +289,12 @@ def foreign_call(name: str, arguments: Sequence[str] = ()) -> str | None:
         line = "\n"
     shown = len(line) <= _LONGEST and "\n" not in line
     return f"write `{line if shown else filled(template, 'xyz')}`"
+
+
+def surplus(name: str, arguments: Sequence[str]) -> str | None:
+    """Return the remedy for a call with too many arguments, or None: `der(der(x))` for `der(x, 2)`."""
+    template = "der(der({0}))" if name == "der" and arguments[1] == "2" else SURPLUS.get(name)
+    return template and f"write `{filled(template, arguments)}`"
 
 
 def keeps_argument(name: str, k: int) -> bool:

@@ -220,7 +220,7 @@ def _needed(
     wanted = next((meant for root, meant in _roots(context.chain[-1]) if _holds(root, e)), None)
 
     def of(part: tree.Expression) -> Dimension | None:
-        return _dimension(context, part, environment)
+        return dimension_of(context, part, environment)
 
     for part, inner in zip(reversed(path), (*reversed(path[:-1]), e)):
         if isinstance(part, tree.Binary):
@@ -263,7 +263,7 @@ def _of_operand(
     return over(wanted, other)
 
 
-def _dimension(context: Context, e: tree.Expression, environment: Environment) -> Dimension | None:
+def dimension_of(context: Context, e: tree.Expression, environment: Environment) -> Dimension | None:
     """Return the dimension of an expression, None if it has a fault or is 0."""
     before, context.faults = context.faults, []
     value: Value | None = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import partial
 
-from lagc.diagnostics.foreign_words import CALLS, foreign_call, keeps_argument
+from lagc.diagnostics.foreign_words import CALLS, foreign_call, keeps_argument, surplus
 from lagc.diagnostics.suggest import did_you_mean, meant_argument
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Entry, Environment, Scalar, Value, expect, flat
@@ -88,7 +88,12 @@ def match(
     found: dict[str, tree.Expression] = {}
     many: list[tree.Expression | None] = []
     wrong: list[Wrong] = []
-    for position, argument in enumerate(e.arguments):
+    allowed = LONGEST if parameters[-1:] == ("*",) else len(parameters)
+    if len(e.arguments) > allowed and e.arguments[allowed].name is None:
+        remedy = surplus(who.strip("`"), [argument.span.text for argument in e.arguments])
+        message = f"{who} takes {_count(parameters)}; more are given"
+        wrong.append(Wrong("LAG0209", message, e.arguments[allowed].span, remedy))
+    for position, argument in enumerate(e.arguments[:allowed]):
         try:
             name = _parameter(argument, position, parameters, who)
             if name in found:
@@ -122,8 +127,6 @@ def _parameter(argument: tree.Argument, position: int, parameters: tuple[str, ..
     if argument.name is None:
         if parameters and parameters[-1] == "*" and position >= len(parameters) - 1:
             return "*"
-        if position >= len(parameters):
-            raise Wrong("LAG0209", f"{who} takes {_count(parameters)}; more are given", argument.span)
         return parameters[position]
     if argument.name not in parameters or argument.name == "*":
         known = [p for p in parameters if p != "*"]

@@ -28,6 +28,10 @@ def constant_of(
             related=((declarator.name_span, "declared here"),),
             remedy="declare it in a model, or as a `constant`",
         )
+    if declared.type is None:
+        message = f"`constant` needs a type and a name; there is only `{name}`"
+        remedy = f"write `constant Real {declarator.span.text};`, or a type such as `Mass`"
+        raise Wrong("LAG0133", message, declarator.name_span, remedy)
     if declarator.value is None:
         raise Wrong("LAG0210", f"the constant `{name}` has no value", declarator.name_span)
     key = (id(declarator), "constant")

@@ -235,7 +235,7 @@ def comma_in_list(w: Where) -> Explained | None:
             message = f"a `,` is missing between `{before.text}` and `{after.text}`"
             remedy = f"separate the names in a list by `,`: `{before.text}, {after.text}`"
             fault = Fault("LAG0130", message, w.span(before, after), remedy=remedy)
-            return Explained(fault, Repair(w.begin, int(joined), (token_of(",", w.first.start),)))
+            return Explained(fault, Repair(w.begin - 1, 1 + joined, (before, token_of(",", w.first.start))))
         at -= 1
     return None
 
