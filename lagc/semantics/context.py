@@ -89,6 +89,7 @@ class Context:
         self.scales: dict[str, float] = {}  # that quantities are declared with
         self.faults: list[Fault] = []
         self.warnings: dict[tuple[Span, Span], Fault] = {}  # one for each pair of places
+        self.hushed = False  # faults are not reported, while a remedy is looked for
         self._reported: set[tuple[str, Span | None, str]] = set()
         self.count = 0
         self.chain: list[Entry] = []  # declarations that are evaluated, the outermost first
@@ -104,7 +105,7 @@ class Context:
     def report(self, wrong: Wrong) -> None:
         fault = wrong.fault
         key = (fault.code, fault.span, fault.message)
-        if len(self.faults) >= MOST_FAULTS or key in self._reported:
+        if self.hushed or len(self.faults) >= MOST_FAULTS or key in self._reported:
             return
         self._reported.add(key)
         if self.callers and fault.span is not None:
@@ -166,10 +167,10 @@ class Context:
             entry.value = self._declare(self, entry)
         except Wrong as wrong:
             self.report(wrong)
-            entry.state = "poisoned"
+            entry.state = "new" if self.hushed else "poisoned"
             raise Poisoned from None
         except Poisoned:
-            entry.state = "poisoned"
+            entry.state = "new" if self.hushed else "poisoned"
             raise
         finally:
             self.chain.pop()

@@ -23,18 +23,19 @@ def unit_remedy(text: str, wanted: Dimension | None) -> str | None:
     """Return the remedy for a text that is not a unit, or None."""
     if text.strip() in UNIT_VALUES:
         return f"write it in a unit of the language: 1 {text.strip()} is `{UNIT_VALUES[text.strip()]}`"
-    meant = meant_unit(text, wanted)
-    if meant is not None:
-        return f"write `[{meant}]`"
-    close = meant_unit(text, wanted, _close)
-    return close and f"did you mean `[{close}]`?"
+    for needed in dict.fromkeys((wanted, None)):
+        if (meant := meant_unit(text, needed)) is not None:
+            return f"write `[{meant}]`"
+        if (close := meant_unit(text, needed, _close)) is not None:
+            return f"did you mean `[{close}]`?"
+    return None
 
 
 def meant_unit(
     text: str, wanted: Dimension | None = None, meanings: Callable[[str], Iterator[str]] | None = None
 ) -> str | None:
-    """Return the unit that a text means, if possible one of dimension `wanted`, or None.  `meanings` yields
-    the symbols that a word may mean."""
+    """Return the unit, of dimension `wanted` if it is given, that a text means, or None.  `meanings` yields the
+    symbols that a word may mean."""
     if len(text) > _LONGEST:
         return None
     meanings = meanings or _meanings
@@ -42,7 +43,6 @@ def meant_unit(
     plain = re.sub(r"\s*(\bper\b|/)\s*", "/", plain)
     plain = re.sub(r"\s*[.*]\s*|\s+|(?<=[A-Za-z])-(?=[A-Za-z])", ".", plain)
     words = list(_WORD.finditer(plain))
-    first: str | None = None
     for chosen in islice(product(*(tuple(meanings(word[0])) for word in words)), _MOST):
         spelled, at = "", 0
         for word, symbol in zip(words, chosen):
@@ -54,8 +54,7 @@ def meant_unit(
             continue
         if wanted is None or found.dimension == wanted:
             return spelled
-        first = first or spelled
-    return first
+    return None
 
 
 def _meanings(word: str) -> Iterator[str]:

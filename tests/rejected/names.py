@@ -28,6 +28,8 @@ CASES = [
     ("an element declared twice", "LAG0202", "point P[1] = {x, 0, 0}; point «P»[1] = {0, x, 0};"),
     ("one name in every turn of a loop", "LAG0202", "for i in 1:2 loop point «P» = {x, 0, 0}; end for;"),
     ("elements of two kinds", "LAG0202", "point P[1] = {x, 0, 0}; frame «P»[2] = rotate_z(world, 0);"),
+    ("a quantity without a type", "LAG0133", "parameter «k» = 3;"),
+    ("a quantity without a name", "LAG0133", "output «Energy»;"),
     ("an unknown type", "LAG0203", "parameter «Lenght» k = 1;"),
     ("an unknown type in a function", "LAG0203", "function f(«Foo» u) = 2; potential V = f(1)*1 [J];"),
     ("a model that is not there", "LAG0203", "«Pendulum» p;"),

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from lagc.diagnostics.foreign_words import NAMES, UNIT_WORDS, foreign, foreign_call, looks_like_unit
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context
-from lagc.semantics.names.scope import Entry, Environment, Instance, Scalar, Value, flat
+from lagc.semantics.names.scope import Entry, Environment, Instance, flat
 from lagc.semantics.refusals import Poisoned, Wrong
 from lagc.semantics.units import (
     CONSTANTS,
@@ -44,7 +44,9 @@ _PLACES = frozenset({"position", "velocity", "acceleration", "kinetic", "momentu
 
 
 def remedy(context: Context, e: tree.Name, environment: Environment) -> str:
-    """Return the remedy for a name that is not declared."""
+    """Return the remedy for a name that is not declared; empty while a remedy is looked for."""
+    if context.hushed:
+        return ""
     instance, path = environment.instance, tuple(_path(context, e))
     known = [*environment.bindings, *instance.entries, *environment.space.known(), *CONSTANTS, "time", "world"]
     return (
@@ -173,7 +175,8 @@ def _roots(entry: Entry) -> tuple[tuple[tree.Expression, Dimension | None], ...]
         places = [part for part in (source.target, source.body, source.reaction) if part is not None]
         return (source.value, _LOADS[source.kind]), *((part, None) for part in places)
     if isinstance(source, tree.Constraint):
-        both = tree.Binary("=", source.left, source.right, source.left.span.to(source.right.span))
+        span = source.left.span.to(source.right.span)
+        both = tree.Binary("=", source.left, source.right, source.relation_span, span)
         return ((both, None),)
     if isinstance(source, tree.Construct):
         return ((source.value, _ENERGIES.get(source.kind)),)
@@ -265,13 +268,11 @@ def _of_operand(
 
 def dimension_of(context: Context, e: tree.Expression, environment: Environment) -> Dimension | None:
     """Return the dimension of an expression, None if it has a fault or is 0."""
-    before, context.faults = context.faults, []
-    value: Value | None = None
+    context.hushed = True
     try:
-        value = evaluate(context, e, environment)
-        found = flat(value, e.span, "")
+        found = flat(evaluate(context, e, environment), e.span, "")
     except (Wrong, Poisoned):
         return None
     finally:
-        context.faults = before
-    return next((x.dimension for x in found if isinstance(x, Scalar) and x.dimension is not None), None)
+        context.hushed = False
+    return next((x.dimension for x in found if x.dimension is not None), None)

@@ -89,11 +89,14 @@ def match(
     many: list[tree.Expression | None] = []
     wrong: list[Wrong] = []
     allowed = LONGEST if parameters[-1:] == ("*",) else len(parameters)
-    if len(e.arguments) > allowed and e.arguments[allowed].name is None:
+    more = [argument for argument in e.arguments[allowed:] if argument.name is None]
+    if more:
         remedy = surplus(who.strip("`"), [argument.span.text for argument in e.arguments])
         message = f"{who} takes {_count(parameters)}; more are given"
-        wrong.append(Wrong("LAG0209", message, e.arguments[allowed].span, remedy))
-    for position, argument in enumerate(e.arguments[:allowed]):
+        wrong.append(Wrong("LAG0209", message, more[0].span, remedy))
+    for position, argument in enumerate(e.arguments):
+        if argument in more:
+            continue
         try:
             name = _parameter(argument, position, parameters, who)
             if name in found:
