@@ -1,9 +1,9 @@
 """A run whose error is known: an adaptive run, and in lock step with it a check with steps of 5/6.
 
-The error of a method of order p is h^p times a function of the trajectory (HNW, Theorem II.3.4), so the check
-errs by (5/6)^p of the error of the run, and their difference is 1 - (5/6)^p of it.  Both advance together,
-five steps of the run, then six of the check over the same time; nothing of a trajectory is stored.  They round
-independently, so round-off is part of their difference.
+The error of a method of order p is h^p times a function of the trajectory (HNW, Theorem II.3.4), so the
+check errs by (5/6)^p of the error of the run, and their difference is 1 - (5/6)^p of it.  Both advance
+together, five steps of the run, then six of the check over the same time; nothing of a trajectory is stored.
+They round independently, so round-off is part of their difference.
 
 If the estimated error is above what is asked, the run is repeated with a smaller tolerance.  The error of one
 model is close to proportional to the tolerance; this law gives the next tolerance.
@@ -196,8 +196,8 @@ def passed_alike(s: State, changes: Real) -> bool:
     return True
 
 
-def compare_recorded(p: Params, times: Vec[Any], o: Options, states: Rows[NX], outputs: Rows[NY], target: Real,
-                     r: Report, v: Verification) -> Status:  # fmt: skip
+def compare_recorded(p: Params, times: Vec[Any], o: Options, states: Rows[NX], outputs: Rows[NY],
+                     target: Real, r: Report, v: Verification) -> Status:  # fmt: skip
     """Compare the recorded times up to a time that the check has reached with its dense output."""
     while v.checked < r.done and times[v.checked] <= target:
         t = times[v.checked]
@@ -296,7 +296,8 @@ def check_block(p: Params, times: Vec[Any], n: Length, ended: Status, o: Options
 
 
 def run_attempt(p: Params, times: Vec[Any], n: Length, g: Goal, scales: Vec[NQUANTITY], o: Options,
-            states: Rows[NX], outputs: Rows[NY], last: bool, r: Report, v: Verification) -> Status:  # fmt: skip
+                states: Rows[NX], outputs: Rows[NY], last: bool, r: Report,
+                v: Verification) -> Status:  # fmt: skip
     """Advance both runs to the end, until the accuracy is surely missed, or until the slice of steps is
     made (INTERRUPTED).  The last attempt goes on as long as its result has a meaning."""
     first = times[0]
@@ -349,14 +350,14 @@ def next_tolerance(g: Goal, whole: bool, lost: bool, r: Report, v: Verification)
 
 
 @public
-def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales: Vec[NQUANTITY], o: Options,
-             states: Rows[NX], outputs: Rows[NY], r: Report, v: Verification) -> Status:  # fmt: skip
-    """Integrate from (times[0], x0) to times[n-1] so that the error of each coordinate, speed and output is at
-    most g->accuracy of its scale: scales[NQUANTITY] where they are given and positive, else the range of the
-    quantity.  Write states[n*NX] and outputs[n*NY] at the times, which increase, errors and scales to v->error
-    and v->scale, and the rest of what is known to *r.  The accuracy is met if r->estimated is at most
-    g->accuracy.  o->method and o->max_step are used; o->rtol and o->alone are set.  Begin with v->phase = 0.
-    INTERRUPTED after g->slice steps: call again to continue."""
+def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales: Vec[NQUANTITY],
+             o: Options, states: Rows[NX], outputs: Rows[NY], r: Report, v: Verification) -> Status:  # fmt: skip
+    """Integrate from (times[0], x0) to times[n-1] so that the error of each coordinate, speed and output is
+    at most g->accuracy of its scale: scales[NQUANTITY] where they are given and positive, else the range of
+    the quantity. Write states[n*NX] and outputs[n*NY] at the times, which increase, errors and scales to
+    v->error and v->scale, and the rest of what is known to *r. The accuracy is met if r->estimated is at
+    most g->accuracy. o->method and o->max_step are used; o->rtol and o->alone are set. Begin with
+    v->phase = 0. INTERRUPTED after g->slice steps: call again to continue."""
     if v.phase == 0:
         v.run.t = times[0]
         v.run.x[:] = x0

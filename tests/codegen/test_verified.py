@@ -159,8 +159,8 @@ def test_c_and_python_give_the_same_bits(name: str, tmp_path: Path) -> None:
     bind = f"{own}_bind(&p)" if program.interface.prepared else ""
     text = DRIVER.replace("NAME", own).replace("CAPS", own.upper()).replace("BIND", bind)
     (tmp_path / "main.c").write_text(text)
-    command = ["gcc", "-std=c99", "-O2", *STRICT, "-Wno-conversion", "main.c", f"{own}.c", "-lm", "-o", "main"]
-    subprocess.run(command, cwd=tmp_path, check=True)
+    options = ["-std=c99", "-O2", *STRICT, "-Wno-conversion"]
+    subprocess.run(["gcc", *options, "main.c", f"{own}.c", "-lm", "-o", "main"], cwd=tmp_path, check=True)
     (code,) = emit_python(program).values()
     m: Any = ModuleType("generated")
     exec(code, m.__dict__)

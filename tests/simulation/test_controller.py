@@ -107,7 +107,7 @@ def test_the_program_that_knows_its_error(tmp_path: Path) -> None:
     """One second with 0.1 N, against a run a thousand times tighter; rk4 errs by about h^4 there."""
     (program,) = [text for text in re.findall(r"```c\n(.*?)```", TEXT, re.S) if "_verified(" in text]
     words = printed(program, tmp_path)
-    theta, known, off = float(words[1].rstrip(",")), float(words[4]), float(words[9])
+    theta, known, off = float(words[1].rstrip(",")), float(words[4]), float(words[10])
     system = lagc.loads(block("modelica"), "cart_pole.lag").compile(inputs={"u": 0.1})
     exact = system.simulate(1.0, accuracy=1e-12)["theta"][-1]
     assert abs(theta - exact) <= known <= 2e-9

@@ -232,9 +232,8 @@ class Library:
 
     def _extern(self, function: Function) -> Signature:
         kinds = tuple(parsed(a, lambda name: name in ("State", "Work")) for _, a in function.parameters)
-        return Signature(
-            kinds, ("None",), [a.startswith("Out") or n == "kept" or a == "Work" for n, a in function.parameters]
-        )
+        written = [a.startswith("Out") or n == "kept" or a == "Work" for n, a in function.parameters]
+        return Signature(kinds, ("None",), written)
 
     def function(self, part: Function, known: Mapping[str, Any], prefix: str, own: frozenset[str]) -> None:
         name = prefix + part.name

@@ -188,7 +188,8 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     own = {
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NINT": nq + nv + interface.nz,
         "NDISC": len(interface.discretes), "NC": interface.nc, "NH": interface.nh,
-        "NP": len(fields), "NY": len(interface.outputs), "NGROUP": max(interface.kinds, default=0) + 1, "NWORK": interface.work_size,
+        "NP": len(fields), "NY": len(interface.outputs),
+        "NGROUP": max(interface.kinds, default=0) + 1, "NWORK": interface.work_size,
         "NHEALTH": max(interface.health, 2),
         "NBOUNDED": sum(isfinite(f.minimum) or isfinite(f.maximum) for f in fields),
         "NMODE": relations, "NTIMED": interface.timed_relations, "NFREE": free, "NENDS": 2 * free,
