@@ -351,7 +351,8 @@ def next_tolerance(g: Goal, whole: bool, lost: bool, r: Report, v: Verification)
 
 @public
 def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales: Vec[NQUANTITY],
-             o: Options, states: Rows[NX], outputs: Rows[NY], r: Report, v: Verification) -> Status:  # fmt: skip
+             o: Options, states: Rows[NX], outputs: Rows[NY], r: Report,
+             v: Verification) -> Status:  # fmt: skip
     """Integrate from (times[0], x0) to times[n-1] so that the error of each coordinate, speed and output is
     at most g->accuracy of its scale: scales[NQUANTITY] where they are given and positive, else the range of
     the quantity. Write states[n*NX] and outputs[n*NY] at the times, which increase, errors and scales to

@@ -61,9 +61,9 @@ PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NALL", "NY", "NWORK", "NMOD
 def definitions(program: Program, complete: bool, given: frozenset[str]) -> list[str]:
     """Return sizes, tables, statuses, records, kernels and the classes that call them."""
     search = SEARCH if complete and program.interface.needs_consistency else ()
-    search += ("verified",) if complete else ()
+    embedded = ("verified",) if complete else ()
     checks = ("is_bound",) if complete and program.interface.prepared else ()
-    use = _needed(program.interface, (*ROOTS, *search, *checks), complete)
+    use = _needed(program.interface, (*ROOTS, *embedded, *search, *checks), complete)
     interface = program.interface
     more = support(OF_CONTACTS) if interface.contacts else ()
     return [_constants(interface, use, given), *_support(interface), *more, _work(program), *kernels(use),
