@@ -169,18 +169,18 @@ class _Search:
     def _length(self, body: Body, centre: Point, known: Sequence[Point]) -> Implicit | None:
         """Return a constant distance of a centre from a known point."""
         for point in reversed(known):
-            way, size = sub(centre.place, point.place), math.dist(centre.place, point.place)
+            arm, size = sub(centre.place, point.place), math.dist(centre.place, point.place)
             moves = [sub(a, b) for a, b in zip(centre.velocities, point.velocities)]
-            if size == 0.0 or any(abs(product(way, v)) > ROUNDING * size * math.hypot(*v) for v in moves):
+            if size == 0.0 or any(abs(product(arm, v)) > ROUNDING * size * math.hypot(*v) for v in moves):
                 continue
             writer, difference = self.draft.writer, sub(centre.position, point.position)
             length = writer.algebra.root(writer.polynomial(dot(difference, difference)))
             letters = rf"\left|{point.letters}\,{centre.letters}\right|"
             text = formula(f"{letters} = {writer.latex.total(writer.total(length))}")
             owners = [b for b in self.bodies if self._belongs(b, point) and not self._belongs(None, point)]
-            form = self._velocity(body, centre, way)
+            form = self._velocity(body, centre, arm)
             if owners:
-                form = [a - b for a, b in zip(form, self._velocity(owners[0], point, way))]
+                form = [a - b for a, b in zip(form, self._velocity(owners[0], point, arm))]
             return Implicit(f"{text} (1)", [form])
         return None
 

@@ -33,7 +33,7 @@ from lagc.symbolic.vectors import Vector, cross, dot, sub
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """What one action or reaction brings to the equations: its generalized forces, by rate. The kinds are
+    """The share of one action or reaction in the equations: its generalized forces, by rate. The kinds are
     "given", "perfect" and "imperfect"."""
 
     name: str
