@@ -35,7 +35,14 @@ from lagc.simulation.system import (
     rates_at,
     work_of,
 )
-from lagc.simulation.verdict import Verdict, fixed_step_verdict, redundancy, verdict, verified_verdict
+from lagc.simulation.verdict import (
+    Verdict,
+    fixed_step_verdict,
+    redundancy,
+    spaced_verdict,
+    verdict,
+    verified_verdict,
+)
 
 Progress = Callable[[float], None]
 KINDS = {RESTS: "rests", CLOSES: "closes", OPENS: "opens", STICKS: "sticks", SLIPS: "slips"}
@@ -180,15 +187,17 @@ def _integrate(
         )
         return _Done(Verdict(*outcome, run, None), options, [run], [])
     timed = system.interface.whens and system.interface.timed
+    assert request.accuracy is not None
     rest = None if timed or system.interface.contacts else _rest(system, x, times)
     if rest is not None:
         run = trajectory_at_rest(rest[0], times)
-        return _Done(Verdict(*verdict(system, run, end), run, ROUNDING), Options(), [run], [rest[1]])
-    assert request.accuracy is not None
+        resting = Verdict(*verdict(system, run, end), run, ROUNDING)
+        return _Done(spaced_verdict(system, resting, request.accuracy), Options(), [run], [rest[1]])
     grid = ComparisonGrid(times, ASIDE if system.interface.outputs else 0)
     system, found, why = _chosen(system, x, grid, request, progress, stiff, series)
     demand(system, found.tried[0])
     result = verified_verdict(system, found, request.accuracy, end)
+    result = spaced_verdict(system, result, request.accuracy)
     run, notes = grid.recorded(result.trajectory), [*why, *found.notes]
     verdict_ = replace(result, trajectory=run)
     return _Done(verdict_, found.options, found.tried, notes, tuple(found.errors), tuple(found.scales))

@@ -311,8 +311,8 @@ end Ellipse;"""
 
 @pytest.mark.full
 def test_ten_thousand_turns_to_a_millionth() -> None:
-    """Errors of an undamped motion grow with its length: the tolerance of 1e-6 is far finer, and a series takes
-    less work. Kepler's equation, solved with 25 digits, gives the truth."""
+    """Errors of an undamped motion grow with its length: the tolerance is far finer than 1e-6, and a series
+    takes less work. Kepler's equation, solved with 25 digits, gives the truth."""
     run = compiled(ELLIPSE, "c").simulate(62831.853, accuracy=1e-6, points=51)
     assert (run.status, run.method) == ("ok", "taylor"), run.message
     worst = 0.0
