@@ -246,7 +246,9 @@ def _clauses(equations: EquationsOfMotion, nz: int) -> tuple[Clause, ...]:
 
 
 def parameter_field(p: Parameter) -> Field:
-    return Field(p.name, p.value, p.minimum, p.maximum, p.unit, p.display_unit, place(p.span), p.description)
+    return Field(
+        p.name, p.value, p.minimum, p.maximum, p.unit, p.display_unit, place(p.span), p.description, p.whole
+    )
 
 
 def discrete_field(x: Discrete) -> Field:

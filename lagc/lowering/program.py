@@ -133,6 +133,7 @@ class Field:
     display_unit: str
     place: str  # "pendulum.lag:3"
     description: str
+    whole: bool = False  # an Integer
 
 
 @dataclass(frozen=True, slots=True)

@@ -49,6 +49,7 @@ class Parameter:
     maximum: float
     span: Span
     description: str = ""
+    whole: bool = False  # an Integer
 
 
 @dataclass(frozen=True, slots=True)
