@@ -70,8 +70,8 @@ KEYWORDS: dict[str, str] = {
     "assert": "give bounds where a quantity is declared: `parameter Mass m(min = 0);`",
     "spring": "write a spring as a potential: `potential V = 1/2*k*x^2;`",
     "damper": "write a damper as a dissipation: `dissipation D = 1/2*c*der(x)^2;`",
-    **dict.fromkeys(("friction", "contact"), "write it as a constraint: `constraint rail: y = 0 [m] (friction "
-        "= 0.3, at = b);`, or `constraint floor: b.z >= 0 [m] (friction = 0.3, at = b);`"),
+    **dict.fromkeys(("friction", "contact"), "friction belongs to a constraint, as `(friction = 0.3, at = b)` "
+        "in `constraint floor: b.z >= 0 [m] (friction = 0.3, at = b);`"),
     "moment": "torque", "particle": "body",
     "gravity": "write `Gravity field;`", "event": "write `when condition then ... end when;`",
 }  # fmt: skip
@@ -244,14 +244,19 @@ UNIT_PREFIXES = {"kilo": "k", "milli": "m", "centi": "c", "micro": "u", "mega": 
 _UNITS = frozenset({
     "kg", "g", "mg", "t", "m", "mm", "cm", "km", "um", "s", "ms", "us", "min", "h", "d", "rad", "mrad",
     "deg", "rev", "N", "kN", "mN", "J", "kJ", "W", "kW", "Pa", "kPa", "MPa", "GPa", "bar", "Hz", "kHz",
-    "A", "V", "C", "K", "T", "Nm", "mol", "rpm", "F", "H", "Ohm", "eV", "l", "L", *UNIT_WORDS,
+    "A", "V", "C", "K", "T", "Nm", "mol", "rpm", "F", "H", "Ohm", "eV", "l", "L",
 })  # fmt: skip
+
+
+def unit_symbol(word: str) -> str:
+    """Return the symbol of a unit that is written as a word, `deg` for `Degrees`, or the word itself."""
+    return UNIT_WORDS.get(word) or UNIT_WORDS.get(word.lower().rstrip("s"), word)
 
 
 def looks_like_unit(word: str) -> bool:
     """Whether a word looks like a unit, maybe with an exponent: `kg`, `s2`, `degrees`."""
     word = word.rstrip("0123456789")
-    return word in _UNITS or word.lower().rstrip("s") in UNIT_WORDS
+    return word in _UNITS or unit_symbol(word) != word
 
 
 # -- remedies ----------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from itertools import islice, product
 
-from lagc.diagnostics.foreign_words import UNIT_PREFIXES, UNIT_VALUES, UNIT_WORDS
+from lagc.diagnostics.foreign_words import UNIT_PREFIXES, UNIT_VALUES, unit_symbol
 from lagc.semantics.units import SYMBOLS, Dimension, UnknownUnit, unit
 
 _SIGNS = str.maketrans({**dict.fromkeys("·⋅×∙•", "."), "−": "-", "⁻": "-", "º": "°", "μ": "u", "^": ""})
@@ -62,13 +62,10 @@ def _meanings(word: str) -> Iterator[str]:
     if _is_unit(word):
         yield word
     plain = word.lower()
-    for spelled in (word, plain, plain.rstrip("s")):
-        if spelled in UNIT_WORDS:
-            yield UNIT_WORDS[spelled]
-        for prefix, short in UNIT_PREFIXES.items():
-            base = UNIT_WORDS.get(spelled.removeprefix(prefix), "")
-            if spelled.startswith(prefix) and base:
-                yield short + base
+    yield unit_symbol(word)
+    for prefix, short in UNIT_PREFIXES.items():
+        if plain.startswith(prefix):
+            yield short + unit_symbol(plain.removeprefix(prefix))
     yield from (symbol for symbol in (*_COMMON, *SYMBOLS) if symbol.lower() in (plain, plain.rstrip("s")))
     yield from sorted(_products(word), key=_unlikely)[:4]
 

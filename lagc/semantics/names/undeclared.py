@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from lagc.diagnostics.foreign_words import NAMES, UNIT_WORDS, foreign, foreign_call, looks_like_unit
+from lagc.diagnostics.foreign_words import NAMES, foreign, foreign_call, looks_like_unit, unit_symbol
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Entry, Environment, Instance, flat
@@ -17,6 +17,7 @@ from lagc.semantics.units import (
     FORCE,
     NONE,
     POWER,
+    TYPES,
     Dimension,
     KG,
     M,
@@ -37,6 +38,10 @@ _FACTOR = re.compile(r"((?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*\*\s*$")  # a nu
 _UNIT = re.compile(r"([A-Za-z]+)(?:\^?-?\d+)?(?:[*/.]([A-Za-z]+)(?:\^?-?\d+)?)*")
 _SPEEDS = ("v", "vel", "w", "omega")
 _ENERGIES = {"potential": ENERGY, "kinetic": ENERGY, "lagrangian": ENERGY, "dissipation": POWER, "point": M}
+_TYPES = {  # likelier than those of other quantities of the same dimension
+    ("dissipation", times(POWER, (0, 0, 2 * S[2], *NONE[3:]))): "RotationalDamping",
+    ("potential", ENERGY): "RotationalStiffness",
+}
 _LOADS = {"force": FORCE, "torque": ENERGY}
 _ARGUMENTS = {"mass": KG, "at": M, "com": M, "inertia": dimension(kg=1, m=2)}
 _ANGLES = frozenset({"sin", "cos", "tan", "rotate", "rotate_x", "rotate_y", "rotate_z"})
@@ -130,7 +135,7 @@ def _unit_factor(e: tree.Name) -> str | None:
             break
         end = unit.start() + part.end()
     words = text[e.span.start : end].replace("*", ".")
-    return f"write `{number[1]} [{UNIT_WORDS.get(words, words)}]`"
+    return f"write `{number[1]} [{unit_symbol(words)}]`"
 
 
 def _path(context: Context, e: tree.Name) -> Iterator[tree.Expression]:
@@ -211,7 +216,9 @@ def _declaration(
     if needed == NONE:
         kind = "Angle" if called in _ANGLES else "Real"
         return f"declare it, `parameter {kind} {e.name} = 1;`"
-    return f"declare it, `parameter {name_of(needed)} {e.name} = 1 [{si_text(needed)}];`"
+    named = _TYPES.get((context.chain[-1].kind, needed)) or name_of(needed)
+    unit = TYPES[named].unit if named in TYPES else si_text(needed)
+    return f"declare it, `parameter {named} {e.name} = 1 [{unit}];`"
 
 
 def _needed(

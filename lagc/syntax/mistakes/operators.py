@@ -12,8 +12,10 @@ from lagc.syntax.mistakes.context import Explained, Repair, Where, token_of
 _BRACKETS = {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}
 _LONGEST = 60  # characters of an expression that a remedy repeats
 _ARGUMENTS = re.compile(r"\s*\(\s*\w+\s*=[^=].*$")
-_DEF = re.compile(r"def\s+(\w+)\s*\(([^()]*)\)\s*:\s*return\s+([^\n;]+)")
-_LAMBDA = re.compile(r"lambda\s+([\w\s,]*):\s*([^\n;]+)")
+_FUNCTIONS = {
+    "def": re.compile(r"def\s+(\w+)\s*\(([^()]*)\)\s*:\s*return\s+([^\n;]+)"),
+    "lambda": re.compile(r"lambda\s+([\w\s,]*):\s*([^\n;]+)"),
+}
 _VECTORS = frozenset({"{", "velocity", "position", "acceleration", "cross", "momentum", "angular_velocity"})
 FUNCTIONS = frozenset({
     "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "abs", "norm",
@@ -114,17 +116,17 @@ def power_of_function(w: Where) -> Explained | None:
 
 def python_function(w: Where) -> Explained | None:
     """Explain `def f(x): return x^2` and `f = lambda x: x^2`."""
-    at = w.first.start if w.first.text == "def" else w.before.start
-    found = (_DEF if w.first.text == "def" else _LAMBDA).match(w.source.text, at)
-    if found is None:
+    near = w.tokens[w.begin : w.position + 3]
+    word = next((token for token in near if token.text in ("def", "lambda")), None)
+    found = None if word is None else _FUNCTIONS[word.text].match(w.source.text, word.start)
+    if found is None or word is None:
         return None
-    name, names, value = found.groups() if w.first.text == "def" else (w.first.text, *found.groups())
+    name, names, value = found.groups() if word.text == "def" else (w.first.text, *found.groups())
     name = w.tokens[w.begin + 1].text if name in w.keywords else name
     arguments = ", ".join(f"Real {word.strip()}" for word in names.split(",") if word.strip())
-    word = "def" if w.first.text == "def" else "lambda"
-    message, where = f"`{word}` is not a keyword of the language", w.first if word == "def" else w.before
+    message = f"`{word.text}` is not a keyword of the language"
     remedy = f"write `function {name}({arguments}) = {value.strip()};`, with the types of its arguments"
-    return Explained(Fault("LAG0118", message, w.span(where), remedy=remedy))
+    return Explained(Fault("LAG0118", message, w.span(word), remedy=remedy))
 
 
 def comparison_for_equation(w: Where) -> Explained | None:
