@@ -1,4 +1,4 @@
-"""Units as people write them: `Nm`, `kgm2`, `Kg`, `°`, `N·m`, `m s^-2`, `meters`; and the unit that is meant."""
+"""Units as people write them: `Nm`, `kgm2`, `Kg`, `°`, `N·m`, `m s^-2`, `meters`; the unit that is meant."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _SIGNS = str.maketrans({**dict.fromkeys("·⋅×∙•", "."), "−": "-", "⁻"
 _WORD = re.compile(r"[^\W\d_]+|[%°]+")
 _POWERS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
 _COMMON = ("kg", "mm", "cm", "km", "ms", "kN", "kHz", "mN", "MPa", "GPa", "kPa", "kJ", "kW", "mrad")
-_PIECES = ("kg", "N", "m", "s", "rad", "J", "W", "K", "A", "V", "Pa", "g", "mm", "cm", "km", "kN", "Hz", "mol")
+_PIECES = ("kg", "N", "m", "s", "rad", "J", "W", "K", "A", "V", "Pa", "g", "mm", "cm", "km", "kN", "Hz")
 _MOST = 2000  # spellings that are tried
 _LONGEST = 40
 
@@ -34,8 +34,8 @@ def unit_remedy(text: str, wanted: Dimension | None) -> str | None:
 def meant_unit(
     text: str, wanted: Dimension | None = None, meanings: Callable[[str], Iterator[str]] | None = None
 ) -> str | None:
-    """Return the unit, of dimension `wanted` if it is given, that a text means, or None.  `meanings` yields the
-    symbols that a word may mean."""
+    """Return the unit, of dimension `wanted` if it is given, that a text means, or None.  `meanings` yields
+    the symbols that a word may mean."""
     if len(text) > _LONGEST:
         return None
     meanings = meanings or _meanings
@@ -86,7 +86,8 @@ def _products(word: str) -> Sequence[str]:
     for piece in _PIECES:
         if word.startswith(piece) and word != piece:
             rest = word[len(piece) :]
-            found += [f"{piece}.{other}" for other in (*_products(rest), *([rest] if rest in _PIECES else []))]
+            others = (*_products(rest), *([rest] if rest in _PIECES else []))
+            found += [f"{piece}.{other}" for other in others]
     return tuple(found)
 
 

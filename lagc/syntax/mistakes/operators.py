@@ -54,7 +54,8 @@ def _bars(w: Where) -> Special | None:
     if w.tokens[last].text != w.token.text or not inner:
         return None
     function = "norm" if inner[0].text in _VECTORS or w.token.text == "||" else "abs"
-    words = (token_of(function, w.token.start), token_of("(", w.token.start), *inner, token_of(")", inner[-1].end))
+    start = w.token.start
+    words = (token_of(function, start), token_of("(", start), *inner, token_of(")", inner[-1].end))
     remedy = f"write `{function}({w.span(inner[0], inner[-1]).text})`"
     return w.token, w.tokens[last], remedy, Repair(w.position, last + 1 - w.position, words)
 
@@ -198,5 +199,3 @@ def _two_bounds(w: Where, first: Token) -> str | None:
     return (
         f"write two constraints: `constraint {name}_1: {bounds[0]};` and `constraint {name}_2: {bounds[1]};`"
     )
-
-

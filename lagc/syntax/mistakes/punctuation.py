@@ -59,7 +59,8 @@ def bare_unit(w: Where) -> Explained | None:
     while (part := _FACTOR.match(text, end)) is not None and looks_like_unit(part[2]):
         if bool(unit) != bool(part[1]) or (part[1] == " " and "-" not in part[3]):
             break
-        unit, end = unit + part[1].replace("*", ".").replace(" ", ".") + unit_symbol(part[2]) + part[3], part.end()
+        sign = "." if part[1] in ("*", " ") else part[1]
+        unit, end = f"{unit}{sign}{unit_symbol(part[2])}{part[3]}", part.end()
     last = first
     while w.tokens[last].end < end:
         last += 1
