@@ -171,7 +171,9 @@ class _Trial:
             return
         self._call("cost", "--stop", "0.01", "--budget", "0.3", *self.case.options)
         if "effect " in self.case.text:
-            self._call("effects", "--stop", "0.01", "--accuracy", "1e-2", "--points", "11", *self.case.options)
+            self._call(
+                "effects", "--stop", "0.01", "--accuracy", "1e-2", "--points", "11", *self.case.options
+            )
 
     def _both(self, label: str, words: list[str], sound: bool) -> None:
         found = []
