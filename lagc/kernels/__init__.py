@@ -25,6 +25,7 @@ FILES = (
     "linear_algebra/dense_lu",
     "contact/frozen_modes",
     "contact/conditions",
+    "contact/shares",
     "contact/enumeration",
     "contact/complementarity",
     "contact/sweeps",

@@ -14,7 +14,8 @@ from lagc.kernels.contact.enumeration import (
     choices,
     enumerate_modes,
 )
-from lagc.kernels.contact.frozen_modes import CONTACT_OPEN, CONTACT_SLIPS, set_law_scales, solve_modes
+from lagc.kernels.contact.frozen_modes import CONTACT_OPEN, CONTACT_SLIPS, CONTACT_STICKS, set_law_scales, solve_modes
+from lagc.kernels.contact.shares import meets_law
 from lagc.kernels.contact.sweeps import sweep_to_solution
 from lagc.kernels.language.vocabulary import *
 
@@ -58,15 +59,17 @@ def is_enumerable(w: Work) -> bool:
 
 
 def holds_as_before(w: Work) -> bool:
-    """Return whether the modes before meet the law."""
+    """Return whether the modes before meet the law; where they are not known, whether contacts stick."""
     for i in range(w.law_count):
-        if w.law_mode[i] < CONTACT_OPEN or w.law_least[i] > 0.0:
+        if w.law_least[i] > 0.0:
             return False
+        if w.law_mode[i] < CONTACT_OPEN:
+            w.law_mode[i] = CONTACT_SLIPS if w.law_slides[i] > 0 else CONTACT_STICKS
         if w.law_mode[i] != CONTACT_OPEN and not has_friction(w, i):
             w.law_mode[i] = CONTACT_SLIPS
         slips = w.law_mode[i] == CONTACT_SLIPS and has_friction(w, i) and w.law_slides[i] == 0
         w.law_turns[i] = 1 if slips and w.law_slips[i] == 2 else 0
-    return solve_modes(w) and is_admissible(w)
+    return meets_law(w)
 
 
 def solve_planar(w: Work) -> int:
