@@ -14,12 +14,14 @@ from lagc.kernels.contact.frozen_modes import CONTACT_OPEN, CONTACT_STICKS
 from lagc.kernels.contact.impact import IMPACT_DONE, IMPACT_ENDLESS, IMPACT_NONE
 from lagc.kernels.contact.normal_forces import find_law, normal_sign, set_normals_given, strike_all
 from lagc.kernels.contact.responses import (
+    add_cancelling,
     add_responses,
     keep_begin,
     respond,
     servos_follow,
     set_accelerations,
 )
+from lagc.kernels.contact.shares import is_shared
 from lagc.kernels.contact.slips import (
     PARTS,
     RELEASES,
@@ -27,6 +29,7 @@ from lagc.kernels.contact.slips import (
     find_slips,
     let_slip,
     pass_slips,
+    reach_of,
     slides_back,
     speed_size,
     stop_slips,
@@ -34,7 +37,6 @@ from lagc.kernels.contact.slips import (
 )
 from lagc.kernels.contact.touching import (
     close,
-    cone_margin,
     find_touching,
     list_contacts,
     moves_freely,
@@ -98,6 +100,8 @@ def strike_contacts(p: Params, s: State, w: Work) -> Status:
             w.law_poisson[n] = contact_poisson[w.touching[n]]
     if NTWO > 0:
         fn_normals_on(p, s.t, s.x, w.modes, w.normal_rows, w.normal_bias)
+    for n in range(w.law_count):
+        w.contact_approach[w.touching[n]] = -w.law_b[w.law_first[n]]
     found = strike_all(w)
     if found != IMPACT_NONE:
         if found != IMPACT_DONE:
@@ -180,7 +184,7 @@ def decide(p: Params, s: State, w: Work) -> Status:
         if found > LAW_FOUND:
             w.culprit = w.touching[w.law_culprit]
             return PARADOX
-    add_responses(w.contact_rates, w)
+    add_cancelling(w.contact_rates, w)
     for n in range(w.law_count):
         w.contact_closed[w.touching[n]] = closed_mode(n, w)
         if NTWO > 0:
@@ -247,7 +251,12 @@ def find_rests(s: State, w: Work) -> bool:
             s.bounce_speeds[i] = speed
             if falls > 0.0:
                 flight = 2.0 * speed / falls
-                if speed * flight < 4.0 * LOWEST_BOUNCE * w.contact_sizes[i]:
+                approach = w.contact_approach[i]
+                if approach * approach > 2.0 * falls * s.fall_heights[i]:
+                    s.fall_heights[i] = 0.5 * approach * approach / falls
+                least = LOWEST_BOUNCE * s.fall_heights[i]
+                least += SLACK_GROWTH * w.indicator_roundoff[NFREE - NCON + i]
+                if speed * flight < 4.0 * least:
                     ratio = speed / before if before > speed else w.restitutions[i]
                     if ratio < 1.0:
                         w.contact_rests[i] = 1
@@ -296,6 +305,7 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
         w.contact_lost[i] = 0.0
         w.contact_leaves[i] = 0
         w.contact_rests[i] = 0
+        w.contact_approach[i] = 0.0
         w.contact_near[i] = w.touched[i]
     list_contacts(False, w)
     if w.law_count > 0:
@@ -397,7 +407,7 @@ def set_contact_slack(p: Params, s: State, w: Work) -> None:
     """Set the slack of contacts: of open ones by the round-off of their gaps, of those that touch by the
     round-off of their forces, w.contact_forces at (s.t, s.x)."""
     for i in range(NQ + NV):
-        w.x_part_middle[i] = s.sizes[scaling_group[i]]
+        w.x_part_middle[i] = reach_of(i, s)
     estimate_indicator_roundoff(p, s, w.x_part_middle, w)
     set_gaps(p, s.t, s.x, w)
     w.indicators[:] = w.contact_indicators
@@ -423,11 +433,16 @@ def set_contact_slack(p: Params, s: State, w: Work) -> None:
             for n in range(w.law_count):
                 r = w.law_first[n]
                 least = CONTACT_ROUNDOFF * w.law_sizes[r] / w.law_w[r * w.law_rows + r]
-                beyond = -2.0 * w.law_p[r] if w.law_p[r] < 0.0 else 0.0
+                margin = w.force_margins[w.touching[n]]
+                beyond = -2.0 * margin if margin < 0.0 else 0.0
+                if is_shared(w):  # all cross at once, beyond round-off
+                    least = 0.0
                 s.slack[NMODE - NCON + w.touching[n]] = least + beyond
-                if w.law_mode[n] == CONTACT_STICKS:
-                    for m in range(1, w.law_slips[n] + 1):
-                        own = w.law_w[(r + m) * w.law_rows + r + m]
-                        least += CONTACT_ROUNDOFF * w.law_sizes[r + m] / own
-                    beyond = cone_margin(w.touching[n], w)
-                    s.slack[slip_relation(w.touching[n])] = least - (2.0 * beyond if beyond < 0.0 else 0.0)
+                if NSLIP > 0:
+                    if w.law_mode[n] == CONTACT_STICKS:
+                        for m in range(1, w.law_slips[n] + 1):
+                            own = w.law_w[(r + m) * w.law_rows + r + m]
+                            if not is_shared(w):
+                                least += CONTACT_ROUNDOFF * w.law_sizes[r + m] / own
+                        beyond = w.cone_margins[w.touching[n]]
+                        s.slack[slip_relation(w.touching[n])] = least - (2.0 * beyond if beyond < 0.0 else 0.0)

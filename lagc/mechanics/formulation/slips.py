@@ -19,10 +19,12 @@ from lagc.mechanics.numeric.samples import samples
 from lagc.semantics.model import Contact
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
-from lagc.symbolic.vectors import Vector, cross, dot, norm
+from lagc.symbolic.vectors import Vector, add, cross, dot, norm, scale, sub
 from lagc.symbolic.walk import substitute
 
 Gradient = Mapping[int, Node]
+
+_INDEPENDENT = 1e-12  # part of the square of a velocity that others do not have
 
 
 def along_surface(states: States, contact: Contact, normal: Gradient) -> tuple[list[Node], Node]:
@@ -71,7 +73,31 @@ def _normal(states: States, normal: Gradient, parts: Sequence[Gradient]) -> Vect
     for n in [*axes, own]:
         if any(not x.is_zero for x in n) and _fits(states, n, normal, parts):
             return (n[0], n[1], n[2])
-    return None
+    n = _shortest(states, normal, parts)
+    return n if not all(x.is_zero for x in n) and _fits(states, n, normal, parts) else None
+
+
+def _shortest(states: States, normal: Gradient, parts: Sequence[Gradient]) -> Vector:
+    """Return the shortest n with normal = n . parts: the sum over independent velocities of the place, which are
+    made orthogonal, of each over its square times its rate of the gap. At the initial state they are chosen."""
+    graph = states.graph
+    n: Vector = (graph.zero, graph.zero, graph.zero)
+    start = next(samples(states.model, 1, spread=0.0), None)
+    columns = sorted({*normal, *(j for part in parts for j in part)})
+    simple = {j: sum(not part[j].is_const for part in parts if j in part) for j in columns}
+    before: list[tuple[Vector, Node]] = []
+    for j in sorted(columns, key=simple.__getitem__):
+        x, y, z = (part.get(j, graph.zero) for part in parts)
+        move, rate = (x, y, z), normal.get(j, graph.zero)
+        for e, gap in before:
+            share = dot((x, y, z), e) / dot(e, e)
+            move, rate = sub(move, scale(share, e)), rate - share * gap
+        squares = states.in_speeds([dot(move, move), dot((x, y, z), (x, y, z))])
+        left, whole = evaluate(squares, start) if start else (0.0, 1.0)
+        if left > _INDEPENDENT * whole:
+            before.append((move, rate))
+            n = add(n, scale(rate / dot(move, move), move))
+    return n
 
 
 def _fits(states: States, n: Sequence[Node], normal: Gradient, parts: Sequence[Gradient]) -> bool:

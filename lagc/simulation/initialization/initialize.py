@@ -28,7 +28,8 @@ from lagc.simulation.system import (
     state_name,
 )
 
-PENETRATION = 1e-9  # of the largest coordinate: a gap that is negative by more is refused
+PENETRATION = 1e-9  # of the size of a gap: one that is negative by more is refused
+PART = 1e-6  # of a coordinate, by which it is moved to see how gaps change
 TOUCHES = 1e-13  # of the same: round-off of a gap
 MOST_NAMED = 12  # conditions of a conflict
 
@@ -69,13 +70,21 @@ def begin(system: System, request: Request) -> Start:
     return replace(start, seconds=perf_counter() - began)
 
 
-def size_of_gaps(system: System, x: Sequence[float], unit: str) -> float:
-    """Return the size of lengths as those of the coordinates, or else of the parameters of this unit."""
-    size = max((abs(v) for v in x[: system.nq]), default=0.0)
-    if size == 0.0:
-        fields = (*system.interface.parameters, *system.interface.inputs)
-        size = max((abs(v) for f, v in zip(fields, system.parameters) if f.unit == unit), default=0.0)
-    return size
+def sizes_of_gaps(system: System, t: float, x: Sequence[float]) -> list[float]:
+    """Return the size of each gap: the sum of its changes with each coordinate, times this coordinate, or else
+    the size of the parameters of its unit."""
+    gaps = system.gaps(t, x)
+    found = [0.0] * len(gaps)
+    for k in range(system.nq):
+        if x[k] != 0.0:
+            moved = [*x[:k], x[k] * (1.0 + PART), *x[k + 1 :]]
+            found = [size + abs(a - b) / PART for size, a, b in zip(found, system.gaps(t, moved), gaps)]
+    fields = (*system.interface.parameters, *system.interface.inputs)
+    for i, contact in enumerate(system.interface.contacts):
+        if not found[i] > 0.0:
+            values = [abs(v) for f, v in zip(fields, system.parameters) if f.unit == contact.unit]
+            found[i] = max(values, default=0.0)
+    return found
 
 
 def touching(system: System, t: float, x: Sequence[float]) -> list[float]:
@@ -83,8 +92,8 @@ def touching(system: System, t: float, x: Sequence[float]) -> list[float]:
     more than round-off."""
     interface, found = system.interface, list(x)
     first = system.nx - len(interface.contacts)
-    for i, (contact, gap) in enumerate(zip(interface.contacts, system.gaps(t, x))):
-        size = size_of_gaps(system, x, contact.unit)
+    sizes = sizes_of_gaps(system, t, x)
+    for i, (contact, gap, size) in enumerate(zip(interface.contacts, system.gaps(t, x), sizes)):
         if gap < -PENETRATION * size:
             depth = f"{-gap:.6g} {contact.unit}".rstrip()
             message = f"the start is {depth} beyond the bound `{contact.name}`"
