@@ -24,6 +24,7 @@ from lagc.kernels.contact.responses import (
 from lagc.kernels.contact.shares import is_shared
 from lagc.kernels.contact.slips import (
     PARTS,
+    REACHES,
     RELEASES,
     TURNS,
     find_slips,
@@ -62,11 +63,13 @@ LONGEST_AFTER_BOUNCE = 64.0  # next step, over the time of flight
 
 
 def find_near_contacts(p: Params, s: State, w: Work) -> None:
-    """Set w.touched to contacts that touch, are hit, or are within round-off of touching."""
+    """Set w.touched to contacts that touch, are hit, or are within round-off of touching. Any impulse may hit a
+    bound of velocities."""
     set_gaps(p, s.t, s.x, w)
     estimate_indicator_roundoff(p, s, s.x, w)
     for i in range(NCON):
         near = w.contact_gaps[i] <= SLACK_GROWTH * w.indicator_roundoff[NFREE - NCON + i]
+        near = near or contact_bounds_rate[i] > 0
         touches = s.x[NX - NCON + i] != 0.0 or w.contact_hit[i] > 0
         w.touched[i] = 1 if (touches or near) and w.contact_hit[i] != PARTS else 0
         w.contact_modes[i] = 1
@@ -245,7 +248,7 @@ def find_rests(s: State, w: Work) -> bool:
     found = False
     for i in range(NCON):
         speed = fabs(w.contact_speeds[contact_first[i]])
-        if w.contact_leaves[i] > 0 and w.contact_rests[i] == 0:
+        if w.contact_leaves[i] > 0 and w.contact_rests[i] == 0 and contact_bounds_rate[i] == 0:
             falls = -gap_acceleration(i, w)
             before = s.bounce_speeds[i]
             s.bounce_speeds[i] = speed
@@ -285,11 +288,16 @@ def bring_to_rest(p: Params, s: State, w: Work) -> Status:
 
 
 def keep_closed(p: Params, s: State, w: Work) -> Status:
-    """Stop the gaps of contacts that touched before, which the seating of those that are hit has moved: a
-    speed of round-off would let them take part in the impact."""
+    """Stop the gaps of contacts that touched before, which the seating of those that are hit has moved, and put
+    bounds of velocities that are reached on gap = 0: a speed of round-off would let them take part in the
+    impact, or leave."""
     status = OK
-    if find_touching(s.x, w):
-        list_contacts(True, w)
+    find_touching(s.x, w)
+    for i in range(NCON):
+        if contact_bounds_rate[i] > 0 and w.contact_hit[i] == REACHES:
+            w.touched[i] = 1
+    list_contacts(True, w)
+    if w.law_count > 0:
         status = close(p, s.t, s.x, w)
     for i in range(NCON):
         w.touched[i] = w.contact_near[i]
@@ -307,8 +315,9 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
         w.contact_rests[i] = 0
         w.contact_approach[i] = 0.0
         w.contact_near[i] = w.touched[i]
-    list_contacts(False, w)
+    list_contacts(True, w)
     if w.law_count > 0:
+        list_contacts(False, w)
         status = seat(p, s.t, s.x, s.sizes, w)
         if not failed(status) and w.contacts_go_on:
             status = keep_closed(p, s, w)

@@ -32,4 +32,5 @@ impulse_state: IVec[NCON]  # index in x of the impulse of the last impact of eac
 contact_slips: IVec[NCON]  # slip rows of each
 contact_normals: IVec[NCON]  # components of the normal force of a two-sided contact; 0: one-sided
 normal_first: IVec[NCON]  # first of these
+contact_bounds_rate: IVec[NCON]  # 1: its gap is one between velocities
 contact_poisson: IVec[NCON]  # 1: Poisson's law of impact, 0: Newton's

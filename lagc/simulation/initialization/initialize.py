@@ -71,11 +71,11 @@ def begin(system: System, request: Request) -> Start:
 
 
 def sizes_of_gaps(system: System, t: float, x: Sequence[float]) -> list[float]:
-    """Return the size of each gap: the sum of its changes with each coordinate, times this coordinate, or else
+    """Return the size of each gap: the sum of its changes with each coordinate and speed, times this one, or else
     the size of the parameters of its unit."""
     gaps = system.gaps(t, x)
     found = [0.0] * len(gaps)
-    for k in range(system.nq):
+    for k in range(system.nq + system.nv):
         if x[k] != 0.0:
             moved = [*x[:k], x[k] * (1.0 + PART), *x[k + 1 :]]
             found = [size + abs(a - b) / PART for size, a, b in zip(found, system.gaps(t, moved), gaps)]
