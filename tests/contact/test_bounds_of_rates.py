@@ -131,9 +131,12 @@ def test_clutches_in_a_train_never_slip_back_and_keep_momentum(seed: int) -> Non
         for k in range(5)
     ]
     parts += [
-        f"constraint c{k}: der(x{k + 1}) >= der(x{k});\noutput Force r{k} = reaction(c{k});\n" for k in range(4)
+        f"constraint c{k}: der(x{k + 1}) >= der(x{k});\noutput Force r{k} = reaction(c{k});\n"
+        for k in range(4)
     ]
-    text = f"model Train\n{''.join(parts)}scene s\nsimulate(stop = 4 [s], accuracy = 1e-8);\nend s;\nend Train;"
+    text = (
+        f"model Train\n{''.join(parts)}scene s\nsimulate(stop = 4 [s], accuracy = 1e-8);\nend s;\nend Train;"
+    )
     run = lagc.loads(text).compile(backend="numpy").simulate()
     assert run.status == "ok" and {event.kind for event in run.events} == {"closes", "opens"}
     momentum = sum(m * run[f"der(x{k})"] for k, m in enumerate(mass))

@@ -36,7 +36,7 @@ def contact_rows(states: States) -> tuple[ContactRow, ...]:
     jacobians = gradients(graph, rates, states.place_of_v)
     for c, jacobian in zip(contacts, jacobians):
         if c.bounds_rate and not _is_linear(states, jacobian):
-            message = f"the bound `{c.label}` is not linear in the velocities, so its force has no direction of its own"
+            message = f"the bound `{c.label}` is not linear in the velocities: its force has no direction"
             remedy = "bound a component of a velocity, or the rate of a coordinate"
             raise Refused([Fault("LAG0235", message, c.span, remedy=remedy)])
     restitutions = states.in_speeds([c.restitution for c in contacts])

@@ -256,7 +256,7 @@ def _velocity_at(context: Context, entry: Entry, written: Mapping[str, tree.Expr
 def _check(
     context: Context, source: tree.Constraint, gap: Node, written: Mapping[str, tree.Expression]
 ) -> bool:
-    """Return whether the gap is one between velocities. Refuse one that depends on what has no place in it."""
+    """Return whether the gap is one between velocities. Refuse what has no place in a gap."""
     span = source.left.span.to(source.right.span)
     timely(context, gap, span, "a constraint")
     mask = context.clock.mask(gap)

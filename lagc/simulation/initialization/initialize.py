@@ -71,8 +71,8 @@ def begin(system: System, request: Request) -> Start:
 
 
 def sizes_of_gaps(system: System, t: float, x: Sequence[float]) -> list[float]:
-    """Return the size of each gap: the sum of its changes with each coordinate and speed, times this one, or else
-    the size of the parameters of its unit."""
+    """Return the size of each gap: the sum of its changes with each coordinate and speed, times this one, or
+    else the size of the parameters of its unit."""
     gaps = system.gaps(t, x)
     found = [0.0] * len(gaps)
     for k in range(system.nq + system.nv):
