@@ -434,7 +434,8 @@ def _when_line(fact: Facts) -> str:
 def _operations_text(facts: Facts, verbose: bool) -> list[str]:
     operations = facts["operations"]
     how = {"straight": "with its linear solve", "looped": "before its linear solve"}[operations["solve"]]
-    lines = [f"one right-hand side: {operations['right_hand_side']}, {how}"]
+    touch = ", where all contacts touch" if facts["contacts"] else ""
+    lines = [f"one right-hand side: {operations['right_hand_side']}, {how}{touch}"]
     if operations["watching"]:
         lines.append(f"{operations['watching']} more where a pivot is small, for the residual of the solve")
     if operations["lifted"]:
