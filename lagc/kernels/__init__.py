@@ -54,6 +54,7 @@ FILES = (
     "events/location",
     "contact/slips",
     "contact/settle",
+    "contact/slack",
     "contact/jumps",
     "events/sliding",
     "events/mode_change",

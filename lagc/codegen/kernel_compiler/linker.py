@@ -300,6 +300,7 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "normal_first": [
             sum(c.normals for c in interface.contacts[:k]) for k in range(len(interface.contacts))
         ],
+        "contact_bounds_rate": [int(c.bounds_rate) for c in interface.contacts],
         "contact_poisson": [int(c.poisson) for c in interface.contacts],
         "reinit_target": [state for c in interface.whens for state in c.states],
         "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],
