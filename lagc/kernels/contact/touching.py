@@ -28,7 +28,7 @@ from lagc.kernels.contact.responses import (
     set_loads,
 )
 from lagc.kernels.contact.set_law import set_law
-from lagc.kernels.contact.shares import OPEN_SHARE, is_shared, share_load
+from lagc.kernels.contact.shares import AT_BOUND, is_shared, share_load
 from lagc.kernels.dynamics.loaded_reactions import MOST_LOAD_STEPS, motion_at
 from lagc.kernels.dynamics.rhs import rhs_at, store_rates
 from lagc.kernels.language.vocabulary import *
@@ -62,6 +62,7 @@ def list_contacts(sliding: bool, w: Work) -> None:
             w.law_first[n] = m
             w.law_slips[n] = contact_slips[i] if sliding else 0
             w.law_two_sided[n] = 0
+            w.law_unit[n] = contact_unit[i]
             w.law_friction[n] = 0.0
             w.law_static[n] = 0.0
             w.law_moves[n] = 0
@@ -134,8 +135,8 @@ def cone_margin(i: int, w: Work) -> Real:
 
 def bear_load(w: Work) -> None:
     """Let contacts that bear their load in many ways do so by the smallest forces within their cones. If these do
-    not bear it, modes change: the forces stay, as if the cones were wider, and w.law_share_lack is not zero."""
-    w.law_share_lack = 0.0
+    not bear it, modes change: the forces stay, as if the cones were wider, and w.law_lack is not zero."""
+    w.law_lack = 0.0
     if is_shared(w):
         for n in range(w.law_count):
             if w.law_mode[n] == CONTACT_STICKS:
@@ -159,7 +160,7 @@ def set_margins(w: Work) -> None:
             w.cone_margins[i] = cone_margin(i, w) if w.law_mode[n] == CONTACT_STICKS else 0.0
     if not shared:
         return
-    least = OPEN_SHARE * size
+    least = AT_BOUND * size
     if NSLIP > 0:
         for n in range(w.law_count):
             i = w.touching[n]
@@ -170,10 +171,10 @@ def set_margins(w: Work) -> None:
         if w.law_two_sided[n] == 0:
             opens = w.force_margins[i] <= least
             if opens:
-                w.force_margins[i] = size if slides or w.law_share_lack == 0.0 else -w.law_share_lack
+                w.force_margins[i] = size if slides or w.law_lack == 0.0 else -w.law_lack
             if NSLIP > 0:
                 if w.law_mode[n] == CONTACT_STICKS and w.cone_margins[i] <= least:
-                    w.cone_margins[i] = size if opens or w.law_share_lack == 0.0 else -w.law_share_lack
+                    w.cone_margins[i] = size if opens or w.law_lack == 0.0 else -w.law_lack
 
 
 def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
@@ -193,7 +194,7 @@ def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
     for r in range(w.law_rows):
         row = w.touching_rows[r]
         w.contact_forces[row] = w.law_p[r]
-    if w.law_share_lack > 0.0:
+    if w.law_lack > 0.0:
         for e in range(w.law_unknowns):
             row = w.law_unknown[e]
             w.contact_forces[w.touching_rows[row]] = w.law_scale[row] * w.law_share[e]
@@ -304,7 +305,7 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
         status = solve_loaded(p, t, x, xdot, lam, False, w)
         if failed(status):
             return status
-        w.law_share_lack = 0.0
+        w.law_lack = 0.0
     else:
         status = respond(p, t, x, w)
         if failed(status):

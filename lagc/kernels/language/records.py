@@ -289,6 +289,7 @@ class Work:
         law_rows: int  # their rows
         law_first: IVec[NCON]  # normal row of each; its slip rows follow
         law_slips: IVec[NCON]  # slip rows of each: 0, 1 or 2
+        law_unit: IVec[NCON]  # unit of its gap: a number, the same for the same unit
         law_two_sided: IVec[NCON]  # it never opens; 1: its normal force has a sign, 2: a direction
         law_friction: Vec[NCON]  # coefficient of friction while it slips
         law_static: Vec[NCON]  # the same while it sticks
@@ -325,25 +326,19 @@ class Work:
         law_choice: IVec[NCON]
         # Shares of a load: the smallest forces in the cones
         law_share: Vec[NLAW]
-        law_share_pull: Vec[NLAW]
-        law_share_dual: Vec[NLAW]
-        law_share_before: Vec[NLAW]
-        law_share_step: Vec[NLAW]
-        law_share_rest: Vec[NLAW]  # load that is not borne
-        law_share_metric: Vec[NLAW]
-        law_share_matrix: Vec[NLAWS]
-        law_share_origin: Vec[NLAW]
-        law_share_basis: Vec[NLAWS]
-        law_share_place: IVec[NLAW]
-        law_share_lack: Real  # size of the load that no forces bear
+        law_pull: Vec[NLAW]  # what is projected on the cones
+        law_place: IVec[NLAW]  # where it is
+        law_metric: Vec[NLAW]
+        law_dual: Vec[NLAW]
+        law_dual_before: Vec[NLAW]
+        law_left: Vec[NLAW]  # load that is not borne
+        law_factor: Vec[NLAWS]
+        law_share_terms: Real
+        law_lack: Real  # size of the load that no forces bear
         law_kept_mode: IVec[NCON]
         law_kept_p: Vec[NCROW]
         law_kept_u: Vec[NCROW]
         law_kept_direction: Vec[NDIRECT]
-        law_block: IVec[NCON]  # first unknown of each contact in the complementarity problem
-        law_tableau: Vec[NTABLEAU]
-        law_basic: IVec[NLCP]
-        law_cobasic: IVec[NLCP]
         # Impacts: their law and results, then what `impact` keeps of all contacts
         law_restitution: Vec[NCON]
         if NPOISSON > 0:
@@ -356,6 +351,7 @@ class Work:
         impact_first: IVec[NCON]
         impact_slips: IVec[NCON]
         impact_two_sided: IVec[NCON]
+        impact_unit: IVec[NCON]
         impact_friction: Vec[NCON]
         impact_of: IVec[NCON]  # contact of each one in a round
         impact_w: Vec[NDELASSUS]
