@@ -23,7 +23,10 @@ from lagc.simulation.backends.compile import library
 from lagc.simulation.system import INTERRUPTED, OK, TERMINATED
 
 Array = npt.NDArray[np.float64]
-SLICE = {False: 500, True: 5}  # steps between two looks at the clock and at signals; True: in quadruple precision
+SLICE = {
+    False: 500,
+    True: 5,
+}  # steps between two looks at the clock and at signals; True: in quadruple precision
 QUAD_FLAGS = ("-O0", "-std=gnu99", "-lquadmath")  # all time is in calls for __float128
 _TEXT = """\
 #include "@.h"
@@ -138,7 +141,9 @@ class Probe:
     at the deadline (of `perf_counter`) ends; a signal ends it too."""
 
     deadline = inf
-    look: Callable[[], None] = staticmethod(lambda: None)  # is called now and then: it may raise KeyboardInterrupt
+    look: Callable[[], None] = staticmethod(
+        lambda: None
+    )  # is called now and then: it may raise KeyboardInterrupt
 
     def __init__(self, sources: Mapping[str, str], interface: Interface, values: Sequence[float],
                  x0: Sequence[float], real: str = "double", flags: tuple[str, ...] = ()):  # fmt: skip
@@ -146,7 +151,9 @@ class Probe:
         header, quad = sources[f"{own}.h"], real == "quad"
         text = _TEXT.replace("OUTPUTS", _OUTPUTS if interface.outputs else "(void)y;")
         text = text.replace("BIND", "@_bind(&p);" if f" {own}_bind(" in header else "")
-        text = text.replace("INTERRUPTED", str(INTERRUPTED)).replace("REAL", "__float128" if quad else "double")
+        text = text.replace("INTERRUPTED", str(INTERRUPTED)).replace(
+            "REAL", "__float128" if quad else "double"
+        )
         text = text.replace("@@", own.upper()).replace("@", own)
         compiled = library({**sources, "probe.c": text}, (*flags, *(QUAD_FLAGS if quad else ())))
         self._call: Any = compiled.lagc_probe
