@@ -134,8 +134,8 @@ class Late(Failed):
 
 
 class Probe:
-    """The generated C of a model with the parameter values of a run, and the initial state x0. A run that goes
-    on at the deadline (of `perf_counter`) ends. `look` is called now and then, and may raise an exception."""
+    """The generated C of a model with the parameter values of a run, and the initial state x0. A run that
+    goes on at the deadline (of `perf_counter`) ends. `look` is called now and then, and may raise."""
 
     deadline = inf
     look: Callable[[], None] = staticmethod(lambda: None)
@@ -169,7 +169,7 @@ class Probe:
         status, resumed = INTERRUPTED, 0
         while status == INTERRUPTED:
             if perf_counter() > self.deadline:
-                raise Late("the time is over")
+                raise Late("a run takes longer than the budget")
             status = self._call(
                 self.values, c_int(len(self.values)), c_int(METHODS.index(setting.method)),
                 c_double(setting.rtol), c_double(setting.step), self.x0, grid,

@@ -90,8 +90,8 @@ def test_a_one_way_clutch_that_a_sinusoid_drives(backend: str) -> None:
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_a_hub_that_rebounds_takes_the_sprocket_with_it(backend: str) -> None:
     """The open clutch takes part in the impact on the stop. The hub rebounds at -1 rad/s, the clutch brings
-    both to one speed, 1/5 rad/s, with which the hub hits the stop again, ..., until both are at rest: the stop has
-    taken the angular momentum of both, 7 kg m2/s, and the clutch that of the sprocket, 3 kg m2/s."""
+    both to one speed, 1/5 rad/s, with which the hub hits the stop again, ..., until both are at rest: the
+    stop has taken the angular momentum of both, 7 kg m2/s, and the clutch that of the sprocket, 3 kg m2/s."""
     run = lagc.loads(WHEELS).compile(backend=backend).simulate()
     assert [(event.contact, event.kind) for event in run.events] == [("clutch", "impact"), ("stop", "impact")]
     assert [event.t for event in run.events] == pytest.approx([0.5, 0.5], abs=1e-12)
