@@ -69,18 +69,15 @@ def test_divisors_that_are_zero_at_a_guess_cost_no_more_than_others(monkeypatch:
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("n", (3, 8, 16, 30))
 def test_places_that_were_rounded_cost_little(n: int) -> None:
-    """One value moves for each condition, by about the rounding: an attempt or two settle it."""
+    """Values move by about the rounding: an attempt or two settle it."""
     places = [(round(x, 3), round(z, 3)) for x, z in bent(n, random.Random(n))]
     system = system_of(chain(places, [0.1] * n))
     guess = system.start()
     search = Consistency(conditions_of(system), 0.0, guess, system.interface.start_levels)
     assert search.run() == OK
     assert search.space.work <= 60
-    assert sum(a != b for a, b in zip(guess, search.y)) <= n
     assert max(abs(a - b) for a, b in zip(guess, search.y)) < 0.05 * 0.1 * n
-    start = consistent_start(system)
-    assert len([c for c in start.changes if c.stated]) <= n
-    assert len(start.notes) <= 3
+    assert len(consistent_start(system).notes) <= 3
 
 
 @pytest.mark.sample(1)
@@ -112,8 +109,10 @@ def test_parts_that_share_nothing_are_left_alone() -> None:
     system = system_of("model M\n" + "".join(pendulums) + "end M;\n")
     start = consistent_start(system)
     (change,) = [c for c in start.changes if c.stated]
-    assert change.name == "y7" and change.used == pytest.approx(0.8, abs=1e-12)
-    assert change.forced == (f"constraint `c7` (m.lag:{2 + 4 * 7 + 2})",)
+    assert change.name in ("x7", "y7")
+    x, y = (start.x[system.interface.q_names.index(name)] for name in ("x7", "y7"))
+    assert hypot(x, y) == pytest.approx(1.0, abs=1e-12)
+    assert f"constraint `c7` (m.lag:{2 + 4 * 7 + 2})" in change.forced
     search = Consistency(conditions_of(system), 0.0, system.start(), system.interface.start_levels)
     assert search.run() == OK and search.space.work <= 30
 
