@@ -94,9 +94,9 @@ def _draw(found: Run, wanted: str, options: argparse.Namespace) -> bool:
 
 
 def kept(
-    path: str, write: Callable[[str], object], failures: tuple[type[Exception], ...], usual: str = ".csv"
+    path: str, write: Callable[[str], object], refused: tuple[type[Exception], ...], usual: str = ".csv"
 ) -> str | None:
-    """Let `write` make the file `path` and return its name. It may raise `failures`, or ImportError where a
+    """Let `write` make the file `path` and return its name. It may raise `refused`, or ImportError where a
     package is broken.
 
     If that fails, write a file with a new name in the current folder or in that for temporary files (with
@@ -105,12 +105,13 @@ def kept(
     """
     from lagc.host.atomic_write import may_wait, shortened
 
+    failures: tuple[type[Exception], ...] = (*refused, ImportError)
     waiting = may_wait(path)
     try:
         with SIGNALS.patience(not waiting):
             write(path)
         return path
-    except (*failures, ImportError) as error:
+    except failures as error:
         say(f"lagc: {_reason(path, error)}")
     except KeyboardInterrupt:
         if not waiting:
@@ -124,7 +125,7 @@ def kept(
         try:
             other = os.path.join(folder(), name)
             write(other)
-        except (*failures, ImportError):
+        except failures:
             continue
         say(f"lagc: the result is kept in {other}")
         return other

@@ -32,8 +32,6 @@ DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NDELASSUS": lambda n: (n["NCON"] + n["NSLIP"]) * (n["NCON"] + n["NSLIP"]),
     "NDIRECT": lambda n: n["NCON"] * 2, "NLAW": lambda n: n["NCON"] * 2 + n["NSLIP"],
     "NLAWS": lambda n: (n["NCON"] * 2 + n["NSLIP"]) * (n["NCON"] * 2 + n["NSLIP"]),
-    "NLCP": lambda n: n["NCON"] + n["NSLIP"] * 2 + 1,
-    "NTABLEAU": lambda n: (n["NCON"] + n["NSLIP"] * 2 + 1) * (n["NCON"] + n["NSLIP"] * 2 + 2),
 }  # fmt: skip
 Part = Mapping[str, Any]  # see `library`
 
@@ -294,10 +292,12 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "pushed_contact": interface.pushed_contacts,
         "impulse_state": [c.impulse for c in interface.contacts],
         "contact_slips": [c.slips for c in interface.contacts],
+        "contact_unit": [[c.unit for c in interface.contacts].index(c.unit) for c in interface.contacts],
         "contact_normals": [c.normals for c in interface.contacts],
         "normal_first": [
             sum(c.normals for c in interface.contacts[:k]) for k in range(len(interface.contacts))
         ],
+        "contact_bounds_rate": [int(c.bounds_rate) for c in interface.contacts],
         "contact_poisson": [int(c.poisson) for c in interface.contacts],
         "reinit_target": [state for c in interface.whens for state in c.states],
         "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],

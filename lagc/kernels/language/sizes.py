@@ -88,8 +88,6 @@ class NNORMALEFFECTS(metaclass=SizeType): ...  # NNORMAL NCROW
 class NNORMALROWS(metaclass=SizeType): ...  # NNORMAL NKNOWN
 class NLAW(metaclass=SizeType): ...  # NCROW + NCON: unknowns of given contact modes, with slip angles
 class NLAWS(metaclass=SizeType): ...  # NLAW NLAW
-class NLCP(metaclass=SizeType): ...  # NCON + 2 NSLIP + 1: unknowns of the linear complementarity problem
-class NTABLEAU(metaclass=SizeType): ...  # NLCP (NLCP + 1)
 
 
 # The same for every model.

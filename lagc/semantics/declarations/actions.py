@@ -147,7 +147,8 @@ def _of_rate(context: Context, entry: Entry) -> str | None:
     if rate is None:
         return None
     unit = f" [{si_text(over(POWER, times(rate, rate)))}]" if is_bare(value.left) else ""
-    return f"a dissipation is half the power: write `1/2*{value.left.span.text}{unit}*{value.right.span.text}^2`"
+    factor, speed = value.left.span.text, value.right.span.text
+    return f"a dissipation is half the power: write `1/2*{factor}{unit}*{speed}^2`"
 
 
 def declare_load(context: Context, entry: Entry) -> Value:

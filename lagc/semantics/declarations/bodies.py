@@ -101,8 +101,8 @@ def _drawn_frame(context: Context, entry: Entry, call: tree.Call) -> Argument:
         if linkage.has_faults or entry in linkage.unplaced:
             raise Poisoned  # reported
     remedy = (
-        "for a solid that does not turn write `frame = world`; else declare `frame F = rotate_y(world, theta);`, "
-        "or tie the solid by a joint"
+        "for a solid that does not turn write `frame = world`; else declare `frame F = rotate_y(world, "
+        "theta);`, or tie the solid by a joint"
     )
     raise Wrong("LAG0210", "`Solid` needs the argument `frame`, or a joint that places it", call.span, remedy)
 
@@ -251,7 +251,8 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
         written = evaluate(context, given, entry.environment)
         if isinstance(written, Text) and written.text[-1:] in ("x", "y", "z"):
             remedy = f"for gravity along the negative axis write `direction = -world.{written.text[-1]}`"
-            raise Wrong("LAG0306", "a direction must be a vector {x, y, z}; this is a text", given.span, remedy)
+            message = "a direction must be a vector {x, y, z}; this is a text"
+            raise Wrong("LAG0306", message, given.span, remedy)
         vector, found = vector_of(written, given.span, "a direction")
         expect(found, NONE, given.span, "a direction")
         direction = unit_vector(context, vector, given.span)
@@ -317,7 +318,8 @@ def _strength(context: Context, entry: Entry, written: tree.Expression | None) -
     elif written is not None:
         found = evaluate_as(context, written, entry.environment, GRAVITY)
         if isinstance(found, Array):
-            raise Wrong("LAG0307", "`g` must be a number; this is a vector", written.span, _of_vector(written))
+            remedy = _of_vector(written)
+            raise Wrong("LAG0307", "`g` must be a number; this is a vector", written.span, remedy)
         value = scalar_of(found, written.span, "`g`")
         expect(value.dimension, GRAVITY, written.span, "`g`")
     else:
