@@ -217,7 +217,7 @@ class Loaded:
 
     def _with_places(self, error: NoStart) -> Refused:
         """The error with its places in the model text."""
-        from lagc.simulation.initialization.source_spans import placed
+        from lagc.compiler.source_spans import placed
 
         with self.compilation.lock:
             return placed(self.compilation.equations, error)

@@ -10,17 +10,26 @@ from scipy.optimize import minimize
 
 import lagc
 from lagc.simulation.initialization.initialize import consistent_start
-from lagc.simulation.initialization.solver import least_norm
-from lagc.simulation.system import Vector
+from lagc.simulation.initialization.solver import Conditions, Consistency
+from lagc.simulation.system import OK, Vector
 from tests.simulation.systems import Oscillator, Pendulum, Spun, norm
 
 
-def test_least_norm_is_the_pseudo_inverse() -> None:
-    import numpy
+def test_of_linear_equations_the_nearest_solution_is_found() -> None:
+    """All sizes are alike here, so that the pseudo-inverse tells it; the second row is twice the first."""
+    rows = np.array([[1.0, 2.0, 3.0, 0.5], [2.0, 4.0, 6.0, 1.0], [0.0, 1.0, -1.0, 2.0]])
+    guess = np.full(4, 3.0)
+    right = rows @ [1.0, -2.0, 0.5, 4.0]
 
-    rows = [[1.0, 2.0, 3.0, 0.5], [2.0, 4.0, 6.0, 1.0], [0.0, 1.0, -1.0, 2.0]]
-    right = [1.0, 2.0, -0.5]
-    assert least_norm(rows, right, 1e-11) == pytest.approx(list(numpy.linalg.pinv(rows) @ right), abs=1e-13)
+    def evaluate(t: float, x: Vector) -> tuple[list[float], list[float], list[float]]:
+        sizes = abs(rows) @ np.abs(x) + abs(right)
+        return (rows @ x - right).tolist(), rows.ravel().tolist(), sizes.tolist()
+
+    equations = Conditions(4, 0, (), [0] * 4, (), [4, 8, 12], [*range(4)] * 3, evaluate, lambda: ([], [0.0]))
+    search = Consistency(equations, 0.0, guess.tolist(), [0] * 4)
+    assert search.run() == OK
+    nearest = guess + np.linalg.pinv(rows, rcond=1e-9) @ (right - rows @ guess)
+    assert search.y == pytest.approx(nearest.tolist(), abs=1e-12)
 
 
 def test_without_conditions_nothing_changes() -> None:

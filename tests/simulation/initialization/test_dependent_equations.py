@@ -11,9 +11,8 @@ import pytest
 
 from lagc.mechanics.analysis.analysis import analyse
 from lagc.simulation.initialization.initialize import consistent_start
-from lagc.simulation.initialization.result import Start
 from lagc.simulation.system import OK
-from tests.simulation.started import Twins, compilation_of, program_of, system_of
+from tests.simulation.initialization.twins import Twins, compilation_of, program_of, stated_moves, system_of
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
 
@@ -80,11 +79,6 @@ end Bennett;
 def turned(angle: float) -> float:
     """Between -pi and pi."""
     return math.remainder(angle, 2 * math.pi)
-
-
-def stated_moves(start: Start) -> list[str]:
-    assert not start.unmet, start.unmet
-    return [c.name for c in start.changes if c.stated]
 
 
 def near(twins: Twins, given: dict[str, float]) -> dict[str, float]:
@@ -204,43 +198,6 @@ def test_a_stated_velocity_of_a_wheel_or_ball_asks_for_moderate_rates(down: str)
             assert max(abs(found[f"der({name})"]) for name in ("psi", "th", "phi")) <= 2.0 * 2.0 / 0.4
 
 
-CRANK = """\
-model Crank
-  parameter Length r = 0.1 [m];
-  coordinate Angle a(start = {angle!r} [rad]), b;
-  coordinate Length s(rate = 0.5 [m/s]), h;
-  body p = Particle(mass = 1, at = {{s, h, 0}});
-  body c = Solid(mass = 1, inertia = {{1, 1, 1}}, frame = rotate_z(world, a), com = {{0, 0, 0}});
-  body d = Solid(mass = 1, inertia = {{1, 1, 1}}, frame = rotate_z(world, b), com = {{0, 0, 0}});
-  constraint k: der(s) = r*cos(a)*der(a) + {other};
-end Crank;
-"""
-
-
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("turns", (-1.5, -0.5, 0.5, 1.5, 10.5))
-def test_rounding_is_no_lever(turns: float) -> None:
-    """Where cos(a) is zero but for rounding, a' moves nothing: b' does all, or h', or nothing can."""
-    angle = turns * math.pi
-    for other, name, value in (("r*der(b)", "der(b)", 5.0), ("3*der(h)", "der(h)", 0.5 / 3)):
-        system = system_of(CRANK.format(angle=angle, other=other))
-        start = consistent_start(system)
-        found = dict(zip([*system.interface.q_names, *system.interface.v_names], start.x))
-        assert stated_moves(start) == []
-        assert found[name] == pytest.approx(value, rel=1e-12) and abs(found["der(a)"]) < 1e-12
-    alone = consistent_start(system_of(CRANK.format(angle=angle, other="0*r*der(b)")))
-    assert "der(s)" in stated_moves(alone)
-    found = dict(zip([c.name for c in alone.changes], [c.used for c in alone.changes]))
-    assert found["der(s)"] == pytest.approx(0.0, abs=1e-12)
-
-
-def test_a_move_behind_the_digits_that_are_shown_is_shown() -> None:
-    text = cranks(3, 0.2, 0.3)
-    start = consistent_start(system_of(text), 0.0, {"c0": 0.7, "c1": 0.7, "c2": 0.7 + 3e-8})
-    assert stated_moves(start) == ["c2"]
-    assert start.notes[0].startswith("`c2` starts at 0.7 rad instead of 0.70000003 rad, because of")
-
-
 @pytest.mark.full
 @pytest.mark.parametrize("seed", range(3))
 def test_one_motion_is_told_from_any_stated_crank(seed: int) -> None:
@@ -254,3 +211,40 @@ def test_one_motion_is_told_from_any_stated_crank(seed: int) -> None:
         text = bars([1.0, 0.5], dice.uniform(0.1, 1.0), dice.uniform(0.1, 1.0))
         told = analyse(compilation_of(text.replace("1 [rad]", f"{degrees} [deg]")).equations)
         assert told.degrees_of_freedom == 1 and len(told.redundant) == 1
+
+
+def table(strings: int, dice: random.Random) -> str:
+    """Six coordinates, a row for each string of length 1; x and z are stated, y and the angles are not."""
+    lines = ["model Table", "  parameter Length l = 1 [m];"]
+    x = dice.uniform(0.1, 0.5)
+    z = -math.sqrt(1.0 - x * x) * dice.uniform(0.8, 1.0)
+    lines += [f"  coordinate Length x(start = {x!r} [m], rate = 1 [m/s]), y, z(start = {z!r} [m]);"]
+    lines += ["  coordinate Angle al, be, ga;", "  frame F1 = rotate_z(world, ga);"]
+    lines += ["  frame F2 = rotate_x(F1, al);", "  frame F = rotate_y(F2, be);", "  point G = {x, y, z};"]
+    lines += ["  body plate = Solid(mass = 3, inertia = {1, 1, 1}, frame = F, com = G);"]
+    for k in range(strings):
+        r, phi = dice.uniform(0.2, 1.0), 2 * math.pi * (k + dice.uniform(0.0, 0.7)) / strings
+        a, b = r * math.cos(phi), r * math.sin(phi)
+        arms = [f"({a!r})*l*{frame}.x + ({b!r})*l*{frame}.y" for frame in ("F", "world")]
+        lines.append(f"  constraint s{k}: norm(G + {arms[0]} - ({arms[1]})) = l;")
+    return "\n".join([*lines, "end Table;\n"])
+
+
+@pytest.mark.sample(0, 2)
+@needs_gcc
+@pytest.mark.parametrize("seed", range(4))
+def test_a_plate_on_equal_strings_hangs_on_all(seed: int) -> None:
+    """The guess is singular: at y = 0 no string depends on y.  On three strings the plate may tilt; on four,
+    whose equations depend on each other where it is level, it stays level and moves as one string."""
+    dice = random.Random(seed)
+    twins = Twins(program_of(table(3 + seed % 2, dice)))
+    levels = twins.interface.start_levels
+    found = twins.by_python(0.0, twins.guess, levels)
+    assert repr(found) == repr(twins.by_c(0.0, twins.guess, levels))
+    assert found[0] == OK
+    x, y, z, *angles = found[2][:6]
+    vx, vy, vz, *turning = found[2][6:]
+    assert (x, z, vx) == (twins.guess[0], twins.guess[2], 1.0)
+    if seed % 2:
+        assert angles == turning == [0.0, 0.0, 0.0]
+        assert abs(math.hypot(x, y, z) - 1.0) < 1e-15 and abs(x * vx + y * vy + z * vz) < 1e-15

@@ -10,7 +10,7 @@ import pytest
 from lagc.semantics.units import unit
 from lagc.simulation.initialization.conflicts import conditions_of
 from lagc.simulation.initialization.solver import Consistency
-from tests.simulation.started import Twins, program_of, random_levels, system_of
+from tests.simulation.initialization.twins import Twins, program_of, random_levels, system_of
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
 LIBRARY = (

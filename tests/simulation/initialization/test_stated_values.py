@@ -251,7 +251,7 @@ end Hinge;""").compile()
     assert run.status == "ok" and rates == pytest.approx([0.0, 0.0, 0.0, 1.0, 0.0, 0.0], abs=1e-12)
 
 
-@pytest.mark.parametrize("condition", ["x^2 = 1e24 [m2]", "x*y = 1e20 [m2]"])
+@pytest.mark.parametrize("condition", ["x^2 = 1e8 [m2]", "x*y = 1e12 [m2]"])
 def test_what_has_no_other_start_goes_far(condition: str) -> None:
     model = lagc.loads(f"""model Far
   parameter Length l = 1 [m];
@@ -261,4 +261,4 @@ initial
   {condition};
 end Far;""").compile()
     x = model.simulate(stop=0.0)["x"][0]
-    assert abs(x) == pytest.approx({"x^2": 1e12, "x*y": 1e20}[condition.partition(" ")[0]])
+    assert abs(x) == pytest.approx({"x^2": 1e4, "x*y": 1e12}[condition.partition(" ")[0]])

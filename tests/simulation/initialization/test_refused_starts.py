@@ -146,7 +146,7 @@ def test_given_parameters_are_those_of_a_run() -> None:
 
 
 @pytest.mark.sample(2)
-@pytest.mark.parametrize("size", [1e299, 1e300, 1.1e300, -3e304, 3e307])
+@pytest.mark.parametrize("size", [1e200, -3e250, 1e280])
 def test_what_is_finite_is_a_start(size: float) -> None:
     """Stated or found; where it is too large for a row, or an energy, this is told to have no value."""
     form = """\

@@ -1,13 +1,14 @@
-"""Parameters that are rounded make coefficients that are rounding: cos(a) where a is a quarter turn."""
+"""Coefficients that are round-off, as cos(a) where a, a parameter or a coordinate, is a quarter turn."""
 
 from __future__ import annotations
 
 import shutil
-from math import cos, radians, sin
+from math import cos, pi, radians, sin
 
 import pytest
 
-from tests.simulation.started import Twins, program_of, start_of
+from lagc.simulation.initialization.initialize import consistent_start
+from tests.simulation.initialization.twins import Twins, program_of, start_of, stated_moves, system_of
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
 
@@ -71,3 +72,33 @@ model M
 end M;
 """
     assert start_of(text)["x"] == 0.0
+
+
+CRANK = """\
+model Crank
+  parameter Length r = 0.1 [m];
+  coordinate Angle a(start = {angle!r} [rad]), b;
+  coordinate Length s(rate = 0.5 [m/s]), h;
+  body p = Particle(mass = 1, at = {{s, h, 0}});
+  body c = Solid(mass = 1, inertia = {{1, 1, 1}}, frame = rotate_z(world, a), com = {{0, 0, 0}});
+  body d = Solid(mass = 1, inertia = {{1, 1, 1}}, frame = rotate_z(world, b), com = {{0, 0, 0}});
+  constraint k: der(s) = r*cos(a)*der(a) + {other};
+end Crank;
+"""
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("turns", (-1.5, -0.5, 0.5, 1.5, 10.5))
+def test_rounding_is_no_lever(turns: float) -> None:
+    """Where cos(a) is zero but for rounding, a' moves nothing: b' does all, or h', or nothing can."""
+    angle = turns * pi
+    for other, name, value in (("r*der(b)", "der(b)", 5.0), ("3*der(h)", "der(h)", 0.5 / 3)):
+        system = system_of(CRANK.format(angle=angle, other=other))
+        start = consistent_start(system)
+        found = dict(zip([*system.interface.q_names, *system.interface.v_names], start.x))
+        assert stated_moves(start) == []
+        assert found[name] == pytest.approx(value, rel=1e-12) and abs(found["der(a)"]) < 1e-12
+    alone = consistent_start(system_of(CRANK.format(angle=angle, other="0*r*der(b)")))
+    assert "der(s)" in stated_moves(alone)
+    found = dict(zip([c.name for c in alone.changes], [c.used for c in alone.changes]))
+    assert found["der(s)"] == pytest.approx(0.0, abs=1e-12)

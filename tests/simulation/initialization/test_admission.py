@@ -11,7 +11,7 @@ import pytest
 
 import lagc
 from lagc.cli.main import main
-from tests.simulation.started import Twins, program_of
+from tests.simulation.initialization.twins import Twins, program_of
 
 DERIVED = """\
 model M

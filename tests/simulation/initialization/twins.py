@@ -19,6 +19,7 @@ from lagc.host.model_library import read
 from lagc.lowering.program import Program
 from lagc.simulation.backends.python import NumpyModel
 from lagc.simulation.initialization.initialize import consistent_start
+from lagc.simulation.initialization.result import Start
 from lagc.simulation.system import System
 
 FIXED = 4
@@ -46,6 +47,12 @@ def start_of(text: str, **given: float) -> dict[str, float]:
     found = consistent_start(system, 0.0, given)
     assert not found.unmet, found.unmet
     return dict(zip((*system.interface.q_names, *system.interface.v_names), found.x))
+
+
+def stated_moves(start: Start) -> list[str]:
+    """The stated values that moved, by name."""
+    assert not start.unmet, start.unmet
+    return [c.name for c in start.changes if c.stated]
 
 
 class Twins:
