@@ -170,7 +170,7 @@ def title(solution: Solution) -> str:
 def shown_names(solution: Solution) -> list[str]:
     """Coordinates and outputs, then what they change by."""
     interface, varied = solution.system.interface, solution.sensitivities
-    names = [*interface.q_names, *[o.name for o in interface.outputs]]
+    names = [*interface.q_names, *[o.name for o in interface.outputs], *solution.expressions]
     return names if varied is None else [*names, *varied.named(names)]
 
 
@@ -199,7 +199,8 @@ def _draw_group(
     factor = 180.0 / math.pi if "deg" in unit and not unit.startswith("orientation") else 1.0
     ends, flat, size = [0.0] if known.constant.issuperset(names) else [], True, 0.0
     for number, name in enumerate(names):
-        run = solution if solution.sensitivities and name in solution.sensitivities else drawn
+        at_points = name in solution.expressions or (solution.sensitivities or ()) and name in solution.sensitivities
+        run = solution if at_points else drawn
         values = run.column(name)
         finite = [x for x in values if math.isfinite(x)]
         if finite and name not in known.constant:
