@@ -357,6 +357,13 @@ class CompiledModel(Differentiable, Measurable, Comparable):
             follow(self._loaded, run, request, parameters, running(progress))
         return run
 
+    def check_expressions(self, expressions: Sequence[str]) -> None:
+        """Compile expressions for `Run.evaluate`.  Raises Refused for one that is wrong."""
+        if expressions:
+            from lagc.compiler.probed import compile_probes
+
+            compile_probes(self._loaded, expressions)
+
     def rhs(self, t: float, x: Sequence[float], parameters: Mapping[str, Value] | None = None) -> Array:
         """Return dx/dt at (t, x) as an array of the length of x, in SI units; for use with other integrators.
 

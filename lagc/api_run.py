@@ -46,6 +46,10 @@ class Run(Solution):
         (points, 3), in SI units. The run is not repeated. Raises Refused if the expression is wrong."""
         return self._probes([expression])[0].values
 
+    def unit(self, expression: str) -> str:
+        """Return the SI unit of an expression; "" for a number.  Raises Refused."""
+        return self._probes([expression])[0].unit
+
     def position(self, name: str) -> Array:
         """Return the positions of a body or point at the recorded points, (points, 3), in m.  Raises
         Refused."""
@@ -56,7 +60,11 @@ class Run(Solution):
         vector as `expression[1]` and so on.  Raises Refused."""
         for probe in self._probes(expressions):
             n, flat = len(self), probe.values.reshape(len(self), -1)
-            names = [probe.text] if probe.values.ndim == 1 else [f"{probe.text}[{k + 1}]" for k in range(flat.shape[1])]
+            names = (
+                [probe.text]
+                if probe.values.ndim == 1
+                else [f"{probe.text}[{k + 1}]" for k in range(flat.shape[1])]
+            )
             self.expressions.update((name, (probe.unit, x.tolist())) for name, x in zip(names, flat.T) if n)
 
     def _probes(self, expressions: Sequence[str]) -> list[Probe]:

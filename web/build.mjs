@@ -16,8 +16,14 @@ function licence(name) {
 
 async function bundle(entry, packages, options) {
   const made = await build({
-    ...options, absWorkingDir: here, entryPoints: [entry], bundle: true, minify: true, write: false,
-    charset: 'ascii', legalComments: 'none',
+    ...options,
+    absWorkingDir: here,
+    entryPoints: [entry],
+    bundle: true,
+    minify: true,
+    write: false,
+    charset: 'ascii',
+    legalComments: 'none',
   });
   return `/*!\n${packages.map(licence).join('\n\n')}\n*/\n${made.outputFiles[0].text}`;
 }

@@ -53,7 +53,8 @@ class Choice:
     """A model of a file, with its scene, effects and values. Values of structural parameters become part of
     the code, as do `inputs` that are not numbers, the condition `until` that ends a run, and `outputs`, the
     names of what it is for (None: all).  Other parameters stay symbols.  `contact_modes`: those in which
-    contacts are held as equations and loads (None: they act). `probes` are expressions that become outputs."""
+    contacts are held as equations and loads (None: they act). `probes` are expressions that become
+    outputs."""
 
     model: str | None = None
     scene: str | None = None

@@ -42,7 +42,7 @@ def probe(
     """Return the values of expressions at the recorded states of `run`, or at other `states` and their
     `times`. Raises Refused for an expression that is wrong, or depends on a state that the run does not
     have."""
-    system = _system(loaded, run, tuple(texts))
+    system = _bound(loaded, run, texts)
     times, states = run.times if times is None else times, run.states if states is None else states
     interface, n = system.interface, len(times)
     rows = np.array(system.output_columns(times, states)).reshape(len(interface.outputs), n).T
@@ -57,20 +57,27 @@ def probe(
     return found
 
 
-def _system(loaded: Loaded, run: Solution, texts: tuple[str, ...]) -> System:
-    """Return the system with the expressions as outputs and the parameters of `run`."""
-    own, of_run = loaded.root, run.system.interface
+def compile_probes(loaded: Loaded, texts: Sequence[str]) -> System:
+    """Return the system with the expressions as outputs.  Raises Refused."""
+    own, texts = loaded.root, tuple(texts)
     with own.lock:
         if texts not in own.probed:
             choice = replace(own.compilation.choice, probes=texts)
             made = Compilation(own.compilation.source, choice, own.compilation.roots)
             own.probed[texts] = Loaded(made, "numpy").system("numpy")
-        system = own.probed[texts]
+        return own.probed[texts]
+
+
+def _bound(loaded: Loaded, run: Solution, texts: Sequence[str]) -> System:
+    """Return the system with the expressions as outputs and the parameters of `run`."""
+    own, of_run, system = loaded.root, run.system.interface, compile_probes(loaded, texts)
     interface = system.interface
     if (interface.state_names, interface.discretes) != (of_run.state_names, of_run.discretes):
         lists = [{*i.state_names, *(d.name for d in i.discretes)} for i in (interface, of_run)]
         missing = ", ".join(f"`{name}`" for name in sorted(lists[0] - lists[1]))
-        message = f"{' and '.join(f'`{text}`' for text in texts)} depends on {missing}, which the run does not have"
+        message = (
+            f"{' and '.join(f'`{text}`' for text in texts)} depends on {missing}, which the run does not have"
+        )
         raise Refused([Fault("LAG0606", message, remedy="declare it as an output, or run without `outputs`")])
     fields = (*of_run.parameters, *of_run.inputs)
     known = dict(zip([field.name for field in fields], run.parameters))

@@ -174,9 +174,7 @@ def _evaluate(context: Context, instance: Instance) -> list[objects.ModelObject]
     return found
 
 
-def _probes(
-    context: Context, texts: Sequence[str], environment: Environment
-) -> list[objects.ModelObject]:
+def _probes(context: Context, texts: Sequence[str], environment: Environment) -> list[objects.ModelObject]:
     found: list[objects.ModelObject] = []
     for k, text in enumerate(texts):
         from lagc.semantics.declarations.probes import parse_probe, probe_outputs  # where there are some

@@ -16,8 +16,8 @@ Array: TypeAlias = NDArray[np.float64]
 Given: TypeAlias = Mapping[Node, Any]
 
 _NAMES = {
-    "asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2", "pow": "power", "min": "minimum",
-    "max": "maximum", "lt": "less", "le": "less_equal", "eq": "equal", "and": "logical_and",
+    "asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2", "pow": "power",
+    "min": "minimum", "max": "maximum", "lt": "less", "le": "less_equal", "eq": "equal", "and": "logical_and",
     "or": "logical_or", "not": "logical_not", "select": "where",
     **{name: name for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "abs",
                                "floor", "sign")},

@@ -56,6 +56,11 @@ class Camera:
         p = np.asarray(points, float)
         return np.stack([p @ self.x, p @ self.y], axis=-1)
 
+    def point(self, p: Any) -> tuple[float, float]:
+        """Return one point in the picture."""
+        x, y = self(p)
+        return float(x), float(y)
+
 
 def rotation(q: Array) -> Array:
     """Return the rotation matrix of a unit quaternion w x y z."""
@@ -70,18 +75,22 @@ def rotation(q: Array) -> Array:
 def outline(shape: Mapping[str, Any]) -> Array:
     """Return points in the axes of the body whose hull is its outline, (n, 3)."""
     kind = shape["kind"]
+    found: Array
     if kind == "hull":
-        return np.array(shape["corners"])
+        found = np.array(shape["corners"], float)
+        return found
     if kind == "box":
         corners = np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
-        return corners * np.array(shape["size"]) / 2.0 @ np.array(shape["axes"]).T
+        found = corners * np.array(shape["size"]) / 2.0 @ np.array(shape["axes"]).T
+        return found
     axis = np.array(shape["axis"])
     one = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     one = one / np.linalg.norm(one)
     turn = np.linspace(0.0, 2.0 * math.pi, 37)
     rim = shape["r"] * (np.outer(np.cos(turn), one) + np.outer(np.sin(turn), np.cross(axis, one)))
     half = (shape.get("h") or shape.get("length") or 0.0) / 2.0 * axis
-    return np.concatenate([rim + half, rim - half]) + np.array(shape.get("at", (0.0, 0.0, 0.0)))
+    found = np.concatenate([rim + half, rim - half]) + np.array(shape.get("at", (0.0, 0.0, 0.0)))
+    return found
 
 
 def hull(points: Array) -> Array:
@@ -132,10 +141,21 @@ class Drawing:
         """Draw loads and reactions, `scale` m for each N."""
         for arrow in shown.arrows:
             tip = arrow.v[:, self.i] * scale
-            if arrow.kind != "weight" and np.isfinite(tip).all() and np.linalg.norm(tip) > 0.01 * self.scene.size:
-                a = self.camera(arrow.p[:, self.i])
-                style = {"arrowstyle": "-|>", "color": ARROWS[arrow.kind], "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
-                self.axes.annotate("", a + self.camera(tip), a, arrowprops=style, zorder=6)
+            if (
+                arrow.kind != "weight"
+                and np.isfinite(tip).all()
+                and np.linalg.norm(tip) > 0.01 * self.scene.size
+            ):
+                foot = arrow.p[:, self.i]
+                a, b = self.camera.point(foot), self.camera.point(foot + tip)
+                style = {
+                    "arrowstyle": "-|>",
+                    "color": ARROWS[arrow.kind],
+                    "lw": 1.1,
+                    "shrinkA": 0,
+                    "shrinkB": 0,
+                }
+                self.axes.annotate("", b, a, arrowprops=style, zorder=6)
 
     def _flat(self, place: int) -> Array:
         return self.camera(self.frames.p[place, :, self.i])
@@ -145,7 +165,7 @@ class Drawing:
 
         sample = self.scene.sample
         if row.kind == "sphere":
-            self.axes.add_patch(Circle(self.camera(row.at), row.radius, color=GROUND, alpha=0.25, lw=0))
+            self.axes.add_patch(Circle(self.camera.point(row.at), row.radius, color=GROUND, alpha=0.25, lw=0))
         if row.kind != "plane":
             return
         n, middle = np.array(row.n), (sample.low + sample.high) / 2.0
@@ -177,7 +197,7 @@ class Drawing:
         patch: Patch
         alpha = self.faint * (0.4 if shape.get("faint") else 0.95)
         if shape["kind"] == "sphere":
-            patch = Circle(self.camera(at), shape["r"], fc=color, ec=EDGE, lw=0.5, alpha=alpha)
+            patch = Circle(self.camera.point(at), shape["r"], fc=color, ec=EDGE, lw=0.5, alpha=alpha)
         elif shape["kind"] == "ring":
             rim = self.camera(outline({**shape, "h": 0.0})[:37] @ turn.T + at)
             patch = Polygon(rim, closed=True, fill=False, ec=color, lw=3, alpha=self.faint)
@@ -248,8 +268,8 @@ def check_film(path: str) -> None:
 
 
 def film(shown: Shown, path: str) -> None:
-    """Write a film of the run into the file `path`, by its ending: .gif or .mp4. Its speed is the real one for
-    runs of 2 to 10 s. Raises ImportError if a package is missing, OSError."""
+    """Write a film of the run into the file `path`, by its ending: .gif or .mp4. Its speed is the real one
+    for runs of 2 to 10 s. Raises ImportError if a package is missing, OSError."""
     check_film(path)
     from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, FuncAnimation, PillowWriter
     from matplotlib.figure import Figure

@@ -67,7 +67,10 @@ def reaction_texts(scene: Scene) -> dict[str, tuple[str, str]]:
     joints = {joint.name for joint in model.joints}
     for contact in model.contacts:
         if contact.unit == "m" and not contact.normals and contact.label in scene.rows.known:
-            found[f"reaction({contact.name}){contact.label.removeprefix(contact.name)}"] = ("row", contact.label)
+            found[f"reaction({contact.name}){contact.label.removeprefix(contact.name)}"] = (
+                "row",
+                contact.label,
+            )
     for c in model.constraints:
         if c.name in joints or c.actuator:
             continue

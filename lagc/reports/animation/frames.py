@@ -9,14 +9,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lagc.reports.animation.arrays import Array, Given, values
 from lagc.reports.animation.places import positions
 from lagc.reports.animation.scene import Scene
 from lagc.reports.animation.states import of_states, rates_of
 from lagc.simulation.solution import Solution
+
+Indices: TypeAlias = NDArray[np.intp]
 
 TOLERANCE = 1e-3  # of the scene: the error between two frames
 MOST_FRAMES = 16_001
@@ -81,11 +85,13 @@ class Frames:
         worst = float(np.nanmax(distance, initial=0.0)) / self.scene.scale / 4.0
         for q in self.q.values():
             cosine = np.abs((q[before] * q[after]).sum(axis=1))
-            turn = float(np.arccos(np.clip(cosine, 0.0, 1.0)).max(initial=0.0))  # half of that over two frames
+            turn = float(
+                np.arccos(np.clip(cosine, 0.0, 1.0)).max(initial=0.0)
+            )  # half of that over two frames
             worst = max(worst, TOLERANCE * turn / TURN)
         return worst
 
-    def _triples(self) -> tuple[Array, Array, Array]:
+    def _triples(self) -> tuple[Indices, Indices, Indices]:
         """Return the indices of frames with neighbours at equal distances in time."""
         middle = np.arange(1, len(self.t) - 1)
         left, right = self.t[middle] - self.t[middle - 1], self.t[middle + 1] - self.t[middle]
@@ -108,7 +114,7 @@ class Frames:
             worst = max(worst, REACH * turn)
         return worst / 16.0
 
-    def _between(self, i: Array, j: Array, u: Array) -> tuple[Array, Array]:
+    def _between(self, i: Indices, j: Indices, u: Array) -> tuple[Array, Array]:
         """Return states and rates at the parts u of the intervals from frame i to frame j."""
         h, s = (self.t[j] - self.t[i])[:, None], u[:, None]
         a, b = self.x[i], self.x[j]

@@ -126,10 +126,11 @@ def _circle(sample: Sample, position: list[Node], angle: Node) -> tuple[Array, f
 
 
 def springs(sample: Sample, distances: Distances) -> list[Link]:
-    """Return the springs and dampers: a length in an energy or a dissipation equals a distance."""
-    table: dict[str, int] = {}
-    for k, d in enumerate(distances.d[:, 0]):
-        table.setdefault(f"{d:.8e}", k)
+    """Return the springs and dampers: an energy or a dissipation depends on a length, which is a distance or
+    differs from it by a constant."""
+    table: dict[str, list[int]] = {}
+    for k, change in enumerate(distances.d[:, 0] - distances.d[:, 1]):
+        table.setdefault(_key(change), []).append(k)
     found: dict[tuple[int, int, str], Link] = {}
     for action in sample.model.actions:
         if not isinstance(action, Potential | Dissipation):
@@ -137,14 +138,26 @@ def springs(sample: Sample, distances: Distances) -> list[Link]:
         node = action.energy if isinstance(action, Potential) else action.function
         lengths = [n for n in reachable([node]) if _may_be_length(n)]
         for length, v in zip(lengths, sample.values(lengths) if lengths else ()):
-            k = table.get(f"{abs(v[0]):.8e}", -1)
-            if k < 0 or not np.allclose(distances.d[k], v * np.sign(v[0]), rtol=1e-9):
-                continue
+            pair = _pair_of(distances, table.get(_key(v[0] - v[1]), ()), v)
             kind = "spring" if isinstance(action, Potential) else "damper"
-            if kind == "damper" or _is_elastic(sample, node, length, v):
-                a, b = int(distances.i[k]), int(distances.j[k])
+            if pair is not None and (kind == "damper" or _is_elastic(sample, node, length, v)):
+                a, b = pair
                 found.setdefault((a, b, kind), Link(kind, a, b, name=action.name))
     return list(found.values())
+
+
+def _key(change: float) -> str:
+    return f"{abs(change):.8e}"
+
+
+def _pair_of(distances: Distances, pairs: Sequence[int], v: Array) -> tuple[int, int] | None:
+    """Return the places of the first of some pairs whose distance changes as a length does, or as its opposite."""
+    for k in pairs:
+        d = distances.d[k]
+        for offset in (d - v, d + v):
+            if np.ptp(offset) <= 1e-9 * d.max() and np.ptp(d) > EXACT * d.max():
+                return int(distances.i[k]), int(distances.j[k])
+    return None
 
 
 def _may_be_length(node: Node) -> bool:
@@ -158,8 +171,9 @@ def _is_elastic(sample: Sample, energy: Node, length: Node, v: Array) -> bool:
     an attraction is no spring."""
 
     def change(given: Given) -> Array:
-        x = [sample.values([energy], {**given, length: at})[0] for at in (v, np.full(SAMPLES, v[0]))]
-        return x[0] - x[1]
+        x = [sample.values([energy], {**given, length: at}) for at in (v, np.full(SAMPLES, v[0]))]
+        difference: Array = x[0][0] - x[1][0]
+        return difference
 
     one = {node: value[0] if np.ndim(value) else value for node, value in sample.given.items()}
     here, there = change(sample.given), change(one)

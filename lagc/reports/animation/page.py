@@ -18,10 +18,10 @@ from lagc.base.records import dataclass
 from lagc.base.text import one_line
 from lagc.host.atomic_write import Files
 from lagc.reports.animation.channels import Channels
-from lagc.reports.animation.shown import Shown
 from lagc.reports.animation.frames import Frames
 from lagc.reports.animation.panels import panels
 from lagc.reports.animation.scene import axis_of
+from lagc.reports.animation.shown import Shown
 from lagc.version import __version__
 
 HEIGHT = 620  # px, of the frame in a notebook
@@ -69,9 +69,7 @@ def _used(shown: Shown, joints: list[int]) -> set[int]:
     return used | {i for row in scene.rows.touching.values() for i in row}
 
 
-def _run_data(
-    channels: Channels, shown: Shown, label: str, frames: Frames, used: set[int]
-) -> dict[str, Any]:
+def _run_data(channels: Channels, shown: Shown, label: str, frames: Frames, used: set[int]) -> dict[str, Any]:
     """Return the channels of a run. Places of other runs are found by their names: those that a run does not
     have are left out."""
     known = {(place.kind, place.name): i for i, place in enumerate(frames.scene.places)}
@@ -95,12 +93,12 @@ class Animation:
             written.open(path).write(self.html.encode("utf-8", "replace"))
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} of {len(self.html) / 1e3:.0f} kB: `save(path)`, or show it in a notebook>"
+        return f"<{type(self).__name__} of {len(self.html) / 1e3:.0f} kB; `save(path)` writes it>"
 
     def _repr_html_(self) -> str:
         text = html.escape(self.html)
-        return (f'<iframe sandbox="allow-scripts allow-downloads" style="width:100%;height:{HEIGHT}px;border:0" '
-                f'srcdoc="{text}"></iframe>')  # fmt: skip
+        style = f"width:100%;height:{HEIGHT}px;border:0"
+        return f'<iframe sandbox="allow-scripts allow-downloads" style="{style}" srcdoc="{text}"></iframe>'
 
 
 def page(data: dict[str, Any]) -> Animation:

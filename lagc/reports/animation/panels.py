@@ -62,7 +62,8 @@ def energy_error(run: Solution) -> Array | None:
         return None
     system = run.system
     balance = np.array([system.energies(t, x)[2] - work_of(system, x) for t, x in zip(run.times, run.states)])
-    return balance - balance[0]
+    error: Array = balance - balance[0]
+    return error
 
 
 def residuals(run: Solution) -> list[tuple[str, Array]]:

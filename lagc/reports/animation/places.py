@@ -86,7 +86,7 @@ class Sample:
         self.places = places_of(model)
         self.x = positions(self.places, self.given, SAMPLES)
         self.first = _first_names(self.x)
-        self._measure()
+        self.low, self.high, self.scale, self.size = self._measure()
         self.solids = [self._solid(k) for k in range(len(model.bodies))]
         radii = [2.0 * np.sqrt(2.5 * np.trace(b.inertia) / 3.0 / b.mass)
                  for b in self.solids if b.inertia is not None and b.mass > 0.0]  # fmt: skip
@@ -112,15 +112,17 @@ class Sample:
         """Return the values of all symbols at states of the run."""
         return of_states(self.model, self.run, times, states, rates_of(self.run, times, states))
 
-    def _measure(self) -> None:
+    def _measure(self) -> tuple[Array, Array, float, float]:
+        """Return the corners of the box of all places over the run, its diagonal and the median of its
+        diagonals at one time."""
         times, states = np.array(self.run.times), np.array(self.run.states)
         rates = np.zeros(states.shape)  # no place depends on a rate
         x = positions(self.places, of_states(self.model, self.run, times, states, rates), len(times))
-        self.low, self.high = np.nanmin(x, axis=(0, 2)), np.nanmax(x, axis=(0, 2))
+        low, high = np.nanmin(x, axis=(0, 2)), np.nanmax(x, axis=(0, 2))
         named = [i for i, place in enumerate(self.places) if place.kind != "origin"] or [0]
         spread = np.nanmax(x[named], axis=0) - np.nanmin(x[named], axis=0)
-        self.size = float(np.nanmedian(np.linalg.norm(spread, axis=0)))
-        self.scale = float(np.linalg.norm(self.high - self.low)) or 1.0
+        size = float(np.nanmedian(np.linalg.norm(spread, axis=0)))
+        return low, high, float(np.linalg.norm(high - low)) or 1.0, size
 
     def _solid(self, k: int) -> Solid:
         """Return body k with the places that are fixed in its frame."""

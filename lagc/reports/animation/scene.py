@@ -70,8 +70,8 @@ class Scene:
 
     def place_of(self, name: str, *kinds: str) -> int | None:
         """Return the index of a place by its name, and its kind if some are given."""
-        return next((i for i, p in enumerate(self.places) if p.name == name and (not kinds or p.kind in kinds)),
-                    None)  # fmt: skip
+        places = enumerate(self.places)
+        return next((i for i, p in places if p.name == name and (not kinds or p.kind in kinds)), None)
 
     def as_data(self) -> dict[str, Any]:
         """Return the scene as plain data, for one's own drawing."""

@@ -64,8 +64,8 @@ def _solid(sample: Sample, body: Solid, inertia: Array, mark: float) -> Shape:
     mass, (moments, axes) = body.mass, np.linalg.eigh(inertia)
     if np.linalg.det(axes) < 0.0:
         axes[:, 0] = -axes[:, 0]
-    arms = [arm for k, arm in body.attached
-            if np.linalg.norm(arm) > 1e-6 * sample.scale and sample.places[k].kind in ("point", "joint")]  # fmt: skip
+    named = [arm for k, arm in body.attached if sample.places[k].kind in ("point", "joint")]
+    arms = [arm for arm in named if np.linalg.norm(arm) > 1e-6 * sample.scale]
     rank = np.linalg.matrix_rank(np.array(arms), tol=1e-6 * sample.scale) if arms else 0
     if mass <= 0.0 or moments[2] <= 0.0:
         return {"kind": "sphere", "r": 0.5 * mark, "true": False}
@@ -94,7 +94,14 @@ def _flat(sample: Sample, body: Solid, moments: Array, arms: Sequence[Array], ma
         return {"kind": "rod", "axis": direction, "length": length, "r": THICK * mark,
                 "at": ((arms[0] + arms[1]) / 2.0).tolist(), "true": True}  # fmt: skip
     radius = math.sqrt(2.0 * float(axis @ body.inertia @ axis) / body.mass)
-    return {"kind": "cylinder", "axis": axis.tolist(), "r": radius, "h": 0.12 * mark, "true": False, "faint": True}
+    return {
+        "kind": "cylinder",
+        "axis": axis.tolist(),
+        "r": radius,
+        "h": 0.12 * mark,
+        "true": False,
+        "faint": True,
+    }
 
 
 def _of_equal_moments(mass: float, moments: Array, axes: Array, arms: Sequence[Array], mark: float) -> Shape:
@@ -132,7 +139,13 @@ def _rings(sample: Sample) -> None:
             continue
         inner = max([reach.get(j.between[1], 0.0) for j in joints if j.between[0] == body.name], default=0.0)
         radius = 1.18 * (inner or reach[body.name])
-        body.shape = {"kind": "ring", "axis": axis.tolist(), "r": radius, "thick": 0.05 * radius, "true": False}
+        body.shape = {
+            "kind": "ring",
+            "axis": axis.tolist(),
+            "r": radius,
+            "thick": 0.05 * radius,
+            "true": False,
+        }
         reach[body.name] = 1.08 * radius
 
 

@@ -48,5 +48,7 @@ def show(leader: Source, ghosts: Sequence[Source] = (), forces: bool = True) -> 
     scene = infer(leader.model, leader.run)
     frames = frames_of(scene, leader.run, leader.again)
     acting = arrows(scene, frames, leader.evaluate) if forces else []
-    others = [(g.label, g.run, frames_of(infer(g.model, g.run), g.run, g.again)) for g in ghosts if g.run.times]
+    others = [
+        (g.label, g.run, frames_of(infer(g.model, g.run), g.run, g.again)) for g in ghosts if g.run.times
+    ]
     return Shown(scene, leader.run, frames, acting, others)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -76,7 +77,7 @@ def random_configurations(model: Model, run: Solution) -> dict[Node, Any]:
             else:
                 wide = max(high - low, LEAST_RANGE * max(abs(low), abs(high))) or REST_RANGE
                 low, high = low - AROUND * wide, high + AROUND * wide
-            given[c.symbol] = _drawn(lambda a=low, b=high: chance.uniform(a, b))
+            given[c.symbol] = _drawn(partial(chance.uniform, low, high))
             given[c.rate_symbol] = _drawn(lambda: chance.gauss(0.0, 1.0))
             i += 1
         else:
@@ -84,7 +85,8 @@ def random_configurations(model: Model, run: Solution) -> dict[Node, Any]:
             given.update(zip(c.symbols, q / np.linalg.norm(q, axis=0)))
             given.update((s, _drawn(lambda: chance.gauss(0.0, 1.0))) for s in c.rate_symbols)
             i += 4
-    given.update((s.symbol, np.zeros(SAMPLES)) for s in (*model.speeds, *model.discretes))
+    zero = [*(s.symbol for s in model.speeds), *(d.symbol for d in model.discretes)]
+    given.update(dict.fromkeys(zero, np.zeros(SAMPLES)))
     return given
 
 
@@ -93,7 +95,7 @@ def _drawn(draw: Callable[[], float]) -> Array:
 
 
 def body_rates(q: Array, dq: Array) -> Array:
-    """Return 2 conj(q) dq/dt, (n, 3): the angular velocity in body axes, of unit quaternions w x y z (n, 4)."""
+    """Return 2 conj(q) dq/dt, (n, 3): the angular velocity in body axes of quaternions w x y z (n, 4)."""
     w, x, y, z = q.T
     a, b, c, d = dq.T
     return 2.0 * np.column_stack(

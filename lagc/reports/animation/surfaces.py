@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from lagc.base.records import dataclass, field, replace
-from lagc.reports.animation.arrays import Array, Given
+from lagc.reports.animation.arrays import Array
 from lagc.reports.animation.links import Distances, Link
 from lagc.reports.animation.places import EXACT, Sample, positions
 from lagc.reports.animation.states import SAMPLES
@@ -37,8 +37,18 @@ class Row:
     length: float = 0.0
 
     def as_data(self) -> dict[str, Any]:
-        own = {"n": list(self.n), "c": self.c} if self.kind == "plane" else {"at": list(self.at), "radius": self.radius}
-        return {"kind": self.kind, "name": self.name, "one_sided": self.one_sided, "places": list(self.places), **own}
+        own = (
+            {"n": list(self.n), "c": self.c}
+            if self.kind == "plane"
+            else {"at": list(self.at), "radius": self.radius}
+        )
+        return {
+            "kind": self.kind,
+            "name": self.name,
+            "one_sided": self.one_sided,
+            "places": list(self.places),
+            **own,
+        }
 
 
 @dataclass(slots=True)
@@ -56,7 +66,9 @@ class Rows:
 def read_rows(sample: Sample, distances: Distances) -> Rows:
     """Return what the constraints and contacts of a model look like."""
     rows = Rows()
-    written = [(label, c, node) for c in sample.model.constraints for label, node in zip(c.labels, c.residuals)]
+    written = [
+        (label, c, node) for c in sample.model.constraints for label, node in zip(c.labels, c.residuals)
+    ]
     asked: list[tuple[str, Constraint | Contact, Node]] = [*written]
     asked += [(c.label, c, c.gap) for c in sample.model.contacts if not c.normals]
     moving = [i for i in dict.fromkeys(sample.first) if sample.moves(i) and np.isfinite(sample.x[i]).all()]
@@ -170,7 +182,8 @@ def _sort(sample: Sample, rows: Rows, row: Row) -> None:
     fixed = [i for i in row.places if not sample.moves(i)]
     if not row.one_sided or row.slope < 0.0:
         kind = "string" if row.one_sided else "rod"
-        rows.links.append(Link(kind, *row.places, row.length, row.name, row.slope))
+        a, b = row.places
+        rows.links.append(Link(kind, a, b, row.length, row.name, row.slope))
     elif fixed:
         others = tuple(i for i in row.places if i != fixed[0])
         rows.touching[row.name] = list(others)
@@ -202,12 +215,8 @@ def radii_at_contact(sample: Sample, rows: Rows) -> Iterator[tuple[int, float]]:
         some = np.flatnonzero(touches)[:: max(1, int(touches.sum()) // 12)]
         chosen = np.concatenate([some, np.arange(0, len(x), 1 + len(x) // 12)])
         given = sample.of_run(np.array(sample.run.times)[chosen], x[chosen])
-        at = np.array([_position(sample, i, given, len(chosen)) for i in pair])
+        at = positions([sample.places[i] for i in pair], given, len(chosen))
         d = np.linalg.norm(at[0] - at[1], axis=0)
         there = d[: len(some)]
         if len(some) >= 3 and np.ptp(there) <= 1e-6 * d.max() and d.min() >= (1.0 - 1e-6) * there.min():
             yield from ((i, float(there.min()) / 2.0) for i in pair)
-
-
-def _position(sample: Sample, i: int, given: Given, size: int) -> Array:
-    return positions([sample.places[i]], given, size)[0]
