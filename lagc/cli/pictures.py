@@ -32,6 +32,16 @@ def add_picture_options(parser: argparse.ArgumentParser) -> None:
         const="",
         help="show the motion as a page (.html), or a film (.gif, .mp4); default: MODEL_SCENE.html",
     )
+    about = "a panel of --plot: columns 'theta*', a phase portrait 'theta:der(theta)', path(bob), energy, "
+    about += "residuals"
+    add_list_option(parser, "--show", "panels", "PANEL", about)
+    parser.add_argument(
+        "--animate",
+        metavar="FILE",
+        nargs="?",
+        const="",
+        help="show the motion as a page (.html), or a film (.gif, .mp4); default: MODEL_SCENE.html",
+    )
     about = (
         "another scene, or other values such as 'l=0.7[m],theta=1', beside the run in --plot and --animate"
     )

@@ -151,7 +151,7 @@ def _key(change: float) -> str:
 
 
 def _pair_of(distances: Distances, pairs: Sequence[int], v: Array) -> tuple[int, int] | None:
-    """Return the places of the first of some pairs whose distance changes as a length does, or as its opposite."""
+    """Return the places of the first of some pairs whose distance changes as a length does, or against it."""
     for k in pairs:
         d = distances.d[k]
         for offset in (d - v, d + v):

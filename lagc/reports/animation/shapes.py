@@ -105,7 +105,7 @@ def _flat(sample: Sample, body: Solid, moments: Array, arms: Sequence[Array], ma
 
 
 def _of_equal_moments(mass: float, moments: Array, axes: Array, arms: Sequence[Array], mark: float) -> Shape:
-    """Return a ball, a cylinder or a box with these moments of inertia; a ball with places inside is faint."""
+    """Return a ball, a cylinder or a box with these moments; a ball with places inside is faint."""
     for k in range(3):
         a, b = (i for i in range(3) if i != k)
         if abs(moments[a] - moments[b]) >= EQUAL * moments[2]:
