@@ -23,18 +23,8 @@ Progress = Callable[[float], None]
 def add_picture_options(parser: argparse.ArgumentParser) -> None:
     """`--plot --show --animate --overlay`."""
     add_plot_option(parser, "draw the motion into FILE (.png, .svg, .pdf), or on the screen")
-    about = "a panel of --plot: columns 'theta*', a phase portrait 'theta:der(theta)', path(bob), energy, residuals"
-    add_list_option(parser, "--show", "panels", "PANEL", about)
-    parser.add_argument(
-        "--animate",
-        metavar="FILE",
-        nargs="?",
-        const="",
-        help="show the motion as a page (.html), or a film (.gif, .mp4); default: MODEL_SCENE.html",
-    )
-    about = "a panel of --plot: columns 'theta*', a phase portrait 'theta:der(theta)', path(bob), energy, "
-    about += "residuals"
-    add_list_option(parser, "--show", "panels", "PANEL", about)
+    panels = "columns 'theta*', a phase portrait 'theta:der(theta)', path(bob), energy, residuals"
+    add_list_option(parser, "--show", "panels", "PANEL", f"a panel of --plot: {panels}")
     parser.add_argument(
         "--animate",
         metavar="FILE",

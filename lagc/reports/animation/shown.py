@@ -1,4 +1,4 @@
-"""What an animation shows: the scene of a run, its frames and forces, and other runs as ghosts."""
+"""The content of an animation: the scene of a run, its frames and forces, and other runs as ghosts."""
 
 from __future__ import annotations
 
