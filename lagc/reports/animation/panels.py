@@ -31,7 +31,7 @@ def panels(shown: Shown, channels: Channels) -> list[dict[str, Any]]:
         factor = 180.0 / math.pi if "deg" in unit and not unit.startswith("orientation") else 1.0
         columns = [
             {"name": name, "about": described.get(name) or described.get(name.partition("[")[0], ""),
-             "unit": units.get(name, ""),
+             "unit": units.get(name, ""), "size": factor * known.sizes.get(name, 0.0),
              "flat": known.is_flat(name, _finite(run.column(name)), units.get(name, "")),
              "y": [channels.add(r[name] * factor) if name in r else None for r in shown.runs]}
             for name in names[:MOST_LINES]
