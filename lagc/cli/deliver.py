@@ -118,7 +118,8 @@ def _animate(found: Run, wanted: str, options: argparse.Namespace, others: Mappi
 def kept(
     path: str, write: Callable[[str], object], failures: tuple[type[Exception], ...], usual: str = ".csv"
 ) -> str | None:
-    """Let `write` make the file `path` and return its name.
+    """Let `write` make the file `path` and return its name. It may raise `failures`, or ImportError where a
+    package is broken.
 
     If that fails, write a file with a new name in the current folder or in that for temporary files (with
     the ending `usual` if `path` has none), and say so; None if this fails too.  A signal ends the wait for
@@ -131,7 +132,7 @@ def kept(
         with SIGNALS.patience(not waiting):
             write(path)
         return path
-    except failures as error:
+    except (*failures, ImportError) as error:
         say(f"lagc: {_reason(path, error)}")
     except KeyboardInterrupt:
         if not waiting:
@@ -145,7 +146,7 @@ def kept(
         try:
             other = os.path.join(folder(), name)
             write(other)
-        except failures:
+        except (*failures, ImportError):
             continue
         say(f"lagc: the result is kept in {other}")
         return other

@@ -229,8 +229,18 @@ def _check_given(context: Context, instance: Instance) -> None:
             if context.faults and any(not e.objects and e.path == _base(given.owner) for e in entries):
                 continue
             known = [n for e in entries for n in (_names(e.objects) or [e.path])]
-            remedy = did_you_mean(name, known) or _other_kind(instance, _base(given.owner))
+            remedy = _rate(instance, name, given) if code == "LAG0224" else None
+            remedy = remedy or did_you_mean(name, known) or _other_kind(instance, _base(given.owner))
             context.report(Wrong(code, f"there is no {what} `{name}`", given.span, remedy))
+
+
+def _rate(instance: Instance, name: str, given: Given) -> str | None:
+    """Return a remedy for `start dtheta = 1;`."""
+    from lagc.semantics.names.undeclared import rate_of  # where there is a fault
+
+    rate = rate_of(name, instance)
+    value = None if given.expression is None else given.expression.span.text
+    return rate and (f"write `start {rate} = {value};`" if value else f"write `{rate}`")
 
 
 def _base(name: str) -> str:

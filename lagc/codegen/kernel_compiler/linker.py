@@ -22,6 +22,7 @@ DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NROW": lambda n: n["NU"] + 1,
     "NMANY": lambda n: (n["NV"] + n["NC"]) // 200 + 1,
     "NPARTED": lambda n: n["NCOND"] + n["NSUM"], "NWHOLE": lambda n: n["NU"] + n["NSUM"],
+    "NQUANTITY": lambda n: n["NQ"] + n["NV"] + n["NY"],
     "NALL": lambda n: n["NP"] + n["NPREPARED"],
     "NTREE": lambda n: n["NE"] * 2 + 2,
     "NSLOPES": lambda n: n["NNEWTON"] * n["NNEWTON"], "NFACTORS": lambda n: n["NLINEAR"] * n["NLINEAR"],
@@ -187,7 +188,8 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     own = {
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NINT": nq + nv + interface.nz,
         "NDISC": len(interface.discretes), "NC": interface.nc, "NH": interface.nh,
-        "NP": len(fields), "NGROUP": max(interface.kinds, default=0) + 1, "NWORK": interface.work_size,
+        "NP": len(fields), "NY": len(interface.outputs),
+        "NGROUP": max(interface.kinds, default=0) + 1, "NWORK": interface.work_size,
         "NHEALTH": max(interface.health, 2),
         "NBOUNDED": sum(isfinite(f.minimum) or isfinite(f.maximum) for f in fields),
         "NMODE": relations, "NTIMED": interface.timed_relations, "NFREE": free, "NENDS": 2 * free,

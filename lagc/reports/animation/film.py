@@ -256,13 +256,13 @@ def force_scale(shown: Shown) -> float:
 
 def check_film(path: str) -> None:
     """Raise ImportError if the packages that a film needs are missing."""
-    from importlib.util import find_spec
     from shutil import which
 
+    from lagc.host.packages import PICTURES, is_installed
+
     ending = os.path.splitext(path)[1].lower()
-    for package in ("matplotlib", "PIL"):
-        if find_spec(package) is None:
-            raise ImportError(f"a {ending} needs matplotlib: pip install matplotlib")
+    if not (is_installed("matplotlib") and is_installed("PIL")):
+        raise ImportError(PICTURES)
     if ending == ".mp4" and which("ffmpeg") is None:
         raise ImportError("an .mp4 needs the program ffmpeg; a .gif does without")
 

@@ -23,11 +23,11 @@ from lagc.semantics.names.scope import (
 )
 from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import BIT, LATE, VELOCITY
-from lagc.semantics.units import ENERGY, FORCE, NONE, POWER, Dimension, M, describe, si_text
+from lagc.semantics.units import ENERGY, FORCE, NONE, POWER, Dimension, M, describe, over, si_text, times
 from lagc.semantics.values.builtin_functions import Argument
 from lagc.semantics.values.evaluate import all_values, both, each, evaluate, evaluate_as
 from lagc.semantics.values.kinematics import material_velocity, velocity_of
-from lagc.semantics.values.unit_hints import expect_of, unit_remedy
+from lagc.semantics.values.unit_hints import expect_of, is_bare, unit_remedy
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector, sub
 from lagc.syntax import tree
@@ -126,9 +126,28 @@ def declare_free_term(context: Context, entry: Entry) -> Value:
 
 
 def declare_dissipation(context: Context, entry: Entry) -> Value:
-    node, _ = _energy_like(context, entry, POWER)
+    try:
+        node, _ = _energy_like(context, entry, POWER)
+    except Wrong as wrong:
+        fault = wrong.fault
+        remedy = _of_rate(context, entry) or fault.remedy
+        raise Wrong(fault.code, fault.message, fault.span, remedy, fault.related) from None
     entry.objects.append(objects.Dissipation(entry.path, node, entry.span, entry.effect))
     return Reference(entry)
+
+
+def _of_rate(context: Context, entry: Entry) -> str | None:
+    """Return a remedy for a dissipation that is a force, `c*der(x)`, and not half its power."""
+    value = _written(entry).value
+    if not isinstance(value, tree.Binary) or value.op != "*" or not value.right.span.text.startswith("der("):
+        return None
+    from lagc.semantics.names.undeclared import dimension_of  # where there is a fault
+
+    rate = dimension_of(context, value.right, entry.environment)
+    if rate is None:
+        return None
+    unit = f" [{si_text(over(POWER, times(rate, rate)))}]" if is_bare(value.left) else ""
+    return f"a dissipation is half the power: write `1/2*{value.left.span.text}{unit}*{value.right.span.text}^2`"
 
 
 def declare_load(context: Context, entry: Entry) -> Value:

@@ -80,6 +80,11 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
         from lagc.semantics.declarations.orientations import declare_orientation
 
         return declare_orientation(context, entry, source)
+    if declaration.type is None:
+        from lagc.semantics.declarations.without_kind import without_type  # where there is a fault
+
+        context.report(without_type(context, entry))
+        return _stand_in(context, entry, [], None)
     try:
         truth = is_boolean(declaration)
         meant: QuantityType | None = BOOLEAN if truth else type_of(declaration.type, entry.environment.space)
