@@ -47,8 +47,8 @@ class Run(Solution):
         return self._probes([expression])[0].values
 
     def unit(self, expression: str) -> str:
-        """Return the SI unit of an expression; "" for a number.  Raises Refused."""
-        return self._probes([expression])[0].unit
+        """Return the SI unit of a column or an expression; "" for a number.  Raises Refused."""
+        return self.units[expression] if expression in self else self._probes([expression])[0].unit
 
     def position(self, name: str) -> Array:
         """Return the positions of a body or point at the recorded points, (points, 3), in m.  Raises
@@ -68,10 +68,12 @@ class Run(Solution):
             self.expressions.update((name, (probe.unit, x.tolist())) for name, x in zip(names, flat.T) if n)
 
     def _probes(self, expressions: Sequence[str]) -> list[Probe]:
-        from lagc.compiler.probed import probe
-
+        if not expressions:
+            return []
         if self.loaded is None:
             raise ValueError("this run has no model to evaluate expressions with")
+        from lagc.compiler.probed import probe
+
         return probe(self.loaded, self, expressions)
 
     def plot(self, *names: str, path: str | None = None) -> object:
