@@ -2,8 +2,8 @@
 
     python tools/gallery.py [FOLDER]
 
-All models of a folder of the library share one picture, in colours of a palette, so that the pages stay small.
-A model without bodies has a plot of its coordinates instead.  Prints each model with the time of its run.
+All models of a folder of the library share one picture, in colours of a palette, so that the pages stay
+small. A model without bodies has a plot of its coordinates instead.  Prints each model with the time of its run.
 """
 
 from __future__ import annotations

@@ -8,15 +8,16 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from tests.animation.test_page import EVIL
 
 import lagc
+from tests.animation.test_page import EVIL
 
 WEB = Path(__file__).resolve().parents[2] / "web"
 PAGE = WEB.parent / "lagc" / "reports" / "animation" / "page"
 MODELS = (
-    "simple_pendulum", "double_pendulum", "four_bar", "slider_crank_joints", "heavy_top_quaternion", "rolling_disc",
-    "tumbling_box", "newtons_cradle", "elastic_pendulum", "gyroscope_in_gimbals", "whipple_bicycle", "thermostat",
+    "simple_pendulum", "double_pendulum", "four_bar", "slider_crank_joints", "heavy_top_quaternion",
+    "rolling_disc", "tumbling_box", "newtons_cradle", "elastic_pendulum", "gyroscope_in_gimbals",
+    "whipple_bicycle", "thermostat",
 )  # fmt: skip
 
 pytestmark = pytest.mark.long
@@ -68,8 +69,8 @@ def test_the_bundle_is_that_of_its_sources(tmp_path: Path) -> None:
         pytest.skip("there is no npm")
     copy = tmp_path / "web"
     shutil.copytree(WEB, copy, ignore=shutil.ignore_patterns("node_modules"))
-    done = subprocess.run(["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund"], cwd=copy, capture_output=True,
-                          text=True, timeout=600)  # fmt: skip
+    install = ["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund"]
+    done = subprocess.run(install, cwd=copy, capture_output=True, text=True, timeout=600)
     if done.returncode:
         pytest.skip(f"npm cannot install the packages: {done.stderr.splitlines()[-1:]}")
     node("build.mjs", str(tmp_path / "built"), cwd=copy)

@@ -9,19 +9,20 @@ import json
 import math
 import re
 from importlib.util import find_spec
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.special import ellipj, ellipk
-from tests.animation.pages import Page
 
 import lagc
 from lagc.api_run import Run
 from lagc.host.model_library import library_models
 from lagc.reports.animation.channels import Channels
 from lagc.reports.animation.page import Animation
+from tests.animation.pages import Page
 
 G, L, M = 9.81, 0.7, 1.3
 PENDULUM = f"""
@@ -36,7 +37,8 @@ end P;
 EVIL = r"""
 model Evil "</script><script>window.hacked=1</script><img src=x onerror='window.hacked=2'>"
   parameter Mass m = 1 [kg] "</style><script>window.hacked=3</script>";
-  coordinate Length x(rate = 1 [m/s]) "<b onmouseover=window.hacked=4>x</b>", z(start = 1 [m]) "<!-- <script> \" ' ` & SEP";
+  coordinate Length x(rate = 1 [m/s]) "<b onmouseover=window.hacked=4>x</b>";
+  coordinate Length z(start = 1 [m]) "<!-- <script> \" ' ` & SEP";
   body ball = Particle(mass = m, at = {x, 0, z});
   Gravity field;
   constraint floor: ball.z >= 0 (restitution = 0.8);
@@ -93,7 +95,7 @@ def test_the_tension_is_that_of_the_closed_form(pendulum: Run) -> None:
 
 
 def test_a_page_holds_both_sides_of_an_impact() -> None:
-    """A ball that falls from h hits the floor at sqrt(2 h/g); the corner of its path is there, at the floor."""
+    """A ball that falls from h hits the floor at sqrt(2 h/g): there is the corner of its path."""
     text = EVIL.replace("z(start = 1 [m])", "z(start = 2 [m])")
     page = page_of(lagc.loads(text).compile(backend="numpy").simulate(1.0))
     hit = math.sqrt(4.0 / G)
@@ -237,7 +239,7 @@ def test_a_film_has_moving_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         for k in range(3):
             image.seek(k)
             frames.append(np.asarray(image.convert("L")).copy())
-    assert all((a != b).mean() > 1e-3 for a, b in zip(frames, frames[1:]))
+    assert all((a != b).mean() > 1e-3 for a, b in pairwise(frames))
 
 
 def test_a_wrong_ending_and_an_empty_run_are_refused(pendulum: Run) -> None:

@@ -50,27 +50,22 @@ def test_scenes(name: str) -> None:
 
 def solid(inertia: str) -> Any:
     text = (
-        "model M\n  parameter Mass m = 2 [kg];\n  coordinate Length x(rate = 1 [m/s]);\n  coordinate Orientation o;\n"
-        f"  frame B = rotate(world, o);\n  body b = Solid(mass = m, inertia = {inertia}, frame = B, com = {{x, 0, 0}});\n"
-        "end M;\n"
+        "model M\n  parameter Mass m = 2 [kg];\n  coordinate Length x(rate = 1 [m/s]);\n"
+        "  coordinate Orientation o;\n  frame B = rotate(world, o);\n"
+        f"  body b = Solid(mass = m, inertia = {inertia}, frame = B, com = {{x, 0, 0}});\nend M;\n"
     )
-    (body,) = (
-        lagc.loads(text)
-        .compile(backend="numpy")
-        .simulate(stop=1.0, points=11, method="rk4", step=0.1)
-        .scene()
-        .bodies
-    )
+    run = lagc.loads(text).compile(backend="numpy").simulate(stop=1.0, points=11, method="rk4", step=0.1)
+    (body,) = run.scene().bodies
     return body.shape
 
 
 def test_figures_have_the_moments_of_inertia_of_the_solid() -> None:
     """The moments of a homogeneous rod, cylinder, ball and box of 2 kg, from their sizes."""
-    m, r, h, l = 2.0, 0.3, 0.8, 1.5
+    m, r, h, length = 2.0, 0.3, 0.8, 1.5
     rod = solid(
-        f"{{1e-9, {m * l * l / 12}, {m * l * l / 12}}}"
+        f"{{1e-9, {m * length**2 / 12}, {m * length**2 / 12}}}"
     )  # none about its axis is not a regular inertia
-    assert rod["kind"] == "rod" and rod["length"] == pytest.approx(l)
+    assert rod["kind"] == "rod" and rod["length"] == pytest.approx(length)
     across = m * (3 * r * r + h * h) / 12
     cylinder = solid(f"{{{across}, {across}, {m * r * r / 2}}}")
     assert cylinder["kind"] == "cylinder" and np.abs(cylinder["axis"]) == pytest.approx([0, 0, 1], abs=1e-9)
@@ -87,7 +82,8 @@ def test_figures_have_the_moments_of_inertia_of_the_solid() -> None:
 
 def test_gravity_in_any_direction_is_found() -> None:
     text = (
-        "model M\n  parameter Mass m = 3 [kg];\n  coordinate Length x, y, z;\n  body b = Particle(mass = m, at = {x, y, z});\n"
+        "model M\n  parameter Mass m = 3 [kg];\n  coordinate Length x, y, z;\n"
+        "  body b = Particle(mass = m, at = {x, y, z});\n"
         "  potential V = -m*(2 [m/s2]*x - 6 [m/s2]*y + 3 [m/s2]*z);\nend M;\n"
     )
     scene = lagc.loads(text).compile(backend="numpy").simulate(stop=1.0, points=11, method="dop853").scene()
@@ -97,7 +93,8 @@ def test_gravity_in_any_direction_is_found() -> None:
 
 def test_an_attraction_is_no_spring() -> None:
     text = (
-        "model M\n  parameter Mass m = 1 [kg];\n  coordinate Length x(start = 1 [m]), y(start = 0.2 [m], rate = 1 [m/s]);\n"
+        "model M\n  parameter Mass m = 1 [kg];\n"
+        "  coordinate Length x(start = 1 [m]), y(start = 0.2 [m], rate = 1 [m/s]);\n"
         "  point O = {0, 0, 0};\n  body b = Particle(mass = m, at = {x, y, 0});\n"
         "  parameter Real k = 1;\n  potential V = SPRING;\nend M;\n"
     )

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.animation.pages import Page
 
 from lagc.cli.main import main
 from lagc.reports.plots import panels
+from tests.animation.pages import Page
 
 PENDULUM = "simple_pendulum"
 
@@ -121,7 +121,7 @@ def test_words_of_show() -> None:
 )
 def test_a_run_without_pictures_loads_none_of_this(module: str) -> None:
     program = (
-        "import sys; from lagc.cli.main import main; "
-        f"code = main(['sim', '{PENDULUM}', '-q', '--stop', '1']); sys.exit(code or {module!r} in sys.modules)"
+        f"import sys; from lagc.cli.main import main; code = main(['sim', '{PENDULUM}', '-q', '--stop', '1']); "
+        f"sys.exit(code or {module!r} in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", program], capture_output=True, timeout=120).returncode == 0
