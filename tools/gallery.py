@@ -3,7 +3,7 @@
     python tools/gallery.py [FOLDER]
 
 All models of a folder of the library share one picture, in colours of a palette, so that the pages stay
-small. A model without bodies has a plot of its coordinates instead.  Prints each model with the time of its run.
+small. A model without bodies has a plot of its coordinates instead.  Prints each model with its time.
 """
 
 from __future__ import annotations
