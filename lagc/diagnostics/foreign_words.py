@@ -1,7 +1,7 @@
 """Words of other languages, and what to write instead: one table for each place in a text.
 
-An entry with a backquote is a sentence, an empty one means that the word is left out, any other is the text to
-write.  In `CALLS`, `{0}` and `{1}` are the arguments of the call, `{all}` is the list of them.
+An entry with a backquote is a sentence, an empty one means that the word is left out, any other is the text
+to write.  In `CALLS`, `{0}` and `{1}` are the arguments of the call, `{all}` is the list of them.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ CHARACTERS = {
     **dict.fromkeys("“”„", '`"` is straight: write texts as "..."'),
     **dict.fromkeys("'`", 'write texts between double quotes, `"..."`'),
     "#": "comments begin with `//`", "?": "write `if condition then value else other`", "√": "sqrt(...)",
-    "½": "1/2", "∞": "`min` and `max` without a bound are left out", "∫": "write the integrand as `der(I)` of "
-    "a coordinate `I` without mass: `constraint c: der(I) = ...;`",
+    "½": "1/2", "∞": "`min` and `max` without a bound are left out",
+    "∫": "write the integrand as the rate of a coordinate without mass: `constraint c: der(I) = ...;`",
     "∂": "write the derivative in time as `der(x)`", "\ufeff": LEAVE_OUT, "$": LEAVE_OUT, "~": "not",
     "@": "for the product of two vectors write `dot(a, b)`",
 }  # fmt: skip
@@ -70,8 +70,8 @@ KEYWORDS: dict[str, str] = {
     "assert": "give bounds where a quantity is declared: `parameter Mass m(min = 0);`",
     "spring": "write a spring as a potential: `potential V = 1/2*k*x^2;`",
     "damper": "write a damper as a dissipation: `dissipation D = 1/2*c*der(x)^2;`",
-    **dict.fromkeys(("friction", "contact"), "write it as a constraint: `constraint rail: y = 0 [m] (friction "
-        "= 0.3, at = b);`, or `constraint floor: b.z >= 0 [m] (friction = 0.3, at = b);`"),
+    **dict.fromkeys(("friction", "contact"), "friction belongs to a constraint, `(friction = 0.3, at = b)` "
+        "in `constraint floor: b.z >= 0 [m] (friction = 0.3, at = b);`"),
     "moment": "torque", "particle": "body",
     "gravity": "write `Gravity field;`", "event": "write `when condition then ... end when;`",
 }  # fmt: skip
@@ -128,10 +128,9 @@ CALLS: dict[str, str] = {
               "write `table(time, ..., interpolation = \"held\")`",
 }  # fmt: skip
 SURPLUS = {  # calls of functions of the language with more arguments than they take
-    "der": "der({0})", "atan": "atan2({0}, {1})", "norm": "norm({{{all}}})", "normalize": "normalize({{{all}}})",
-    "position": "position({0})", "log": "log({0})/log({1})", "velocity": "velocity({0})",
-    "floor": "floor({0})", "abs": "norm({{{all}}})",
-}
+    "der": "der({0})", "atan": "atan2({0}, {1})", "norm": "norm({{{all}}})",
+    "normalize": "normalize({{{all}}})", "log": "log({0})/log({1})", "abs": "norm({{{all}}})",
+}  # fmt: skip
 NAMES: dict[str, str] = {
     **dict.fromkeys(("Pi", "PI"), "pi"), **dict.fromkeys(("t", "Time", "TIME"), "time"),
     **dict.fromkeys(("True", "TRUE"), "true"), **dict.fromkeys(("False", "FALSE"), "false"),
@@ -224,7 +223,8 @@ UNIT_WORDS: dict[str, str] = {
     **dict.fromkeys(("gram", "gramme", "gm"), "g"), **dict.fromkeys(("kilo", "kilogramme"), "kg"),
     **dict.fromkeys(("meter", "metre"), "m"), **dict.fromkeys(("second", "sec"), "s"),
     "minute": "min", **dict.fromkeys(("hour", "hr"), "h"), **dict.fromkeys(("tonne", "ton"), "t"),
-    "radian": "rad", **dict.fromkeys(("degree", "°", "º"), "deg"), **dict.fromkeys(("revolution", "turn"), "rev"),
+    "radian": "rad",
+    **dict.fromkeys(("degree", "°", "º"), "deg"), **dict.fromkeys(("revolution", "turn"), "rev"),
     "newton": "N", "joule": "J", "watt": "W", "pascal": "Pa", "hertz": "Hz", "kelvin": "K", "volt": "V",
     **dict.fromkeys(("ampere", "amp"), "A"), **dict.fromkeys(("ohm", "Ω"), "Ohm"), "coulomb": "C",
     "farad": "F", "henry": "H", "tesla": "T", "weber": "Wb", "mole": "mol", "candela": "cd",
@@ -244,14 +244,19 @@ UNIT_PREFIXES = {"kilo": "k", "milli": "m", "centi": "c", "micro": "u", "mega": 
 _UNITS = frozenset({
     "kg", "g", "mg", "t", "m", "mm", "cm", "km", "um", "s", "ms", "us", "min", "h", "d", "rad", "mrad",
     "deg", "rev", "N", "kN", "mN", "J", "kJ", "W", "kW", "Pa", "kPa", "MPa", "GPa", "bar", "Hz", "kHz",
-    "A", "V", "C", "K", "T", "Nm", "mol", "rpm", "F", "H", "Ohm", "eV", "l", "L", *UNIT_WORDS,
+    "A", "V", "C", "K", "T", "Nm", "mol", "rpm", "F", "H", "Ohm", "eV", "l", "L",
 })  # fmt: skip
+
+
+def unit_symbol(word: str) -> str:
+    """Return the symbol of a unit that is written as a word, `deg` for `Degrees`, or the word itself."""
+    return UNIT_WORDS.get(word) or UNIT_WORDS.get(word.lower().rstrip("s"), word)
 
 
 def looks_like_unit(word: str) -> bool:
     """Whether a word looks like a unit, maybe with an exponent: `kg`, `s2`, `degrees`."""
     word = word.rstrip("0123456789")
-    return word in _UNITS or word.lower().rstrip("s") in UNIT_WORDS
+    return word in _UNITS or unit_symbol(word) != word
 
 
 # -- remedies ----------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Units as people write them: `Nm`, `kgm2`, `Kg`, `°`, `N·m`, `m s^-2`, `meters`; and the unit that is meant."""
+"""Units as people write them: `Nm`, `kgm2`, `Kg`, `°`, `N·m`, `m s^-2`, `meters`; the unit that is meant."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from itertools import islice, product
 
-from lagc.diagnostics.foreign_words import UNIT_PREFIXES, UNIT_VALUES, UNIT_WORDS
+from lagc.diagnostics.foreign_words import UNIT_PREFIXES, UNIT_VALUES, unit_symbol
 from lagc.semantics.units import SYMBOLS, Dimension, UnknownUnit, unit
 
 _SIGNS = str.maketrans({**dict.fromkeys("·⋅×∙•", "."), "−": "-", "⁻": "-", "º": "°", "μ": "u", "^": ""})
 _WORD = re.compile(r"[^\W\d_]+|[%°]+")
 _POWERS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
 _COMMON = ("kg", "mm", "cm", "km", "ms", "kN", "kHz", "mN", "MPa", "GPa", "kPa", "kJ", "kW", "mrad")
-_PIECES = ("kg", "N", "m", "s", "rad", "J", "W", "K", "A", "V", "Pa", "g", "mm", "cm", "km", "kN", "Hz", "mol")
+_PIECES = ("kg", "N", "m", "s", "rad", "J", "W", "K", "A", "V", "Pa", "g", "mm", "cm", "km", "kN", "Hz")
 _MOST = 2000  # spellings that are tried
 _LONGEST = 40
 
@@ -34,8 +34,8 @@ def unit_remedy(text: str, wanted: Dimension | None) -> str | None:
 def meant_unit(
     text: str, wanted: Dimension | None = None, meanings: Callable[[str], Iterator[str]] | None = None
 ) -> str | None:
-    """Return the unit, of dimension `wanted` if it is given, that a text means, or None.  `meanings` yields the
-    symbols that a word may mean."""
+    """Return the unit, of dimension `wanted` if it is given, that a text means, or None.  `meanings` yields
+    the symbols that a word may mean."""
     if len(text) > _LONGEST:
         return None
     meanings = meanings or _meanings
@@ -62,13 +62,10 @@ def _meanings(word: str) -> Iterator[str]:
     if _is_unit(word):
         yield word
     plain = word.lower()
-    for spelled in (word, plain, plain.rstrip("s")):
-        if spelled in UNIT_WORDS:
-            yield UNIT_WORDS[spelled]
-        for prefix, short in UNIT_PREFIXES.items():
-            base = UNIT_WORDS.get(spelled.removeprefix(prefix), "")
-            if spelled.startswith(prefix) and base:
-                yield short + base
+    yield unit_symbol(word)
+    for prefix, short in UNIT_PREFIXES.items():
+        if plain.startswith(prefix):
+            yield short + unit_symbol(plain.removeprefix(prefix))
     yield from (symbol for symbol in (*_COMMON, *SYMBOLS) if symbol.lower() in (plain, plain.rstrip("s")))
     yield from sorted(_products(word), key=_unlikely)[:4]
 
@@ -89,7 +86,8 @@ def _products(word: str) -> Sequence[str]:
     for piece in _PIECES:
         if word.startswith(piece) and word != piece:
             rest = word[len(piece) :]
-            found += [f"{piece}.{other}" for other in (*_products(rest), *([rest] if rest in _PIECES else []))]
+            others = (*_products(rest), *([rest] if rest in _PIECES else []))
+            found += [f"{piece}.{other}" for other in others]
     return tuple(found)
 
 

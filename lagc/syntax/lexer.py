@@ -48,7 +48,8 @@ _PATTERN = re.compile(
   | (?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)
   | (?P<string>"(?:[^"\\\n]|\\.)*")
   | (?P<unclosed>/\*|")
-  | (?P<symbol>:=|==|<=|>=|<>|!=|~=|=>|->|\*\*|&&|\|\||\.[*/^]|\.\.\.?|[-+*/]=|[-+*/^=<>(){}\[\],;:.!%&|?@\#$~`'\\])
+  | (?P<symbol>:=|==|<=|>=|<>|!=|~=|=>|->|\*\*|&&|\|\||\.[*/^]|\.\.\.?|[-+*/]=
+      |[-+*/^=<>(){}\[\],;:.!%&|?@\#$~`'\\])
   | (?P<odd>.)
     """,
     re.VERBOSE | re.DOTALL,
@@ -60,6 +61,7 @@ _UNKNOWN = frozenset("?@#$~`'\\%")  # explained here; the parser explains the ot
 _BLANKS = frozenset(
     "\u00a0\u2000\u2001\u2002\u2003\u2004\u2005\u2006\u2007\u2008\u2009\u200a\u202f\u3000\v\x85\u2028\u2029"
 )
+
 
 def tokenise(source: Source) -> Lexed:
     """Return the tokens of a text.  Other characters are reported, and skipped or replaced by their likely

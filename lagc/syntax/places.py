@@ -188,8 +188,8 @@ def _instead(condition: tree.Condition, container: str) -> str:
         return f"write `{kind} {left} = {right};`"
     if "der(der(" in left + right or "acceleration(" in left + right:
         return (
-            "delete it: the equations of motion follow from the bodies and what acts on them; write a force as "
-            "`force f = {1 [N], 0, 0} at b;`"
+            "delete it: the equations of motion follow from the bodies and what acts on them; write a force "
+            "as `force f = {1 [N], 0, 0} at b;`"
         )
     return (
         "for an equation that always holds write `constraint name: left = right;`; for a computed quantity "

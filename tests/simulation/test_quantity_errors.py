@@ -434,3 +434,21 @@ def test_bars_of_a_motion_that_is_cut_are_those_of_the_time_shown() -> None:
     for name in ("theta1", "theta2", "der(theta1)", "der(theta2)"):
         assert run.errors[name] <= 3e-8 * run.scales[name], name
         assert np.abs(run[name] - near[name]).max() <= run.errors[name] + near.errors[name], name
+
+
+@pytest.mark.parametrize("start", [1e10, 1e12, 1e14, 1e16])
+def test_whole_turns_are_no_size_of_an_angle(start: float) -> None:
+    """At 1e10 rad numbers are 2e-6 rad apart: nothing is known to 1e-6, and to 1e-3 what is said is true. The
+    reference begins at the angle without its turns, and has bits to spare."""
+    model = lagc.load("simple_pendulum").compile(backend="numpy")
+    run = model.simulate(5, starts={"theta": start}, accuracy=1e-6, points=11)
+    assert run.status == "failed" and "Leave out whole turns" in run.message
+    coarse = model.simulate(5, starts={"theta": start}, accuracy=1e-3, points=11)
+    assert coarse.status == ("ok" if start == 1e10 else "failed")
+    with mpmath.workdps(40):
+        angle = float(mpmath.fmod(mpmath.mpf(start), 2 * mpmath.pi))
+    near = model.simulate(5, starts={"theta": angle}, accuracy=1e-9, points=11)
+    n = len(coarse.t)
+    true = np.abs(coarse["der(theta)"] - near["der(theta)"][:n]).max()
+    if start < 1e16:  # the spacing is a third of a turn there
+        assert true <= coarse.errors["der(theta)"] + 1e-12 and true <= 1e-3 * 10.0

@@ -359,14 +359,9 @@ class CPrinter:
             return self.expression(args[0])
         if name == "present":
             return f"{self.text(args[0])} != NULL", EQUAL
-        if name == "quotient":
-            return (
-                f"{self.operand(args[0], REAL, PRODUCT)} / {self.operand(args[1], REAL, PRODUCT, True)}",
-                PRODUCT,
-            )
         callee = self.now.known.signatures.get(name)
         if callee is None:
-            spelled = self.real.call.format("sqrt" if name == "root" else name)
+            spelled = self.real.call.format(name)
             return f"{spelled}({', '.join(self.given(a, REAL) for a in args)})", ATOM
         parts = []
         for a, kind in zip(args, callee.parameters):

@@ -36,7 +36,6 @@ class NRATE(metaclass=SizeType): ...  # stated rates that are not speeds
 class NMASSLESS(metaclass=SizeType): ...  # speeds without inertia, as of a filter
 class NBOUNDED(metaclass=SizeType): ...  # parameters with bounds
 class NLIMITS(metaclass=SizeType): ...  # bounded values computed from parameters
-class NPIECE(metaclass=SizeType): ...  # groups of initial equations that can be evaluated alone
 class NU(metaclass=SizeType): ...  # unknowns of the initialization: NQ + NV + NRATE
 class NTIED(metaclass=SizeType): ...  # NH + NC
 class NE(metaclass=SizeType): ...  # its equations: NCOND + NQUAT
@@ -89,8 +88,6 @@ class NNORMALEFFECTS(metaclass=SizeType): ...  # NNORMAL NCROW
 class NNORMALROWS(metaclass=SizeType): ...  # NNORMAL NKNOWN
 class NLAW(metaclass=SizeType): ...  # NCROW + NCON: unknowns of given contact modes, with slip angles
 class NLAWS(metaclass=SizeType): ...  # NLAW NLAW
-class NLCP(metaclass=SizeType): ...  # NCON + 2 NSLIP + 1: unknowns of the linear complementarity problem
-class NTABLEAU(metaclass=SizeType): ...  # NLCP (NLCP + 1)
 
 
 # The same for every model.
@@ -112,4 +109,3 @@ class NLANE(metaclass=SizeType): ...  # sums of products of coefficients
 class NSQUARE(metaclass=SizeType): ...  # those of squares
 class NCONVOLVED(metaclass=SizeType): ...  # both
 class NTERM(metaclass=SizeType): ...  # terms of a series, at most
-class NTREE(metaclass=SizeType): ...  # NE 2 + 2: of a tree of pairs of conditions

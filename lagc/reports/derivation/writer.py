@@ -18,7 +18,7 @@ from lagc.reports.algebra.polynomials import Exponent, Frozen, NotFinite, Polyno
 from lagc.reports.algebra.trigonometric_identities import TurningAlgebra
 from lagc.reports.derivation.phrases import Phrases
 from lagc.reports.derivation.rates import Rates
-from lagc.reports.equations.formulas import collector_of, nonnegative, tidy
+from lagc.reports.equations.formulas import SymbolKinds, collector_of, nonnegative, tidy
 from lagc.reports.equations.latex import VERBATIM, LatexWriter, letter
 from lagc.reports.names import Name, names
 from lagc.reports.patterns.formula_trees import Former, Symbol, Total, indices
@@ -77,7 +77,7 @@ class FormulaWriter:
         for rate, star in rates.stars.items():
             self.names[star] = self.names[rate]
         self.algebra = TurningAlgebra(nonnegative(equations), limit=PRODUCTS)
-        self.collector = collector_of(equations, self.algebra)
+        self.collector = collector_of(SymbolKinds(equations), self.algebra)
         self.collector.leading.extend(self.algebra.symbol(a) for a in rates.states.a if a not in equations.a)
         self.stars = [self.algebra.symbol(s) for s in rates.stars.values()]
         self.collector.rates.update(self.algebra.symbol(v) for v in rates.states.v)

@@ -63,7 +63,7 @@ def refuse_without_kind(context: Context, entry: Entry) -> Value:
 
 
 def without_type(context: Context, entry: Entry) -> Wrong:
-    """Return the fault of `coordinate theta [rad];` and `output x = l*sin(theta);`, with the line to write."""
+    """Return the fault of `coordinate theta [rad];` and `output x = l*y;`, with the line to write."""
     declaration, source = entry.declaration, entry.source
     assert isinstance(declaration, tree.Quantities) and isinstance(source, tree.Declarator)
     text = source.span.source.text[source.span.start : declaration.declarators[-1].span.end]

@@ -1,12 +1,12 @@
-"""Remedies for names that are not declared: the rate, the unit or the function that is meant, or the declaration
-to write, in the dimension of its place."""
+"""Remedies for names that are not declared: the rate, the unit or the function that is meant, or the
+declaration to write, in the dimension of its place."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
 
-from lagc.diagnostics.foreign_words import NAMES, UNIT_WORDS, foreign, foreign_call, looks_like_unit
+from lagc.diagnostics.foreign_words import NAMES, foreign, foreign_call, looks_like_unit, unit_symbol
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Entry, Environment, Instance, flat
@@ -15,10 +15,11 @@ from lagc.semantics.units import (
     CONSTANTS,
     ENERGY,
     FORCE,
+    KG,
     NONE,
     POWER,
+    TYPES,
     Dimension,
-    KG,
     M,
     S,
     dimension,
@@ -37,6 +38,10 @@ _FACTOR = re.compile(r"((?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*\*\s*$")  # a nu
 _UNIT = re.compile(r"([A-Za-z]+)(?:\^?-?\d+)?(?:[*/.]([A-Za-z]+)(?:\^?-?\d+)?)*")
 _SPEEDS = ("v", "vel", "w", "omega")
 _ENERGIES = {"potential": ENERGY, "kinetic": ENERGY, "lagrangian": ENERGY, "dissipation": POWER, "point": M}
+_TYPES = {  # likelier than those of other quantities of the same dimension
+    ("dissipation", times(POWER, (0, 0, 2 * S[2], *NONE[3:]))): "RotationalDamping",
+    ("potential", ENERGY): "RotationalStiffness",
+}
 _LOADS = {"force": FORCE, "torque": ENERGY}
 _ARGUMENTS = {"mass": KG, "at": M, "com": M, "inertia": dimension(kg=1, m=2)}
 _ANGLES = frozenset({"sin", "cos", "tan", "rotate", "rotate_x", "rotate_y", "rotate_z"})
@@ -48,7 +53,8 @@ def remedy(context: Context, e: tree.Name, environment: Environment) -> str:
     if context.hushed:
         return ""
     instance, path = environment.instance, tuple(_path(context, e))
-    known = [*environment.bindings, *instance.entries, *environment.space.known(), *CONSTANTS, "time", "world"]
+    known = [*environment.bindings, *instance.entries, *environment.space.known(), *CONSTANTS]
+    known += ["time", "world"]
     return (
         _power_of_e(e, path)
         or _unit_factor(e)
@@ -86,7 +92,7 @@ def _strength(name: str, instance: Instance) -> str | None:
 
 
 def rate_of(name: str, instance: Instance) -> str | None:
-    """Return the rate that is called `xdot`, `x_ddot`, `dx`, `ddx`, `dx_dt` or `vx`: `der(x)`, `der(der(x))`."""
+    """Return the rate that is called `xdot`, `dx`, `dx_dt` or `vx`, `der(x)`, or `x_ddot`, `der(der(x))`."""
     for pattern, order in (
         (r"(\w+?)_?(dot|d)(_?dot|d)", 2), (r"(dd|d2)_?(\w+?)(_?dt2?)?", 2), (r"(a)_?(\w+)", 2),
         (r"(\w+?)_?(dot|d|t|prime)", 1), (r"(d|v|w|omega|vel|D)_?(\w+?)(_?dt)?", 1),
@@ -130,7 +136,7 @@ def _unit_factor(e: tree.Name) -> str | None:
             break
         end = unit.start() + part.end()
     words = text[e.span.start : end].replace("*", ".")
-    return f"write `{number[1]} [{UNIT_WORDS.get(words, words)}]`"
+    return f"write `{number[1]} [{unit_symbol(words)}]`"
 
 
 def _path(context: Context, e: tree.Name) -> Iterator[tree.Expression]:
@@ -199,7 +205,8 @@ def _declaration(
 ) -> str:
     """Return the declaration of a name in the dimension of its place."""
     around = path[0] if path else None
-    called = around.function.name if isinstance(around, tree.Call) and isinstance(around.function, tree.Name) else ""
+    function = around.function if isinstance(around, tree.Call) else None
+    called = function.name if isinstance(function, tree.Name) else ""
     if called in _PLACES:
         return f"declare it, `body {e.name} = Particle(mass = 1 [kg], at = {{0, 0, 0}} [m]);`"
     source = context.chain[-1].source if context.chain else None
@@ -211,13 +218,15 @@ def _declaration(
     if needed == NONE:
         kind = "Angle" if called in _ANGLES else "Real"
         return f"declare it, `parameter {kind} {e.name} = 1;`"
-    return f"declare it, `parameter {name_of(needed)} {e.name} = 1 [{si_text(needed)}];`"
+    named = _TYPES.get((context.chain[-1].kind, needed)) or name_of(needed)
+    unit = TYPES[named].unit if named in TYPES else si_text(needed)
+    return f"declare it, `parameter {named} {e.name} = 1 [{unit}];`"
 
 
 def _needed(
     context: Context, e: tree.Name, environment: Environment, path: tuple[tree.Expression, ...]
 ) -> Dimension | None:
-    """Return the dimension that a name needs for the dimensions around it to agree, None if it is not known."""
+    """Return the dimension that a name needs to fit those around it, None if it is not known."""
     if not context.chain:
         return None
     wanted = next((meant for root, meant in _roots(context.chain[-1]) if _holds(root, e)), None)
@@ -241,10 +250,9 @@ def _needed(
                 wanted = None if wanted is None else raised(wanted, 2)
             elif name not in ("abs", "min", "max", "norm", "sum"):
                 wanted = NONE if name in _ANGLES or name in ("exp", "log", "sinh", "cosh", "tanh") else None
-        elif isinstance(part, tree.Conditional) and any(inner is condition for condition, _ in part.branches):
-            wanted = None
-        elif isinstance(part, tree.Member | tree.Index):
-            wanted = None
+        elif isinstance(part, tree.Member | tree.Index | tree.Conditional):
+            branch = isinstance(part, tree.Conditional) and inner not in [c for c, _ in part.branches]
+            wanted = wanted if branch else None
     return wanted
 
 

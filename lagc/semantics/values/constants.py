@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from lagc.base.records import replace
-from lagc.diagnostics.faults import Span
 from lagc.diagnostics import foreign_words as words
+from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context
 from lagc.semantics.names.namespace import Declared, Namespace

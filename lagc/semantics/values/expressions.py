@@ -8,17 +8,7 @@ from collections.abc import Callable, Sequence
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.foreign_words import NAMES, foreign, foreign_call
 from lagc.semantics.context import Context
-from lagc.semantics.names.scope import (
-    Array,
-    Environment,
-    Scalar,
-    Text,
-    Truth,
-    Value,
-    flat,
-    kind,
-    shape,
-)
+from lagc.semantics.names.scope import Array, Environment, Scalar, Text, Truth, Value, flat, kind, shape
 from lagc.semantics.refusals import Poisoned, Wrong
 from lagc.semantics.units import CONSTANTS, NONE, Dimension, S, UnknownUnit, describe, unit
 from lagc.semantics.values.arithmetic import binary, negative, select
@@ -97,12 +87,7 @@ def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
         )
     function = written(e.name)
     if function is not None:
-        raise Wrong(
-            "LAG0201",
-            f"`{e.name}` is a function",
-            e.span,
-            remedy=f"write `{function}`",
-        )
+        raise Wrong("LAG0201", f"`{e.name}` is a function", e.span, remedy=f"write `{function}`")
     from lagc.semantics.names.undeclared import remedy  # where there is a fault
 
     raise Wrong("LAG0201", f"`{e.name}` is not declared", e.span, remedy(context, e, environment))

@@ -10,7 +10,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence, Set
 from itertools import compress
-from math import inf, isfinite
+from math import inf, isfinite, tau
 from operator import sub
 
 from lagc.base.records import dataclass
@@ -286,6 +286,9 @@ class Measure:
         constant = [i in self.steady and span <= SMALL * size
                     for i, (span, size) in enumerate(zip(spans, terms))]  # fmt: skip
         scales = [size if same else span for same, span, size in zip(constant, spans, terms)]
+        for i, unit in enumerate(interface.state_units[: system.nq]):
+            if constant[i] and unit == "rad":  # whole turns are no size
+                scales[i] = min(scales[i], tau)
         for k, group in enumerate(state_groups(interface) if self.noise else ()):
             if k in self.noise and max(spans[i] for i in group) <= self.noise[k]:
                 for i in group:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 from lagc.base.records import dataclass, field
 from lagc.base.text import FINEST
-from lagc.kernels import DEFAULT_METHOD
+from lagc.kernels import DEFAULT_METHOD, SERIES
 from lagc.kernels.integrators.tableaus import order
 from lagc.simulation.error_measure import Sizes, sizes
 from lagc.simulation.global_error.measure import ROUNDING, ULP, Measure
@@ -155,7 +155,8 @@ class _Search:
         self.whole: set[float] = set()  # tolerances of runs whose steps before an event are not halved
         self.rounded: dict[float, float] = {}  # the effect of round-off by tolerance
         self.measure = Measure(self.system, self.scales, self.measure.unresolved)
-        self.truncation = Truncation(self.runs, self.measure.apart, order(self.method))
+        fixed = 0 if self.method in SERIES else order(self.method)
+        self.truncation = Truncation(self.runs, self.measure.apart, fixed)
         self.balance: Balance | None = None
         self.along: Rounding | None = None
 

@@ -58,10 +58,10 @@ def _report(source: Source, lexed: Lexed, start: int, end: int, remedy: str | No
 def _comment(source: Source, lexed: Lexed, start: int) -> int | None:
     """Skip the rest of a line after `#`, or after a `%` that ends or begins a declaration."""
     before = lexed.tokens[-1] if lexed.tokens else None
-    if source.text[start] == "%" and before is not None and before.text != ";":
-        if "\n" not in source.text[before.end : start]:
-            lexed.tokens.append(Token(SYMBOL, "%", start, start + 1))
-            return start + 1
+    operand = before is not None and before.text != ";" and "\n" not in source.text[before.end : start]
+    if source.text[start] == "%" and operand:
+        lexed.tokens.append(Token(SYMBOL, "%", start, start + 1))
+        return start + 1
     _report(source, lexed, start, start + 1, CHARACTERS["#"])
     newline = source.text.find("\n", start)
     return len(source.text) if newline < 0 else newline

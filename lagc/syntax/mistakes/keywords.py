@@ -115,7 +115,9 @@ def scene_arguments(w: Where) -> Explained | None:
     name = w.tokens[w.begin - 1]
     if w.first.text != "(" or w.begin < 2 or w.tokens[w.begin - 2].text != "scene":
         return None
-    last = next(k for k in range(w.begin, len(w.tokens)) if w.tokens[k].text == ";" or w.tokens[k].kind == END)
+    last = w.begin
+    while w.tokens[last].text != ";" and w.tokens[last].kind != END:
+        last += 1
     written = w.source.text[w.first.end : w.tokens[last].start].strip().removesuffix(")")
     starts = {t.text for k, t in enumerate(w.tokens) if k > 1 and w.tokens[k - 2].text == "coordinate"}
     given = [part.strip() for part in written.split(",")]
@@ -137,7 +139,8 @@ def solver_call(w: Where) -> Explained | None:
         return None
     message = f"`{solver.text}` is not needed: lagc integrates the equations of motion"
     remedy = f"delete this; {foreign(KEYWORDS, 'solve')}"
-    return Explained(Fault("LAG0118", message, w.span(solver), remedy=remedy), Repair(w.begin, last - w.begin + 1, ()))
+    fault = Fault("LAG0118", message, w.span(solver), remedy=remedy)
+    return Explained(fault, Repair(w.begin, last - w.begin + 1, ()))
 
 
 def without_kind(w: Where) -> Explained | None:
@@ -241,8 +244,9 @@ def load_target(w: Where) -> Explained | None:
     if kind == "force" and any(token.text == "on" for token in w.tokens[w.begin : w.position]):
         remedy = f"write `at {w.before.text}`, or `on {w.before.text} at P` for a point P of the body"
     elif remedy is None:
-        bodies = [after.text for word, after in pairwise(w.tokens) if word.text in ("body", "Particle", "Solid")]
-        written, place = w.span(w.first, w.before).text, next((name for name in bodies if name != "("), "b")
+        pairs, words = pairwise(w.tokens), ("body", "Particle", "Solid")
+        place = next((b.text for a, b in pairs if a.text in words and b.kind == WORD), "b")
+        written = w.span(w.first, w.before).text
         remedy = f"write `{written} {needed} {place};`"
     fault = Fault("LAG0127", f"{shown}: `{example}`", w.span(w.token), remedy=remedy)
     return Explained(fault, w.replace(needed) if other else None)

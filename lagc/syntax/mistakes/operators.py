@@ -12,8 +12,10 @@ from lagc.syntax.mistakes.context import Explained, Repair, Where, token_of
 _BRACKETS = {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}
 _LONGEST = 60  # characters of an expression that a remedy repeats
 _ARGUMENTS = re.compile(r"\s*\(\s*\w+\s*=[^=].*$")
-_DEF = re.compile(r"def\s+(\w+)\s*\(([^()]*)\)\s*:\s*return\s+([^\n;]+)")
-_LAMBDA = re.compile(r"lambda\s+([\w\s,]*):\s*([^\n;]+)")
+_FUNCTIONS = {
+    "def": re.compile(r"def\s+(\w+)\s*\(([^()]*)\)\s*:\s*return\s+([^\n;]+)"),
+    "lambda": re.compile(r"lambda\s+([\w\s,]*):\s*([^\n;]+)"),
+}
 _VECTORS = frozenset({"{", "velocity", "position", "acceleration", "cross", "momentum", "angular_velocity"})
 FUNCTIONS = frozenset({
     "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "abs", "norm",
@@ -52,7 +54,8 @@ def _bars(w: Where) -> Special | None:
     if w.tokens[last].text != w.token.text or not inner:
         return None
     function = "norm" if inner[0].text in _VECTORS or w.token.text == "||" else "abs"
-    words = (token_of(function, w.token.start), token_of("(", w.token.start), *inner, token_of(")", inner[-1].end))
+    start = w.token.start
+    words = (token_of(function, start), token_of("(", start), *inner, token_of(")", inner[-1].end))
     remedy = f"write `{function}({w.span(inner[0], inner[-1]).text})`"
     return w.token, w.tokens[last], remedy, Repair(w.position, last + 1 - w.position, words)
 
@@ -114,17 +117,17 @@ def power_of_function(w: Where) -> Explained | None:
 
 def python_function(w: Where) -> Explained | None:
     """Explain `def f(x): return x^2` and `f = lambda x: x^2`."""
-    at = w.first.start if w.first.text == "def" else w.before.start
-    found = (_DEF if w.first.text == "def" else _LAMBDA).match(w.source.text, at)
-    if found is None:
+    near = w.tokens[w.begin : w.position + 3]
+    word = next((token for token in near if token.text in ("def", "lambda")), None)
+    found = None if word is None else _FUNCTIONS[word.text].match(w.source.text, word.start)
+    if found is None or word is None:
         return None
-    name, names, value = found.groups() if w.first.text == "def" else (w.first.text, *found.groups())
+    name, names, value = found.groups() if word.text == "def" else (w.first.text, *found.groups())
     name = w.tokens[w.begin + 1].text if name in w.keywords else name
     arguments = ", ".join(f"Real {word.strip()}" for word in names.split(",") if word.strip())
-    word = "def" if w.first.text == "def" else "lambda"
-    message, where = f"`{word}` is not a keyword of the language", w.first if word == "def" else w.before
+    message = f"`{word.text}` is not a keyword of the language"
     remedy = f"write `function {name}({arguments}) = {value.strip()};`, with the types of its arguments"
-    return Explained(Fault("LAG0118", message, w.span(where), remedy=remedy))
+    return Explained(Fault("LAG0118", message, w.span(word), remedy=remedy))
 
 
 def comparison_for_equation(w: Where) -> Explained | None:
@@ -196,5 +199,3 @@ def _two_bounds(w: Where, first: Token) -> str | None:
     return (
         f"write two constraints: `constraint {name}_1: {bounds[0]};` and `constraint {name}_2: {bounds[1]};`"
     )
-
-

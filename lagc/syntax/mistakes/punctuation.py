@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
-from lagc.diagnostics.faults import Fault, Span
-from lagc.diagnostics.foreign_words import looks_like_unit
-from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Token
+from lagc.diagnostics.faults import Fault, Source, Span
+from lagc.diagnostics.foreign_words import looks_like_unit, unit_symbol
+from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Token, tokenise
 from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
 from lagc.syntax.mistakes.operators import FUNCTIONS
 
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
 _FACTOR = re.compile(r"((?:[/.*]| )?)([A-Za-zµ°]+)((?:\^[-+]?)?\d*)")  # of a unit that is written bare
+_LISTED = re.compile(r"\s*[-\w.]+(\s+[-\w.]+)+\s*$")  # `1 0 -2`, numbers or names with blanks between
 _OPENING = {closing: opening for opening, closing in _CLOSING.items()}
 _OPERATORS = frozenset(("<=", ">=", "==", "<>", *"=+-*/^<>,:({["))
 
@@ -57,7 +59,8 @@ def bare_unit(w: Where) -> Explained | None:
     while (part := _FACTOR.match(text, end)) is not None and looks_like_unit(part[2]):
         if bool(unit) != bool(part[1]) or (part[1] == " " and "-" not in part[3]):
             break
-        unit, end = unit + part[1].replace("*", ".").replace(" ", ".") + part[2] + part[3], part.end()
+        sign = "." if part[1] in ("*", " ") else part[1]
+        unit, end = f"{unit}{sign}{unit_symbol(part[2])}{part[3]}", part.end()
     last = first
     while w.tokens[last].end < end:
         last += 1
@@ -97,30 +100,37 @@ def vector_in_brackets(w: Where) -> Explained | None:
     """Explain `[x, 0, 0]` and `[1, 2; 3, 4]`."""
     if w.token.text != "[" or w.token.kind != SYMBOL or not w.accepts("LBRACE"):
         return None
-    last, depth, rows = w.position, 0, False
+    last, depth = w.position, 0
     while True:
         token = w.tokens[last]
         if token.kind == END or token.text in ("=", "end"):
             return None
         depth += (token.text == "[") - (token.text == "]")
-        rows = rows or (token.text == ";" and depth == 1)
         if depth == 0:
             break
         last += 1
-    inner = w.source.text[w.token.end : w.tokens[last].start].replace("[", "{").replace("]", "}")
-    shown = (
-        f"{{{inner}}}"
-        if not rows
-        else "{" + ", ".join(f"{{{row.strip()}}}" for row in inner.split(";")) + "}"
-    )
+    shown = _in_braces(w.source.text, w.tokens[w.position : last + 1])
     message = "a vector or an array is written in braces"
     fault = Fault("LAG0114", message, w.span(w.token, w.tokens[last]), remedy=f"write `{shown}`")
-    if rows:
-        return Explained(fault)
-    braces = {"[": "{", "]": "}"}
-    others = [token_of(braces.get(t.text, t.text), t.start) if t.text in braces else t
-              for t in w.tokens[w.position : last + 1]]  # fmt: skip
-    return Explained(fault, Repair(w.position, len(others), tuple(others)))
+    others = tokenise(Source("", shown)).tokens[:-1]
+    for token in others:
+        token.start = token.end = w.token.start
+    return Explained(fault, Repair(w.position, last + 1 - w.position, tuple(others)))
+
+
+def _in_braces(text: str, tokens: Sequence[Token]) -> str:
+    """Return `[x, 0]`, `[1 2; 3 4]` or the column `[x; 0]` as a vector or a matrix in braces."""
+    first, last = tokens[0].start, tokens[-1].end
+    characters = list(text[first:last])
+    for token in tokens:
+        if token.kind == SYMBOL and token.text in "[]":
+            characters[token.start - first] = "{" if token.text == "[" else "}"
+    rows = "".join(characters[1:-1]).strip(" ;").split(";")
+    split = [row.split() if "," not in row and _LISTED.match(row) else [row.strip()] for row in rows]
+    if len(rows) > 1 and all(len(row) == 1 and "," not in row[0] for row in split):
+        split = [[row[0] for row in split]]
+    lists = [", ".join(row) for row in split]
+    return "{" + (lists[0] if len(lists) == 1 else ", ".join(f"{{{row}}}" for row in lists)) + "}"
 
 
 def vector_in_parentheses(w: Where) -> Explained | None:
