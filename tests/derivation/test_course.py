@@ -77,6 +77,16 @@ RESULTS = [
     ("classic/double_pendulum", "K", "(m1 + m2)*l1**2*d_theta1**2/2 + m2*l2**2*d_theta2**2/2"
      " + m2*l1*l2*d_theta1*d_theta2*cos(theta1 - theta2)"),
     ("classic/elastic_pendulum", "K of bob", "m*(d_s**2 + (l0 + s)**2*d_theta**2)/2"),
+    ("course/wheel_rolling_explicit", "reaction(roll) solved", "(I*k*x + m*a*C)/(m*a**2 + I)"),
+    ("course/wheel_rolling_implicit", "result 0 ", "(m*a**2 + I)*dd_theta + k*a**2*theta - C"),
+    ("classic/double_pendulum", "U of field", "(m1 + m2)*g*l1*cos(theta1) + m2*g*l2*cos(theta2)"),
+    ("classic/heavy_top", "conserved momentum(psi)", "C*(d_psi + d_phi*cos(theta))"),
+    ("classic/spherical_pendulum_angles", "K of bob", "m*l**2*(d_theta**2 + sin(theta)**2*d_phi**2)/2"),
+    ("classic/spherical_pendulum_angles", "conserved momentum(phi)", "m*l**2*sin(theta)**2*d_phi"),
+    ("classic/bead_on_hoop_angle", "K0", "m*R**2*w**2*sin(theta)**2/2"),
+    ("classic/bead_on_hoop_angle", "result 0 ", "m*R**2*(dd_theta - (w**2*cos(theta) - g/R)*sin(theta))"),
+    ("classic/atwood_machine", "result 0 ", "(m1 + m2 + I/r**2)*dd_x - (m1 - m2)*g"),
+    ("classic/wedge_and_block", "conserved momentum(X)", "(M + m)*d_X + m*d_s*cos(alpha)"),
 ]  # fmt: skip
 
 
