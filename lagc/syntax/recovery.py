@@ -11,9 +11,9 @@ from collections.abc import Callable
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.syntax.lalr import MOST_FAULTS, Machine
-from lagc.syntax.lexer import END, SYMBOL, WORD, Token
 from lagc.syntax.mistakes import keywords, operators, punctuation
 from lagc.syntax.mistakes.context import Explained, Repair, Where
+from lagc.syntax.tokens import END, SYMBOL, WORD, Token
 
 MOST_RECOVERIES = 200
 

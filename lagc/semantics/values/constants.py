@@ -135,7 +135,9 @@ def _real(written: tree.Unit) -> QuantityType:
     try:
         meant = unit(text or "1")
     except UnknownUnit as unknown:
-        raise Wrong("LAG0304", unknown.reason, written.span, remedy=unknown.remedy) from None
+        from lagc.semantics.unit_spellings import unit_remedy  # where there is a fault
+
+        raise Wrong("LAG0304", unknown.reason, written.span, remedy=unit_remedy(text)) from None
     if meant.factor != 1.0:
         return quantity_type("Real", si_text(meant.dimension), text)
     return quantity_type("Real", "" if text == "1" else text)

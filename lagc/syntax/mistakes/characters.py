@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.diagnostics.foreign_words import CHARACTERS, GREEK, LATEX, SIGNS, filled, remedy_of
-from lagc.syntax.lexer import STRING, SYMBOL, WORD, Lexed, Token
+from lagc.syntax.tokens import STRING, SYMBOL, WORD, Lexed, Token
 
 _LATEX = re.compile(r"\\([A-Za-z]+)((?:\{[^{}\n]*(?:\{[^{}\n]*\}[^{}\n]*)*\})*)")
 _EXPONENT = re.compile("[⁰¹²³⁴-⁹⁻]+")

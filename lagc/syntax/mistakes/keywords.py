@@ -7,8 +7,8 @@ from itertools import pairwise
 from lagc.diagnostics.faults import Fault
 from lagc.diagnostics.foreign_words import AS_JOINT, KEYWORDS, LIBRARIES, MODELS, NO_LIBRARY, RUNS, foreign
 from lagc.diagnostics.suggest import closest
-from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD
 from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
+from lagc.syntax.tokens import END, NUMBER, STRING, SYMBOL, UNIT, WORD
 
 
 def first_word(w: Where) -> Explained | None:

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.diagnostics.foreign_words import looks_like_unit, unit_symbol
-from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Token, tokenise
+from lagc.syntax.lexer import tokenise
 from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
 from lagc.syntax.mistakes.operators import FUNCTIONS
+from lagc.syntax.tokens import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Token
 
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
 _FACTOR = re.compile(r"((?:[/.*]| )?)([A-Za-zµ°]+)((?:\^[-+]?)?\d*)")  # of a unit that is written bare
