@@ -94,9 +94,10 @@ def _draw(found: Run, wanted: str, options: argparse.Namespace) -> bool:
 
 
 def kept(
-    path: str, write: Callable[[str], object], failures: tuple[type[Exception], ...], usual: str = ".csv"
+    path: str, write: Callable[[str], object], refused: tuple[type[Exception], ...], usual: str = ".csv"
 ) -> str | None:
-    """Let `write` make the file `path` and return its name.
+    """Let `write` make the file `path` and return its name. It may raise `refused`, or ImportError where a
+    package is broken.
 
     If that fails, write a file with a new name in the current folder or in that for temporary files (with
     the ending `usual` if `path` has none), and say so; None if this fails too.  A signal ends the wait for
@@ -104,6 +105,7 @@ def kept(
     """
     from lagc.host.atomic_write import may_wait, shortened
 
+    failures: tuple[type[Exception], ...] = (*refused, ImportError)
     waiting = may_wait(path)
     try:
         with SIGNALS.patience(not waiting):

@@ -163,10 +163,10 @@ def check_files(options: argparse.Namespace) -> None:
 def check_picture(options: argparse.Namespace) -> None:
     """Raise Usage if the plot of `--plot` cannot be drawn."""
     if options.plot is not None:
-        from importlib.util import find_spec
+        from lagc.host.packages import PICTURES, is_installed
 
-        if find_spec("matplotlib") is None:
-            raise Usage("a plot needs matplotlib: pip install matplotlib")
+        if not is_installed("matplotlib"):
+            raise Usage(PICTURES)
     if options.plot:
         from lagc.host.atomic_write import obstacle
         from lagc.reports.plots.plot import check_ending

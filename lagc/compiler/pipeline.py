@@ -398,6 +398,8 @@ def delivered(compilation: Compilation, differentiate: bool, methods: Sequence[s
     for method in methods:
         if method not in EXPLICIT:
             refuse_contacts(compilation.model, method)
+    if differentiate:
+        refuse_contacts(compilation.model, "derivatives")
     stiff, expand = (not set(kind).isdisjoint(methods) for kind in (IMPLICIT, SERIES))
     found = optimize(compilation.equations, False, differentiate, stiff=stiff, expand=expand)
     interface = found.interface

@@ -122,7 +122,8 @@ def _contacts(equations: EquationsOfMotion, nz: int) -> tuple[Contact, ...]:
     states = {variable.name: first + k for k, variable in enumerate(equations.model.discretes)}
     return tuple([
         Contact(c.label, c.contact.unit, place(c.contact.span), len(c.jacobians) - 1,
-                c.contact.poisson, states.get(f"impulse({c.label})", -1), len(c.normals))
+                c.contact.poisson, states.get(f"impulse({c.label})", -1), len(c.normals),
+                c.contact.bounds_rate)
         for c in equations.contacts
     ])  # fmt: skip
 

@@ -187,8 +187,19 @@ def _factored(along: Places, solver: Solver, guarded: bool) -> list[Function]:
 
 
 def _operations(equations: EquationsOfMotion, found: Mapping[str, Function]) -> int:
-    """Of one right-hand side; the dense solve of a looped one counts n^3/3."""
-    if "rhs" in found:
-        return found["rhs"].cost
+    """Of one right-hand side, where all contacts touch; the dense solve of a looped one counts n^3/3."""
     n = len(equations.v) + len(equations.rows)
-    return found["system"].cost + n * n * n // 3 + 2 * n * n
+    free = found["rhs"].cost if "rhs" in found else found["system"].cost + n * n * n // 3 + 2 * n * n
+    return free + (_contact_operations(equations, found) if equations.contacts else 0)
+
+
+def _contact_operations(equations: EquationsOfMotion, found: Mapping[str, Function]) -> int:
+    """Of the forces of contacts: their rows R, X = K^-1 R^T, W = R X, the solve of W, and X p."""
+    rows, n = sum(len(contact.jacobians) for contact in equations.contacts), len(equations.v)
+
+    def cost(*names: str) -> int:
+        return sum(found[name].cost for name in names if name in found)
+
+    solve = cost("solve") or 2 * n * n
+    terms = cost("contact_rows", "frictions", "normals", "assemble", "factor") + rows * solve
+    return terms + 2 * rows * rows * n + rows * rows * rows // 3 + 4 * rows * n

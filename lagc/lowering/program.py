@@ -162,6 +162,7 @@ class Contact:
     poisson: bool = False  # its law of impact; else that of Newton
     impulse: int = -1  # index in x of the impulse of its last impact; -1: nothing asks for it
     normals: int = 0  # components of the normal force of a two-sided contact
+    bounds_rate: bool = False  # its gap is one between velocities
 
 
 def _ranges(sizes: Mapping[str, int]) -> dict[str, range]:

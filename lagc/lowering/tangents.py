@@ -25,7 +25,7 @@ def tangents(places: Places) -> list[Function]:
     ahead, seeds = replace(places, arrays=arrays), dx | dp
     motion, nq, nv = motion_by_sweeps(equations), len(equations.q), len(equations.v)
     forces = [graph.sub(force, inertia) for force, inertia in zip(motion["force"], motion["inertia"])]
-    found = tangent(graph, [*equations.qdot, *forces, *motion["row"]], seeds)
+    found = tangent(graph, [*equations.qdot, *forces, *motion["row"]], seeds, norms=True)
     change = [*found[nq : nq + nv], *(graph.scale(-1.0, row) for row in found[nq + nv :])]
     inputs = (*places.state, "a", "lam", "dx", "dp")
     parts = (("dqdot", found[:nq]), ("dr", change))

@@ -281,10 +281,10 @@ class Constraint:
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """A one-sided constraint gap >= 0, in coordinates, parameters and time; or the friction of a constraint
-    gap = 0 or a joint, whose gap is the constant 0: a contact that always touches, with its `normals` in
-    multipliers and reactions. `state` is a discrete variable: 0 open, 1 touching; with friction 1 or -1
-    slipping forwards or backwards, 2 sticking. In space there is no -1."""
+    """A one-sided constraint gap >= 0, in coordinates, parameters and time, or in velocities too; or the
+    friction of a constraint gap = 0 or a joint, whose gap is the constant 0: a contact that always touches,
+    with its `normals` in multipliers and reactions. `state` is a discrete variable: 0 open, 1 touching; with
+    friction 1 or -1 slipping forwards or backwards, 2 sticking. In space there is no -1."""
 
     name: str
     label: str  # the name of the constraint, or `name[1]` ... for a vector
@@ -299,6 +299,7 @@ class Contact:
     static: Node | None = None  # that of a contact that sticks
     poisson: bool = False  # the restitution is one of impulses; else of velocities
     normals: tuple[Node, ...] = ()  # components of the normal force of a two-sided contact, which never opens
+    bounds_rate: bool = False  # the gap is one between velocities
 
     @property
     def title(self) -> str:

@@ -18,11 +18,12 @@ from lagc.kernels import METHODS
 from lagc.kernels.integrators.tableaus import adapts
 from lagc.simulation.backends.compile import CannotCompile
 from lagc.study.advice import Advice, Law, Point, advise, finest, fitted, setting_of
-from lagc.study.probe import Array, Failed, Probe, Setting, Shot
+from lagc.study.probe import Array, Failed, Late, Probe, Setting, Shot
 
 TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
 ROUNDS = 9  # at least, in which all settings are timed in turn
 LEFT = 0.15  # of the budget, for nearby parameters at least
+LONGEST = 2.0  # budgets after which a run ends that goes on
 CLOCK = 0.2  # of the budget, for which rounds go on
 LEAST_TIME = 2e-3  # s of one measurement: shorter runs are repeated
 REFERENCES = ((1e-22, 1e-20), (1e-20, 1e-18), (1e-18, 1e-16), (1e-16, 1e-15))
@@ -145,12 +146,21 @@ def refer(
     """The reference: quadruple precision at the finest pair of tolerances that the budget in s allows, and by
     a second method; without quadruple precision, two methods in double at their finest.  `sizes` as in
     `study`.  Raises Failed."""
-    if exact is None:
-        first, other = (plain.run(Setting(m, rtol=finest(m)), times) for m in ("dop853", "dopri5"))
-        scales = scales_of(first.hi, sizes(first.hi))
-        gap = _gap(first, other, scales)
-        words = "double precision, dop853 at its finest tolerance (no quadruple precision)"
-        return Reference(first, scales, gap, gap, words)
+    words = "no quadruple precision"
+    if exact is not None:
+        exact.deadline = perf_counter() + 2.0 * budget
+        try:
+            return _exact(exact, times, sizes, budget)
+        except Late:
+            words = "quadruple precision takes too long"
+    first, other = (plain.run(Setting(m, rtol=finest(m)), times) for m in ("dop853", "dopri5"))
+    scales = scales_of(first.hi, sizes(first.hi))
+    gap = _gap(first, other, scales)
+    return Reference(first, scales, gap, gap, f"double precision, dop853 at its finest tolerance ({words})")
+
+
+def _exact(exact: Probe, times: Sequence[float], sizes: Callable[[Array], Array], budget: float) -> Reference:
+    """The reference in quadruple precision.  Raises Failed, and Late after twice the budget."""
     pilot = exact.run(Setting("dop853", rtol=1e-14), times)
     fine, coarse = next(
         (pair for pair in REFERENCES if 2.0 * pilot.seconds * (1e-14 / pair[0]) ** (1 / 8) < 0.6 * budget),
@@ -198,12 +208,15 @@ def study(
     try:
         progress(0.0, "compiling")
         plain = make("double", ())
+        plain.deadline = began + LONGEST * budget
         try:
             exact = make("quad", ())
         except CannotCompile as error:
             found.notes.append(f"there is no quadruple precision: {error}")
             exact = None
         progress(0.05, "reference")
+        if exact is not None:
+            exact.look = lambda: progress(0.05, "reference")
         left = max(budget - (perf_counter() - began), 0.2 * budget)
         found.reference = refer(exact, plain, times, sizes, 0.3 * left)
         if found.reference.shot.ended:
@@ -233,8 +246,11 @@ def study(
                 found, lambda flags: make("double", flags), times[: len(found.reference.shot.hi)]
             )
         found.complete = True
-    except KeyboardInterrupt:
-        found.notes.append("interrupted: the results so far")
+    except (KeyboardInterrupt, Late) as error:
+        if found.reference is None and isinstance(error, Late):
+            raise
+        why = "interrupted" if isinstance(error, KeyboardInterrupt) else "a run took too long"
+        found.notes.append(f"{why}: the results so far")
         found.conclude()
     found.spent = perf_counter() - began
     return found
@@ -304,6 +320,7 @@ def look_nearby(
         with suppress(Failed):
             found = probe(k) if perf_counter() < middle else None
             if found is not None:
+                found.deadline = deadline
                 exact = found.run(Setting("dop853", rtol=1e-14), times)
                 beside.append((found, replace(study.reference, shot=exact)))
     for target in TARGETS:

@@ -7,10 +7,11 @@ results are returned as sums of two doubles.
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from ctypes import c_double, c_int, c_long, c_size_t
 from dataclasses import dataclass
-from time import process_time
+from math import inf
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
@@ -19,9 +20,10 @@ import numpy.typing as npt
 from lagc.kernels import METHODS
 from lagc.lowering.program import Interface
 from lagc.simulation.backends.compile import library
-from lagc.simulation.system import OK, TERMINATED
+from lagc.simulation.system import INTERRUPTED, OK, TERMINATED
 
 Array = npt.NDArray[np.float64]
+SLICE = {False: 500, True: 5}  # steps between two looks at the clock and at signals; True: in quadruple precision
 QUAD_FLAGS = ("-O0", "-std=gnu99", "-lquadmath")  # all time is in calls for __float128
 _TEXT = """\
 #include "@.h"
@@ -33,14 +35,16 @@ static @_state s;
 static @_work w;
 
 /* Integrate `repeats` times from x0 at times[0]; room has n*(NX + 1) + NY + 1 numbers. The last run is
- * returned as hi + lo: n rows of NX states, then n rows of NY outputs. counts: right-hand sides, steps,
+ * returned as hi + lo: n rows of NX states, then n rows of NY outputs. After `slice` steps (0: no limit) it
+ * returns: call again `resumed`, with the same room. counts: right-hand sides, steps,
  * rejected steps, recorded times. */
 int lagc_probe(const double *values, int count, int method, double rtol, double step, const double *x0,
-               const double *times, size_t n, long repeats, real *room, double *hi, double *lo, long *counts)
+               const double *times, size_t n, long repeats, long slice, int resumed, real *room, double *hi,
+               double *lo, long *counts)
 {
     real x[@@_NX > 0 ? @@_NX : 1];
     real *grid = room, *states = room + n, *y = room + n*(@@_NX + 1);
-    size_t done = 0;
+    static size_t done;
     int status = 0;
     p = @_default_params();
     for (int j = 0; j < count; j++)
@@ -55,13 +59,17 @@ int lagc_probe(const double *values, int count, int method, double rtol, double 
     o.step = step;
     o.max_steps = 0;
     for (long r = 0; r < repeats; r++) {
-        for (int i = 0; i < @@_NX; i++)
-            x[i] = x0[i];
-        memset(&w, 0, sizeof w);
-        @_begin(&s, grid[0], x);
-        done = 0;
-        status = @_record(&p, &s, &o, grid, n, states, &done, 0, &w);
+        if (!resumed) {
+            for (int i = 0; i < @@_NX; i++)
+                x[i] = x0[i];
+            memset(&w, 0, sizeof w);
+            @_begin(&s, grid[0], x);
+            done = 0;
+        }
+        status = @_record(&p, &s, &o, grid, n, states, &done, slice, &w);
     }
+    if (status == INTERRUPTED)
+        return status;
     for (size_t k = 0; k < done*@@_NX; k++) {
         hi[k] = (double)states[k];
         lo[k] = (double)(states[k] - hi[k]);
@@ -121,8 +129,16 @@ class Failed(Exception):
     """A run that did not reach its end; `status` of the C interface."""
 
 
+class Late(Failed):
+    """A run that has passed the deadline of its probe."""
+
+
 class Probe:
-    """The generated C of a model with the parameter values of a run, and the initial state x0."""
+    """The generated C of a model with the parameter values of a run, and the initial state x0. A run that goes on
+    at the deadline (of `perf_counter`) ends; a signal ends it too."""
+
+    deadline = inf
+    look: Callable[[], None] = staticmethod(lambda: None)  # is called now and then: it may raise KeyboardInterrupt
 
     def __init__(self, sources: Mapping[str, str], interface: Interface, values: Sequence[float],
                  x0: Sequence[float], real: str = "double", flags: tuple[str, ...] = ()):  # fmt: skip
@@ -130,10 +146,11 @@ class Probe:
         header, quad = sources[f"{own}.h"], real == "quad"
         text = _TEXT.replace("OUTPUTS", _OUTPUTS if interface.outputs else "(void)y;")
         text = text.replace("BIND", "@_bind(&p);" if f" {own}_bind(" in header else "")
-        text = text.replace("REAL", "__float128" if quad else "double")
+        text = text.replace("INTERRUPTED", str(INTERRUPTED)).replace("REAL", "__float128" if quad else "double")
         text = text.replace("@@", own.upper()).replace("@", own)
         compiled = library({**sources, "probe.c": text}, (*flags, *(QUAD_FLAGS if quad else ())))
         self._call: Any = compiled.lagc_probe
+        self._slice = SLICE[quad]
         self._real: Any = ctypes.c_longdouble if quad else c_double  # 16 bytes, aligned, as __float128
         self.nx, self.ny = interface.nx, len(interface.outputs)  # without a work integral
         self.moving = interface.nq + interface.nv  # discrete variables jump between recorded times
@@ -141,18 +158,25 @@ class Probe:
         self.values, self.x0 = (c_double * len(values))(*values), (c_double * self.nx)(*first)
 
     def run(self, setting: Setting, times: Sequence[float], repeats: int = 1) -> Shot:
-        """Integrate and record.  Raises Failed."""
+        """Integrate and record.  Raises Failed, and Late at the deadline."""
         n, columns = len(times), self.nx + self.ny
         room = (self._real * (n * (self.nx + 1) + self.ny + 1))()
         hi, lo = (c_double * (n * columns))(), (c_double * (n * columns))()
         counts = (c_long * 4)()
         grid = (c_double * n)(*times)
         began = process_time()
-        status = self._call(
-            self.values, c_int(len(self.values)), c_int(METHODS.index(setting.method)),
-            c_double(setting.rtol), c_double(setting.step), self.x0, grid,
-            c_size_t(n), c_long(repeats), room, hi, lo, counts,
-        )  # fmt: skip
+        status, resumed = INTERRUPTED, 0
+        while status == INTERRUPTED:
+            if perf_counter() > self.deadline:
+                raise Late("the time is over")
+            status = self._call(
+                self.values, c_int(len(self.values)), c_int(METHODS.index(setting.method)),
+                c_double(setting.rtol), c_double(setting.step), self.x0, grid,
+                c_size_t(n), c_long(repeats), c_long(self._slice if repeats == 1 else 0), c_int(resumed), room, hi, lo,
+                counts,
+            )  # fmt: skip
+            resumed = 1
+            self.look()
         seconds = (process_time() - began) / repeats
         if status not in (OK, TERMINATED):
             raise Failed(status)

@@ -46,11 +46,12 @@ def partial(graph: Graph, node: Node, k: int) -> Node:
 
 
 def tangent(
-    graph: Graph, outputs: Sequence[Node], seeds: Mapping[Node, Node], within: Sequence[Node] | None = None
+    graph: Graph, outputs: Sequence[Node], seeds: Mapping[Node, Node], within: Sequence[Node] | None = None,
+    norms: bool = False,
 ) -> list[Node]:
     """Return d(outputs) along the direction d(leaf) = seeds[leaf]; leaves without a seed are constant.
     `within`: the nodes below `outputs` that the leaves can change, arguments before users, if they are known
-    already."""
+    already. `norms`: the derivative of a norm that is 0 is 0, as that of abs(0): norm(v)*v has this one."""
     order = reachable(outputs) if within is None else within
     leaves = order if within is None else seeds  # only those in `order`, if there are many seeds
     rates = {leaf: seeds[leaf] for leaf in leaves if leaf in seeds and not seeds[leaf].is_zero}
@@ -68,9 +69,20 @@ def tangent(
             rate = rates[node.args[k]]
             share = rate if node.op == "add" else graph.mul(partial(graph, node, k), rate)
             total = graph.add(total, share)
+        if norms and node.op == "sqrt" and _is_square(node.args[0]):
+            total = graph.select(graph.binary("eq", node, zero), zero, total)
         if total is not zero:
             rates[node] = total
     return [rates.get(node, zero) for node in outputs]
+
+
+def _is_square(node: Node) -> bool:
+    """Return whether a node is a sum of squares."""
+    if node.op == "add":
+        return all(map(_is_square, node.args))
+    if node.op == "scale":
+        return node.value > 0.0 and _is_square(node.args[0])
+    return node.op == "mul" and all(exponent % 2 == 0 for exponent in node.value)
 
 
 def gradient(

@@ -3,6 +3,7 @@ Python, and in the source."""
 
 from __future__ import annotations
 
+import ast
 import ctypes
 import math
 import os
@@ -171,7 +172,7 @@ def scaled(a: Vec[NX], b: Vec[NX], y: Vec[NX], n: int) -> Real:
     for j in range(2 + sign(a[0])):
         count += j
     for i in range(NX - 1, -1, -1):
-        y[i] += float(count) * quotient(own[i], b[i]) if b[i] != 0.0 or not own[i] > 0.0 else fabs(own[i])
+        y[i] += float(count) * (own[i] / b[i]) if b[i] != 0.0 or not own[i] > 0.0 else fabs(own[i])
     y[1:3] = part(own, 0, 2)
     y[0] += floor(float(n) / 3.0 - 1.5)
     state: Length = 12345 + n
@@ -265,5 +266,19 @@ def _as_it_stands(straight: bool) -> dict[str, Any]:
         "whole": int,
     }
     more = "def vector(n):\n    return [0.0] * n\ndef part(v, a, b):\n    return v[a:b]\n"
-    exec(ARITHMETIC + more + re.sub(r": Vec\[NX\]", "", MEANS), space)
+    text = MEANS.replace("own[i] / b[i]", "quotient(own[i], b[i])")
+    exec(ARITHMETIC + more + re.sub(r": Vec\[NX\]", "", text), space)
     return space
+
+
+def test_no_kernel_of_python_divides_by_what_may_be_zero() -> None:
+    """C returns infinity or NaN where Python raises: `/` is left to divisors that are numbers or constants."""
+    constants = {part["name"] for part in parts() if part["kind"] in ("int", "Real")}
+    for part in parts():
+        for leaf in _leaves(part["tree"]) if part["kind"] == "function" else ():
+            for node in ast.walk(ast.parse(leaf.get("python", ""))):
+                if isinstance(node, ast.BinOp | ast.AugAssign) and isinstance(node.op, ast.Div):
+                    divisor = node.right if isinstance(node, ast.BinOp) else node.value
+                    names = {n.id for n in ast.walk(divisor) if isinstance(n, ast.Name)}
+                    assert names <= constants, ast.unparse(node)
+                assert not (isinstance(node, ast.Name) and node.id == "sqrt"), part["name"]

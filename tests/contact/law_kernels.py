@@ -31,7 +31,7 @@ class Kernels:
 
     def __init__(self, contacts: int, slips: int):
         own = {"NCON": contacts, "NSLIP": slips, "NPOISSON": 1}
-        derived = ("NCROW", "NDELASSUS", "NDIRECT", "NLAW", "NLAWS", "NLCP", "NTABLEAU")
+        derived = ("NCROW", "NDELASSUS", "NDIRECT", "NLAW", "NLAWS")
         own.update({name: DERIVED[name](own) for name in derived})
         flags = {flag: flag in own for part in parts() for flag in _flags(part)}
         self.sizes = {**own, "TWO": 2}
@@ -109,6 +109,7 @@ def fill(w: Any, W: Any, b: Any, slips: Sequence[int], mu: Sequence[float], **mo
     w.law_count, w.law_rows = n, m
     first = 0
     for i in range(n):
+        w.law_unit[i] = 0
         w.law_first[i], w.law_slips[i], w.law_friction[i] = first, slips[i], mu[i]
         w.law_static[i] = more["static"][i] if "static" in more else mu[i]
         w.law_sign[i] = 1

@@ -135,7 +135,7 @@ def test_many_contacts_in_the_plane(slips: int) -> None:
 
 
 @pytest.mark.parametrize("slips", [0, 1])
-def test_lemke_alone_finds_forces_that_meet_the_law(slips: int) -> None:
+def test_newton_alone_finds_forces_that_meet_the_law(slips: int) -> None:
     kernels = in_python()
     for W, b, n, chance in trials(35, 8, (1, 3, 5, 8), slips):
         mu = list(chance.uniform(0.0, 0.4, n))
@@ -143,7 +143,7 @@ def test_lemke_alone_finds_forces_that_meet_the_law(slips: int) -> None:
         fill(work, W, b, [slips] * n, mu)
         work.law_mu[:n] = mu
         kernels["set_law_scales"](work)
-        if kernels["solve_complementarity"](work):
+        if kernels["solve_law_equation"](work):
             assert violation(W, b, [slips] * n, mu, values(work)["p"]) < 1e-9
         else:
             assert slips and np.linalg.matrix_rank(W) < 2 * n

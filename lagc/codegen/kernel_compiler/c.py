@@ -291,7 +291,8 @@ class CPrinter:
             case ast.Name(id=name):
                 return self.name(name)
             case ast.Attribute(value=value, attr=attr):
-                return f"{self.text(value)}{'.' if self.is_own(value) else '->'}{attr}", ATOM
+                inside = isinstance(value, ast.Attribute) or self.is_own(value)
+                return f"{self.text(value)}{'.' if inside else '->'}{attr}", ATOM
             case ast.Subscript(value=value, slice=index):
                 return self.entry(value, index)
             case ast.BinOp(left=left, op=op, right=right):
@@ -358,14 +359,9 @@ class CPrinter:
             return self.expression(args[0])
         if name == "present":
             return f"{self.text(args[0])} != NULL", EQUAL
-        if name == "quotient":
-            return (
-                f"{self.operand(args[0], REAL, PRODUCT)} / {self.operand(args[1], REAL, PRODUCT, True)}",
-                PRODUCT,
-            )
         callee = self.now.known.signatures.get(name)
         if callee is None:
-            spelled = self.real.call.format("sqrt" if name == "root" else name)
+            spelled = self.real.call.format(name)
             return f"{spelled}({', '.join(self.given(a, REAL) for a in args)})", ATOM
         parts = []
         for a, kind in zip(args, callee.parameters):

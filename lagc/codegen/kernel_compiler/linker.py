@@ -22,6 +22,7 @@ DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NROW": lambda n: n["NU"] + 1,
     "NMANY": lambda n: (n["NV"] + n["NC"]) // 200 + 1,
     "NPARTED": lambda n: n["NCOND"] + n["NSUM"], "NWHOLE": lambda n: n["NU"] + n["NSUM"],
+    "NQUANTITY": lambda n: n["NQ"] + n["NV"] + n["NY"],
     "NALL": lambda n: n["NP"] + n["NPREPARED"],
     "NTREE": lambda n: n["NE"] * 2 + 2,
     "NSLOPES": lambda n: n["NNEWTON"] * n["NNEWTON"], "NFACTORS": lambda n: n["NLINEAR"] * n["NLINEAR"],
@@ -32,8 +33,6 @@ DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NDELASSUS": lambda n: (n["NCON"] + n["NSLIP"]) * (n["NCON"] + n["NSLIP"]),
     "NDIRECT": lambda n: n["NCON"] * 2, "NLAW": lambda n: n["NCON"] * 2 + n["NSLIP"],
     "NLAWS": lambda n: (n["NCON"] * 2 + n["NSLIP"]) * (n["NCON"] * 2 + n["NSLIP"]),
-    "NLCP": lambda n: n["NCON"] + n["NSLIP"] * 2 + 1,
-    "NTABLEAU": lambda n: (n["NCON"] + n["NSLIP"] * 2 + 1) * (n["NCON"] + n["NSLIP"] * 2 + 2),
 }  # fmt: skip
 Part = Mapping[str, Any]  # see `library`
 
@@ -187,7 +186,8 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     own = {
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NINT": nq + nv + interface.nz,
         "NDISC": len(interface.discretes), "NC": interface.nc, "NH": interface.nh,
-        "NP": len(fields), "NGROUP": max(interface.kinds, default=0) + 1, "NWORK": interface.work_size,
+        "NP": len(fields), "NY": len(interface.outputs),
+        "NGROUP": max(interface.kinds, default=0) + 1, "NWORK": interface.work_size,
         "NHEALTH": max(interface.health, 2),
         "NBOUNDED": sum(isfinite(f.minimum) or isfinite(f.maximum) for f in fields),
         "NMODE": relations, "NTIMED": interface.timed_relations, "NFREE": free, "NENDS": 2 * free,
@@ -295,10 +295,12 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "pushed_contact": interface.pushed_contacts,
         "impulse_state": [c.impulse for c in interface.contacts],
         "contact_slips": [c.slips for c in interface.contacts],
+        "contact_unit": [[c.unit for c in interface.contacts].index(c.unit) for c in interface.contacts],
         "contact_normals": [c.normals for c in interface.contacts],
         "normal_first": [
             sum(c.normals for c in interface.contacts[:k]) for k in range(len(interface.contacts))
         ],
+        "contact_bounds_rate": [int(c.bounds_rate) for c in interface.contacts],
         "contact_poisson": [int(c.poisson) for c in interface.contacts],
         "reinit_target": [state for c in interface.whens for state in c.states],
         "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],

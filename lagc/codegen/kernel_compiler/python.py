@@ -23,6 +23,8 @@ def not_finite(values, n):
     return -1
 '''
 }
+# Functions of Python that return what C does, also where those of the same name raise.
+CAREFUL = {"sqrt": "root", "whole": "int"}
 Short = tuple[Sequence[str], ast.expr]  # arguments and result of a kernel
 
 
@@ -104,7 +106,7 @@ class Zipped(ast.NodeTransformer):
         name = node.func.id if isinstance(node.func, ast.Name) else ""
         if name in self.short and all(isinstance(a, ast.Name | ast.Constant) for a in node.args):
             parameters, value = self.short[name]
-            return _Put(dict(zip(parameters, node.args))).visit(clone(value))  # type: ignore[no-any-return]
+            return self.visit(_Put(dict(zip(parameters, node.args))).visit(clone(value)))  # type: ignore[no-any-return]
         if name in ("vector", "indices"):
             zero = ast.Constant(0.0 if name == "vector" else 0)
             return ast.BinOp(ast.List([zero], ast.Load()), ast.Mult(), node.args[0])
@@ -112,13 +114,36 @@ class Zipped(ast.NodeTransformer):
             return ast.parse("[0.0] * NALL", mode="eval").body
         if name == "size":
             return node.args[0]
-        if name == "whole":
-            node.func = ast.Name("int", ast.Load())
+        if name in CAREFUL:
+            node.func = ast.Name(CAREFUL[name], ast.Load())
         if name == "part":
             return ast.Subscript(node.args[0], ast.Slice(*node.args[1:]), ast.Load())
         if name == "present":
             return ast.Compare(node.args[0], [ast.IsNot()], [ast.Constant(None)])
         return node
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
+        self.generic_visit(node)
+        if not isinstance(node.op, ast.Div) or self.is_number(node.right):
+            return node
+        return ast.Call(ast.Name("quotient", ast.Load()), [node.left, node.right], [])
+
+    def visit_AugAssign(self, node: ast.AugAssign) -> ast.stmt:
+        self.generic_visit(node)
+        if not isinstance(node.op, ast.Div) or self.is_number(node.value):
+            return node
+        before = ast.parse(ast.unparse(node.target), mode="eval").body
+        value = self.visit_BinOp(ast.BinOp(before, node.op, node.value))
+        found = ast.copy_location(ast.Assign([node.target], value), node)
+        found.lead, found.trail = node.lead, node.trail  # type: ignore[attr-defined]
+        return found
+
+    def is_number(self, node: ast.expr) -> bool:
+        """Return whether a divisor is a number of the text, or a constant of kernels."""
+        if isinstance(node, ast.BinOp):
+            return self.is_number(node.left) and self.is_number(node.right)
+        constant = isinstance(node, ast.Name) and node.id in self.types.known.constants
+        return constant or (isinstance(node, ast.Constant) and node.value != 0.0)
 
     def visit_For(self, node: ast.For) -> ast.stmt:
         node.body = self.block(node.body)

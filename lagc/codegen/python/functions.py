@@ -98,7 +98,8 @@ _MATH.remove("floor")
 _FIRST, _REST = ", ".join(_MATH[:11]), ", ".join(_MATH[11:])
 
 # Python raises where C returns infinity or NaN.  A function that raised is computed again with floats and
-# functions that return what C returns; functions that do not raise stay fast.
+# functions that return what C returns; functions that do not raise stay fast.  Kernels, which change what they
+# are given, call `quotient` and `root` instead.
 ARITHMETIC = (
     f"""\
 from math import {", ".join(sorted([*_MATH, "inf", "nan"]))}
@@ -120,6 +121,8 @@ def sign(a):
 
 
 def floor(a):
+    if a - a != 0.0:
+        return a  # infinity, or NaN
     whole = float(_floor(a))
     return whole if whole != 0.0 else a * 0.0  # keeps the sign of zero
 
@@ -187,9 +190,7 @@ def _ieee(function):
         a = float(arguments[0])
         try:
             return _Ieee(function(*arguments))
-        except OverflowError:  # of exp, sinh, cosh, pow; or the floor of an infinity
-            if name == "floor":
-                return _Ieee(a)
+        except OverflowError:  # of exp, sinh, cosh, pow
             odd = name == "sinh" or (name == "pow" and arguments[1] % 2.0 == 1.0)
             return _Ieee(_copysign(inf, a) if odd else inf)
         except ValueError:

@@ -8,7 +8,6 @@ from math import inf, sqrt
 from lagc.kernels.contact.conditions import (
     differs,
     has_friction,
-    is_admissible,
     keep_solution,
     read_modes,
     restore_solution,
@@ -23,6 +22,7 @@ from lagc.kernels.contact.frozen_modes import (
     is_sticking,
     solve_modes,
 )
+from lagc.kernels.contact.shares import meets_law
 from lagc.kernels.language.vocabulary import *
 
 LAW_ONE = 0  # results of `set_law`: the only solution
@@ -146,7 +146,7 @@ def enumerate_modes(w: Work) -> int:
         for i in range(w.law_count):
             choose(w, i, w.law_choice[i])
         guess_directions(w)
-        if solve_modes(w) and is_admissible(w):
+        if meets_law(w):
             if found == LAW_NONE or not differs(w, True):
                 found = LAW_ONE if found == LAW_NONE else found
                 keep_solution(w)

@@ -32,6 +32,7 @@ def keep_problem(w: Work) -> None:
     w.impact_first[:] = w.law_first
     w.impact_slips[:] = w.law_slips
     w.impact_two_sided[:] = w.law_two_sided
+    w.impact_unit[:] = w.law_unit
     w.impact_friction[:] = w.law_friction
     w.impact_w[:] = w.law_w
     w.impact_u[:] = w.law_b
@@ -51,6 +52,7 @@ def restore_problem(w: Work) -> None:
     w.law_first[:] = w.impact_first
     w.law_slips[:] = w.impact_slips
     w.law_two_sided[:] = w.impact_two_sided
+    w.law_unit[:] = w.impact_unit
     w.law_friction[:] = w.impact_friction
     w.law_w[:] = w.impact_w
     w.law_u[:] = w.impact_u
@@ -78,6 +80,7 @@ def select_hits(w: Work) -> bool:
             w.law_first[n] = rows
             w.law_slips[n] = w.impact_slips[i]
             w.law_two_sided[n] = w.impact_two_sided[i]
+            w.law_unit[n] = w.impact_unit[i]
             w.law_mu[n] = w.impact_friction[i]
             w.law_slides[n] = 0
             w.law_least[n] = 0.0

@@ -6,7 +6,7 @@ sampled, unlike the enclosures of other indicators.
 
 from math import fabs
 
-from lagc.kernels.contact.touching import cone_margin, find_touching, rates_at, slip_along, slip_relation
+from lagc.kernels.contact.touching import find_touching, rates_at, slip_along, slip_relation
 from lagc.kernels.language.vocabulary import *
 
 FORCE_MARGIN = 0.25  # of the range of forces: what is added to it
@@ -22,14 +22,14 @@ def indicate_forces(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     find_touching(x, w)
     for i in range(NCON):
         if w.touched[i] > 0:
-            w.indicators[NMODE - NCON + i] = w.contact_forces[contact_first[i]] if found else -1.0
+            w.indicators[NMODE - NCON + i] = w.force_margins[i] if found else -1.0
         if NSLIP > 0:
             if contact_slips[i] > 0:
                 k = slip_relation(i)
                 if w.touched[i] == 0:
                     w.indicators[k] = 1.0
                 elif w.contact_modes[i] == 2:
-                    w.indicators[k] = cone_margin(i, w) if found else -1.0
+                    w.indicators[k] = w.cone_margins[i] if found else -1.0
                 elif w.contact_modes[i] < 0:
                     w.indicators[k] = -w.indicators[k]
                 elif NSPACE > 0:

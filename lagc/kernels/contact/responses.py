@@ -17,6 +17,8 @@ from lagc.kernels.dynamics.rhs import assemble_entries, factor_safely
 from lagc.kernels.language.vocabulary import *
 from lagc.kernels.linear_algebra.cholesky import solve_lower, solve_upper
 
+CANCELLED = 64.0  # units in the last place of the terms of an acceleration: it is zero
+
 
 def factor_motion(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     """Factor K at (t, x)."""
@@ -83,11 +85,41 @@ def set_accelerations(a: Vec[NX], w: Work) -> None:
         w.law_sizes[r] = magnitude
 
 
+def largest_scaled(w: Work) -> Real:
+    """Return the largest scaled force of the listed rows."""
+    largest = 0.0
+    for r in range(w.law_rows):
+        own = fabs(w.law_p[r]) / w.law_scale[r]
+        if own > largest:
+            largest = own
+    return largest
+
+
+def response_to_forces(j: int, before: Real, largest: Real, w: Work) -> Real:
+    """Return a speed, acceleration or displacement with X p added. One that this cancels to round-off is zero:
+    what lies at rest has no motion whose error could be measured. The round-off of each force is that of the
+    largest one, as they solve equations together."""
+    total = before
+    terms = fabs(before)
+    for r in range(w.law_rows):
+        response = w.contact_responses[r * NR + j]
+        total += response * w.law_p[r]
+        terms += fabs(response) * w.law_scale[r] * largest
+    return total if fabs(total) > CANCELLED * SPACING * terms else 0.0
+
+
 def add_responses(values: Vec[NX], w: Work) -> None:
-    """Add X p to the speeds, or accelerations, of `values`."""
+    """Add X p to the speeds of `values`."""
     for r in range(w.law_rows):
         for j in range(NV):
             values[NQ + j] += w.contact_responses[r * NR + j] * w.law_p[r]
+
+
+def add_cancelling(values: Vec[NX], w: Work) -> None:
+    """Add X p to the speeds, or accelerations, of `values`, of forces that solve equations with w.law_scale."""
+    largest = largest_scaled(w)
+    for j in range(NV):
+        values[NQ + j] = response_to_forces(j, values[NQ + j], largest, w)
 
 
 def follow_loads(w: Work) -> bool:

@@ -1,11 +1,10 @@
 """The law of contact with dry friction: modes and forces of contacts that touch.
 
-Few contacts are decided by `enumeration`, many by their modes before, by `complementarity` in the plane, and
-by `sweeps` in space. Modes are read from u, since the forces of dependent rows are not unique.
+Few contacts are decided by `enumeration`, many by their modes before or by Newton's method (`semismooth`). Modes are
+read from u, since the forces of dependent rows are not unique.
 """
 
-from lagc.kernels.contact.complementarity import solve_complementarity
-from lagc.kernels.contact.conditions import differs, has_friction, is_admissible, keep_solution, read_modes
+from lagc.kernels.contact.conditions import has_friction, read_modes
 from lagc.kernels.contact.enumeration import (
     LAW_FAILED,
     LAW_FOUND,
@@ -14,27 +13,21 @@ from lagc.kernels.contact.enumeration import (
     choices,
     enumerate_modes,
 )
-from lagc.kernels.contact.frozen_modes import CONTACT_OPEN, CONTACT_SLIPS, set_law_scales, solve_modes
-from lagc.kernels.contact.sweeps import sweep_to_solution
+from lagc.kernels.contact.frozen_modes import CONTACT_OPEN, CONTACT_SLIPS, CONTACT_STICKS, set_law_scales
+from lagc.kernels.contact.semismooth import search_by_newton
+from lagc.kernels.contact.shares import meets_law
 from lagc.kernels.language.vocabulary import *
 
 MOST_CHOICES = 256  # combinations of modes that are enumerated: four planar contacts that may stick
 MOST_SPATIAL = 27  # the same with slip directions in space
 
 
-def is_frictionless(w: Work) -> bool:
-    """Return whether all contacts are one-sided and without friction."""
+def is_convex(w: Work) -> bool:
+    """Return whether all contacts are one-sided and without friction and W is symmetric: motion is unique then."""
+    if NLOADS > 0:
+        return False
     for i in range(w.law_count):
         if w.law_two_sided[i] > 0 or has_friction(w, i):
-            return False
-    return True
-
-
-def is_planar(w: Work) -> bool:
-    """Return whether the law is a linear complementarity problem."""
-    for i in range(w.law_count):
-        free = has_friction(w, i) and w.law_slides[i] == 0
-        if w.law_two_sided[i] > 0 or (free and w.law_slips[i] > 1):
             return False
     return True
 
@@ -58,63 +51,35 @@ def is_enumerable(w: Work) -> bool:
 
 
 def holds_as_before(w: Work) -> bool:
-    """Return whether the modes before meet the law."""
+    """Return whether the modes before meet the law; where they are not known, whether contacts stick."""
     for i in range(w.law_count):
-        if w.law_mode[i] < CONTACT_OPEN or w.law_least[i] > 0.0:
+        if w.law_least[i] > 0.0:
             return False
+        if w.law_mode[i] < CONTACT_OPEN:
+            w.law_mode[i] = CONTACT_SLIPS if w.law_slides[i] > 0 else CONTACT_STICKS
         if w.law_mode[i] != CONTACT_OPEN and not has_friction(w, i):
             w.law_mode[i] = CONTACT_SLIPS
         slips = w.law_mode[i] == CONTACT_SLIPS and has_friction(w, i) and w.law_slides[i] == 0
         w.law_turns[i] = 1 if slips and w.law_slips[i] == 2 else 0
-    return solve_modes(w) and is_admissible(w)
-
-
-def solve_planar(w: Work) -> int:
-    """Solve the linear complementarity problem, and once more in the modes that it shows. Return LAW_FOUND,
-    LAW_NONE at a secondary ray, or LAW_FAILED."""
-    if not solve_complementarity(w):
-        return LAW_NONE
-    read_modes(w)
-    keep_solution(w)
-    if not solve_modes(w) or differs(w, True):
-        return LAW_FAILED
-    if not is_admissible(w):  # dependent rows: the smallest forces are not admissible, the others are
-        w.law_p[:] = w.law_kept_p
-    return LAW_FOUND if is_admissible(w) else LAW_FAILED
-
-
-def search_with_friction(w: Work) -> int:
-    """Return the result of `set_law` for given w.law_slides and w.law_mu."""
-    if is_enumerable(w):
-        listed = enumerate_modes(w)
-        if listed != LAW_NONE or not is_spatial(w):
-            return listed
-        if sweep_to_solution(w):  # slip directions in space may have more than one solution in the same modes
-            read_modes(w)
-            return LAW_FOUND
-        return LAW_NONE
-    found = LAW_FOUND if holds_as_before(w) else LAW_FAILED
-    if found == LAW_FAILED and is_planar(w):
-        found = solve_planar(w)
-    if found != LAW_FOUND:
-        found = LAW_FOUND if sweep_to_solution(w) else LAW_FAILED
-    if found == LAW_FOUND:
-        read_modes(w)
-    return found
+    return meets_law(w)
 
 
 def search_modes(w: Work) -> int:
     """Return the result of `set_law` for given w.law_slides and w.law_mu."""
-    if NSLIP > 0:
-        if not is_frictionless(w):
-            return search_with_friction(w)
-    if NLOADS > 0:  # W is not symmetric
-        return search_with_friction(w)
-    found = LAW_FOUND if holds_as_before(w) else solve_planar(w)
-    if found != LAW_FOUND:
-        return found
-    read_modes(w)
-    return LAW_ONE
+    if is_convex(w):
+        if holds_as_before(w) or search_by_newton(w):
+            read_modes(w)
+            return LAW_ONE
+    enumerable = is_enumerable(w)
+    if enumerable:
+        found = enumerate_modes(w)
+        if found != LAW_NONE or not is_spatial(w):
+            return found
+    # Slip directions in space may have more than one solution in the same modes.
+    if (not enumerable and holds_as_before(w)) or search_by_newton(w):
+        read_modes(w)
+        return LAW_FOUND
+    return LAW_NONE if enumerable else LAW_FAILED
 
 
 def start_slips(w: Work) -> bool:

@@ -30,6 +30,11 @@ ALONG_STOP = 0.01  # the same along its direction
 ASIDE_STOP = 0.2  # the same across it, in a step
 
 
+def reach_of(i: int, s: State) -> Real:
+    """Return the largest magnitude of a state so far."""
+    return s.highest[i] if s.highest[i] > -s.lowest[i] else -s.lowest[i]
+
+
 def speed_size(row: int, s: State, w: Work) -> Real:
     """Return the speed of a row that states of their sizes so far have."""
     own = w.contact_speeds[row]
@@ -37,7 +42,7 @@ def speed_size(row: int, s: State, w: Work) -> Real:
     for j in range(NV):
         entry = w.contact_rows[row * NV + j]
         own -= entry * s.x[NQ + j]
-        reach += fabs(entry) * s.sizes[scaling_group[NQ + j]]
+        reach += fabs(entry) * reach_of(NQ + j, s)
     return reach + fabs(own)
 
 

@@ -16,21 +16,24 @@ from lagc.kernels.contact.enumeration import LAW_FOUND, LAW_NONE
 from lagc.kernels.contact.frozen_modes import CONTACT_SLIPS, CONTACT_STICKS, shares_force, solve_frozen
 from lagc.kernels.contact.normal_forces import set_normals_given, solve_touching
 from lagc.kernels.contact.responses import (
+    add_cancelling,
     keep_begin,
+    largest_scaled,
     loads_follow,
     move_with_loads,
     reactions_agree,
     respond,
+    response_to_forces,
     set_accelerations,
     set_loads,
 )
 from lagc.kernels.contact.set_law import set_law
+from lagc.kernels.contact.shares import AT_BOUND, is_shared, share_load
 from lagc.kernels.dynamics.loaded_reactions import MOST_LOAD_STEPS, motion_at
 from lagc.kernels.dynamics.rhs import rhs_at, store_rates
 from lagc.kernels.language.vocabulary import *
 
 MOST_SEATINGS = 4  # Newton iterations of the gaps of contacts that touch
-CANCELLED = 64.0  # units in the last place of the terms of an acceleration: it is zero
 
 
 def find_touching(x: Vec[NX], w: Work) -> bool:
@@ -50,15 +53,16 @@ def find_touching(x: Vec[NX], w: Work) -> bool:
 
 def list_contacts(sliding: bool, w: Work) -> None:
     """List the contacts in w.touched for the law, closed in the modes w.contact_modes and without friction,
-    and with slip rows if `sliding`."""
+    and with slip rows if `sliding`; else for displacements, which bounds of velocities do not restrict."""
     n = 0
     m = 0
     for i in range(NCON):
-        if w.touched[i] > 0:
+        if w.touched[i] > 0 and (sliding or contact_bounds_rate[i] == 0):
             w.touching[n] = i
             w.law_first[n] = m
             w.law_slips[n] = contact_slips[i] if sliding else 0
             w.law_two_sided[n] = 0
+            w.law_unit[n] = contact_unit[i]
             w.law_friction[n] = 0.0
             w.law_static[n] = 0.0
             w.law_moves[n] = 0
@@ -129,17 +133,48 @@ def cone_margin(i: int, w: Work) -> Real:
     return margin
 
 
-def add_cancelling(values: Vec[NX], w: Work) -> None:
-    """Add X p to the speeds, or accelerations, of `values`. Those that this cancels to round-off are zero:
-    what lies at rest has no motion whose error could be measured."""
-    for j in range(NV):
-        total = values[NQ + j]
-        terms = fabs(total)
-        for r in range(w.law_rows):
-            own = w.contact_responses[r * NR + j] * w.law_p[r]
-            total += own
-            terms += fabs(own)
-        values[NQ + j] = total if fabs(total) > CANCELLED * SPACING * terms else 0.0
+def bear_load(w: Work) -> None:
+    """Let contacts that bear their load in many ways do so by the smallest forces within their cones. If these do
+    not bear it, modes change: the forces stay, as if the cones were wider, and w.law_lack is not zero."""
+    w.law_lack = 0.0
+    if is_shared(w):
+        for n in range(w.law_count):
+            if w.law_mode[n] == CONTACT_STICKS:
+                w.law_mu[n] = w.law_static[n]
+        share_load(w)
+
+
+def set_margins(w: Work) -> None:
+    """Set w.force_margins and w.cone_margins of the listed contacts, by w.contact_forces: what falls to zero where
+    they open or slip. Contacts that share a load do so where no shares bear it; those that are at the bounds of
+    their cones begin."""
+    shared = is_shared(w)
+    size = 0.0
+    slides = False
+    for n in range(w.law_count):
+        i = w.touching[n]
+        w.force_margins[i] = w.contact_forces[contact_first[i]]
+        if fabs(w.force_margins[i]) > size:
+            size = fabs(w.force_margins[i])
+        if NSLIP > 0:
+            w.cone_margins[i] = cone_margin(i, w) if w.law_mode[n] == CONTACT_STICKS else 0.0
+    if not shared:
+        return
+    least = AT_BOUND * size
+    if NSLIP > 0:
+        for n in range(w.law_count):
+            i = w.touching[n]
+            if w.law_mode[n] == CONTACT_STICKS and w.force_margins[i] > least and w.cone_margins[i] <= least:
+                slides = True
+    for n in range(w.law_count):
+        i = w.touching[n]
+        if w.law_two_sided[n] == 0:
+            opens = w.force_margins[i] <= least
+            if opens:
+                w.force_margins[i] = size if slides or w.law_lack == 0.0 else -w.law_lack
+            if NSLIP > 0:
+                if w.law_mode[n] == CONTACT_STICKS and w.cone_margins[i] <= least:
+                    w.cone_margins[i] = size if opens or w.law_lack == 0.0 else -w.law_lack
 
 
 def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
@@ -159,19 +194,26 @@ def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
     for r in range(w.law_rows):
         row = w.touching_rows[r]
         w.contact_forces[row] = w.law_p[r]
+    if w.law_lack > 0.0:
+        for e in range(w.law_unknowns):
+            row = w.law_unknown[e]
+            w.contact_forces[w.touching_rows[row]] = w.law_scale[row] * w.law_share[e]
+    set_margins(w)
+    for r in range(w.law_rows):
+        row = w.touching_rows[r]
         if NZ > 0:
             for j in range(NV):
                 xdot[NQ + NV] += w.law_p[r] * w.contact_rows[row * NV + j] * x[NQ + j]
     for n in range(w.law_count):
         contact = w.touching[n]
-        force = w.law_p[w.law_first[n]]
+        force = w.force_margins[contact]
         if force < w.force_low[contact]:
             w.force_low[contact] = force
         if force > w.force_high[contact]:
             w.force_high[contact] = force
         if NSLIP > 0:
             if w.law_mode[n] == CONTACT_STICKS:
-                margin = cone_margin(contact, w)
+                margin = w.cone_margins[contact]
                 if margin < w.cone_low[contact]:
                     w.cone_low[contact] = margin
                 if margin > w.cone_high[contact]:
@@ -263,6 +305,7 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
         status = solve_loaded(p, t, x, xdot, lam, False, w)
         if failed(status):
             return status
+        w.law_lack = 0.0
     else:
         status = respond(p, t, x, w)
         if failed(status):
@@ -274,6 +317,7 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
         if not solve_touching(w):
             w.culprit = w.touching[w.law_culprit]
             return PARADOX
+        bear_load(w)
     take_forces(p, t, x, xdot, lam, w)
     return OK
 
@@ -290,11 +334,9 @@ def forget_forces(w: Work) -> None:
 
 def displace_contacts(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """Move the coordinates by the displacement X w.law_p."""
+    largest = largest_scaled(w)
     for j in range(NV):
-        w.contact_solution[j] = 0.0
-    for r in range(w.law_rows):
-        for j in range(NV):
-            w.contact_solution[j] += w.contact_responses[r * NR + j] * w.law_p[r]
+        w.contact_solution[j] = response_to_forces(j, 0.0, largest, w)
     if HAS_DISPLACE:
         fn_displace(p, t, x, w.contact_solution, w.contact_shift)
         for i in range(NQ):

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from lagc.kernels.language.records import State
+from lagc.kernels.language.records import State, Work
 from lagc.kernels.language.sizes import *
 from lagc.kernels.language.words import Count, Mat, Out, Params, Real, Vec
 
@@ -102,6 +102,8 @@ def fn_measures(p: Params, s: Out[NU], largest: Out[NU]) -> None: ...
 # The sums a_j b_(k-j), j = 1 ... k-1, of lanes and squares, the newest rows last.
 def fn_convolve(k: Count, left: Mat[NTERM, NLANE], right: Mat[NTERM, NLANE], squares: Mat[NTERM, NSQUARE],
                 sums: Out[NCONVOLVED]) -> None: ...
+# The outputs, with accelerations and multipliers where they need them.
+def fn_observe(p: Params, t: Real, x: Vec[NX], y: Out[Any], w: Work) -> None: ...
 # The same for every model: make `kept` a copy of s.
 def fn_copy_state(s: State, kept: State) -> None: ...
 # fmt: on

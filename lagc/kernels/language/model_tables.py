@@ -30,6 +30,8 @@ pushed_contact: IVec[NPUSHED]  # the contacts whose normal forces loads depend o
 contact_first: IVec[NCON]  # first row of each contact, that of its gap; its slip rows follow
 impulse_state: IVec[NCON]  # index in x of the impulse of the last impact of each; -1: it is not asked for
 contact_slips: IVec[NCON]  # slip rows of each
+contact_unit: IVec[NCON]  # unit of each gap: the first contact with this unit
 contact_normals: IVec[NCON]  # components of the normal force of a two-sided contact; 0: one-sided
 normal_first: IVec[NCON]  # first of these
+contact_bounds_rate: IVec[NCON]  # 1: its gap is one between velocities
 contact_poisson: IVec[NCON]  # 1: Poisson's law of impact, 0: Newton's

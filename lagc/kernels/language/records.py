@@ -237,11 +237,13 @@ class Work:
         contact_gaps: Vec[NCON]
         contact_indicators: Vec[NMODE]
         contact_sizes: Vec[NCON]  # change of each gap over the sizes of the states
+        contact_approach: Vec[NCON]  # speed before an impact
         contact_responses: Vec[NRESPONSES]  # accelerations and multipliers for a unit of each listed row
         contact_rhs: Vec[NR]
         contact_solution: Vec[NR]
         contact_shift: Vec[NQ]
         contact_forces: Vec[NCROW]  # at the last evaluation
+        force_margins: Vec[NCON]  # zero where a contact opens: its normal force, or a measure of its set
         force_low: Vec[NCON]  # range of the normal forces over the evaluations of a step
         force_high: Vec[NCON]
         x_contact: Vec[NX]
@@ -265,6 +267,7 @@ class Work:
             # Friction
             frictions: Vec[NDIRECT]  # of slip and of sticking, of each contact
             contact_slides: Vec[NDIRECT]  # direction in which a contact begins to slip, by its force
+            cone_margins: Vec[NCON]  # what falls to zero where it slips
             cone_low: Vec[NCON]  # range of static friction less force over the evaluations of a step
             cone_high: Vec[NCON]
             if NSPACE > 0:
@@ -286,6 +289,7 @@ class Work:
         law_rows: int  # their rows
         law_first: IVec[NCON]  # normal row of each; its slip rows follow
         law_slips: IVec[NCON]  # slip rows of each: 0, 1 or 2
+        law_unit: IVec[NCON]  # unit of its gap: a number, the same for the same unit
         law_two_sided: IVec[NCON]  # it never opens; 1: its normal force has a sign, 2: a direction
         law_friction: Vec[NCON]  # coefficient of friction while it slips
         law_static: Vec[NCON]  # the same while it sticks
@@ -320,14 +324,21 @@ class Work:
         law_step: Vec[NLAW]
         law_order: IVec[NLAW]
         law_choice: IVec[NCON]
+        # Shares of a load: the smallest forces in the cones
+        law_share: Vec[NLAW]
+        law_pull: Vec[NLAW]  # what is projected on the cones
+        law_place: IVec[NLAW]  # where it is
+        law_metric: Vec[NLAW]
+        law_dual: Vec[NLAW]
+        law_dual_before: Vec[NLAW]
+        law_left: Vec[NLAW]  # load that is not borne
+        law_factor: Vec[NLAWS]
+        law_share_terms: Real
+        law_lack: Real  # size of the load that no forces bear
         law_kept_mode: IVec[NCON]
         law_kept_p: Vec[NCROW]
         law_kept_u: Vec[NCROW]
         law_kept_direction: Vec[NDIRECT]
-        law_block: IVec[NCON]  # first unknown of each contact in the complementarity problem
-        law_tableau: Vec[NTABLEAU]
-        law_basic: IVec[NLCP]
-        law_cobasic: IVec[NLCP]
         # Impacts: their law and results, then what `impact` keeps of all contacts
         law_restitution: Vec[NCON]
         if NPOISSON > 0:
@@ -340,6 +351,7 @@ class Work:
         impact_first: IVec[NCON]
         impact_slips: IVec[NCON]
         impact_two_sided: IVec[NCON]
+        impact_unit: IVec[NCON]
         impact_friction: Vec[NCON]
         impact_of: IVec[NCON]  # contact of each one in a round
         impact_w: Vec[NDELASSUS]
@@ -476,6 +488,8 @@ class State:
         short_bounces: Count  # crossings in a row that return within round-off of the sizes of states
         crossing_times: Vec[NFREE]  # last crossing of each indicator that depends on the state
     if NCON > 0:
+        fall_heights: Vec[NCON]  # the largest that each contact fell from
+        touch_times: Vec[NCON]  # when each contact touched last
         bounce_speeds: Vec[NCON]  # after the last impact of each contact; 0: there was none
         if NTWO > 0:
             normal_signs: IVec[NCON]  # of the next step

@@ -21,6 +21,8 @@ class NPREPARED(metaclass=SizeType): ...  # numbers that `bind` computes; they f
 class NREAD(metaclass=SizeType): ...  # parameters that `bind` reads, copied behind the prepared numbers
 class NALL(metaclass=SizeType): ...  # NP + NPREPARED
 class NQUAT(metaclass=SizeType): ...  # unit quaternions
+class NY(metaclass=SizeType): ...  # outputs
+class NQUANTITY(metaclass=SizeType): ...  # NQ + NV + NY: what a verified run compares
 class NGROUP(metaclass=SizeType): ...  # scaling groups of coordinates and speeds
 class NWORK(metaclass=SizeType): ...  # entries of the sparse factors
 class NHEALTH(metaclass=SizeType): ...  # measures of the quality of a sparse solve
@@ -87,8 +89,6 @@ class NNORMALEFFECTS(metaclass=SizeType): ...  # NNORMAL NCROW
 class NNORMALROWS(metaclass=SizeType): ...  # NNORMAL NKNOWN
 class NLAW(metaclass=SizeType): ...  # NCROW + NCON: unknowns of given contact modes, with slip angles
 class NLAWS(metaclass=SizeType): ...  # NLAW NLAW
-class NLCP(metaclass=SizeType): ...  # NCON + 2 NSLIP + 1: unknowns of the linear complementarity problem
-class NTABLEAU(metaclass=SizeType): ...  # NLCP (NLCP + 1)
 
 
 # The same for every model.

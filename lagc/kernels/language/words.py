@@ -3,8 +3,7 @@
 A kernel is a function with annotated arguments and a scalar or pair as its result; it passes everything else
 through records.  It consists of assignments, arithmetic, `if`, `while`, `for i in range`, `break`,
 `continue`, `return`, and calls of earlier kernels, of functions of the model, and of `fabs`, `floor`, `sqrt`.
-Where C returns a number that is not finite and Python would raise, `quotient(a, b)` divides by a b that may
-be zero, and `root(a)` is the square root of an a that may be negative.  `if NC > 0:` and `if STRAIGHT:` are
+Division by zero and the square root of a negative number give what C gives.  `if NC > 0:` and `if STRAIGHT:` are
 decided when a kernel is printed.  There are no tuples, defaults, closures, recursion or exceptions, and no
 memory except local vectors.
 
@@ -138,6 +137,4 @@ def static(values: Iterable[R]) -> Iterable[R]: ...  # type: ignore[empty-body]
 def by_type(single: float, double: float, quad: str) -> float: ...  # type: ignore[empty-body]
 def combination(row: Row, k: Mat[Any, N], i: Size) -> float: ...  # type: ignore[empty-body]
 def number(text: str) -> float: ...  # type: ignore[empty-body]
-def quotient(a: float, b: float) -> float: ...  # type: ignore[empty-body]
-def root(a: float) -> float: ...  # type: ignore[empty-body]
 def Code(value: int) -> int: ...  # type: ignore[empty-body]

@@ -62,7 +62,7 @@ def normalise_row(w: Work, i: int) -> None:
             w.q_end[i] = j + 1
     length = sqrt(squared_length(w, i))
     if length > 0.0:
-        length = quotient(length, w.regularity[i])
+        length = length / w.regularity[i]
     w.row_lengths[i] = length
     if length > 0.0:
         divide_row(w, i, length)
@@ -190,19 +190,19 @@ def shortest_multipliers(w: Work, c: Vec[NC], lam: Vec[NC]) -> None:
                 value += column[k] * other[k]
             for k in range(e):
                 value -= w.normal_matrix[f][k] * w.normal_matrix[e][k]
-            w.normal_matrix[f][e] = quotient(value, w.normal_matrix[e][e]) if e < f else root(value)
+            w.normal_matrix[f][e] = value / w.normal_matrix[e][e] if e < f else sqrt(value)
         total = 0.0
         for k in range(rank):
             total += column[k] * c[k]
         for k in range(f):
             total -= w.normal_matrix[f][k] * y[k]
-        y[f] = quotient(total, w.normal_matrix[f][f])
+        y[f] = total / w.normal_matrix[f][f]
     for f in range(count - 1, -1, -1):
         column = w.dependence[f]
         total = y[f]
         for k in range(f + 1, count):
             total -= w.normal_matrix[k][f] * y[k]
-        y[f] = quotient(total, w.normal_matrix[f][f])
+        y[f] = total / w.normal_matrix[f][f]
         lam[w.row_order[rank + f]] = y[f]
         for k in range(rank):
             lam[w.row_order[k]] -= column[k] * y[f]

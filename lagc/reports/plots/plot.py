@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from lagc.base.records import RLock
 from lagc.base.text import one_line, printable
 from lagc.host.atomic_write import Files, fitting
+from lagc.host.packages import PICTURES
 from lagc.reports.plots.curves import Scales, scales, with_corners
 from lagc.simulation.linearization.linear_model import damping, frequency
 
@@ -246,8 +247,9 @@ def _matplotlib() -> Any:
     try:
         import matplotlib
         import matplotlib.figure
-    except ModuleNotFoundError:
-        raise ImportError("a picture needs matplotlib: pip install matplotlib") from None
+    except ImportError as error:
+        broken = "" if isinstance(error, ModuleNotFoundError) else f" ({error})"
+        raise ImportError(PICTURES + broken) from None
     return matplotlib
 
 

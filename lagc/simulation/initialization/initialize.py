@@ -10,6 +10,7 @@ from typing import Any
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.host.budgets import doing
+from lagc.lowering.program import Contact
 from lagc.simulation.initialization.result import Anchor, Start, unmet_lines
 from lagc.simulation.request import Request, keep_limits
 from lagc.simulation.system import (
@@ -28,7 +29,8 @@ from lagc.simulation.system import (
     state_name,
 )
 
-PENETRATION = 1e-9  # of the largest coordinate: a gap that is negative by more is refused
+PENETRATION = 1e-9  # of the size of a gap: a start that is beyond the bound by more is refused
+PART = 1e-6  # of a coordinate, by which it is moved to see how gaps change
 TOUCHES = 1e-13  # of the same: round-off of a gap
 MOST_NAMED = 12  # conditions of a conflict
 
@@ -65,17 +67,25 @@ def begin(system: System, request: Request) -> Start:
             raise NoStart(fault, anchors, start.x, system)
     _energies(system, start.x)
     if system.interface.contacts:
-        start = replace(start, x=touching(system, 0.0, start.x))
+        start = replace(start, x=touching(system, 0.0, start.x), beyond=_beyond(system, start.x))
     return replace(start, seconds=perf_counter() - began)
 
 
-def size_of_gaps(system: System, x: Sequence[float], unit: str) -> float:
-    """Return the size of lengths as those of the coordinates, or else of the parameters of this unit."""
-    size = max((abs(v) for v in x[: system.nq]), default=0.0)
-    if size == 0.0:
-        fields = (*system.interface.parameters, *system.interface.inputs)
-        size = max((abs(v) for f, v in zip(fields, system.parameters) if f.unit == unit), default=0.0)
-    return size
+def sizes_of_gaps(system: System, t: float, x: Sequence[float]) -> list[float]:
+    """Return the size of each gap: the sum of its changes with each coordinate and speed, times this one, or
+    else the size of the parameters of its unit."""
+    gaps = system.gaps(t, x)
+    found = [0.0] * len(gaps)
+    for k in range(system.nq + system.nv):
+        if x[k] != 0.0:
+            moved = [*x[:k], x[k] * (1.0 + PART), *x[k + 1 :]]
+            found = [size + abs(a - b) / PART for size, a, b in zip(found, system.gaps(t, moved), gaps)]
+    fields = (*system.interface.parameters, *system.interface.inputs)
+    for i, contact in enumerate(system.interface.contacts):
+        if not found[i] > 0.0:
+            values = [abs(v) for f, v in zip(fields, system.parameters) if f.unit == contact.unit]
+            found[i] = max(values, default=0.0)
+    return found
 
 
 def touching(system: System, t: float, x: Sequence[float]) -> list[float]:
@@ -83,15 +93,28 @@ def touching(system: System, t: float, x: Sequence[float]) -> list[float]:
     more than round-off."""
     interface, found = system.interface, list(x)
     first = system.nx - len(interface.contacts)
-    for i, (contact, gap) in enumerate(zip(interface.contacts, system.gaps(t, x))):
-        size = size_of_gaps(system, x, contact.unit)
+    sizes = sizes_of_gaps(system, t, x)
+    for i, (contact, gap, size) in enumerate(zip(interface.contacts, system.gaps(t, x), sizes)):
         if gap < -PENETRATION * size:
-            depth = f"{-gap:.6g} {contact.unit}".rstrip()
-            message = f"the start is {depth} beyond the bound `{contact.name}`"
+            message = f"the start is {_depth(contact, gap)}"
             fault = Fault("LAG0624", message, remedy="begin with a gap that is zero or positive")
             raise NoStart(fault, [("contact", contact.name)], x, system)
         found[first + i] = 1.0 if gap <= TOUCHES * size else 0.0
     return found
+
+
+def _beyond(system: System, x: Sequence[float]) -> tuple[str, ...]:
+    """Return a line for each bound that a start is beyond by more than round-off: it is put on the bound."""
+    sizes = sizes_of_gaps(system, 0.0, x)
+    given = zip(system.interface.contacts, system.gaps(0.0, x), sizes)
+    return tuple([
+        f"the start is {_depth(contact, gap)}, and is put on it"
+        for contact, gap, size in given if gap < -TOUCHES * size
+    ])  # fmt: skip
+
+
+def _depth(contact: Contact, gap: float) -> str:
+    return f"{f'{-gap:.6g} {contact.unit}'.rstrip()} beyond the bound `{contact.name}`"
 
 
 def _energies(system: System, x: Sequence[float]) -> None:

@@ -18,7 +18,7 @@ from lagc.base.records import replace
 from lagc.codegen.python.support.contacts import RESTS, STRIKES
 from lagc.mechanics.formulation.held_contacts import MODE_STICKS
 from lagc.simulation.error_measure import contacts_of
-from lagc.simulation.initialization.initialize import size_of_gaps, touching
+from lagc.simulation.initialization.initialize import sizes_of_gaps, touching
 from lagc.simulation.linearization.derivatives import DEPENDENT, Array, Point
 from lagc.simulation.linearization.linear_model import Linear, size_of_states
 from lagc.simulation.system import OK, Options
@@ -99,7 +99,7 @@ def edges(acting: NumpySystem, whole: Sequence[float], found: Linear) -> Iterato
         said, name = word_of(contact, mode), contact.name
         if mode == 0:
             alike = [x for x, unit in zip(size_of_states(acting), interface.q_units) if unit == contact.unit]
-            size = ZERO * max([size_of_gaps(acting, whole, contact.unit), *alike])
+            size = ZERO * max([sizes_of_gaps(acting, found.t, whole)[k], *alike])
             if gaps[k] <= size:
                 yield f"`{name}` is open there, with a gap of zero", gaps[k] < -size
             continue
