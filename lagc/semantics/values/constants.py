@@ -137,7 +137,8 @@ def _real(written: tree.Unit) -> QuantityType:
     except UnknownUnit as unknown:
         from lagc.semantics.unit_spellings import unit_remedy  # where there is a fault
 
-        raise Wrong("LAG0304", unknown.reason, written.span, remedy=unit_remedy(text)) from None
+        size = f"the size of an array follows its name: `x[{text}]`" if text.isdigit() else unit_remedy(text)
+        raise Wrong("LAG0304", unknown.reason, written.span, size) from None
     if meant.factor != 1.0:
         return quantity_type("Real", si_text(meant.dimension), text)
     return quantity_type("Real", "" if text == "1" else text)
