@@ -20,8 +20,6 @@ from lagc.symbolic.walk import reachable
 LONGEST = 60  # characters of an expression that is shown
 MOST_SHOWN = 4  # further places
 _RUBBING = re.compile(r"/(abs|norm)\((der|velocity)\(")  # of a force against the motion: 0/0 at rest
-    r"/(abs|norm)\((der|velocity)\("
-)  # a force against the motion, which has no value at rest
 
 
 def placed(equations: EquationsOfMotion, found: NoStart) -> Refused:
