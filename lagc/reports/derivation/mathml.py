@@ -11,6 +11,7 @@ from html import escape
 from lagc.reports.equations.latex import GREEK
 
 _TOKENS = re.compile(r"\\[A-Za-z]+|\\.|\d+(?:\.\d+)?|.", re.DOTALL)
+_FUNCTION = re.compile(r"<mi>[a-z]\w+</mi>")  # an element that a function is
 _SPACES = {r"\,": 0.17, r"\;": 0.28, r"\ ": 0.33, r"\quad": 1.0, r"\qquad": 2.0}
 _ACCENTS = {r"\dot": "˙", r"\ddot": "¨", r"\vec": "→", r"\overrightarrow": "→", r"\hat": "^", r"\tilde": "~"}
 _STYLES = {
@@ -86,11 +87,12 @@ class _Reader:
         while self._peek() in ("_", "^"):
             mark = self._next()
             parts[mark] = self._argument()
+        space = '<mspace width="0.17em"/>' if _FUNCTION.fullmatch(base) else ""
         if not parts:
-            return base
+            return base + space
         names = ("under", "over") if base.startswith(("<munder", "<mo>∑")) else ("sub", "sup")
         tag = "".join([name for name, mark in zip(names, "_^") if mark in parts])
-        return f"<m{tag}>{base}{parts.get('_', '')}{parts.get('^', '')}</m{tag}>"
+        return f"<m{tag}>{base}{parts.get('_', '')}{parts.get('^', '')}</m{tag}>{space}"
 
     def _argument(self) -> str:
         return self._atom() if self._peek() != "{" else self._group(self._next().replace("{", "}"))
@@ -163,4 +165,4 @@ class _Reader:
         name = token[1:]
         if name in GREEK or name in _LETTERS:
             return f"<mi>{_letter(name)}</mi>"
-        return f'<mi>{escape(name)}</mi><mspace width="0.17em"/>'  # a function, such as \sin
+        return f"<mi>{escape(name)}</mi>"  # a function, such as \sin
