@@ -18,7 +18,7 @@ from lagc.cli.options import (
     quantity,
 )
 from lagc.cli.output import Usage
-from lagc.cli.study_report import add_report_options, check_endings, deliver
+from lagc.cli.study_report import add_report_options, check_reports, deliver
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -39,7 +39,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.host import model_library
     from lagc.reports import cost as report
 
-    check_endings(options.output)
+    check_reports(options.output)
     budget = quantity(options.budget, "s", "--budget") or 0.0
     if not budget > 0.0:
         raise Usage("`--budget` needs a positive time")

@@ -23,7 +23,7 @@ from lagc.cli.options import (
     split,
 )
 from lagc.cli.output import Usage
-from lagc.cli.study_report import add_report_options, check_endings, deliver
+from lagc.cli.study_report import add_report_options, check_reports, deliver
 
 if TYPE_CHECKING:
     from lagc.simulation.request import Quantity
@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.host import model_library
     from lagc.reports import effects as report
 
-    check_endings(options.output)
+    check_reports(options.output)
     accuracies = accuracies_of(options.accuracy)
     compilation = Compilation(model_library.read(options.file), choice_of(options))
     model = CompiledModel(compilation, "c")

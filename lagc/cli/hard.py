@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from lagc.cli.options import add_general_options, add_limit_options
 from lagc.cli.output import DONE, FAILED, Usage, show
-from lagc.cli.study_report import add_output_option, check_endings, deliver
+from lagc.cli.study_report import add_output_option, check_reports, deliver
 
 if TYPE_CHECKING:
     from lagc.study.hard.case import Case
@@ -39,7 +39,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.study.hard.case import study
     from lagc.study.hard.cases import CASES
 
-    check_endings(options.output)
+    check_reports(options.output)
     if options.list:
         show(report.listing(CASES))
         return DONE

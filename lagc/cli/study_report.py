@@ -12,8 +12,10 @@ from lagc.cli.deliver import kept
 from lagc.cli.options import add_list_option
 from lagc.cli.output import DONE, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show
 from lagc.host.budgets import reached, rest
+from lagc.host.packages import PICTURES, is_installed
 
-FORMATS = (".html", ".json", ".png", ".svg", ".pdf")
+ENDINGS = (".png", ".svg", ".pdf")  # of pictures
+FORMATS = (".html", ".json", *ENDINGS)
 
 
 def add_report_options(parser: argparse.ArgumentParser, points: int) -> None:
@@ -31,10 +33,14 @@ def add_output_option(parser: argparse.ArgumentParser) -> None:
     add_list_option(parser, "--output", "output", "FILE", about, "-o")
 
 
-def check_endings(paths: Iterable[str]) -> None:
-    """Raise Usage for a path whose ending is no format."""
+def check_reports(paths: Iterable[str]) -> None:
+    """Raise Usage for a path whose ending is no format, or needs a package; called before the study. A page
+    needs none: without matplotlib it has no picture."""
     for path in paths:
-        if os.path.splitext(path)[1].lower() not in FORMATS:
+        ending = os.path.splitext(path)[1].lower()
+        if ending in ENDINGS and not is_installed("matplotlib"):
+            raise Usage(f"`{path}` cannot be drawn: {PICTURES}")
+        if ending not in FORMATS:
             raise Usage(
                 f"`{path}` cannot be written: the ending gives the format, one of {' '.join(FORMATS)}"
             )
@@ -64,17 +70,30 @@ def _write(path: str, found: Any, heading: str, report: Any, picture: str, quiet
     """Write one file; return whether it has the name that was given."""
     from lagc.base.text import json_text
     from lagc.host.atomic_write import write
-    from lagc.reports.plots.plot import save, svg
+    from lagc.reports.plots.plot import save
 
     ending = os.path.splitext(path)[1].lower()
     drawn = None if ending == ".json" else import_module(f"lagc.reports.plots.{picture}")
     if drawn is None or ending == ".html":
         data = json_text(report.to_dict(found), indent=2) + "\n"
         if drawn is not None:
-            data = report.page(found, heading, svg(drawn.draw(found, heading)))
+            data = report.page(found, heading, _picture(path, drawn, found, heading))
         named = kept(path, lambda name: write(name, data.encode()), (OSError,), ending)
     else:
         named = kept(path, lambda name: save(drawn.draw(found, heading), name), (OSError, ValueError))
     if named is not None:
         say(f"written to {named}", quiet)
     return named == path
+
+
+def _picture(path: str, drawn: Any, found: Any, heading: str) -> str:
+    """The picture of a page, or a line that says what it needs."""
+    from html import escape
+
+    from lagc.reports.plots.plot import svg
+
+    try:
+        return svg(drawn.draw(found, heading))
+    except ImportError as error:
+        say(f"lagc: `{path}` has no picture: {error}")
+        return f"<p>{escape(str(error))}</p>"

@@ -96,6 +96,7 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
         for i in range(NCON):
             s.bounce_speeds[i] = 0.0
             s.fall_heights[i] = 0.0
+            s.touch_times[i] = t
 
 
 def enter_call(s: State, w: Work) -> None:

@@ -19,7 +19,6 @@ from lagc.lowering.kkt.articulated_body import plain
 from lagc.lowering.kkt.prune import independent, prune, sources, with_pivots
 from lagc.lowering.kkt.solve import Solver, forms_matrix, solvers
 from lagc.lowering.loaded_reactions import loaded, loads_of
-from lagc.lowering.loops.independent_blocks import in_pieces
 from lagc.lowering.loops.loop_rolling import rerolled
 from lagc.lowering.program import Function, Program
 from lagc.lowering.scalar.parameter_hoisting import Preparation
@@ -77,12 +76,7 @@ def optimize(
     found, read = preparation.finished(made)
     if expand:
         found.update((f.name, f) for f in _series(equations, found, work, loads is not None))
-    found = {
-        name: in_pieces(function)
-        if name == "conditions" and not slopes.sums  # their derivatives are put together from all
-        else rerolled(function, often=name in OFTEN)
-        for name, function in found.items()
-    }
+    found = {name: rerolled(function, often=name in OFTEN) for name, function in found.items()}
     return Program(
         interface(
             equations,
@@ -187,8 +181,19 @@ def _factored(along: Places, solver: Solver, guarded: bool) -> list[Function]:
 
 
 def _operations(equations: EquationsOfMotion, found: Mapping[str, Function]) -> int:
-    """Of one right-hand side; the dense solve of a looped one counts n^3/3."""
-    if "rhs" in found:
-        return found["rhs"].cost
+    """Of one right-hand side, where all contacts touch; the dense solve of a looped one counts n^3/3."""
     n = len(equations.v) + len(equations.rows)
-    return found["system"].cost + n * n * n // 3 + 2 * n * n
+    free = found["rhs"].cost if "rhs" in found else found["system"].cost + n * n * n // 3 + 2 * n * n
+    return free + (_contact_operations(equations, found) if equations.contacts else 0)
+
+
+def _contact_operations(equations: EquationsOfMotion, found: Mapping[str, Function]) -> int:
+    """Of the forces of contacts: their rows R, X = K^-1 R^T, W = R X, the solve of W, and X p."""
+    rows, n = sum(len(contact.jacobians) for contact in equations.contacts), len(equations.v)
+
+    def cost(*names: str) -> int:
+        return sum(found[name].cost for name in names if name in found)
+
+    solve = cost("solve") or 2 * n * n
+    terms = cost("contact_rows", "frictions", "normals", "assemble", "factor") + rows * solve
+    return terms + 2 * rows * rows * n + rows * rows * rows // 3 + 4 * rows * n

@@ -182,13 +182,13 @@ def _shared(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:
 
 
 def _aside(states: States, rows: Sequence[Row], contacts: Sequence[ContactRow]) -> tuple[Fault, ...]:
-    """Warnings of slips that are not along the surface."""
-    one_sided = [contact for contact in contacts if not contact.normals]
-    if not any(contact.slips for contact in one_sided):
+    """Warnings of slips that are not along the surface, or that constraints hold."""
+    if not any(contact.slips for contact in contacts):
         return ()
-    from lagc.mechanics.lint.slip_directions import slips_aside  # loaded where something slips
+    from lagc.mechanics.lint.slip_directions import slips_aside, slips_held  # loaded where something slips
 
-    return tuple(slips_aside(states, rows, one_sided))
+    one_sided = [contact for contact in contacts if not contact.normals]
+    return (*slips_aside(states, rows, one_sided), *slips_held(states, rows, contacts))
 
 
 def _warnings(

@@ -293,7 +293,7 @@ def _discretes(equations: EquationsOfMotion, written: Expressions) -> Facts:
 
 
 def _contact(contact: Contact, written: Expressions) -> Facts:
-    opens = {"gap": contact.gap, "restitution": contact.restitution}
+    opens = {"gap": contact.gap, **({} if contact.bounds_rate else {"restitution": contact.restitution})}
     given = {"friction": contact.friction, "static": contact.static}
     slip = [written.text(node) for node in contact.slip]
     return {
@@ -311,7 +311,7 @@ def _contact(contact: Contact, written: Expressions) -> Facts:
 def _contact_line(fact: Facts) -> str:
     laws = [f"{n} {fact[n]}" for n in ("restitution", "law", "friction", "static", "slip") if n in fact]
     gap = fact["gap"] + " >= 0" if "gap" in fact else "always touches"
-    return f"{fact['name']} (line {fact['line']}): {gap}, {', '.join(laws)}"
+    return f"{fact['name']} (line {fact['line']}): {', '.join([gap, *laws])}"
 
 
 def _discrete_line(fact: Facts) -> str:
@@ -434,7 +434,8 @@ def _when_line(fact: Facts) -> str:
 def _operations_text(facts: Facts, verbose: bool) -> list[str]:
     operations = facts["operations"]
     how = {"straight": "with its linear solve", "looped": "before its linear solve"}[operations["solve"]]
-    lines = [f"one right-hand side: {operations['right_hand_side']}, {how}"]
+    touch = ", where all contacts touch" if facts["contacts"] else ""
+    lines = [f"one right-hand side: {operations['right_hand_side']}, {how}{touch}"]
     if operations["watching"]:
         lines.append(f"{operations['watching']} more where a pivot is small, for the residual of the solve")
     if operations["lifted"]:

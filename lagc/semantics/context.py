@@ -89,9 +89,10 @@ class Context:
         self.scales: dict[str, float] = {}  # that quantities are declared with
         self.faults: list[Fault] = []
         self.warnings: dict[tuple[Span, Span], Fault] = {}  # one for each pair of places
+        self.hushed = False  # faults are not reported, while a remedy is looked for
         self._reported: set[tuple[str, Span | None, str]] = set()
         self.count = 0
-        self.depth = 0  # nested evaluations of declarations
+        self.chain: list[Entry] = []  # declarations that are evaluated, the outermost first
         self.callers: list[Span] = []  # places of the nested calls
         self.all_calls = 0
         self.called: set[int] = set()  # functions, by identity
@@ -104,7 +105,7 @@ class Context:
     def report(self, wrong: Wrong) -> None:
         fault = wrong.fault
         key = (fault.code, fault.span, fault.message)
-        if len(self.faults) >= MOST_FAULTS or key in self._reported:
+        if self.hushed or len(self.faults) >= MOST_FAULTS or key in self._reported:
             return
         self._reported.add(key)
         if self.callers and fault.span is not None:
@@ -153,7 +154,7 @@ class Context:
                 related=((entry.span, "declared here"),),
                 remedy="break the circle: one of these declarations must not depend on the others",
             )
-        if self.depth >= DEEPEST_CHAIN:
+        if len(self.chain) >= DEEPEST_CHAIN:
             raise Wrong(
                 "LAG0218",
                 f"a chain of more than {DEEPEST_CHAIN} declarations depend on one another",
@@ -161,18 +162,18 @@ class Context:
                 "put each declaration before those that depend on it",
             )
         entry.state = "running"
-        self.depth += 1
+        self.chain.append(entry)
         try:
             entry.value = self._declare(self, entry)
         except Wrong as wrong:
             self.report(wrong)
-            entry.state = "poisoned"
+            entry.state = "new" if self.hushed else "poisoned"
             raise Poisoned from None
         except Poisoned:
-            entry.state = "poisoned"
+            entry.state = "new" if self.hushed else "poisoned"
             raise
         finally:
-            self.depth -= 1
+            self.chain.pop()
         entry.state = "done"
         return entry.value
 

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 from lagc.base.records import dataclass, replace
 from lagc.diagnostics.faults import Span
-from lagc.diagnostics.suggest import LATER, did_you_mean, foreign_model, foreign_type
+from lagc.diagnostics.foreign_words import MODELS, TYPES, foreign
+from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context
 from lagc.semantics.names.namespace import Namespace
 from lagc.semantics.names.scope import (
@@ -157,9 +158,6 @@ class Builder:
 
     def _construct(self, d: tree.Construct | tree.Load | tree.Constraint, destination: Destination) -> None:
         kind = "constraint" if isinstance(d, tree.Constraint) else d.kind
-        if kind in LATER:
-            message, remedy = LATER[kind]
-            raise Wrong("LAG0220", message, d.span, remedy)
         if not d.index:
             entry = self._enter(kind, d.name, d, d, destination)
             if kind == "joint":
@@ -337,7 +335,7 @@ class Builder:
             found, where = space.find(d.type.path, d.type.span, "model or type")
         except Wrong as wrong:
             name = d.type.path[-1]
-            remedy = foreign_model(name) or foreign_type(name) or wrong.fault.remedy
+            remedy = foreign(MODELS, name) or foreign(TYPES, name) or wrong.fault.remedy
             remedy = remedy or did_you_mean(name, ELEMENTS)
             remedy = remedy or f"declare it, `model {name} ... end {name};`, or import its file"
             raise Wrong(wrong.fault.code, wrong.fault.message, wrong.fault.span, remedy) from None

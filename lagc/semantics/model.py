@@ -49,6 +49,7 @@ class Parameter:
     maximum: float
     span: Span
     description: str = ""
+    whole: bool = False  # an Integer
 
 
 @dataclass(frozen=True, slots=True)
@@ -210,8 +211,8 @@ class Potential:
 @dataclass(frozen=True, slots=True)
 class Force:
     """`vector` (world axes) applied at a point with `velocity` (world axes, in rates; with `from`, relative).
-    `at` is the point if there is no body; `mentioned` are the velocities that the vector contains, with their
-    places; `target` is the place of the point in the text."""
+    `at` is the point, `on_body` tells whether it belongs to a body; `mentioned` are the velocities that the
+    vector contains, with their places; `target` is the place of the point in the text."""
 
     name: str
     vector: Vector
@@ -221,6 +222,7 @@ class Force:
     target: Span | None = None
     mentioned: tuple[tuple[Vector, Span], ...] = ()
     at: Vector | None = None
+    on_body: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -281,10 +283,10 @@ class Constraint:
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """A one-sided constraint gap >= 0, in coordinates, parameters and time; or the friction of a constraint
-    gap = 0 or a joint, whose gap is the constant 0: a contact that always touches, with its `normals` in
-    multipliers and reactions. `state` is a discrete variable: 0 open, 1 touching; with friction 1 or -1
-    slipping forwards or backwards, 2 sticking. In space there is no -1."""
+    """A one-sided constraint gap >= 0, in coordinates, parameters and time, or in velocities too; or the
+    friction of a constraint gap = 0 or a joint, whose gap is the constant 0: a contact that always touches,
+    with its `normals` in multipliers and reactions. `state` is a discrete variable: 0 open, 1 touching; with
+    friction 1 or -1 slipping forwards or backwards, 2 sticking. In space there is no -1."""
 
     name: str
     label: str  # the name of the constraint, or `name[1]` ... for a vector
@@ -299,6 +301,7 @@ class Contact:
     static: Node | None = None  # that of a contact that sticks
     poisson: bool = False  # the restitution is one of impulses; else of velocities
     normals: tuple[Node, ...] = ()  # components of the normal force of a two-sided contact, which never opens
+    bounds_rate: bool = False  # the gap is one between velocities
 
     @property
     def title(self) -> str:
@@ -382,7 +385,8 @@ class Output:
 @dataclass(frozen=True, slots=True)
 class Joint:
     """A joint between two bodies ("world") or two joints. An open one brings `coordinates`, a closing one
-    `equations`."""
+    `equations`. `at` is its place in world axes, `axis` its axis; of a `Distance`, `at` and `to` are its
+    ends. None: it has none."""
 
     name: str
     kind: str
@@ -390,6 +394,9 @@ class Joint:
     coordinates: tuple[str, ...]
     equations: int
     span: Span
+    at: Vector | None = None
+    axis: Vector | None = None
+    to: Vector | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -82,12 +82,23 @@ class Unit:
 
 
 class UnknownUnit(ValueError):
-    """A text that is not a unit: `reason` is the message, `close` a similar known symbol."""
+    """A text that is not a unit: `reason` is the message."""
 
-    def __init__(self, reason: str, close: str | None = None, remedy: str | None = None):
+    def __init__(self, reason: str, text: str = "", remedy: str | None = None):
         super().__init__(reason)
         self.reason = reason
-        self.remedy = remedy if close is None else f"did you mean `{close}`?"
+        self.text = text
+        self._remedy = remedy
+
+    @property
+    def remedy(self) -> str | None:
+        return self.remedy_for(None)
+
+    def remedy_for(self, wanted: Dimension | None) -> str | None:
+        """Return the unit to write, if possible one of dimension `wanted`."""
+        from lagc.semantics.unit_spellings import unit_remedy  # where there is a fault
+
+        return self._remedy or unit_remedy(self.text, wanted)
 
 
 # symbol -> (num, den, power of pi, dimension); these take prefixes
@@ -116,6 +127,7 @@ _PREFIXES = {
     "h": (100, 1), "d": (1, 10), "c": (1, 100), "m": (1, 1000), "u": (1, 10**6), "µ": (1, 10**6),
     "n": (1, 10**9), "p": (1, 10**12),
 }  # fmt: skip
+SYMBOLS = (*_PREFIXED, *_PLAIN)
 _BROKEN = re.compile(r"\^\s*(\((?![+-]?\d+\))|[+-]?\d*\.\d)")  # an exponent that is not an integer
 _TOKEN = re.compile(r"\s*(?:([A-Za-zµ%]+|1)(?:\^?([+-]?\d{1,2})|\^\(([+-]?\d{1,2})\))?|([./*()]))", re.ASCII)
 
@@ -126,10 +138,14 @@ def unit(text: str) -> Unit:
     if _BROKEN.search(text):
         remedy = "raise a pure number to that power: `k*(x/(1 [m]))^1.5`, with k in newtons"
         raise UnknownUnit(f"`{text}` is not a unit; exponents must be integers", remedy=remedy)
-    tokens = _tokens(text)
-    position, result = _product(tokens, 0, text)
+    try:
+        tokens = _tokens(text)
+        position, result = _product(tokens, 0, text)
+    except UnknownUnit as unknown:
+        unknown.text = text
+        raise
     if position != len(tokens):
-        raise UnknownUnit(f"`{text}` is not a unit")
+        raise UnknownUnit(f"`{text}` is not a unit", text)
     return result
 
 
@@ -188,12 +204,7 @@ def _symbol(symbol: str) -> Unit:
         base = _PREFIXED.get(symbol[len(prefix) :]) if symbol.startswith(prefix) else None
         if base is not None:
             return Unit(base[0] * num, base[1] * den, base[2], base[3])
-    import difflib
-
-    close = difflib.get_close_matches(
-        symbol, [*_PREFIXED, *_PLAIN, "kg", "mm", "cm", "km", "ms"], n=1, cutoff=0.5
-    )
-    raise UnknownUnit(f"`{symbol}` is not a unit", close[0] if close else None)
+    raise UnknownUnit(f"`{symbol}` is not a unit")
 
 
 def si_text(dim: Dimension) -> str:

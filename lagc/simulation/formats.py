@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import importlib
 import os
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from lagc.base.text import json_text, printable
 from lagc.host.atomic_write import Files, is_straight, obstacle, output
+from lagc.host.packages import is_installed
 
 if TYPE_CHECKING:
     from lagc.simulation.solution import Solution
@@ -33,7 +33,7 @@ def check_path(path: str) -> str:
     if ending not in WRITERS:
         known = " ".join(WRITERS)
         raise CannotSave(f"`{path}` cannot be written: the ending gives the format, one of {known}")
-    if ending == ".parquet" and find_spec("pyarrow") is None:
+    if ending == ".parquet" and not is_installed("pyarrow"):
         raise CannotSave(f"`{path}` needs the package pyarrow: pip install pyarrow")
     for each in targets(path):
         reason = obstacle(each)

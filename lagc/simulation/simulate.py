@@ -9,6 +9,7 @@ from time import perf_counter
 from typing import Any
 
 from lagc.base.records import dataclass, replace
+from lagc.base.text import FINEST
 from lagc.codegen.python.support.contacts import CLOSES, OPENS, RESTS, SLIPS, STICKS, STRIKES
 from lagc.diagnostics.faults import Refused
 from lagc.kernels import DEFAULT_METHOD, IMPLICIT, SERIES
@@ -34,11 +35,18 @@ from lagc.simulation.system import (
     rates_at,
     work_of,
 )
-from lagc.simulation.verdict import Verdict, fixed_step_verdict, redundancy, verdict, verified_verdict
+from lagc.simulation.verdict import (
+    Verdict,
+    fixed_step_verdict,
+    redundancy,
+    spaced_verdict,
+    verdict,
+    verified_verdict,
+)
 
 Progress = Callable[[float], None]
 KINDS = {RESTS: "rests", CLOSES: "closes", OPENS: "opens", STICKS: "sticks", SLIPS: "slips"}
-COARSEST_SERIES = 1e-7  # accuracy for which a Taylor series may take less work
+COARSEST_SERIES = 1e-7  # tolerance for which a Taylor series may take less work
 LARGEST_SERIES = 600  # operations of a right-hand side
 LEAST_GAIN = 1.2  # work of the usual method over that of a series
 LANE = 0.5  # work of a term of a sum, in additions
@@ -88,7 +96,7 @@ def simulate(
     notes = [*start.notes, *done.notes]
     for k in strange_outputs(system, start.x):
         notes.append(f"output `{system.interface.outputs[k].name}` has no finite initial value")
-    notes += stability_note(runs)
+    notes += stability_note(runs, bool(system.interface.contacts))
     notes += rest_note(system, trajectory)
     open_reactions: tuple[str, ...] = ()
     if result.status == "ok" and (trajectory.redundant_rows or _depend(system, trajectory)):
@@ -136,23 +144,26 @@ def rest_note(system: System, run: Trajectory) -> list[str]:
     if not within:
         return []
     return [
-        f"at t = {within[0]:.9g} s bounces lower than 1e-10 of the size of a gap are not followed any more: "
+        f"at t = {within[0]:.9g} s bounces lower than 1e-10 of a fall are not followed any more: "
         "speeds there have the error of such a bounce"
     ]
 
 
-def stability_note(runs: Sequence[Trajectory]) -> list[str]:
-    """A note if stability, and not accuracy, limited the steps of a long run."""
+def stability_note(runs: Sequence[Trajectory], contacts: bool) -> list[str]:
+    """A note if stability, and not accuracy, limited the steps of a long run. No implicit method follows
+    contacts."""
     limited = [r for r in runs if r.steps >= LONG_RUN and r.stiff * TESTED >= LIMITED * r.steps]
     if not limited:
         return []
     run = limited[-1]
+    implicit = "Take "
+    if not contacts:
+        implicit = "The implicit method radau5 does where that decays (--method radau5); else take "
     return [
         f"stability limited most of the {run.steps} steps, to about {abs(run.t) / run.steps:.1g} s: the "
         "equations are stiff, something decays or rings far faster than the motion. An explicit method takes "
-        "no longer steps, also with a looser tolerance. The implicit method radau5 does where that decays "
-        "(--method radau5); else take a softer spring, a larger mass, or a constraint in place of a very "
-        "stiff spring"
+        f"no longer steps, also with a looser tolerance. {implicit}a softer spring, a larger mass, or a "
+        "constraint in place of a very stiff spring"
     ]
 
 
@@ -179,15 +190,17 @@ def _integrate(
         )
         return _Done(Verdict(*outcome, run, None), options, [run], [])
     timed = system.interface.whens and system.interface.timed
+    assert request.accuracy is not None
     rest = None if timed or system.interface.contacts else _rest(system, x, times)
     if rest is not None:
         run = trajectory_at_rest(rest[0], times)
-        return _Done(Verdict(*verdict(system, run, end), run, ROUNDING), Options(), [run], [rest[1]])
-    assert request.accuracy is not None
+        equilibrium = Verdict(*verdict(system, run, end), run, ROUNDING)
+        return _Done(spaced_verdict(system, equilibrium, request.accuracy), Options(), [run], [rest[1]])
     grid = ComparisonGrid(times, ASIDE if system.interface.outputs else 0)
     system, found, why = _chosen(system, x, grid, request, progress, stiff, series)
     demand(system, found.tried[0])
     result = verified_verdict(system, found, request.accuracy, end)
+    result = spaced_verdict(system, result, request.accuracy)
     run, notes = grid.recorded(result.trajectory), [*why, *found.notes]
     verdict_ = replace(result, trajectory=run)
     return _Done(verdict_, found.options, found.tried, notes, tuple(found.errors), tuple(found.scales))
@@ -206,16 +219,20 @@ def _chosen(
     small = (
         interface.operations <= LARGEST_SERIES and interface.solve == "straight" and not interface.contacts
     )
-    asked = series is not None and request.method is None and accuracy <= COARSEST_SERIES
+    asked = series is not None and request.method is None
     given = (system, x, grid, request, progress, stiff)
     try:
         return _verified(*given, LONG_RUN if asked and small else 0)
     except LongRun as long:
         steps = long.steps
     assert series is not None
+    # Errors of an undamped motion add up over its steps.
+    tolerance = accuracy if system.nz else max(accuracy / steps, FINEST)
+    if tolerance > COARSEST_SERIES:
+        return _verified(*given)
     with suppress(Refused):  # a function without a recurrence
         other = system.beside(series().bind(system.parameters))
-        gain = gain_of_series(other.interface, accuracy)
+        gain = gain_of_series(other.interface, tolerance)
         if gain >= LEAST_GAIN:
             found = verified_run(other, **_terms(other, x, grid, request, progress), method=SERIES[0])
             if found.estimated <= accuracy or found.trajectory.status == INTERRUPTED:
@@ -224,17 +241,17 @@ def _chosen(
     return _verified(*given)
 
 
-def gain_of_series(interface: Interface, accuracy: float) -> float:
+def gain_of_series(interface: Interface, tolerance: float) -> float:
     """Return the work of dop853 over that of a Taylor series for the same motion, by operations. A step of
     dop853 is proportional to the 1/8th power of the tolerance, those of a series hardly depend on it; at the
     same tolerance errors of a series are ten times smaller (measured over the library)."""
     from lagc.kernels.integrators.taylor import FALL
 
     _, lanes, squares, finish, rhs = interface.series
-    order = 1.0 - log(accuracy) / FALL
+    order = 1.0 - log(tolerance) / FALL
     sums = LANE * (lanes + 0.5 * squares) * order * order / 2.0
     series = sums + finish * order + 2.0 * rhs + OVERHEAD[1]
-    steps = FEWER_AT_1E_5 * float((1e-5 / accuracy) ** 0.125)
+    steps = FEWER_AT_1E_5 * float((1e-5 / tolerance) ** 0.125)
     return steps * (12.0 * rhs + OVERHEAD[0]) / series
 
 

@@ -69,7 +69,7 @@ class Forecast:
             self.checked_t, self.slow = t, False
         elif now - self.checked >= max(FIRST_CHECK, 0.5 * (now - self.began)):
             advance, taken = t - self.checked_t, now - self.checked
-            left = (self.stop - t) / advance * taken if advance > 0.0 else inf
+            left = (self.stop - t) / advance * taken if advance > 0.0 else inf if t < self.stop else 0.0
             if left > self.most and self.slow:
                 raise Refused([self._fault(t, left, now - self.began)])
             self.slow, self.checked, self.checked_t = left > self.most, now, t

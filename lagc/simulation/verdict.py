@@ -7,11 +7,11 @@ from math import inf
 from sys import float_info
 from typing import TYPE_CHECKING
 
-from lagc.base.records import dataclass
+from lagc.base.records import dataclass, replace
 from lagc.base.text import FINEST
 from lagc.host.budgets import reached
 from lagc.simulation.error_measure import quantity_names, quantity_units
-from lagc.simulation.global_error.measure import ULP
+from lagc.simulation.global_error.measure import ROUNDING, ULP
 from lagc.simulation.global_error.verified_run import MEANINGLESS, Verified
 from lagc.simulation.system import (
     CHATTERING,
@@ -86,6 +86,33 @@ def verified_verdict(system: System, found: Verified, asked: float, stop: float)
     if found.balance is not None and not found.balance.holds:
         return Verdict("failed", _unbalanced(found.balance, asked), run, estimated)
     return Verdict(status, message, run, estimated)
+
+
+def spaced_verdict(system: System, found: Verdict, asked: float) -> Verdict:
+    """`found`, or failed if an angle is so large that the spacing of numbers there exceeds `asked` rad, and
+    rates or outputs depend on it."""
+    run, interface = found.trajectory, system.interface
+    for i, name in enumerate(interface.q_names if run.states else ()):
+        size = max(abs(x[i]) for x in run.states)
+        if interface.state_units[i] == "rad" and ULP * size > asked and _depends(system, run, i):
+            before = f"{found.message}; " if found.status == "failed" else ""
+            message = (f"{before}`{name}` is {size:g} rad, where the spacing of numbers is "
+                       f"{ULP * size:.2g} rad: the accuracy {asked:g} cannot be reached in double precision. "
+                       "Leave out whole turns")  # fmt: skip
+            least = max(found.estimated or 0.0, ULP * size)
+            return replace(found, status="failed", message=message, estimated=least)
+    return found
+
+
+def _depends(system: System, run: Trajectory, i: int) -> bool:
+    """Whether rates or outputs at the first state depend on coordinate i, by a turn of about a radian."""
+    t, x, on = run.times[0], run.states[0], system.on(run.times[0], run.states[0])
+    other = [*x[:i], x[i] + max(1.0, 4.0 * ULP * abs(x[i])), *x[i + 1 :]]
+    values = [[*(rates_at(on, t, y) or ())] for y in (x, other)]
+    if system.interface.outputs:
+        columns = on.output_columns([t, t], [x, other])
+        values = [[*rates, *(column[k] for column in columns)] for k, rates in enumerate(values)]
+    return any(abs(a - b) > ROUNDING * (abs(a) + abs(b)) for a, b in zip(*values))
 
 
 def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, str]:

@@ -38,7 +38,7 @@ _PLACES: dict[str, frozenset[str]] = {
     "annotation": frozenset({"file", "package", "model", "effect", "scene"}),
 }
 _IN_LOOPS = frozenset({
-    "frame", "point", "body", "joint", "friction", "potential", "kinetic", "lagrangian", "dissipation",
+    "frame", "point", "body", "joint", "potential", "kinetic", "lagrangian", "dissipation",
     "force", "torque", "constraint", "initial", "for", "when", "instance",
 })  # fmt: skip
 _BY_INDEX = {  # how an array outside of a loop gets a value for each element
@@ -49,6 +49,12 @@ _BY_INDEX = {  # how an array outside of a loop gets a value for each element
     "discrete": "(start = {... for i in 1:n})",
     "input": "",
 }
+_ENERGIES = {
+    **dict.fromkeys(("T", "K", "KE", "Ek", "Ekin", "T_kin"), "kinetic"),
+    **dict.fromkeys(("V", "U", "PE", "Ep", "Epot", "V_pot"), "potential"),
+    **dict.fromkeys(("L", "Lagrangian"), "lagrangian"),
+}
+_LONGEST = 80  # characters of an energy that a remedy repeats
 _SHOWN = {
     "file": "at the top of a file",
     "package": "in a package",
@@ -83,7 +89,7 @@ def _arrange(
                 _check(kind, item.span, container, misplaced, faults)
             elif initial:
                 _gather(arranged, item)
-            elif outside:
+            elif outside or _energy(item.conditions[0]):
                 outside = False
                 faults.append(_equation_outside(item, container))
             continue
@@ -94,9 +100,7 @@ def _arrange(
             initial = False
             if kind not in ("requires", "excludes"):
                 arranged.append(item)
-            if isinstance(item, tree.Quantities) and item.type is None and container != "scene":
-                faults.append(_no_type(item))
-            elif isinstance(item, tree.Quantities | tree.Instance):
+            if isinstance(item, tree.Quantities | tree.Instance):
                 faults += [_dotted(d) for d in item.declarators if d.within and container != "scene"]
         outside = True
         _check(kind, item.span, container, misplaced, faults)
@@ -160,15 +164,36 @@ def _equation_outside(item: tree.Initial, container: str) -> Fault:
     if isinstance(left, tree.Name) and (left.name in _PLACES or left.name in _IN_LOOPS):
         message = f"a name is missing after `{left.name}`"
         return Fault("LAG0132", message, left.span, remedy=f"write `{left.name} name = ...`")
-    return Fault(
-        "LAG0122",
-        "an equation is only allowed in the `initial` section",
-        condition.span,
-        remedy="write `start name = value;` for an initial value, `parameter name = value;` for a parameter "
-        "and `simulate(stop = 10);` for the end of the run"
-        if container == "scene"
-        else "for an equation that always holds write `constraint name: left = right;`; "
-        "for an initial condition put `initial` before it",
+    message = "an equation is only allowed in the `initial` section"
+    return Fault("LAG0122", message, condition.span, remedy=_instead(condition, container))
+
+
+def _energy(condition: tree.Condition) -> str | None:
+    """Return the kind of energy that `T = ...` and `V = ...` declare, or None."""
+    return _ENERGIES.get(condition.left.name) if isinstance(condition.left, tree.Name) else None
+
+
+def _instead(condition: tree.Condition, container: str) -> str:
+    """Return what to write in place of an equation outside of the `initial` section."""
+    if container == "scene":
+        return (
+            "write `start name = value;` for an initial value, `parameter name = value;` for a parameter "
+            "and `simulate(stop = 10);` for the end of the run"
+        )
+    left, right = condition.left.span.text, condition.right.span.text
+    kind = _energy(condition)
+    if kind == "lagrangian" and "der(" not in right:
+        return "delete it: the Lagrangian is the kinetic energy of all bodies minus all energies `potential`"
+    if kind is not None and len(right) <= _LONGEST and "\n" not in right:
+        return f"write `{kind} {left} = {right};`"
+    if "der(der(" in left + right or "acceleration(" in left + right:
+        return (
+            "delete it: the equations of motion follow from the bodies and what acts on them; write a force "
+            "as `force f = {1 [N], 0, 0} at b;`"
+        )
+    return (
+        "for an equation that always holds write `constraint name: left = right;`; for a computed quantity "
+        "`output Type name = value;`; for an initial condition put `initial` before it"
     )
 
 
@@ -179,16 +204,4 @@ def _dotted(declarator: tree.Declarator) -> Fault:
         "a declared name contains no `.`; a part of an instance is declared in its model",
         declarator.name_span,
         remedy=f"set its value at the instance, `Model a({declarator.name} = ...)`, or in a scene",
-    )
-
-
-def _no_type(item: tree.Quantities) -> Fault:
-    name = item.declarators[0]
-    examples = {"structural": "Integer n", "discrete": "Real mode(start = 0)"}
-    example = examples.get(item.kind, "Length l")
-    return Fault(
-        "LAG0133",
-        f"`{item.kind}` needs a type and a name; there is only `{name.name}`",
-        name.name_span,
-        remedy=f"for example, write `{item.kind} {example};`",
     )

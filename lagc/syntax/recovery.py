@@ -12,7 +12,7 @@ from collections.abc import Callable
 from lagc.diagnostics.faults import Fault, Span
 from lagc.syntax.lalr import MOST_FAULTS, Machine
 from lagc.syntax.lexer import END, SYMBOL, WORD, Token
-from lagc.syntax.mistakes import keywords, punctuation
+from lagc.syntax.mistakes import keywords, operators, punctuation
 from lagc.syntax.mistakes.context import Explained, Repair, Where
 
 MOST_RECOVERIES = 200
@@ -228,28 +228,33 @@ def _anything_else(w: Where) -> Explained:
 
 
 _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
-    punctuation.foreign_operator,
+    keywords.solver_call,
+    keywords.scene_arguments,
+    operators.python_function,
+    operators.foreign_operator,
     punctuation.comma_in_list,
     keywords.brace_for_block,
     keywords.else_when,
     keywords.if_statement,
-    keywords.not_yet,
+    keywords.joint_form,
     keywords.without_kind,
     keywords.another_name,
     keywords.import_as,
     keywords.annotation_behind,
     keywords.first_word,
-    punctuation.comparison_for_equation,
-    punctuation.equation_for_comparison,
+    operators.comparison_for_equation,
+    operators.equation_for_comparison,
     punctuation.decimal_comma,
     punctuation.comma_between_starts,
-    punctuation.chained,
+    operators.power_of_function,
+    operators.chained,
     punctuation.semicolon_too_many,
     keywords.missing_end_word,
     keywords.stray_end,
     punctuation.bare_unit,
     keywords.family,
     keywords.python_choice,
+    keywords.conditional_component,
     punctuation.vector_in_brackets,
     punctuation.vector_in_parentheses,
     punctuation.colon_for_equal,

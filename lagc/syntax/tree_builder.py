@@ -272,19 +272,20 @@ class Excludes(Requires):
 
 def _misspelt_keyword(made: tree.TypeName) -> list[Fault]:
     """Report `bod b = Particle(...);`, since an instance of a model has no value."""
-    from lagc.diagnostics.suggest import FOREIGN, SYNONYMS, closest
+    from lagc.diagnostics.foreign_words import KEYWORDS, TYPES, foreign
+    from lagc.diagnostics.suggest import closest
     from lagc.syntax.lalr_tables import tables
 
     word = made.path[-1]
-    foreign = FOREIGN.get(word)
-    if foreign is not None:
+    remedy = foreign(KEYWORDS, word)
+    if remedy is not None:
         message = f"`{word}` is not a keyword of the language"
-        return [Fault("LAG0118", message, made.span, remedy=foreign.remedy)]
+        return [Fault("LAG0118", message, made.span, remedy=remedy)]
     if word in ("Particle", "Solid"):
         message = f"the arguments of a `{word}` follow its name in parentheses"
         remedy = f"write `body b = {word}(...);`, or `{word} b(...);`"
         return [Fault("LAG0119", message, made.span, remedy=remedy)]
-    if word in _TYPES_TOO or word in SYNONYMS:
+    if word in _TYPES_TOO or word in TYPES:
         return []
     keywords = tables().keywords
     near = word.lower() if word.lower() in keywords else closest(word, keywords)

@@ -282,7 +282,6 @@ def test_models_without_contacts_carry_nothing_of_them(name: str) -> None:
 @pytest.mark.parametrize(
     "text, code, words",
     [
-        ("  constraint top: der(z) <= 1 [m/s];", "LAG0235", "velocities"),
         ("  constraint top: 1 [m] <= 2 [m];", "LAG0235", "no coordinate"),
         ("  constraint floor: z >= 0 (restitution = 2);", "LAG0235", "0 to 1"),
         ("  constraint floor: z >= 0 (bounce = 0.5);", "LAG0209", "bounce"),

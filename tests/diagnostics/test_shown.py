@@ -10,7 +10,8 @@ from lagc.compiler.checking import check
 from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.diagnostics.report import as_json, report
-from lagc.diagnostics.suggest import closest, did_you_mean, foreign
+from lagc.diagnostics.foreign_words import foreign_call
+from lagc.diagnostics.suggest import closest, did_you_mean
 
 
 def shown(text: str, name: str = "m.lag") -> str:
@@ -38,7 +39,7 @@ error[LAG0304]: `kgg` is not a unit
    |
  2 |   parameter Mass m = 1 [kgg];
    |                        ^^^^^
-   = help: did you mean `kg`?
+   = help: did you mean `[kg]`?
 
 error[LAG0209]: a coordinate has no `strt`
   --> m.lag:4:44
@@ -204,8 +205,8 @@ def test_the_name_that_was_meant(name: str, known: list[str], found: str | None)
 
 
 def test_words_of_other_languages() -> None:
-    assert foreign("ln") == "write `log`, the natural logarithm"
-    assert foreign("theta") is None
+    assert foreign_call("ln", ["x"]) == "write `log(x)`"
+    assert foreign_call("theta") is None
 
 
 @pytest.mark.parametrize(

@@ -20,12 +20,14 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+from lagc.codegen.kernel_compiler import shipped
 from lagc.simulation.backends.compile import compiler
 from tests.fuzz import workers
 from tests.fuzz.disturbed import Disturber
 from tests.fuzz.finds import Finds
 from tests.fuzz.grammar import rules
 from tests.fuzz.guided import Guided
+from tests.fuzz.mechanisms import mechanism
 from tests.fuzz.models import Case, model
 from tests.fuzz.mutations import library, mutated
 from tests.fuzz.statements import spliced
@@ -33,7 +35,7 @@ from tests.fuzz.trial import Report, quick_compiler, trial
 
 SOURCES = 200  # generated models among the texts that are spliced and mutated
 LOADED = "model M coordinate Length x(start = 1); body b = Particle(mass = 1, at = {x, 0, 0}); end M;"
-KINDS = ("models", "splices", "tokens", "guided", "disturbed")
+KINDS = ("models", "mechanisms", "splices", "tokens", "guided", "disturbed")
 Task = tuple[str, int]
 Tell = Callable[[str], None]
 
@@ -46,6 +48,7 @@ class Trials:
         self.texts = [*library(), *(model(seed).text for seed in range(SOURCES))]
         self.cases: dict[str, Callable[[int], Case]] = {
             "models": model,
+            "mechanisms": mechanism,
             "splices": lambda seed: Case(spliced(self.texts, seed)),
             "tokens": lambda seed: Case(mutated(self.texts, seed)),
         }
@@ -54,6 +57,7 @@ class Trials:
         if own:
             os.environ["LAGC_CC"] = own
         compiler.cache_clear()  # of which this process may have found another before
+        shipped.parts()  # which takes longer, the first time in a checkout, than a command may
         for seed in range(4):  # what is loaded now every child has
             self._try((Case(LOADED), seed), lambda command: None)
 

@@ -14,7 +14,7 @@ WORDS = [
     "model", "end", "effect", "scene", "uses", "unless", "requires", "coordinate", "parameter", "structural",
     "Integer", "speed", "frame", "point", "body", "constraint", "potential", "force", "torque", "at", "on",
     "from", "initial", "for", "loop", "if", "then", "else", "import", "extends", "partial", "package",
-    "function", "type", "joint", "friction", "when", "Orientation", "Particle", "Solid", "Gravity", "der",
+    "function", "type", "joint", "when", "Orientation", "Particle", "Solid", "Gravity", "der",
     "velocity", "position", "acceleration", "reaction", "energy", "norm", "cross", "dot", "rotate",
     "rotate_z", "sqrt", "log", "asin", "time", "world", "pi", "lambda", "int", "None", "__import__", "exec",
     "nan", "inf", "self", "eval", "system",

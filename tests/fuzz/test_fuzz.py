@@ -25,6 +25,7 @@ from tests.fuzz.commands import Said, complaint
 from tests.fuzz.disturbed import same
 from tests.fuzz.finds import minimised
 from tests.fuzz.grammar import rules
+from tests.fuzz.mechanisms import RULES, mechanism
 from tests.fuzz.models import Case, model
 from tests.fuzz.mutations import library, mutated
 from tests.fuzz.statements import spliced
@@ -65,6 +66,12 @@ def test_nothing_stumbles(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyP
 @pytest.mark.parametrize("path", CORPUS, ids=lambda path: path.stem)
 def test_what_was_found_once_is_mended(path: Path, trials: Trials) -> None:
     assert trials.stumbles(Case(path.read_text(encoding="utf-8")), 0) == []
+
+
+@pytest.mark.sample(3, 12)
+@pytest.mark.parametrize("seed", range(200))
+def test_a_mechanism_passes_through_all_commands(seed: int, trials: Trials) -> None:
+    assert trials.stumbles(mechanism(seed), seed) == []
 
 
 @pytest.mark.full
@@ -113,13 +120,14 @@ def test_a_wicked_text_is_answered(text: str, trials: Trials) -> None:
 
 def test_texts_are_made_by_their_seed() -> None:
     texts = library()
-    for make in (lambda seed: mutated(texts, seed), lambda seed: spliced(texts, seed), model):
+    for make in (lambda seed: mutated(texts, seed), lambda seed: spliced(texts, seed), model, mechanism):
         assert make(7) == make(7) != make(8)
 
 
 @pytest.mark.full
-def test_most_models_are_sound_and_use_the_whole_grammar() -> None:
-    sound, cases = 0, [model(seed) for seed in range(100) if not model(seed).files]
+@pytest.mark.parametrize("make", [model, mechanism])
+def test_most_models_are_sound(make: Callable[[int], Case]) -> None:
+    sound, cases = 0, [case for case in map(make, range(100)) if not case.files]
     for case in cases:
         try:
             pipeline.derive(pipeline.resolve(pipeline.parse(Source("text", case.text)), pipeline.Choice()))
@@ -127,8 +135,16 @@ def test_most_models_are_sound_and_use_the_whole_grammar() -> None:
         except Refused:
             pass
     assert sound > 0.6 * len(cases)
+
+
+@pytest.mark.full
+def test_models_use_the_whole_grammar_and_mechanisms_all_texts() -> None:
     used = rules(model(seed).text for seed in range(400))
     assert {rule for rule, count in used.items() if not count} <= UNUSED
+    whole = "".join(mechanism(seed).text for seed in range(400))
+    for text in (*RULES["placed"], *RULES["carried"], *RULES["parts"], *RULES["actions"]):
+        beginning, _, _ = text.partition("#" if "#" in text else "<")
+        assert beginning in whole
 
 
 def _spin() -> None:

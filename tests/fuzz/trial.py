@@ -44,7 +44,7 @@ class _Trial:
     def run(self) -> Report:
         before = os.getcwd()
         os.chdir(self.folder)
-        os.environ["LAGC_CACHE"] = str(self.folder / "cache")
+        os.environ["LAGC_CACHE"] = str(self.folder.parent / "cache")  # of the kernels, which others need too
         try:
             for name, text in {**self.case.files, self.file: self.case.text}.items():
                 Path(name).write_text(text, encoding="utf-8", errors="surrogatepass")
@@ -60,7 +60,7 @@ class _Trial:
         if not sound and self.chance.random() < 0.7:  # the others say the same: one of them is enough
             self.chance.choice([self._sim, self._build, self._show])(sound)
             return
-        for part in (self._show, self._build, self._sim):
+        for part in (self._show, self._build, self._sim, self._study):
             part(sound)
 
     def _show(self, sound: bool) -> None:
@@ -130,22 +130,23 @@ class _Trial:
         return re.sub(rf"{re.escape(file)}(:\d+)?", "", text)
 
     def _build(self, sound: bool) -> None:
-        for target in ("numpy", "c"):
-            said = self._call(
-                "build", "--target", target, "-o", target, *self.case.options, label=f"build {target}"
-            )
-            self._agree(sound, f"build {target}", said)
+        for label, words in (("numpy", []), ("c", []), ("c", ["--derivatives"])):
+            given = ["--target", label, "-o", "".join([label, *words]), *words, *self.case.options]
+            label = " ".join(["build", label, *words])
+            said = self._call("build", *given, label=label)
+            if not words:
+                self._agree(sound, label, said)
             if said.code != 0:
                 continue
-            paths = sorted(Path(target).iterdir())
-            if target == "numpy":
+            paths = sorted(Path(given[3]).iterdir())
+            if label == "build numpy":
                 for path in paths:
-                    self._python("build numpy", path.read_text(encoding="utf-8"))
+                    self._python(label, path.read_text(encoding="utf-8"))
             elif self.with_c and self.chance.random() < 0.3:
                 units = [str(p) for p in paths if p.suffix == ".c"]
                 done = subprocess.run(["cc", *STRICT, *units], capture_output=True, text=True, check=False)
                 if done.returncode != 0:
-                    self._stumble("build c", f"the C is not accepted: {done.stderr[:300]}")
+                    self._stumble(label, f"the C is not accepted: {done.stderr[:300]}")
 
     def _python(self, label: str, text: str) -> None:
         try:
@@ -157,12 +158,22 @@ class _Trial:
         step = self.chance.choice(["1e-3", "1e-4", "0.01"])
         by_hand = ["--method", self.chance.choice(["dopri5", "dop853"]), "--step", step]
         by_hand += ["--stop", f"{3 * float(step):g}", "--points", "4"]
-        verified = ["--stop", self.chance.choice(["0.01", "0.1", "1"]), "--points", "5", "--max-time", "2"]
+        verified = ["--stop", self.chance.choice(["0.01", "0.1", "1"]), "--points", "5", "--max-time", "10"]
         given = [*self.case.options, *self.case.run]
         for words, label in ((by_hand, "sim"), (verified, "sim verified")):
             if label == "sim verified" and self.chance.random() < 0.5:
                 continue
             self._both(label, [*words, *given], sound and not given)
+
+    def _study(self, sound: bool) -> None:
+        """What costs many runs, of a short motion."""
+        if not (sound and self.with_c and self.chance.random() < 0.1):
+            return
+        self._call("cost", "--stop", "0.01", "--budget", "0.3", *self.case.options)
+        if "effect " in self.case.text:
+            self._call(
+                "effects", "--stop", "0.01", "--accuracy", "1e-2", "--points", "11", *self.case.options
+            )
 
     def _both(self, label: str, words: list[str], sound: bool) -> None:
         found = []

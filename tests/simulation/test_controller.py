@@ -101,6 +101,19 @@ def test_the_program_with_an_input_from_a_table(tmp_path: Path) -> None:
     assert [run["x"][-1], run["theta"][-1]] == pytest.approx(found, rel=1e-8)
 
 
+@pytest.mark.full
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
+def test_the_program_that_knows_its_error(tmp_path: Path) -> None:
+    """One second with 0.1 N, against a run a thousand times tighter; rk4 errs by about h^4 there."""
+    (program,) = [text for text in re.findall(r"```c\n(.*?)```", TEXT, re.S) if "_verified(" in text]
+    words = printed(program, tmp_path)
+    theta, known, off = float(words[1].rstrip(",")), float(words[4]), float(words[10])
+    system = lagc.loads(block("modelica"), "cart_pole.lag").compile(inputs={"u": 0.1})
+    exact = system.simulate(1.0, accuracy=1e-12)["theta"][-1]
+    assert abs(theta - exact) <= known <= 2e-9
+    assert 0.0 < off < 1e-8
+
+
 def test_the_module_in_python(tmp_path: Path) -> None:
     (tmp_path / "cart_pole.lag").write_text(block("modelica"))
     assert (

@@ -184,6 +184,15 @@ def test_a_remembered_run_says_the_same(tmp_path: Path, monkeypatch: pytest.Monk
     assert (again.status, again.notes, again.states) == (first.status, first.notes, first.states)
 
 
+def test_many_runs_of_a_model_leave_one_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
+    model = lagc.load("simple_pendulum").compile(backend="numpy")
+    runs = [model.simulate(1.0, starts={"theta": 0.1 + 0.05 * k}, accuracy=1e-6) for k in range(20)]
+    assert len([*tmp_path.glob("accuracy-*")]) == 1
+    again = model.simulate(1.0, starts={"theta": 1.05}, accuracy=1e-6)
+    assert again.cost.integrations == 1 and again.states == runs[-1].states
+
+
 PLATFORM = """model Platform
   coordinate Length x(start = 0.3 [m]), z;
   coordinate Angle a;

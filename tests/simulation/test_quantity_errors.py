@@ -345,3 +345,110 @@ def test_outputs_that_peak_once_and_kept_values(backend: str) -> None:
         assert 0.0 < true <= run.errors[name] < 1.0
     assert 0.0 < abs(run["kept"][-1] - cos(2 * 3.15)) <= run.errors["kept"] < 1e-4
     assert run.errors["late"] == 0.0
+
+
+PAIR = """\
+model Pair "two equal oscillators, by their mean and a tiny difference"
+  coordinate Length x(start = 1 [m]), y(start = 1e-9 [m]);
+  body a = Particle(mass = 1 [kg], at = {x + y, 0, 0});
+  body b = Particle(mass = 1 [kg], at = {x - y, 0, 0});
+  potential p = 1/4*1 [N/m3]*((x + y)^4 + (x - y)^4);
+end Pair;
+"""
+
+
+@BACKENDS
+def test_a_state_that_only_round_off_keeps_from_the_accuracy_fails_no_run(backend: str) -> None:
+    """Forces on `y` are differences of those on `x`: of its 1e-9 m, the last 1e-16 m are lost at each step.
+    The reference integrates y/1e-9 with the differences expanded."""
+    run = lagc.loads(PAIR).compile(backend=backend).simulate(10, accuracy=1e-8, points=31)
+    assert run.status == "ok", run.message
+    small, known = 1e-9, integrated(
+        lambda _, s: [s[2], s[3], -(s[0] ** 3) - 3e-18 * s[0] * s[1] ** 2,
+                      -3.0 * s[0] ** 2 * s[1] - 1e-18 * s[1] ** 3],
+        [1.0, 1.0, 0.0, 0.0], run.t,
+    )  # fmt: skip
+    (note,) = [note for note in run.notes if "round-off exceeds the accuracy of the own range" in note]
+    assert "`y`" in note and "`der(y)`" in note and "`x`" not in note
+    errors = {
+        name: float(np.abs(run[name] - exact).max())
+        for name, exact in zip(("x", "y", "der(x)", "der(y)"), known * [[1.0], [small], [1.0], [small]])
+    }
+    assert errors["x"] <= 1e-8 * 2.0 and errors["der(x)"] <= 1e-8 * 1.4
+    assert all(error <= run.errors[name] for name, error in errors.items())
+    assert errors["y"] > 1e-8 * np.ptp(known[1]) * small  # the note is true
+
+
+@pytest.mark.full
+def test_links_of_a_chain_that_have_hardly_begun_to_move() -> None:
+    """The last links of a chain turn by less than the round-off of their angles. The reference has 64 bits:
+    sum_j a_ij (cos(q_i - q_j) q_j'' + sin(q_i - q_j) q_j'^2) + a_ii g/l sin(q_i) = 0."""
+    n, stop = 12, 0.1
+    model = lagc.load("chain").compile(backend="numpy", parameters={"n": n})
+    run = model.simulate(stop, accuracy=1e-6, points=11)
+    assert run.status == "ok", run.message
+    assert any("round-off exceeds the accuracy of the own range" in note for note in run.notes)
+    real = np.longdouble
+    a = np.array([[real(n - max(i, j)) for j in range(n)] for i in range(n)])
+
+    def accelerations(q: Array, v: Array) -> Array:
+        apart = q[:, None] - q[None, :]
+        m, f = (
+            a * np.cos(apart),
+            -(a * np.sin(apart)) @ (v * v) - real(9.81) / real(0.2) * np.diag(a) * np.sin(q),
+        )
+        for k in range(n):  # Gauss without pivots: the matrix is positive definite
+            for i in range(k + 1, n):
+                c = m[i, k] / m[k, k]
+                m[i, k:] -= c * m[k, k:]
+                f[i] -= c * f[k]
+        for k in reversed(range(n)):
+            f[k] = (f[k] - m[k, k + 1 :] @ f[k + 1 :]) / m[k, k]
+        return f
+
+    def end(steps: int) -> Array:
+        h = real(stop) / steps
+        x = np.array([[real(start)] * n for start in (run["th[1]"][0], 0.0)])
+        for _ in range(steps):  # the classic method of order 4
+            k = []
+            for part in (0.0, 0.5, 0.5, 1.0):
+                y = x + (part * h * k[-1] if k else 0.0)
+                k.append(np.array([y[1], accelerations(y[0], y[1])]))
+            x = x + h / 6 * (k[0] + 2 * k[1] + 2 * k[2] + k[3])
+        return x
+
+    coarse, fine = end(100), end(200)
+    known = (fine + (fine - coarse) / 15).astype(float)
+    for i in range(n):
+        for name, exact in ((f"th[{i + 1}]", known[0][i]), (f"der(th[{i + 1}])", known[1][i])):
+            error, moved = abs(run[name][-1] - exact), np.ptp(run[name])
+            assert error <= min(run.errors[name] + 1e-15, 1e-6 * run.scales[name]), name
+            assert moved < 1e-6 or error <= 1e-6 * moved, name
+
+
+def test_bars_of_a_motion_that_is_cut_are_those_of_the_time_shown() -> None:
+    model = lagc.load("double_pendulum").compile(backend="c")
+    run = model.simulate(60, accuracy=1e-8, points=601)
+    assert run.status == "failed" and run.cut and run.t[-1] < 60
+    near = model.simulate(float(run.t[-1]), accuracy=1e-10, points=len(run.t))
+    for name in ("theta1", "theta2", "der(theta1)", "der(theta2)"):
+        assert run.errors[name] <= 3e-8 * run.scales[name], name
+        assert np.abs(run[name] - near[name]).max() <= run.errors[name] + near.errors[name], name
+
+
+@pytest.mark.parametrize("start", [1e10, 1e12, 1e14, 1e16])
+def test_whole_turns_are_no_size_of_an_angle(start: float) -> None:
+    """At 1e10 rad numbers are 2e-6 rad apart: nothing is known to 1e-6, and to 1e-3 what is said is true. The
+    reference begins at the angle without its turns, and has bits to spare."""
+    model = lagc.load("simple_pendulum").compile(backend="numpy")
+    run = model.simulate(5, starts={"theta": start}, accuracy=1e-6, points=11)
+    assert run.status == "failed" and "Leave out whole turns" in run.message
+    coarse = model.simulate(5, starts={"theta": start}, accuracy=1e-3, points=11)
+    assert coarse.status == ("ok" if start == 1e10 else "failed")
+    with mpmath.workdps(40):
+        angle = float(mpmath.fmod(mpmath.mpf(start), 2 * mpmath.pi))
+    near = model.simulate(5, starts={"theta": angle}, accuracy=1e-9, points=11)
+    n = len(coarse.t)
+    true = np.abs(coarse["der(theta)"] - near["der(theta)"][:n]).max()
+    if start < 1e16:  # the spacing is a third of a turn there
+        assert true <= coarse.errors["der(theta)"] + 1e-12 and true <= 1e-3 * 10.0

@@ -1,10 +1,20 @@
-"""The text of every stage for a dozen models, so that a change shows what it changes.
+"""The text of every stage for a dozen models, so that a change shows what it changes: of two models as it is,
+of the others and of whole generated files a hash of each.
 
-Nothing is proved by it: LAGC_GOLDEN=update writes the files anew, and the difference is read.
+Nothing is proved by it.  To read what a hash that differs stands for, write all texts before the change and
+after it, and compare the folders:
+
+    LAGC_GOLDEN=before python -m pytest -m '' tests/stages/test_golden.py
+    LAGC_GOLDEN=after python -m pytest -m '' tests/stages/test_golden.py
+    diff -r before after
+
+LAGC_GOLDEN=update writes the texts and hashes anew.
 """
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
 from pathlib import Path
 
@@ -27,15 +37,32 @@ NAMES = (
     "classic/driven_oscillator",
     "classic/slider_crank", "classic/coupled_oscillators", "course/simple_pendulum", "course/string_pendulum",
 )  # fmt: skip
+TEXTS = ("course/simple_pendulum", "course/string_pendulum")  # without and with a constraint
 WHOLE = ("course/simple_pendulum", "classic/heavy_top_quaternion")  # with their runtime
+HASHES = FOLDER / "hashes.json"  # of each other text: its SHA-256
+HELP = "see the beginning of tests/stages/test_golden.py: how to see what differs, and how to accept it"
 
 
-def compare(name: str, found: str) -> None:
-    path = FOLDER / name
-    if os.environ.get("LAGC_GOLDEN") == "update":
+def compare(name: str, text: str) -> None:
+    chosen = os.environ.get("LAGC_GOLDEN")
+    readable = name.startswith(TEXTS) and not name.endswith((".c.txt", ".h.txt", ".py.txt"))
+    digest = hashlib.sha256(text.encode()).hexdigest()
+    if chosen and (readable or chosen != "update"):
+        path = (FOLDER if chosen == "update" else Path(chosen)) / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(found, encoding="utf-8")
-    assert found == path.read_text(encoding="utf-8"), f"{name}: LAGC_GOLDEN=update writes what is new"
+        path.write_text(text, encoding="utf-8")
+    elif chosen:
+        FOLDER.mkdir(exist_ok=True)
+        hashes = {**known_hashes(), name: digest}
+        HASHES.write_text(json.dumps(hashes, indent=0, sort_keys=True) + "\n")
+    if chosen in (None, "update"):
+        same = text == (FOLDER / name).read_text() if readable else digest == known_hashes().get(name)
+        assert same, f"{name} differs; {HELP}"
+
+
+def known_hashes() -> dict[str, str]:
+    hashes: dict[str, str] = json.loads(HASHES.read_text()) if HASHES.exists() else {}
+    return hashes
 
 
 @pytest.mark.sample(2)
@@ -59,6 +86,7 @@ def test_generated_files(name: str) -> None:
         compare(f"{name}/{file}.txt", text)
 
 
-def test_no_file_is_left_over() -> None:
-    known = {FOLDER / name for name in NAMES}
-    assert {p.parent for p in FOLDER.rglob("*") if p.is_file()} == known
+def test_no_text_is_left_over() -> None:
+    folders = {p.parent for p in FOLDER.rglob("*") if p.is_file()}
+    assert folders == {FOLDER, *(FOLDER / name for name in TEXTS)}
+    assert {name.rpartition("/")[0] for name in known_hashes()} == {*NAMES[:-1]}  # the last has texts alone

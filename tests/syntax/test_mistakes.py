@@ -93,8 +93,6 @@ MISTAKES = [
     ("parameter Mass m = ;", "= ;", "LAG0131", "value"),
     ("parameter Mass m = 3 + ;", "+ ;", "LAG0131", "value"),
     ("parameter Mass m = f(a, );", ", )", "LAG0131", "value"),
-    ("parameter m = 3;", "m = 3", "LAG0133", "type"),
-    ("output Energy;", "Energy", "LAG0133", "type"),
     ("body = Particle();", "body", "LAG0132", "body name"),
     ("start x = 3;", "start", "LAG0120", "scene"),
     ("requires a;", "requires", "LAG0120", "effect"),
@@ -252,7 +250,7 @@ def test_one_fault_a_declaration() -> None:
 def test_catalogue(code: str) -> None:
     entry = ENTRIES[code]
     with pytest.raises(Refused) as refused:
-        parse(Source("wrong.lag", entry.wrong))
+        resolve(parse(Source("wrong.lag", entry.wrong)))
     assert [fault.code for fault in refused.value.faults] == [code]
     assert resolve(parse(Source("right.lag", entry.right))).name
     assert entry.title and entry.explanation

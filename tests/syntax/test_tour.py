@@ -63,7 +63,7 @@ constraint knife:   der(x)*sin(phi) = der(y)*cos(phi);          // non-holonomic
 constraint hub:     y = h(time);                                // rheonomic
 constraint rolling: velocity(wheel, at = contact) = {0, 0, 0};  // three rows
 constraint floor:   position(ball).z >= r (restitution = 0.8);  // unilateral
-friction   skid  =  Coulomb(on = floor, mu = 0.3);              // imperfect: depends on the multiplier
+constraint skid:    y = 0 (friction = 0.3, at = ball);          // imperfect: depends on the multiplier
 end Constraints;
 """
 

@@ -30,7 +30,8 @@ from lagc.codegen.python.support.base import Options
 from lagc.lowering.program import Interface, Program
 
 # Public kernels of every model; a run of lagc does the last ones itself.
-ROOTS = ("begin", "step", "dense", "advance", "record", "check")
+ROOTS = ("begin", "step", "dense", "advance", "record", "verified", "check")
+EMBEDDED = ("verified", "check")  # of these the kernels that a run of lagc does itself
 CALLED = ("rhs_at", "system_at", "assemble_at", "solve_at")  # called by `public_functions`
 FOLLOWING = ("follow", "event_facts")  # with sensitivities
 _COPY_STATE = """\
@@ -39,7 +40,13 @@ static void lagc_fn_copy_state(const lagc_state *s, lagc_state *kept)
     *kept = *s;
 }
 """
-PUBLIC_RECORDS = ("TangentWork", "Work", "Options", "State", "StartWork")
+PUBLIC_RECORDS = ("TangentWork", "Work", "Options", "State", "StartWork", "Goal", "Report", "Verification")
+_OBSERVE = """\
+static void lagc_fn_observe(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *y, lagc_work *w)
+{
+    (void)lagc_outputs(p, t, x, y, w);
+}
+"""
 
 
 class Runtime:
@@ -49,7 +56,7 @@ class Runtime:
         self.program, self.complete, self.real = program, complete, real
         interface, functions = program.interface, program.functions
         self.searches = complete and interface.needs_consistency
-        roots = [name for name in ROOTS if complete or name != "check"]
+        roots = [name for name in ROOTS if complete or name not in EMBEDDED]
         roots += ["bind"] if interface.prepared else []
         roots += ["hold"] if interface.relations else []
         roots += ["seated"] if interface.contacts else []
@@ -71,6 +78,7 @@ class Runtime:
         records = self._records()
         found = [self._enumeration("Status"), records["Work"], self._enumeration("Method")]
         found += [records["Options"], _codes(codes(self.parts, "language/records")), records["State"]]
+        found += [records[name] for name in ("Goal", "Report", "Verification") if self.complete]
         found += [records["TangentWork"]] if self.program.interface.follows else []
         if self.searches:
             found += [_codes(codes(self.parts, "initialization/workspace")), records["StartWork"]]
@@ -104,6 +112,7 @@ class Runtime:
         found += [text for name, text in self._records().items() if name not in PUBLIC_RECORDS]
         if "fn_convolve" in names:
             found.append(convolution(self.sizes["NLANE"], self.sizes["NSQUARE"], self.real))
+        found += [_OBSERVE] if "fn_observe" in names else []
         found += [_COPY_STATE] if "fn_copy_state" in names else []
         found += _printed(self.use, self.parts)
         # Not in the subset of kernels: structs by value, their sizes, texts.

@@ -291,7 +291,8 @@ class CPrinter:
             case ast.Name(id=name):
                 return self.name(name)
             case ast.Attribute(value=value, attr=attr):
-                return f"{self.text(value)}{'.' if self.is_own(value) else '->'}{attr}", ATOM
+                inside = isinstance(value, ast.Attribute) or self.is_own(value)
+                return f"{self.text(value)}{'.' if inside else '->'}{attr}", ATOM
             case ast.Subscript(value=value, slice=index):
                 return self.entry(value, index)
             case ast.BinOp(left=left, op=op, right=right):

@@ -210,7 +210,7 @@ class Library:
         for node in body:
             if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value is None:
                 try:
-                    kind = parsed(ast.unparse(node.annotation), lambda name: False)
+                    kind = parsed(ast.unparse(node.annotation), self.records.__contains__)
                 except ValueError as error:
                     raise Outside(part.file, node, f"{error} is not a type of the subset") from None
                 members[node.target.id] = Member(kind, when, tuple(node.lead), node.trail)  # type: ignore[attr-defined]
@@ -231,10 +231,9 @@ class Library:
     # -- functions --
 
     def _extern(self, function: Function) -> Signature:
-        kinds = tuple(parsed(a, lambda name: name == "State") for _, a in function.parameters)
-        return Signature(
-            kinds, ("None",), [a.startswith("Out") or n == "kept" for n, a in function.parameters]
-        )
+        kinds = tuple(parsed(a, lambda name: name in ("State", "Work")) for _, a in function.parameters)
+        written = [a.startswith("Out") or n == "kept" or a == "Work" for n, a in function.parameters]
+        return Signature(kinds, ("None",), written)
 
     def function(self, part: Function, known: Mapping[str, Any], prefix: str, own: frozenset[str]) -> None:
         name = prefix + part.name

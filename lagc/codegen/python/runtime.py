@@ -61,12 +61,14 @@ PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NALL", "NY", "NWORK", "NMOD
 def definitions(program: Program, complete: bool, given: frozenset[str]) -> list[str]:
     """Return sizes, tables, statuses, records, kernels and the classes that call them."""
     search = SEARCH if complete and program.interface.needs_consistency else ()
+    embedded = ("verified",) if complete else ()
     checks = ("is_bound",) if complete and program.interface.prepared else ()
-    use = _needed(program.interface, (*ROOTS, *search, *checks), complete)
+    use = _needed(program.interface, (*ROOTS, *embedded, *search, *checks), complete)
     interface = program.interface
     more = support(OF_CONTACTS) if interface.contacts else ()
     return [_constants(interface, use, given), *_support(interface), *more, _work(program), *kernels(use),
             *([_CONVOLVE] if "fn_convolve" in use.names else ()),
+            *([_observe(program)] if "fn_observe" in use.names else ()),
             *([_COPY_STATE] if "fn_copy_state" in use.names else ()), _equations(interface),
             states(bool(interface.contacts))]  # fmt: skip
 
@@ -171,7 +173,19 @@ def _zero(kind: Sequence[str]) -> str:
         return f"[[0.0] * {kind[2]} for _ in range({kind[1]})]"
     plain = {"Vec": f"[0.0] * {kind[-1]}", "IVec": f"[0] * {kind[-1]}", "Params": "[0.0] * NALL",
              "Real": "0.0"}  # fmt: skip
+    plain["Record"] = f"{kind[-1]}()"
     return plain.get(kind[0], "False" if kind[0] == "bool" else "0")
+
+
+def _observe(program: Program) -> str:
+    """Return the function of the outputs at one state, with the arguments of the kernels."""
+    function = program.functions["outputs"]
+    given = {"a": "w.xdot[NQ : NQ + NV]", "lam": "w.lam", "modes": "w.modes",
+             "contact_forces": "w.contact_forces"}  # fmt: skip
+    first = "    e = [0.0] * 3\n    fn_energies(p, t, x, e)\n" if "e" in function.inputs else ""
+    values = ", ".join(given.get(name, name) for name in function.inputs)
+    return (f"def fn_observe(p, t, x, y, w):\n    {rates(program.interface)}(p, t, x, w.xdot, w.lam, w)\n"
+            f"{first}    fn_{function.spelled}({values}, y)\n")  # fmt: skip
 
 
 def _work(program: Program) -> str:

@@ -209,6 +209,13 @@ ENTRIES: dict[str, Entry] = {
         _on_particle("  constraint slope: y >= 0.5*x (friction = 0.3, slip = der(x));\n"),
         _on_particle("  constraint slope: y >= 0.5*x (friction = 0.3, at = p);\n"),
     ),
+    "LAG0433": Entry(
+        "friction along a slip that constraints hold",
+        "This is a warning. The constraints of the model hold the slip of this contact at zero. It never "
+        "slips, and its friction changes nothing.",
+        _on_particle("  constraint rail: x = 0 (friction = 0.3, slip = der(x));\n"),
+        _on_particle("  constraint rail: x = 0 (friction = 0.3, slip = der(y));\n"),
+    ),
     "LAG0430": Entry(
         "a reaction of a parameter that changes an inertia",
         "`reaction(l)` is the force that holds the parameter `l`. If a mass or an inertia depends on `l`, "

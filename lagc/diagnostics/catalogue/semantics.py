@@ -166,10 +166,10 @@ ENTRIES: dict[str, Entry] = {
         _body("output Acceleration a = acceleration(b).x;"),
     ),
     "LAG0220": Entry(
-        "a language feature that is not yet supported",
+        "a function that is not yet supported",
         "The message says what to write until then.",
-        _body("friction f = Coulomb(mu = 0.3);"),
-        _body("force f = -0.3 [N]*tanh(der(x)/(1e-3 [m/s]))*world.x at b;"),
+        _body("output Length y = pre(x);"),
+        _body("output Length y = x;"),
     ),
     "LAG0221": Entry(
         "the wrong kind of object",

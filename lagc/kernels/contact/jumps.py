@@ -21,11 +21,11 @@ def settle_jump(p: Params, s: State, w: Work) -> Status:
     w.contacts_go_on = False
     for i in range(NCON):
         least = (0.5 * MOST_PENETRATION / SPACING + SLACK_GROWTH) * w.indicator_roundoff[NFREE - NCON + i]
-        if w.contact_gaps[i] < -least:
+        if w.contact_gaps[i] < -least and contact_bounds_rate[i] == 0:
             w.culprit = i
             s.penetration = -w.contact_gaps[i]
             return PENETRATION
-        w.contact_hit[i] = PARTS if w.contact_gaps[i] > least else 0
+        w.contact_hit[i] = PARTS if w.contact_gaps[i] > least and contact_bounds_rate[i] == 0 else 0
         s.bounce_speeds[i] = 0.0
     return settle(p, s, False, w)
 

@@ -21,15 +21,14 @@ from lagc.kernels.contact.responses import (
     servos_follow,
     set_accelerations,
 )
-from lagc.kernels.contact.shares import is_shared
 from lagc.kernels.contact.slips import (
     PARTS,
+    REACHES,
     RELEASES,
     TURNS,
     find_slips,
     let_slip,
     pass_slips,
-    reach_of,
     slides_back,
     speed_size,
     stop_slips,
@@ -40,12 +39,9 @@ from lagc.kernels.contact.touching import (
     find_touching,
     list_contacts,
     moves_freely,
-    rates_at,
     seat,
     set_frictions,
     set_gaps,
-    slip_along,
-    slip_relation,
     solve_loaded,
 )
 from lagc.kernels.dynamics.rhs import rhs_at
@@ -62,11 +58,13 @@ LONGEST_AFTER_BOUNCE = 64.0  # next step, over the time of flight
 
 
 def find_near_contacts(p: Params, s: State, w: Work) -> None:
-    """Set w.touched to contacts that touch, are hit, or are within round-off of touching."""
+    """Set w.touched to contacts that touch, are hit, or are within round-off of touching, and to bounds of
+    velocities, which any impulse may hit."""
     set_gaps(p, s.t, s.x, w)
     estimate_indicator_roundoff(p, s, s.x, w)
     for i in range(NCON):
         near = w.contact_gaps[i] <= SLACK_GROWTH * w.indicator_roundoff[NFREE - NCON + i]
+        near = near or contact_bounds_rate[i] > 0
         touches = s.x[NX - NCON + i] != 0.0 or w.contact_hit[i] > 0
         w.touched[i] = 1 if (touches or near) and w.contact_hit[i] != PARTS else 0
         w.contact_modes[i] = 1
@@ -241,19 +239,20 @@ def decide_released(p: Params, s: State, w: Work) -> Status:
 
 def find_rests(s: State, w: Work) -> bool:
     """Return whether further contacts rest: their next bounce, by w.contact_rates, stays below the least
-    height. Set s.rest_times."""
+    height, a part of the largest one that they fell from, by their speed and the time since they touched. Set
+    s.rest_times."""
     found = False
     for i in range(NCON):
         speed = fabs(w.contact_speeds[contact_first[i]])
-        if w.contact_leaves[i] > 0 and w.contact_rests[i] == 0:
+        if w.contact_leaves[i] > 0 and w.contact_rests[i] == 0 and contact_bounds_rate[i] == 0:
             falls = -gap_acceleration(i, w)
             before = s.bounce_speeds[i]
             s.bounce_speeds[i] = speed
             if falls > 0.0:
                 flight = 2.0 * speed / falls
-                approach = w.contact_approach[i]
-                if approach * approach > 2.0 * falls * s.fall_heights[i]:
-                    s.fall_heights[i] = 0.5 * approach * approach / falls
+                height = 0.5 * w.contact_approach[i] * fabs(s.t - s.touch_times[i])
+                if height > s.fall_heights[i]:
+                    s.fall_heights[i] = height
                 least = LOWEST_BOUNCE * s.fall_heights[i]
                 least += SLACK_GROWTH * w.indicator_roundoff[NFREE - NCON + i]
                 if speed * flight < 4.0 * least:
@@ -285,11 +284,16 @@ def bring_to_rest(p: Params, s: State, w: Work) -> Status:
 
 
 def keep_closed(p: Params, s: State, w: Work) -> Status:
-    """Stop the gaps of contacts that touched before, which the seating of those that are hit has moved: a
-    speed of round-off would let them take part in the impact."""
+    """Stop the gaps of contacts that touched before, which the seating of those that are hit has moved, and
+    put bounds of velocities that are reached on gap = 0: a speed of round-off would let them take part in the
+    impact, or leave."""
     status = OK
-    if find_touching(s.x, w):
-        list_contacts(True, w)
+    find_touching(s.x, w)
+    for i in range(NCON):
+        if contact_bounds_rate[i] > 0 and w.contact_hit[i] == REACHES:
+            w.touched[i] = 1
+    list_contacts(True, w)
+    if w.law_count > 0:
         status = close(p, s.t, s.x, w)
     for i in range(NCON):
         w.touched[i] = w.contact_near[i]
@@ -307,8 +311,9 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
         w.contact_rests[i] = 0
         w.contact_approach[i] = 0.0
         w.contact_near[i] = w.touched[i]
-    list_contacts(False, w)
+    list_contacts(True, w)
     if w.law_count > 0:
+        list_contacts(False, w)
         status = seat(p, s.t, s.x, s.sizes, w)
         if not failed(status) and w.contacts_go_on:
             status = keep_closed(p, s, w)
@@ -332,6 +337,9 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
         if failed(status):
             return status
     for i in range(NCON):
+        touched = w.contact_leaves[i] > 0 or s.x[NX - NCON + i] != 0.0
+        if touched or w.contact_closed[i] != 0:
+            s.touch_times[i] = s.t
         s.x[NX - NCON + i] = float(w.contact_closed[i])
         if w.contact_closed[i] != 0:
             s.bounce_speeds[i] = 0.0
@@ -401,48 +409,3 @@ def settle(p: Params, s: State, begins: bool, w: Work) -> Status:
         s.changes += 1
         s.after_event = True
     return OK
-
-
-def set_contact_slack(p: Params, s: State, w: Work) -> None:
-    """Set the slack of contacts: of open ones by the round-off of their gaps, of those that touch by the
-    round-off of their forces, w.contact_forces at (s.t, s.x)."""
-    for i in range(NQ + NV):
-        w.x_part_middle[i] = reach_of(i, s)
-    estimate_indicator_roundoff(p, s, w.x_part_middle, w)
-    set_gaps(p, s.t, s.x, w)
-    w.indicators[:] = w.contact_indicators
-    for i in range(NCON):
-        beyond = -w.contact_gaps[i] if w.contact_gaps[i] < 0.0 else 0.0
-        if w.contact_leaves[i] == 0:
-            beyond += SLACK_GROWTH * w.indicator_roundoff[NFREE - NCON + i]
-        s.slack[NMODE - NCON + i] = beyond
-        if NSLIP > 0:
-            if contact_slips[i] > 0:
-                k = slip_relation(i)
-                speed = s.x[NX - NCON + i] * w.indicators[k]
-                least = SLACK_GROWTH * w.indicator_roundoff[k - NTIMED]
-                if NSPACE > 0:
-                    if contact_slips[i] == 2:
-                        speed = slip_along(i, w.indicators, w)
-                        least += SLACK_GROWTH * w.indicator_roundoff[k + 1 - NTIMED]
-                s.slack[k] = least - (2.0 * speed if speed < 0.0 else 0.0)
-    if find_touching(s.x, w):
-        status = rates_at(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
-        s.rhs += 1
-        if not failed(status):
-            for n in range(w.law_count):
-                r = w.law_first[n]
-                least = CONTACT_ROUNDOFF * w.law_sizes[r] / w.law_w[r * w.law_rows + r]
-                margin = w.force_margins[w.touching[n]]
-                beyond = -2.0 * margin if margin < 0.0 else 0.0
-                if is_shared(w):  # all cross at once, beyond round-off
-                    least = 0.0
-                s.slack[NMODE - NCON + w.touching[n]] = least + beyond
-                if NSLIP > 0:
-                    if w.law_mode[n] == CONTACT_STICKS:
-                        for m in range(1, w.law_slips[n] + 1):
-                            own = w.law_w[(r + m) * w.law_rows + r + m]
-                            if not is_shared(w):
-                                least += CONTACT_ROUNDOFF * w.law_sizes[r + m] / own
-                        beyond = w.cone_margins[w.touching[n]]
-                        s.slack[slip_relation(w.touching[n])] = least - (2.0 * beyond if beyond < 0.0 else 0.0)

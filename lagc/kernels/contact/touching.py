@@ -53,11 +53,11 @@ def find_touching(x: Vec[NX], w: Work) -> bool:
 
 def list_contacts(sliding: bool, w: Work) -> None:
     """List the contacts in w.touched for the law, closed in the modes w.contact_modes and without friction,
-    and with slip rows if `sliding`."""
+    and with slip rows if `sliding`; else for displacements, which bounds of velocities do not restrict."""
     n = 0
     m = 0
     for i in range(NCON):
-        if w.touched[i] > 0:
+        if w.touched[i] > 0 and (sliding or contact_bounds_rate[i] == 0):
             w.touching[n] = i
             w.law_first[n] = m
             w.law_slips[n] = contact_slips[i] if sliding else 0

@@ -1,7 +1,8 @@
 """Events of contacts: gaps that close and forces that fall to zero."""
 
 from lagc.kernels.contact.jumps import bounds_jump, settle_jump
-from lagc.kernels.contact.settle import set_contact_slack, settle
+from lagc.kernels.contact.settle import settle
+from lagc.kernels.contact.slack import set_contact_slack
 from lagc.kernels.contact.slips import REACHES, RELEASES, SLIDES, STOPS, TURNS
 from lagc.kernels.contact.touching import slip_relation
 from lagc.kernels.events.mode_change import MOST_CHANGES, change_modes

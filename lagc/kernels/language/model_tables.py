@@ -9,7 +9,6 @@ level: IVec[NU]  # how firmly each unknown of the start is stated
 unit: IVec[NU]
 angle: IVec[NU]  # 1: of an angle
 massless: IVec[NU]  # 1: a speed without inertia
-row_piece: IVec[NE]  # that makes each condition; -1: none, or one of a unit quaternion
 ends: IVec[NE]  # where the derivatives of each condition end
 stretch_begins: IVec[NSTRETCH]  # the unknowns of these, condition by condition, where they follow each other
 stretch_ends: IVec[NSTRETCH]  # behind the last
@@ -33,4 +32,5 @@ contact_slips: IVec[NCON]  # slip rows of each
 contact_unit: IVec[NCON]  # unit of each gap: the first contact with this unit
 contact_normals: IVec[NCON]  # components of the normal force of a two-sided contact; 0: one-sided
 normal_first: IVec[NCON]  # first of these
+contact_bounds_rate: IVec[NCON]  # 1: its gap is one between velocities
 contact_poisson: IVec[NCON]  # 1: Poisson's law of impact, 0: Newton's

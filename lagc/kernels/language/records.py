@@ -243,7 +243,7 @@ class Work:
         contact_solution: Vec[NR]
         contact_shift: Vec[NQ]
         contact_forces: Vec[NCROW]  # at the last evaluation
-        force_margins: Vec[NCON]  # what falls to zero where a contact opens: its normal force, or that of its set
+        force_margins: Vec[NCON]  # zero where a contact opens: its normal force, or a measure of its set
         force_low: Vec[NCON]  # range of the normal forces over the evaluations of a step
         force_high: Vec[NCON]
         x_contact: Vec[NX]
@@ -488,7 +488,8 @@ class State:
         short_bounces: Count  # crossings in a row that return within round-off of the sizes of states
         crossing_times: Vec[NFREE]  # last crossing of each indicator that depends on the state
     if NCON > 0:
-        fall_heights: Vec[NCON]  # the largest height that each contact fell from, by its speed before an impact
+        fall_heights: Vec[NCON]  # the largest that each contact fell from
+        touch_times: Vec[NCON]  # when each contact touched last
         bounce_speeds: Vec[NCON]  # after the last impact of each contact; 0: there was none
         if NTWO > 0:
             normal_signs: IVec[NCON]  # of the next step

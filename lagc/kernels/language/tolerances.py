@@ -58,3 +58,6 @@ NO_EDGE = by_type(3.2e38, 1.7e308, "1.7e308")  # edge of an outermost mode
 CONTACT_ROUNDOFF = by_type(1e-5, 1e-12, "1e-29")
 LOAD_STEP = by_type(1e-4, 1e-10, "1e-20")  # step of Newton's method for loads of reactions, of its terms
 LOWEST_BOUNCE = by_type(1e-4, 1e-10, "1e-20")
+# Of the largest magnitude of its scaling group: a state that is round-off, without and with projections.
+LEAST_COMPARED = by_type(1e-5, 1e-13, "1e-30")
+PROJECTED_NOISE = by_type(1e-3, 1e-9, "1e-20")

@@ -12,4 +12,5 @@ from lagc.kernels.language.statuses import *
 from lagc.kernels.language.tableau import *
 from lagc.kernels.language.tolerances import *
 from lagc.kernels.language.trial import *
+from lagc.kernels.language.verification import *
 from lagc.kernels.language.words import *

@@ -1,6 +1,7 @@
 """Rows of the contacts, one-sided or rough: gap, its rate and its acceleration in the speeds.
 
     gap(t,q) >= 0      d(gap)/dt = R v + d(gap)/dt|_q      d2(gap)/dt2 = R a + bias
+    gap(t,q,v) >= 0    of a bound of velocities: in place of its rate, d(gap)/dt = R a + bias
     slip(t,q,v)                                            d(slip)/dt = R_t a + bias_t
 
 F. Pfeiffer, C. Glocker, Multibody Dynamics with Unilateral Contacts, Wiley 1996, chapter 5.
@@ -23,14 +24,21 @@ from lagc.symbolic.walk import symbols
 
 
 def contact_rows(states: States) -> tuple[ContactRow, ...]:
-    """Return the rows of the model's contacts in the order of declaration. Two-sided contacts have no gap."""
+    """Return the rows of the model's contacts in the order of declaration. Two-sided contacts have no gap.
+    Raises Refused if a bound of velocities is not linear in the speeds."""
     contacts, graph = states.model.contacts, states.graph
     if not contacts:
         return ()
     gaps = states.in_speeds([c.gap for c in contacts])
     rates = tangent(graph, gaps, states.drift)
+    rates = [gap if c.bounds_rate else rate for c, gap, rate in zip(contacts, gaps, rates)]
     biases = tangent(graph, rates, states.drift)
     jacobians = gradients(graph, rates, states.place_of_v)
+    for c, jacobian in zip(contacts, jacobians):
+        if c.bounds_rate and not _is_linear(states, jacobian):
+            message = f"the bound `{c.label}` is not linear in the velocities: its force has no direction"
+            remedy = "bound a component of a velocity, or the rate of a coordinate"
+            raise Refused([Fault("LAG0235", message, c.span, remedy=remedy)])
     restitutions = states.in_speeds([c.restitution for c in contacts])
     found = [
         ContactRow(c, graph.symbol("multiplier", c.label, "normal" if c.normals else ""), gap, rate, jacobian,
@@ -39,6 +47,11 @@ def contact_rows(states: States) -> tuple[ContactRow, ...]:
             contacts, gaps, rates, jacobians, biases, restitutions)
     ]  # fmt: skip
     return tuple([_without_gap(row) if row.normals else row for row in found])
+
+
+def _is_linear(states: States, jacobian: Mapping[int, Node]) -> bool:
+    """Return whether a rate with this gradient is a velocity: it changes with the speeds, and linearly."""
+    return bool(jacobian) and symbols(list(jacobian.values())).isdisjoint(states.place_of_v)
 
 
 def _without_gap(row: ContactRow) -> ContactRow:
@@ -66,9 +79,8 @@ def _friction(
     rates, factor = along_surface(states, contact, normal)
     biases = tangent(states.graph, rates, states.drift)
     jacobians = gradients(states.graph, rates, states.place_of_v)
-    speeds = frozenset(states.place_of_v)
     for jacobian in jacobians:
-        if not jacobian or symbols(list(jacobian.values())) & speeds:
+        if not _is_linear(states, jacobian):
             message = f"the slip of `{contact.label}` is not a velocity: it is not linear in the speeds"
             remedy = "write the velocity with which it slides: `slip = der(x)`"
             raise Refused([Fault("LAG0235", message, contact.span, remedy=remedy)])

@@ -5,7 +5,8 @@ gradients of gap rate and w by the speeds. The force along the gap is 1/|n| of t
 
 Two directions along a surface that turns in space are those of T. Duff et al., J. Comput. Graph. Tech. 6,
 2017, 1-8. They have no value where n points against the pole: the one of +z and -z that n is nearer to at the
-initial state.
+initial state. A plane motion has one slip. It is positive along the x axis or, where it is across this at the
+initial state, along y or z.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from lagc.symbolic.walk import substitute
 Gradient = Mapping[int, Node]
 
 _INDEPENDENT = 1e-12  # part of the square of a velocity that others do not have
+_ROUNDOFF = 1e-9  # of a unit vector
 
 
 def along_surface(states: States, contact: Contact, normal: Gradient) -> tuple[list[Node], Node]:
@@ -47,9 +49,21 @@ def along_surface(states: States, contact: Contact, normal: Gradient) -> tuple[l
         )
         raise Refused([Fault("LAG0235", message, contact.span, remedy=remedy)])
     velocity = (given[0], given[1], given[2])
-    found = [dot(direction, velocity) for direction in _across(states, n)]
+    directions = _across(states, n)
+    found = [dot(direction, velocity) for direction in directions]
     held = substitute(states.graph, found, dict.fromkeys(released, states.graph.zero))
-    return [node for node, own in zip(found, held) if not own.is_zero], norm(n)
+    slips = [k for k in range(2) if not held[k].is_zero]
+    if len(slips) == 1 and _is_backward(states, directions[slips[0]]):
+        found[slips[0]] = -found[slips[0]]
+    return [found[k] for k in slips], norm(n)
+
+
+def _is_backward(states: States, direction: Vector) -> bool:
+    """Return whether the first component of a unit vector, beyond round-off, is negative at the start."""
+    fixed = all(x.is_const for x in direction)
+    start = {} if fixed else _initial(states)
+    values = [] if start is None else evaluate(states.in_speeds(direction), start)
+    return next((value < 0.0 for value in values if abs(value) > _ROUNDOFF), False)
 
 
 def _without(row: Gradient, columns: Set[int]) -> Gradient:
@@ -57,47 +71,43 @@ def _without(row: Gradient, columns: Set[int]) -> Gradient:
 
 
 def _normal(states: States, normal: Gradient, parts: Sequence[Gradient]) -> Vector | None:
-    """Return n with normal = n . parts: an axis of the world, or by speeds that move one component alone."""
-    graph = states.graph
-    axes = [
-        [graph.const(sign) if i == k else graph.zero for i in range(3)]
-        for k in range(3)
-        for sign in (1.0, -1.0)
-    ]
-    own = [graph.zero, graph.zero, graph.zero]
-    for k, part in enumerate(parts):
-        others = [row for i, row in enumerate(parts) if i != k]
-        alone = [j for j in part if not any(j in row for row in others)]
-        if alone and alone[0] in normal:
-            own[k] = normal[alone[0]] / part[alone[0]]
-    for n in [*axes, own]:
-        if any(not x.is_zero for x in n) and _fits(states, n, normal, parts):
-            return (n[0], n[1], n[2])
+    """Return n with normal = n . parts: an axis of the world, or the shortest one."""
+    zero = states.graph.zero
+    for k in range(3):
+        for sign in (1.0, -1.0):
+            x, y, z = (states.graph.const(sign) if i == k else zero for i in range(3))
+            if _fits(states, (x, y, z), normal, parts):
+                return (x, y, z)
     n = _shortest(states, normal, parts)
-    return n if not all(x.is_zero for x in n) and _fits(states, n, normal, parts) else None
+    return n if any(not x.is_zero for x in n) and _fits(states, n, normal, parts) else None
 
 
 def _shortest(states: States, normal: Gradient, parts: Sequence[Gradient]) -> Vector:
-    """Return the shortest n with normal = n . parts: the sum over independent velocities of the place, which are
-    made orthogonal, of each over its square times its rate of the gap. At the initial state they are chosen."""
-    graph = states.graph
-    n: Vector = (graph.zero, graph.zero, graph.zero)
-    start = next(samples(states.model, 1, spread=0.0), None)
+    """Return the shortest n with normal = n . parts. The partial velocities of the place, simple ones first,
+    are made orthogonal (Gram-Schmidt); those that depend on others at the initial state are left out. Each
+    adds the rate of the gap along it."""
+    zero, start = states.graph.zero, _initial(states)
+    n: Vector = (zero, zero, zero)
     columns = sorted({*normal, *(j for part in parts for j in part)})
-    simple = {j: sum(not part[j].is_const for part in parts if j in part) for j in columns}
-    before: list[tuple[Vector, Node]] = []
-    for j in sorted(columns, key=simple.__getitem__):
-        x, y, z = (part.get(j, graph.zero) for part in parts)
-        move, rate = (x, y, z), normal.get(j, graph.zero)
-        for e, gap in before:
+    columns.sort(key=lambda j: sum(j in part and not part[j].is_const for part in parts))
+    basis: list[tuple[Vector, Node]] = []
+    for j in columns:
+        x, y, z = (part.get(j, zero) for part in parts)
+        move, rate = (x, y, z), normal.get(j, zero)
+        for e, rate_along in basis:
             share = dot((x, y, z), e) / dot(e, e)
-            move, rate = sub(move, scale(share, e)), rate - share * gap
+            move, rate = sub(move, scale(share, e)), rate - share * rate_along
         squares = states.in_speeds([dot(move, move), dot((x, y, z), (x, y, z))])
         left, whole = evaluate(squares, start) if start else (0.0, 1.0)
         if left > _INDEPENDENT * whole:
-            before.append((move, rate))
+            basis.append((move, rate))
             n = add(n, scale(rate / dot(move, move), move))
     return n
+
+
+def _initial(states: States) -> dict[Node, float] | None:
+    """Return the initial state, with random speeds; None if it has values outside a domain."""
+    return next(samples(states.model, 1, vary=False, spread=0.0), None)
 
 
 def _fits(states: States, n: Sequence[Node], normal: Gradient, parts: Sequence[Gradient]) -> bool:
@@ -128,7 +138,7 @@ def _across(states: States, n: Vector) -> tuple[Vector, Vector]:
             other = cross(n, axis)
             return (other[0] / length, other[1] / length, other[2] / length), axis
     x, y, z = n[0] / length, n[1] / length, n[2] / length
-    start = next(samples(states.model, 1, vary=False, spread=0.0), None)
+    start = _initial(states)
     if start is not None and evaluate([states.in_speeds([n[2]])[0]], start)[0] < 0.0:
         x, y, z = -x, -y, -z
     part = -one / (one + z)

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from lagc.base.records import dataclass
-from lagc.mechanics.formulation.equations import Row
+from lagc.mechanics.formulation.equations import Row, SlipRow
 from lagc.mechanics.formulation.states import States
 from lagc.mechanics.numeric.cancellation import VANISHES, magnitudes
 from lagc.mechanics.numeric.dense_linear import Span, dimension, least_norm
@@ -86,7 +86,9 @@ def scales(states: States) -> dict[Node, float]:
     return found
 
 
-def jacobian(rows: Sequence[Row], sizes: Sequence[float], state: Mapping[Node, float]) -> list[list[float]]:
+def jacobian(
+    rows: Sequence[Row | SlipRow], sizes: Sequence[float], state: Mapping[Node, float]
+) -> list[list[float]]:
     """The Jacobian of `rows` in units of the `sizes` of the speeds."""
     values = iter(magnitudes([node for row in rows for node in row.jacobian.values()], state))
     return [dense({j: next(values) for j in row.jacobian}, sizes) for row in rows]

@@ -1,4 +1,4 @@
-"""Slips that are no velocity along the surface of their contact. Warnings only.
+"""Slips that are no velocity along the surface of their contact, or that constraints hold. Warnings only.
 
 A speed that moves one body alone, and does not turn it, moves its material points alike. The derivatives of
 the rate of a gap and of its slips by such speeds give the normal n and the directions t of the slips. These
@@ -12,8 +12,9 @@ from itertools import combinations
 from math import sqrt
 
 from lagc.diagnostics.faults import Fault
-from lagc.mechanics.formulation.equations import ContactRow, Law, Level, Row
+from lagc.mechanics.formulation.equations import ContactRow, Law, Level, Row, SlipRow
 from lagc.mechanics.formulation.states import States
+from lagc.mechanics.identities.constraint_manifold import jacobian, scales
 from lagc.mechanics.lint.velocity_maps import LARGEST, Maps, Pose, poses
 from lagc.mechanics.numeric.dense_linear import Span, dot, least_norm
 from lagc.symbolic.evaluate import evaluate
@@ -36,6 +37,33 @@ def slips_aside(states: States, rows: Sequence[Row], contacts: Sequence[ContactR
             )
             span = contact.contact.span
             yield Fault("LAG0432", reasons[0], span, remedy=remedy, severity="warning")
+
+
+def slips_held(states: States, rows: Sequence[Row], contacts: Sequence[ContactRow]) -> Iterator[Fault]:
+    """Yield LAG0433 of contacts that never slip: their slip rows depend on those of the constraints."""
+    columns = {j for row in rows for j in row.jacobian}
+    if any(row.time_dependent for row in rows):  # they may move what they hold
+        return
+    for contact in contacts:
+        held = rows if contact.normals else [*rows, _held(contact)]
+        meets = contact.slips and columns.issuperset(j for slip in contact.slips for j in slip.jacobian)
+        if meets and _depend(states, held, contact.slips):
+            message = f"`{contact.label}` can never slip: the constraints of the model hold its slip"
+            remedy = "leave out its friction, or write the velocity of a place that may slide"
+            yield Fault("LAG0433", message, contact.contact.span, remedy=remedy, severity="warning")
+
+
+def _depend(states: States, rows: Sequence[Row], slips: Sequence[SlipRow]) -> bool:
+    """Return whether slip rows depend on `rows` in all poses; False if there are none."""
+    sizes = [scales(states)[v] for v in states.v]
+    found = poses(states, rows)
+    for pose in found:
+        held = Span(jacobian([row for row in rows if row.linear], sizes, pose.state))
+        for row in jacobian(slips, sizes, pose.state):
+            rest = held.remainder(row)
+            if dot(rest, rest) > _DIFFERS**2 * dot(row, row):
+                return False
+    return bool(found)
 
 
 def _held(contact: ContactRow) -> Row:

@@ -23,11 +23,11 @@ from lagc.semantics.names.scope import (
 )
 from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import BIT, LATE, VELOCITY
-from lagc.semantics.units import ENERGY, FORCE, NONE, POWER, Dimension, M, describe, si_text
+from lagc.semantics.units import ENERGY, FORCE, NONE, POWER, Dimension, M, describe, over, si_text, times
 from lagc.semantics.values.builtin_functions import Argument
 from lagc.semantics.values.evaluate import all_values, both, each, evaluate, evaluate_as
 from lagc.semantics.values.kinematics import material_velocity, velocity_of
-from lagc.semantics.values.unit_hints import expect_of, unit_remedy
+from lagc.semantics.values.unit_hints import expect_of, is_bare, unit_remedy
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector, sub
 from lagc.syntax import tree
@@ -126,9 +126,29 @@ def declare_free_term(context: Context, entry: Entry) -> Value:
 
 
 def declare_dissipation(context: Context, entry: Entry) -> Value:
-    node, _ = _energy_like(context, entry, POWER)
+    try:
+        node, _ = _energy_like(context, entry, POWER)
+    except Wrong as wrong:
+        fault = wrong.fault
+        remedy = _of_rate(context, entry) or fault.remedy
+        raise Wrong(fault.code, fault.message, fault.span, remedy, fault.related) from None
     entry.objects.append(objects.Dissipation(entry.path, node, entry.span, entry.effect))
     return Reference(entry)
+
+
+def _of_rate(context: Context, entry: Entry) -> str | None:
+    """Return a remedy for a dissipation that is a force, `c*der(x)`, and not half its power."""
+    value = _written(entry).value
+    if not isinstance(value, tree.Binary) or value.op != "*" or not value.right.span.text.startswith("der("):
+        return None
+    from lagc.semantics.names.undeclared import dimension_of  # where there is a fault
+
+    rate = dimension_of(context, value.right, entry.environment)
+    if rate is None:
+        return None
+    unit = f" [{si_text(over(POWER, times(rate, rate)))}]" if is_bare(value.left) else ""
+    factor, speed = value.left.span.text, value.right.span.text
+    return f"a dissipation is half the power: write `1/2*{factor}{unit}*{speed}^2`"
 
 
 def declare_load(context: Context, entry: Entry) -> Value:
@@ -159,14 +179,15 @@ def declare_load(context: Context, entry: Entry) -> Value:
         return vector
 
     if is_force:
-        vector, (velocity, at) = both(
+        vector, (velocity, at, on_body) = both(
             context, load, lambda: _where_applied(context, source, place, body, reaction)
         )
         entry.objects.append(
             objects.Force(
-                entry.path, vector, velocity, entry.span, entry.effect, source.target.span, mentioned, at
+                entry.path, vector, velocity, entry.span, entry.effect, source.target.span, mentioned, at,
+                on_body,
             )
-        )
+        )  # fmt: skip
     else:
         vector, (frame, opposite) = both(context, load, lambda: _frames(source, target, reaction))
         entry.objects.append(
@@ -179,9 +200,10 @@ def declare_load(context: Context, entry: Entry) -> Value:
 
 def _where_applied(
     context: Context, source: tree.Load, place: Argument, body: Value | None, reaction: Value | None
-) -> tuple[Vector, Vector | None]:
-    """Return the velocity of the point where a force acts, and that point if the force acts on no body. With
+) -> tuple[Vector, Vector, bool]:
+    """Return the velocity of the point where a force acts, that point, and whether it belongs to a body. With
     `from`, the velocity is relative to the material point of the other body."""
+    at = place.value.position if isinstance(place.value, Body) else None
     if body is None or source.body is None:
         if source.reaction is not None:
             raise Wrong(
@@ -190,13 +212,14 @@ def _where_applied(
                 source.reaction.span,
                 "write `on body at point from other`, or declare the opposite force separately",
             )
-        at = None if isinstance(place.value, Body) else vector_of(place.value, place.span, "a point")[0]
-        return velocity_of(context, place, None), at
+        is_body, at = at is not None, at or vector_of(place.value, place.span, "a point")[0]
+        return velocity_of(context, place, None), at, is_body
     velocity = material_velocity(context, Argument(body, source.body.span), place)
+    at = at or vector_of(place.value, place.span, "a point")[0]
     if reaction is None or source.reaction is None:
-        return velocity, None
+        return velocity, at, True
     other = material_velocity(context, Argument(reaction, source.reaction.span), place)
-    return sub(velocity, other), None
+    return sub(velocity, other), at, True
 
 
 def _frames(source: tree.Load, target: Value, reaction: Value | None) -> tuple[Frame, Frame | None]:

@@ -60,7 +60,7 @@ def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[
             )
         elif argument.name not in known:
             span = argument.name_span or argument.span
-            remedy = _foreign_attribute(entry, argument)
+            remedy = _typed(entry, argument)
             remedy = remedy or meant_argument(argument.name, known) or _has(entry.kind, known)
             wrong = Wrong("LAG0209", f"{_a(entry.kind)} has no `{argument.name}`", span, remedy)
             if argument.name == "unit":
@@ -73,11 +73,8 @@ def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[
     return found
 
 
-def _foreign_attribute(entry: Entry, argument: tree.Argument) -> str | None:
-    """Return a remedy for an attribute of Modelica."""
-    assert argument.name is not None
-    if argument.name in ("quantity", "nominal", "stateSelect", "final"):
-        return "leave it out"
+def _typed(entry: Entry, argument: tree.Argument) -> str | None:
+    """Return a remedy for the attribute `unit` of Modelica."""
     if argument.name == "unit" and isinstance(argument.value, tree.String):
         from lagc.semantics.declarations.without_kind import typed  # where there is a fault
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from lagc.diagnostics.faults import Fault, Span
-from lagc.diagnostics.suggest import did_you_mean, foreign_model, moments
+from lagc.diagnostics.foreign_words import MODELS, foreign
+from lagc.diagnostics.suggest import did_you_mean, moments
 from lagc.semantics import model as objects
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.attributes import given_scalar
@@ -15,6 +17,7 @@ from lagc.semantics.names.scope import (
     Entry,
     Reference,
     Scalar,
+    Text,
     Value,
     expect,
     flat,
@@ -59,7 +62,7 @@ def declare_body(context: Context, entry: Entry) -> Value:
     if name not in _PARAMETERS:
         look_at_arguments(context, call, entry.environment)
         raise Wrong(
-            "LAG0221", NO_BODY, call.function.span, did_you_mean(name, _PARAMETERS) or foreign_model(name)
+            "LAG0221", NO_BODY, call.function.span, did_you_mean(name, _PARAMETERS) or foreign(MODELS, name)
         )
     given = _arguments(context, entry, call, name)
     if name == "Solid" and "frame" not in given:
@@ -98,7 +101,10 @@ def _drawn_frame(context: Context, entry: Entry, call: tree.Call) -> Argument:
             return Argument(context.world, call.span)
         if linkage.has_faults or entry in linkage.unplaced:
             raise Poisoned  # reported
-    remedy = "write `frame = F`, or tie the solid to `world` or to another body by a joint"
+    remedy = (
+        "for a solid that does not turn write `frame = world`; else declare `frame F = rotate_y(world, "
+        "theta);`, or tie the solid by a joint"
+    )
     raise Wrong("LAG0210", "`Solid` needs the argument `frame`, or a joint that places it", call.span, remedy)
 
 
@@ -203,8 +209,14 @@ def _matrix(context: Context, value: Value, span: Span) -> Matrix:
         (a, d, e), (f, b, g), (h, i, c) = (vector_of(row, span, "a row of the inertia")[0] for row in rows)
         if (d, e, g) != (f, h, i):
             raise Wrong("LAG0306", "an inertia matrix must be symmetric", span)
+        _check_matrix([a, b, c], [d, e, g], span)
         return ((a, d, e), (d, b, g), (e, g, c))
-    raise Wrong("LAG0306", "an inertia is {I1, I2, I3} or a symmetric 3 x 3 matrix", span)
+    remedy = None
+    if isinstance(value, Scalar):
+        number, _, unit = span.text.partition("[")
+        same = ", ".join([number.strip()] * 3)
+        remedy = f"with three equal moments write `{{{same}}}{' [' + unit if unit else ''}`"
+    raise Wrong("LAG0306", "an inertia is {I1, I2, I3} or a symmetric 3 x 3 matrix", span, remedy)
 
 
 def _check_principal(a: Node, b: Node, c: Node, span: Span) -> None:
@@ -220,6 +232,29 @@ def _check_principal(a: Node, b: Node, c: Node, span: Span) -> None:
                 if min(values) < 0
                 else moments([f"{x:.15g} [kg.m2]" if x else "0" for x in values], values.index(largest)),
             )
+
+
+def _check_matrix(diagonal: Sequence[Node], others: Sequence[Node], span: Span) -> None:
+    """Raise Wrong if no body has the principal moments of a constant matrix: its eigenvalues, by O. K. Smith,
+    Communications of the ACM 4 (1961) 168."""
+    if not all(node.is_const for node in (*diagonal, *others)):
+        return
+    (a, b, c), (d, e, g) = ([float(x.value or 0.0) for x in nodes] for nodes in (diagonal, others))
+    mean = (a + b + c) / 3.0
+    a, b, c = a - mean, b - mean, c - mean
+    size = math.sqrt((a * a + b * b + c * c + 2.0 * (d * d + e * e + g * g)) / 6.0)
+    determinant = a * (b * c - g * g) - d * (d * c - g * e) + e * (d * g - b * e)
+    half = determinant / size / size / size / 2.0 if size else 0.0
+    turn = math.acos(max(-1.0, min(1.0, half))) / 3.0
+    values = [mean + 2.0 * size * math.cos(turn + k * math.tau / 3.0) for k in (1, 2, 0)]  # rising
+    if values[2] > (values[0] + values[1]) * (1 + 1e-9):
+        shown = ", ".join([f"{value:.4g}" for value in values])
+        raise Wrong(
+            "LAG0308",
+            f"no body has this inertia matrix: its principal moments are {shown} kg.m2, and each must be "
+            "non-negative and at most the sum of the two others",
+            span,
+        )
 
 
 def declare_gravity(context: Context, entry: Entry) -> Value:
@@ -238,7 +273,12 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
     graph = context.graph
     direction: Vector = (graph.zero, graph.zero, graph.const(-1.0))
     if given is not None:
-        vector, found = vector_of(evaluate(context, given, entry.environment), given.span, "a direction")
+        written = evaluate(context, given, entry.environment)
+        if isinstance(written, Text) and written.text[-1:] in ("x", "y", "z"):
+            remedy = f"for gravity along the negative axis write `direction = -world.{written.text[-1]}`"
+            message = "a direction must be a vector {x, y, z}; this is a text"
+            raise Wrong("LAG0306", message, given.span, remedy)
+        vector, found = vector_of(written, given.span, "a direction")
         expect(found, NONE, given.span, "a direction")
         direction = unit_vector(context, vector, given.span)
     total = graph.zero
@@ -280,6 +320,20 @@ def released(context: Context, entry: Entry, symbol: Node, unit: str) -> list[ob
     return release_parameter(context, entry, symbol, unit)
 
 
+def _of_vector(written: tree.Expression) -> str:
+    """Return a remedy for a vector `g`, `{0, 0, -9.81}`."""
+    if isinstance(written, tree.Quantity):
+        unit, written = f" [{written.unit.text}]", written.value
+    else:
+        unit = ""
+    parts = [part.span.text for part in written.elements] if isinstance(written, tree.Vector) else []
+    strong = [part for part in parts if part not in ("0", "0.0")]
+    if len(strong) != 1:
+        return "write its magnitude as `g = 9.81` and its direction as `direction = {0, 0, -1}`"
+    unit_vector = ["0" if x != strong[0] else "-1" if x.startswith("-") else "1" for x in parts]
+    return f"write `g = {strong[0].lstrip('-')}{unit}, direction = {{{', '.join(unit_vector)}}}`"
+
+
 def _strength(context: Context, entry: Entry, written: tree.Expression | None) -> Node:
     name = f"{entry.path}.g"
     given = context.give(context.parameters, name)
@@ -287,7 +341,11 @@ def _strength(context: Context, entry: Entry, written: tree.Expression | None) -
     if given is not None:
         value = given_scalar(context, given, GRAVITY, f"`{name}`")
     elif written is not None:
-        value = scalar_of(evaluate_as(context, written, entry.environment, GRAVITY), written.span, "`g`")
+        found = evaluate_as(context, written, entry.environment, GRAVITY)
+        if isinstance(found, Array):
+            remedy = _of_vector(written)
+            raise Wrong("LAG0307", "`g` must be a number; this is a vector", written.span, remedy)
+        value = scalar_of(found, written.span, "`g`")
         expect(value.dimension, GRAVITY, written.span, "`g`")
     else:
         value = Scalar(context.graph.const(STANDARD), GRAVITY)

@@ -1,7 +1,8 @@
 """One-sided constraints: `constraint floor: bob.z >= 0 (restitution = 0.8);`.
 
 The gap of `a >= b` is a - b, that of `a <= b` is b - a. It is never negative. A contact touches where its gap
-is zero; then it may push its gap open, and never pulls.
+is zero; then it may push its gap open, and never pulls. A gap between velocities, as that of a one-way clutch
+`der(hub) >= der(sprocket)`, is a contact at velocity level: it is hit by impulses alone, without rebound.
 """
 
 from __future__ import annotations
@@ -62,7 +63,7 @@ def declare_contact(context: Context, entry: Entry) -> Value:
     entry.size = None if isinstance(left, Scalar) else len(differences)
     for k, (node, found) in enumerate(differences):
         gap = node if source.relation == ">=" else -node
-        _check(context, source, gap)
+        bounds_rate = _check(context, source, gap, written)
         label = entry.path if entry.size is None else f"{entry.path}[{k + 1}]"
         symbol = context.graph.symbol("discrete", label)
         context.clock.set_rate(symbol, context.graph.zero)
@@ -72,7 +73,7 @@ def declare_contact(context: Context, entry: Entry) -> Value:
         entry.objects.append(
             objects.Contact(
                 entry.path, label, gap, si_text(found or NONE), symbol, restitution, entry.span, entry.effect,
-                *_friction(context, entry, written, found), _is_poisson(written),
+                *_friction(context, entry, written, found), _is_poisson(written), bounds_rate=bounds_rate,
             )
         )  # fmt: skip
     return Reference(entry)
@@ -252,18 +253,19 @@ def _velocity_at(context: Context, entry: Entry, written: Mapping[str, tree.Expr
     return vector_value(sub(found, moves("against")) if "against" in given else found, SPEED)
 
 
-def _check(context: Context, source: tree.Constraint, gap: Node) -> None:
-    """Refuse a gap that depends on what has no place in it."""
+def _check(
+    context: Context, source: tree.Constraint, gap: Node, written: Mapping[str, tree.Expression]
+) -> bool:
+    """Return whether the gap is one between velocities. Refuse what has no place in a gap."""
     span = source.left.span.to(source.right.span)
     timely(context, gap, span, "a constraint")
     mask = context.clock.mask(gap)
-    if mask & VELOCITY:
-        raise Wrong(
-            "LAG0235",
-            f"`{source.relation}` restricts positions; this one restricts velocities",
-            span,
-            "write the bound of a position, or a load that acts beyond the bound of the velocity",
-        )
+    bounds_rate = bool(mask & VELOCITY)
+    if bounds_rate and written:
+        name, value = next(iter(written.items()))
+        message = f"the bound `{source.name}` restricts velocities, so it has no `{name}`"
+        remedy = f"leave out `{name}`, or give it to the bound of a position: only surfaces rebound and rub"
+        raise Wrong("LAG0235", message, value.span, remedy)
     for kind, named in (("input", "an input"), ("discrete", "a discrete variable")):
         if mask & BIT[kind]:
             raise Wrong(
@@ -272,13 +274,14 @@ def _check(context: Context, source: tree.Constraint, gap: Node) -> None:
                 span,
                 "write the bound in coordinates, parameters and time",
             )
-    if not mask & BIT["coordinate"]:
+    if not mask & (BIT["coordinate"] | VELOCITY):
         raise Wrong(
             "LAG0235",
             f"the bound `{source.name}` depends on no coordinate, so it restricts nothing",
             span,
             "compare an expression of coordinates: `constraint floor: ball.z >= 0;`",
         )
+    return bounds_rate
 
 
 def _arguments(source: tree.Constraint, known: tuple[str, ...], what: str) -> dict[str, tree.Expression]:

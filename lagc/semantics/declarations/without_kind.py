@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 
-from lagc.diagnostics.suggest import SYNONYMS
+from lagc.diagnostics.foreign_words import TYPES as FOREIGN_TYPES
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Entry, Scalar, Value, flat
+from lagc.semantics.names.undeclared import dimension_of
 from lagc.semantics.refusals import Poisoned, Wrong
 from lagc.semantics.time_derivatives import LATE, MOVING
-from lagc.semantics.units import TYPES, Dimension, UnknownUnit, name_of, unit
+from lagc.semantics.units import NONE, TYPES, Dimension, UnknownUnit, name_of, unit
 from lagc.semantics.values.evaluate import evaluate
 from lagc.syntax import tree
 
@@ -18,12 +19,15 @@ _RATES = frozenset({"Velocity", "AngularVelocity", "Current"})
 _COMPUTED = frozenset({"Force", "Torque", "Energy", "Power", "Acceleration", "AngularAcceleration"})
 _UNIT = re.compile(r'\bunit\s*=\s*"([^"]*)"\s*,?\s*')
 _ATTRIBUTES = ("start", "rate", "fixed", "min", "max", "displayUnit", "unit", "quantity", "nominal", "each")
+_BRACKET = re.compile(r"\s*\[([^\]]*)\]")
+_ANGULAR = re.compile(r"\b(deg|rad|mrad|rev)\b")
+_EXAMPLES = {"output": " = value", "speed": " = der(x)", "structural": " = 3"}
 _LONGEST = 80
 
 
 def quantity_of(path: tuple[str, ...]) -> str | None:
-    """Return the quantity type that `Length`, `SI.Position` or `float` means, or None."""
-    name = SYNONYMS.get(path[-1], path[-1])
+    """Return the quantity type that `Length`, `length`, `SI.Position` or `float` means, or None."""
+    name = FOREIGN_TYPES.get(path[-1], path[-1])
     return name if name in TYPES else None
 
 
@@ -56,6 +60,35 @@ def refuse_without_kind(context: Context, entry: Entry) -> Value:
     text = text if len(text) <= _LONGEST and "\n" not in text else f"{source.name}"
     message = f"the declaration of `{source.name}` does not say its kind, such as `parameter` or `coordinate`"
     raise Wrong("LAG0119", message, span, _remedy(kind, name, text, path))
+
+
+def without_type(context: Context, entry: Entry) -> Wrong:
+    """Return the fault of `coordinate theta [rad];` and `output x = l*y;`, with the line to write."""
+    declaration, source = entry.declaration, entry.source
+    assert isinstance(declaration, tree.Quantities) and isinstance(source, tree.Declarator)
+    text = source.span.source.text[source.span.start : declaration.declarators[-1].span.end]
+    message = f"`{entry.kind}` needs a type and a name; there is only `{source.name}`"
+    if quantity_of((source.name,)) is not None:
+        remedy = f"write `{entry.kind} {text} name{_EXAMPLES.get(entry.kind, '')};`"
+        return Wrong("LAG0133", message, source.name_span, remedy)
+    dimension, _ = _value(context, entry, source)
+    start = next((a.value for a in source.arguments if a.name in ("start", "guess")), None)
+    bracket = _BRACKET.match(text, len(source.name))
+    written = bracket[1] if bracket is not None and typed(bracket[1]) else None
+    if written is not None and bracket is not None:
+        text = text[: bracket.start()] + text[bracket.end() :]
+        name = typed(written) or "Real"
+    elif dimension is not None:
+        name = name_of(dimension)
+    elif start is not None and dimension_of(context, start, entry.environment) not in (None, NONE):
+        name = name_of(dimension_of(context, start, entry.environment) or NONE)
+    else:
+        name = "Real" if entry.kind != "coordinate" else "Length" if len(source.name) == 1 else "Angle"
+    if name == "Real" and _ANGULAR.search(written or text):
+        name = "Angle"
+    name = "Integer" if entry.kind == "structural" else name
+    text = text if len(text) <= _LONGEST and "\n" not in text else source.name
+    return Wrong("LAG0133", message, source.name_span, f"write `{entry.kind} {name} {text};`")
 
 
 def _remedy(kind: str, name: str, text: str, path: str) -> str:

@@ -13,7 +13,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TypeAlias
 
 from lagc.diagnostics.faults import Refused, Source, Span
-from lagc.diagnostics.suggest import LIBRARIES, NO_LIBRARY, did_you_mean
+from lagc.diagnostics.foreign_words import LIBRARIES, NO_LIBRARY
+from lagc.diagnostics.suggest import did_you_mean
 from lagc.host.model_library import (
     LARGEST_DATA,
     Outside,

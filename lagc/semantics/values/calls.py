@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import partial
 
-from lagc.diagnostics.suggest import did_you_mean, foreign, meant_argument
+from lagc.diagnostics.foreign_words import CALLS, foreign_call, keeps_argument, surplus
+from lagc.diagnostics.suggest import did_you_mean, meant_argument
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Entry, Environment, Scalar, Value, expect, flat
 from lagc.semantics.refusals import Poisoned, Wrong
@@ -18,17 +19,6 @@ from lagc.semantics.values.unit_hints import is_bare
 from lagc.syntax import tree
 
 BUILTINS: dict[str, Builtin] = {**builtin_functions.TABLE, **kinematics.TABLE, **interpolation_tables.TABLE}
-
-_BECOMES = "leave it out: a `when` clause acts at the moment when its condition becomes true"
-_WITHOUT = {  # what to write until there are these functions
-    "pre": "leave it out: the names in `reinit(x, value)` already mean the values before the event",
-    "edge": _BECOMES, "change": _BECOMES,
-    "initial": "write what holds at the initial time after `initial`, in the model",
-    "terminal": "write `terminate(...)` in a `when` clause, or `simulate(stop = ...)` in a scene",
-    "sample": "for what happens each period T, declare `discrete Time next(start = T);` and write "
-              "`when time >= next then ... reinit(next, next + T); end when;`; for values at given times "
-              "write `table(time, ..., interpolation = \"held\")`",
-}  # fmt: skip
 
 DEEPEST = 64  # nesting of calls
 MOST_CALLS = 50_000  # calls of the user's functions in one model
@@ -64,7 +54,7 @@ def _called(
 ) -> tuple[Builtin | tuple[tree.FunctionDeclaration, Environment], list[tree.Expression | None]]:
     """Return the called function, and its arguments in the order of its parameters.  Raises Wrong,
     Poisoned."""
-    own = _declared(context, e.function, environment)
+    own = _declared(context, e, environment)
     if own is not None:
         names = _parameters(own[0])
         return own, match(context, e, names, len(names), f"`{own[0].name}`")
@@ -77,8 +67,9 @@ def _called(
 
 def look_at_arguments(context: Context, e: tree.Call, environment: Environment) -> None:
     """Report the faults in the arguments of a call that has a fault itself."""
-    for argument in e.arguments[:LONGEST]:
-        if argument.value is not None:
+    name = e.function.name if isinstance(e.function, tree.Name) else ""
+    for k, argument in enumerate(e.arguments[:LONGEST]):
+        if argument.value is not None and (name in BUILTINS or keeps_argument(name, k)):
             context.attempt(evaluate, context, argument.value, environment)
 
 
@@ -97,7 +88,15 @@ def match(
     found: dict[str, tree.Expression] = {}
     many: list[tree.Expression | None] = []
     wrong: list[Wrong] = []
+    allowed = LONGEST if parameters[-1:] == ("*",) else len(parameters)
+    more = [argument for argument in e.arguments[allowed:] if argument.name is None]
+    if more:
+        remedy = surplus(who.strip("`"), [argument.span.text for argument in e.arguments])
+        message = f"{who} takes {_count(parameters)}; more are given"
+        wrong.append(Wrong("LAG0209", message, more[0].span, remedy))
     for position, argument in enumerate(e.arguments):
+        if argument in more:
+            continue
         try:
             name = _parameter(argument, position, parameters, who)
             if name in found:
@@ -131,8 +130,6 @@ def _parameter(argument: tree.Argument, position: int, parameters: tuple[str, ..
     if argument.name is None:
         if parameters and parameters[-1] == "*" and position >= len(parameters) - 1:
             return "*"
-        if position >= len(parameters):
-            raise Wrong("LAG0209", f"{who} takes {_count(parameters)}; more are given", argument.span)
         return parameters[position]
     if argument.name not in parameters or argument.name == "*":
         known = [p for p in parameters if p != "*"]
@@ -153,9 +150,10 @@ def _count(parameters: tuple[str, ...]) -> str:
 
 
 def _declared(
-    context: Context, function: tree.Expression, environment: Environment
+    context: Context, e: tree.Call, environment: Environment
 ) -> tuple[tree.FunctionDeclaration, Environment] | None:
     """Return the called function of the user and its environment, or None."""
+    function = e.function
     path = dotted(function)
     if path is None:
         raise Wrong("LAG0201", "this is not a function", function.span)
@@ -176,7 +174,8 @@ def _declared(
     elif path[0] in environment.instance.entries or path[0] in environment.bindings:
         raise Wrong("LAG0221", f"`{'.'.join(path)}` is not a function", function.span)
     if len(path) > 1 and environment.space.lookup(path[0]) is None:
-        remedy = f"write `{path[-1]}`" if path[-1] in BUILTINS else foreign(path[-1])
+        texts = [argument.span.text for argument in e.arguments]
+        remedy = f"write `{path[-1]}`" if path[-1] in BUILTINS else foreign_call(path[-1], texts)
         remedy = remedy or did_you_mean(path[-1], BUILTINS)
         raise Wrong("LAG0203", f"there is no function `{'.'.join(path)}`", function.span, remedy)
     found, space = environment.space.find(path, function.span, "function")
@@ -279,7 +278,7 @@ def _enter(context: Context, e: tree.Call, function: tree.FunctionDeclaration) -
 def _unknown(name: str, e: tree.Call, environment: Environment) -> Wrong:
     span = e.function.span
     if name in RESERVED:
-        return Wrong("LAG0220", f"`{name}` is not yet supported", span, _WITHOUT[name])
+        return Wrong("LAG0220", f"`{name}` is not yet supported", span, CALLS[name])
     if name in environment.instance.unused:
         return Wrong("LAG0214", f"`{name}` {environment.instance.unused[name]}", span)
     if name in ("Particle", "Solid", "Gravity"):
@@ -294,5 +293,6 @@ def _unknown(name: str, e: tree.Call, environment: Environment) -> Wrong:
         "LAG0201",
         f"there is no function `{name}`",
         span,
-        foreign(name) or did_you_mean(name, [*functions, *BUILTINS, *environment.space.known()]),
+        foreign_call(name, [argument.span.text for argument in e.arguments])
+        or did_you_mean(name, [*functions, *BUILTINS, *environment.space.known()]),
     )

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from lagc.base.records import replace
+from lagc.diagnostics import foreign_words as words
 from lagc.diagnostics.faults import Span
-from lagc.diagnostics.suggest import SYNONYMS, did_you_mean, foreign_type
+from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context
 from lagc.semantics.names.namespace import Declared, Namespace
 from lagc.semantics.names.scope import Environment, Instance, Value, expect, flat
@@ -27,6 +28,10 @@ def constant_of(
             related=((declarator.name_span, "declared here"),),
             remedy="declare it in a model, or as a `constant`",
         )
+    if declared.type is None:
+        message = f"`constant` needs a type and a name; there is only `{name}`"
+        remedy = f"write `constant Real {declarator.span.text};`, or a type such as `Mass`"
+        raise Wrong("LAG0133", message, declarator.name_span, remedy)
     if declarator.value is None:
         raise Wrong("LAG0210", f"the constant `{name}` has no value", declarator.name_span)
     key = (id(declarator), "constant")
@@ -63,13 +68,13 @@ def outside(context: Context, declared: Declared, space: Namespace, name: str, s
     """Return the value of a constant of a file or a package.  Raises Wrong for anything else."""
     if isinstance(declared, tree.Quantities):
         return constant_of(context, declared, space, name, span)
-    words = {
+    kinds = {
         tree.ModelDeclaration: "a model",
         tree.Package: "a package",
         tree.TypeDeclaration: "a type",
         tree.FunctionDeclaration: "a function",
     }
-    raise Wrong("LAG0221", f"`{name}` is {words[type(declared)]}, not a value", span)
+    raise Wrong("LAG0221", f"`{name}` is {kinds[type(declared)]}, not a value", span)
 
 
 def _is_here(name: str, environment: Environment) -> bool:
@@ -109,11 +114,12 @@ def type_of(name: tree.TypeName | None, space: Namespace, depth: int = 0) -> Qua
         if name.path[0] in TYPES:
             return TYPES[name.path[0]]
         known = [*TYPES, *space.known()]
-        remedy = foreign_type(name.path[0]) or did_you_mean(name.path[0], known)
+        remedy = words.foreign(words.TYPES, name.path[0]) or did_you_mean(name.path[0], known)
         raise Wrong("LAG0203", f"there is no type `{name.path[0]}`", name.span, remedy)
-    if declared is None and SYNONYMS.get(name.path[-1], name.path[-1]) in TYPES:
+    built_in = words.TYPES.get(name.path[-1], name.path[-1])
+    if declared is None and built_in in TYPES:
         message = f"there is no type `{'.'.join(name.path)}`"
-        remedy = f"the types of quantities are built in: write `{SYNONYMS.get(name.path[-1], name.path[-1])}`"
+        remedy = f"the types of quantities are built in: write `{built_in}`"
         raise Wrong("LAG0203", message, name.span, remedy)
     found, where = space.find(name.path, name.span, "type")
     if not isinstance(found, tree.TypeDeclaration):

@@ -32,6 +32,8 @@ def evaluate_as(
 ) -> Value:
     """Return the value for a declaration or argument of this dimension; numbers without a unit are in SI. The
     caller checks the dimension of other values."""
+    if isinstance(expression, tree.Quantity):
+        return context.evaluators[tree.Quantity](context, expression, environment, dimension)
     value = evaluate(context, expression, environment)
     return value if dimension == NONE else _dressed(value, dimension, is_bare(expression))
 

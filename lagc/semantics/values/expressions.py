@@ -6,20 +6,9 @@ import math
 from collections.abc import Callable, Sequence
 
 from lagc.diagnostics.faults import Span
-from lagc.diagnostics.suggest import did_you_mean, foreign
+from lagc.diagnostics.foreign_words import NAMES, foreign, foreign_call
 from lagc.semantics.context import Context
-from lagc.semantics.names.scope import (
-    Array,
-    Environment,
-    Instance,
-    Scalar,
-    Text,
-    Truth,
-    Value,
-    flat,
-    kind,
-    shape,
-)
+from lagc.semantics.names.scope import Array, Environment, Scalar, Text, Truth, Value, flat, kind, shape
 from lagc.semantics.refusals import Poisoned, Wrong
 from lagc.semantics.units import CONSTANTS, NONE, Dimension, S, UnknownUnit, describe, unit
 from lagc.semantics.values.arithmetic import binary, negative, select
@@ -30,8 +19,6 @@ from lagc.semantics.values.members import element, member, part
 from lagc.semantics.values.unit_hints import is_bare, unit_remedy
 from lagc.symbolic.graph import Node
 from lagc.syntax import tree
-
-_MOST = 6  # names in a remedy
 
 
 def _number(context: Context, e: tree.Number, environment: Environment) -> Value:
@@ -48,7 +35,10 @@ def _string(context: Context, e: tree.String, environment: Environment) -> Value
     return Text(e.value)
 
 
-def _quantity(context: Context, e: tree.Quantity, environment: Environment) -> Value:
+def _quantity(
+    context: Context, e: tree.Quantity, environment: Environment, wanted: Dimension | None = None
+) -> Value:
+    """Return the value of a number or a vector with a unit; `wanted` is the dimension of its place."""
     try:
         meant = unit(e.unit.text)
     except UnknownUnit as unknown:
@@ -56,7 +46,7 @@ def _quantity(context: Context, e: tree.Quantity, environment: Environment) -> V
             "LAG0304",
             unknown.reason,
             e.unit.span,
-            remedy=_AN_ELEMENT if _is_number(e, environment) else unknown.remedy,
+            remedy=_AN_ELEMENT if _is_number(e, environment) else unknown.remedy_for(wanted),
         ) from None
     value = evaluate(context, e.value, environment)
 
@@ -97,65 +87,10 @@ def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
         )
     function = written(e.name)
     if function is not None:
-        raise Wrong(
-            "LAG0201",
-            f"`{e.name}` is a function",
-            e.span,
-            remedy=_taken(e, instance) or f"write `{function}`",
-        )
-    known = [
-        *environment.bindings,
-        *instance.entries,
-        *environment.space.known(),
-        *CONSTANTS,
-        "time",
-        "world",
-    ]
-    raise Wrong(
-        "LAG0201",
-        f"`{e.name}` is not declared",
-        e.span,
-        remedy=foreign(e.name)
-        or _strength(e.name, instance)
-        or _rate(e.name, instance)
-        or did_you_mean(e.name, known)
-        or _taken(e, instance)
-        or f"declare it, as in `parameter Length {e.name} = 1 [m];`",
-    )
+        raise Wrong("LAG0201", f"`{e.name}` is a function", e.span, remedy=f"write `{function}`")
+    from lagc.semantics.names.undeclared import remedy  # where there is a fault
 
-
-def _taken(e: tree.Name, instance: Instance) -> str | None:
-    """Return a remedy for the argument of a function of constraints: which there are."""
-    for function, remedy in (
-        (
-            "reaction",
-            "declare it, `constraint c: left = right;`, or ask for `reaction` of a body or parameter",
-        ),
-        ("impulse", "declare a one-sided constraint, as in `constraint floor: ball.z >= 0;`"),
-    ):
-        if e.span.source.text[: e.span.start].endswith(f"{function}("):
-            names = [f"`{x.path}`" for x in instance.entries.values() if x.kind in ("constraint", "joint")]
-            return f"there are {', '.join(names[:_MOST])}" if names else remedy
-    return None
-
-
-def _strength(name: str, instance: Instance) -> str | None:
-    """Return a remedy for `g`, which printed equations use for `field.g`."""
-    fields = [e.name for e in instance.entries.values() if e.kind == "gravity"] if name == "g" else []
-    if name == "g" and not fields:
-        return "declare it, `parameter Acceleration g = 9.81 [m/s2];`, or write gravity as `Gravity field;`"
-    return f"write {' or '.join(f'`{field}.g`' for field in fields)}" if fields else None
-
-
-def _rate(name: str, instance: Instance) -> str | None:
-    """Return a remedy for `xdot`, `x_dot` or `dx`, the rate of the coordinate `x`, and for a velocity `v`."""
-    if name in ("v", "vel", "w", "omega"):
-        kind = "AngularVelocity" if name in ("w", "omega") else "Velocity"
-        return f"write the rate `der(x)` of a coordinate, or declare `speed {kind} {name} = der(x);`"
-    for own in (name.removesuffix("dot").removesuffix("_"), name.removeprefix("d")):
-        if own != name and own in instance.entries and instance.entries[own].kind == "coordinate":
-            return f"write `der({own})`"
-    return None
+    raise Wrong("LAG0201", f"`{e.name}` is not declared", e.span, remedy(context, e, environment))
 
 
 def find(context: Context, name: str, environment: Environment, span: Span) -> Value | None:
@@ -184,7 +119,8 @@ def _member(context: Context, e: tree.Member, environment: Environment) -> Value
     if constant is not None:
         return constant
     path = dotted(e) or ("",)
-    remedy = f"write `{path[-1]}`" if path[-1] in CONSTANTS else foreign(path[-1])
+    remedy = f"write `{path[-1]}`" if path[-1] in CONSTANTS else foreign(NAMES, path[-1])
+    remedy = remedy or foreign_call(path[-1])
     unused = path[0] in environment.instance.unused
     if remedy is not None and not unused and find(context, path[0], environment, e.span) is None:
         raise Wrong("LAG0201", f"`{'.'.join(path)}` is not declared", e.span, remedy)

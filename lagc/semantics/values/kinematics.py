@@ -259,11 +259,13 @@ def _reaction(context: Context, span: Span, of: Argument) -> Value:
 def _of_contacts(context: Context, entry: Entry) -> Value:
     """Return the forces of contacts, positive where they push their gaps open."""
     graph, contacts = context.graph, [c for c in entry.objects if isinstance(c, Contact)]
-    found = [
-        Scalar(graph.symbol("multiplier", c.label), over(ENERGY, unit_of(c.unit or "1").dimension))
-        for c in contacts
-    ]
+    found = [Scalar(graph.symbol("multiplier", c.label), _push(c)) for c in contacts]
     return found[0] if entry.size is None else Array(tuple(found))
+
+
+def _push(contact: Contact) -> Dimension:
+    """Return the dimension of the force of a contact."""
+    return over(POWER if contact.bounds_rate else ENERGY, unit_of(contact.unit or "1").dimension)
 
 
 @TABLE.enter("impulse", "of")
@@ -277,7 +279,7 @@ def _impulse(context: Context, span: Span, of: Argument) -> Value:
         raise Wrong("LAG0221", message, of.span, remedy)
     found: list[Value] = []
     for contact in contacts:
-        meant = times(over(ENERGY, unit_of(contact.unit or "1").dimension), S)
+        meant = times(_push(contact), S)
         symbol = context.graph.symbol("discrete", f"impulse({contact.label})")
         context.clock.set_rate(symbol, context.graph.zero)
         unit, name = si_text(meant), symbol.record.owner

@@ -42,7 +42,7 @@ def member(context: Context, value: Value, e: tree.Member) -> Value:
             "LAG0206",
             f"{kind(value)} has no `{e.name}`",
             e.name_span,
-            _called(value, e.name)
+            _called(value, e)
             or did_you_mean(e.name, known)
             or (f"it has {', '.join(known)}" if known else None),
         )
@@ -61,14 +61,15 @@ def member(context: Context, value: Value, e: tree.Member) -> Value:
     return value.elements[_AXES.index(e.name)]
 
 
-def _called(value: Value, name: str) -> str | None:
+def _called(value: Value, e: tree.Member) -> str | None:
     """Return a remedy for a member that is written as a function: `velocity(b)`."""
+    name, of = e.name, e.base.span.text
     if isinstance(value, Body) and name in _SHORT:
-        return f"write `{_SHORT[name]}(...)`"
+        return f"write `{_SHORT[name]}({of})`"
     if isinstance(value, Scalar) and name in ("der", "dot", "diff", "v"):
-        return "write `der(...)`"
+        return f"write `der({of})`"
     if name in _MOTION and isinstance(value, Body | Array | Frame):
-        return f"write `{name}(...)`"
+        return f"write `{name}({of})`"
     return None
 
 

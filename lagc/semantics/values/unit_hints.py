@@ -78,6 +78,8 @@ def _lone_factor(expression: tree.Expression) -> tree.Number | tree.Name | None:
             names.append(top)
         elif isinstance(top, tree.Unary):
             stack.append(top.operand)
+        elif isinstance(top, tree.Vector):
+            stack += [part for part in top.elements if not is_bare(part) or part.span.text != "0"]
         elif isinstance(top, tree.Binary) and top.op == "*":
             stack += [top.left, top.right]
         elif isinstance(top, tree.Binary) and top.op == "/" and not is_bare(top):

@@ -54,9 +54,9 @@ def compiler() -> tuple[str, ...] | None:
         path = shutil.which(name)
         if path:
             return (path,)
-    from importlib.util import find_spec
+    from lagc.host.packages import is_installed
 
-    if find_spec("ziglang") is not None:
+    if is_installed("ziglang"):
         return (sys.executable, "-m", "ziglang", "cc")
     return None
 

@@ -108,6 +108,10 @@ class Rounding:
         moved = self.moved or [0.0] * len(times)
         return max((t for t, far in zip(times, moved) if far <= accuracy), default=times[0])
 
+    def effect(self, time: float, otherwise: float) -> float:
+        """The effect of round-off up to `time`, a recorded one, if it was measured."""
+        return self.moved[self.run.times.index(time)] if self.moved else otherwise
+
     def _estimates(self, run: Trajectory, groups: Sizes) -> Estimates:
         if self.estimated is None or self.estimated[0] is not run:
             estimates = close_estimate(self.system, run, groups)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence, Set
 from itertools import compress
-from math import inf, isfinite
+from math import inf, isfinite, tau
 from operator import sub
 
 from lagc.base.records import dataclass
@@ -97,10 +97,11 @@ class _Seen:
 
 
 class Measure:
-    """Differences of runs of `system`, over the scales of the quantities. `given` are scales by name."""
+    """Differences of runs of `system`, over the scales of the quantities. `given` are scales by name,
+    `unresolved` the states that `find_unresolved` has found before."""
 
-    def __init__(self, system: System, given: Mapping[str, float]):
-        self.system = system
+    def __init__(self, system: System, given: Mapping[str, float], unresolved: Iterable[int] = ()):
+        self.system, self.unresolved = system, set(unresolved)
         self.given = [given.get(name, 0.0) for name in quantity_names(system.interface)]
         self.noise: dict[int, float] = {}  # bounds of the state groups that only round-off moves
         self.steady: set[int] = set()  # quantities that errors alone move
@@ -159,6 +160,19 @@ class Measure:
         shares = self.shares(self.gaps(fine, coarse), fine)
         return max([apart_in_time(fine, coarse), *shares])
 
+    def find_unresolved(self, fine: Trajectory, coarse: Trajectory, coarser: Trajectory, fall: float) -> bool:
+        """Whether more states turn out to be unresolved: they move so little beside others of their scaling
+        group that runs differ by round-off of the group. No smaller step reduces such a difference: from
+        `coarser` to `coarse`, it falls to more than `fall`."""
+        scales, before = self.of(fine).scales, len(self.unresolved)
+        now, earlier = self.gaps(fine, coarse), self.gaps(fine, coarser)
+        share = NOTHING if self.system.interface.nc else ROUNDING
+        for group in scaling_groups(self.system.interface):
+            largest = max(scales[i] for i in group)
+            small = (i for i in group if scales[i] <= SMALL * largest)
+            self.unresolved.update(i for i in small if fall * earlier[i] < now[i] <= share * largest)
+        return len(self.unresolved) > before
+
     def shares(self, errors: Iterable[float], run: Trajectory) -> list[float]:
         """Errors over the scales in `run`."""
         return [error / scale if scale else 0.0 for error, scale in zip(errors, self.of(run).scales)]
@@ -203,24 +217,27 @@ class Measure:
             return None
         return one.times[max((k for k, same in enumerate(alike) if same), default=0)]
 
-    def notes(self, run: Trajectory) -> list[str]:
-        """A note on the quantities that do not move."""
+    def notes(self, run: Trajectory, errors: Sequence[float], accuracy: float) -> list[str]:
+        """Notes on the quantities that do not move, and on those that `errors` leave less accurate over their
+        own ranges than `accuracy`."""
         found, interface = self.of(run), self.system.interface
-        continuous = len(self.given) - len(interface.discretes)
-        named = [
-            f"`{name}` ({scale:.1g} {unit}".rstrip() + ")"
-            for name, unit, constant, scale in zip(
-                quantity_names(interface)[:continuous],
-                quantity_units(interface),
-                found.constant,
-                found.scales,
-            )
-            if constant and scale
-        ]
-        if not named:
-            return []
-        shown = ", ".join(named[:MOST_NAMED]) + more(named, MOST_NAMED)
-        return [f"constant, so that the accuracy is relative to the size of the terms: {shown}"]
+        names, units, seen = quantity_names(interface), quantity_units(interface), self._see(run)
+        continuous = range(len(names) - len(interface.discretes))
+        constant = [k for k in continuous if found.constant[k]]
+        beyond = [i for i in sorted(self.unresolved)
+                  if errors and errors[i] > accuracy * (seen.high[i] - seen.low[i])]  # fmt: skip
+
+        def named(places: Sequence[int], values: Sequence[float]) -> str:
+            shown = [f"`{names[k]}` ({values[k]:.1g} {units[k]}".rstrip() + ")" for k in places if values[k]]
+            return ", ".join(shown[:MOST_NAMED]) + more(shown, MOST_NAMED)
+
+        said = {
+            "constant, so that the accuracy is relative to the size of the terms": (constant, found.scales),
+            "so small beside others of the unit that round-off exceeds the accuracy of the own range "
+            "(in brackets the error)": (beyond, errors),
+        }
+        notes = {what: named(*which) for what, which in said.items()}
+        return [f"{what}: {which}" for what, which in notes.items() if which]
 
     # -- scales --------------------------------------------------------------------------------
 
@@ -269,10 +286,17 @@ class Measure:
         constant = [i in self.steady and span <= SMALL * size
                     for i, (span, size) in enumerate(zip(spans, terms))]  # fmt: skip
         scales = [size if same else span for same, span, size in zip(constant, spans, terms)]
+        for i, unit in enumerate(interface.state_units[: system.nq]):
+            if constant[i] and unit == "rad":  # whole turns are no size
+                scales[i] = min(scales[i], tau)
         for k, group in enumerate(state_groups(interface) if self.noise else ()):
             if k in self.noise and max(spans[i] for i in group) <= self.noise[k]:
                 for i in group:
                     scales[i], constant[i] = 0.0, False
+        for group in groups if self.unresolved else ():
+            largest = max(scales[i] for i in group)
+            for i in self.unresolved.intersection(group):
+                scales[i], constant[i] = largest, False
         for i, round_off in enumerate(noise, n):
             if round_off:
                 scales[i], constant[i] = 0.0, False

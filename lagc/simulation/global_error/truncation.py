@@ -27,7 +27,7 @@ def is_tied(steps: int, changes: int) -> bool:
 
 class Truncation:
     """The truncation error of `runs` (by tolerance), to which more are added. `apart` returns the scaled
-    difference of two runs, the finer one first; `order` is that of the method."""
+    difference of two runs, the finer one first; `order` is that of the method, 0 if it varies."""
 
     def __init__(
         self, runs: Mapping[float, Trajectory], apart: Callable[[Trajectory, Trajectory], float], order: int
@@ -71,10 +71,10 @@ class Truncation:
 
     def _alike(self, tols: Sequence[float]) -> float:
         """The ratio of the error of the finer run to the difference, from the numbers of steps. An error is
-        proportional to the power -order of the number of steps.  Runs with similar numbers differ by less
-        than their errors."""
+        proportional to the power -order of the number of steps, or to the tolerance if the order varies.
+        Runs with similar numbers differ by less than their errors."""
         fine, coarse = (self.runs[tol].steps for tol in tols[:2])
-        ratio = (fine / max(coarse, 1)) ** self.order
+        ratio = (fine / max(coarse, 1)) ** self.order if self.order else tols[1] / tols[0]
         return min(1.0 / (ratio - 1.0), MOST_ALIKE) if ratio > 1.0 else MOST_ALIKE
 
     def _slope(self) -> float | None:

@@ -11,63 +11,24 @@ energy must be in balance (`energy_balance`).
 
 from __future__ import annotations
 
-import marshal
+from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from math import inf, sqrt
 from typing import TYPE_CHECKING
 
-from lagc.base.records import dataclass, field, names
+from lagc.base.records import dataclass, field
 from lagc.base.text import FINEST
-from lagc.host import cache
-from lagc.host.cache import tool_fingerprint
-from lagc.kernels import DEFAULT_METHOD
+from lagc.kernels import DEFAULT_METHOD, SERIES
 from lagc.kernels.integrators.tableaus import order
 from lagc.simulation.error_measure import Sizes, sizes
-from lagc.simulation.global_error.measure import ULP, Measure
+from lagc.simulation.global_error.measure import ROUNDING, ULP, Measure
+from lagc.simulation.global_error.remembered_runs import Remembered, name_of, recall, remember
 from lagc.simulation.global_error.truncation import SAFETY, Truncation, is_tied, plain
 from lagc.simulation.system import INTERRUPTED, Options, System, Trajectory, arrived
 
 if TYPE_CHECKING:
     from lagc.simulation.global_error.energy_balance import Balance
     from lagc.simulation.global_error.error_growth import Rounding
-
-
-FORMAT = 4  # of marshal, readable by every version of Python
-
-
-def name_of(
-    system: System, x0: Sequence[float], times: Sequence[float], accuracy: float, method: str,
-    max_step: float | None, scales: Mapping[str, float],
-) -> str:  # fmt: skip
-    """The cache key of a verified run, which contains everything that determines its result."""
-    interface = system.interface
-    given = sorted(scales.items())
-    values = [repr(v) for v in (accuracy, max_step, given, list(system.parameters), list(x0), list(times))]
-    tool = tool_fingerprint()
-    return cache.key("accuracy 11", tool, interface.model_hash, method, system.backend, *values)
-
-
-@dataclass
-class Remembered:
-    """A verified run in the cache: tolerance, whether it holds for each state alone, estimated error, last
-    state, and by quantity the errors and scales; notes."""
-
-    rtol: float
-    alone: bool
-    estimated: float
-    end: list[float]
-    errors: list[float]
-    scales: list[float]
-    notes: list[str]
-
-
-def recall(name: str) -> Remembered | None:
-    return cache.load("accuracy", name, lambda body: Remembered(*marshal.loads(body)))
-
-
-def remember(name: str, found: Remembered) -> None:
-    """Store a verified run."""
-    cache.store("accuracy", name, marshal.dumps([getattr(found, name) for name in names(Remembered)], FORMAT))
 
 
 def distance_from(trajectory: Trajectory, end: Sequence[float], scales: Sequence[float]) -> float:
@@ -140,7 +101,7 @@ def verified_run(
     search = _Search(*given)
     chosen_among = f"{search.method} below {long} steps" if long else search.method
     name = name_of(system, x0, times, accuracy, chosen_among, max_step, scales)
-    remembered = recall(name)
+    remembered = recall(system, name)
     if remembered is not None:
         search.alone = remembered.alone
         options = search.options(remembered.rtol)
@@ -160,7 +121,7 @@ def verified_run(
     if arrived(found.trajectory) and trusted:
         last = found.trajectory.states[-1]
         remember(
-            name,
+            system, name,
             Remembered(found.options.rtol, found.options.alone, found.estimated, last, found.errors,
                        found.scales, found.notes),
         )  # fmt: skip
@@ -186,14 +147,16 @@ class _Search:
         self.all_times = sorted([*times, *aside]) if aside else times
         self.tried: list[Trajectory] = []
         self.alone = False  # whether the tolerance holds for each state, not for its scaling group
+        self.measure = Measure(system, scales)
         self._begin()
 
     def _begin(self) -> None:
         self.runs: dict[float, Trajectory] = {}  # by tolerance
         self.whole: set[float] = set()  # tolerances of runs whose steps before an event are not halved
         self.rounded: dict[float, float] = {}  # the effect of round-off by tolerance
-        self.measure = Measure(self.system, self.scales)
-        self.truncation = Truncation(self.runs, self.measure.apart, order(self.method))
+        self.measure = Measure(self.system, self.scales, self.measure.unresolved)
+        fixed = 0 if self.method in SERIES else order(self.method)
+        self.truncation = Truncation(self.runs, self.measure.apart, fixed)
         self.balance: Balance | None = None
         self.along: Rounding | None = None
 
@@ -243,8 +206,10 @@ class _Search:
             settled = self._settled()
             if self._interrupted:
                 return self._kept()
-            if not settled and self._is_dwarfed():
-                self.alone = True
+            unmet = not settled or self.estimate() > self.accuracy
+            dwarfed = not settled and self._is_dwarfed()
+            if dwarfed or (unmet and self._is_unresolved()):
+                self.alone |= dwarfed
                 self._begin()
                 stopped = self._pilots()
                 continue
@@ -301,6 +266,14 @@ class _Search:
             share > self.accuracy / SAFETY and gap > DWARFED * shared * own
             for share, gap, own in zip(shares, gaps, largest)
         )
+
+    def _is_unresolved(self) -> bool:
+        """Whether the finest runs tell of more states that are unresolved."""
+        if len(self.runs) < 3:
+            return False
+        fine, coarse, *others = sorted(self.runs)
+        fall = sqrt(coarse / others[0])
+        return self.measure.find_unresolved(self.runs[fine], self.runs[coarse], self.runs[others[0]], fall)
 
     def _is_alike(self, tol: float) -> bool:
         """Whether most steps of this run are those of a finer one, because events end them."""
@@ -406,25 +379,38 @@ class _Search:
         others = [r for r in self.tried if r is not done and len(r.states) >= len(done.states)]
         return inf if not others or len(done.states) < 2 else self.measure.apart(done, others[-1])
 
-    def _errors(self) -> list[float]:
+    def _errors(self, until: float = inf) -> list[float]:
         """The errors of each quantity of the finest run, from its difference to the next coarser one and
-        round-off; empty if it is the only one."""
+        round-off; empty if it is the only one.  `until` a horizon, from the runs that agree until then."""
         if len(self.runs) < 2:
             return []
         fine, coarse = (self.runs[tol] for tol in sorted(self.runs)[:2])
         factor, rounding, found = self.truncation.factor(), self.rounding(), self.measure.of(fine)
+        if until < inf:
+            assert self.along is not None
+            factor, rounding = SAFETY, self.along.effect(until, min(rounding, self.accuracy))
+            n = bisect_right(fine.times, until)
+            fine, coarse = (run.changed(times=run.times[:n], states=run.states[:n])
+                            for run in (fine, self._apart_from_finest()))  # fmt: skip
         errors = [factor * gap for gap in self.measure.gaps(fine, coarse)]
         moving = len(errors) - len(self.system.interface.discretes)
         for i, (scale, size) in enumerate(zip(found.scales[:moving], found.sizes)):
-            errors[i] += max(rounding * scale, ULP * size)
+            share = min(rounding, ROUNDING) if i in self.measure.unresolved else rounding
+            errors[i] += max(share * scale, ULP * size)
         return errors
+
+    def _apart_from_finest(self) -> Trajectory:
+        """The run at the finest tolerance that differs enough from the finest one, or else the next one."""
+        finest, *others = sorted(self.runs)
+        return self.runs[next((tol for tol in others if tol > COARSER * finest), others[0])]
 
     def _result(self) -> Verified:
         tols = sorted(self.runs)
         found = Verified(self.runs[tols[0]], self.options(tols[0]), self.estimate(), None, self.tried)
         finest, measure = self.runs[tols[0]], self.measure
         scales = measure.of(finest)
-        found.errors, found.scales, found.notes = self._errors(), scales.scales, measure.notes(finest)
+        found.errors, found.scales = self._errors(), scales.scales
+        found.notes = measure.notes(finest, found.errors, self.accuracy)
         if measure.noise:
             from lagc.simulation.global_error.roundoff_estimate import noise_note
 
@@ -433,11 +419,12 @@ class _Search:
         if len(tols) > 1:
             assert self.along is not None
             found.rounding, found.drift = self.rounding(), self.drift()
-            apart = next((tol for tol in tols if tol > COARSER * tols[0]), tols[1])
-            found.balance, found.beside = self.balance, self.runs[apart]
+            found.balance, found.beside = self.balance, self._apart_from_finest()
             if found.estimated > self.accuracy:
                 alike = measure.agree_until(finest, found.beside, self.accuracy / SAFETY)
                 until, last = self.along.until(self.accuracy), self.times[-1]
                 if alike is not None or self.times[0] < until < last:
                     found.horizon = min(last if alike is None else alike, until)
+                    if found.estimated >= MEANINGLESS:
+                        found.errors = self._errors(found.horizon)
         return found

@@ -10,6 +10,7 @@ from typing import Any
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.host.budgets import doing
+from lagc.lowering.program import Contact
 from lagc.simulation.initialization.result import Anchor, Start, unmet_lines
 from lagc.simulation.request import Request, keep_limits
 from lagc.simulation.system import (
@@ -28,7 +29,7 @@ from lagc.simulation.system import (
     state_name,
 )
 
-PENETRATION = 1e-9  # of the size of a gap: one that is negative by more is refused
+PENETRATION = 1e-9  # of the size of a gap: a start that is beyond the bound by more is refused
 PART = 1e-6  # of a coordinate, by which it is moved to see how gaps change
 TOUCHES = 1e-13  # of the same: round-off of a gap
 MOST_NAMED = 12  # conditions of a conflict
@@ -66,16 +67,16 @@ def begin(system: System, request: Request) -> Start:
             raise NoStart(fault, anchors, start.x, system)
     _energies(system, start.x)
     if system.interface.contacts:
-        start = replace(start, x=touching(system, 0.0, start.x))
+        start = replace(start, x=touching(system, 0.0, start.x), beyond=_beyond(system, start.x))
     return replace(start, seconds=perf_counter() - began)
 
 
 def sizes_of_gaps(system: System, t: float, x: Sequence[float]) -> list[float]:
-    """Return the size of each gap: the sum of its changes with each coordinate, times this coordinate, or else
-    the size of the parameters of its unit."""
+    """Return the size of each gap: the sum of its changes with each coordinate and speed, times this one, or
+    else the size of the parameters of its unit."""
     gaps = system.gaps(t, x)
     found = [0.0] * len(gaps)
-    for k in range(system.nq):
+    for k in range(system.nq + system.nv):
         if x[k] != 0.0:
             moved = [*x[:k], x[k] * (1.0 + PART), *x[k + 1 :]]
             found = [size + abs(a - b) / PART for size, a, b in zip(found, system.gaps(t, moved), gaps)]
@@ -95,12 +96,25 @@ def touching(system: System, t: float, x: Sequence[float]) -> list[float]:
     sizes = sizes_of_gaps(system, t, x)
     for i, (contact, gap, size) in enumerate(zip(interface.contacts, system.gaps(t, x), sizes)):
         if gap < -PENETRATION * size:
-            depth = f"{-gap:.6g} {contact.unit}".rstrip()
-            message = f"the start is {depth} beyond the bound `{contact.name}`"
+            message = f"the start is {_depth(contact, gap)}"
             fault = Fault("LAG0624", message, remedy="begin with a gap that is zero or positive")
             raise NoStart(fault, [("contact", contact.name)], x, system)
         found[first + i] = 1.0 if gap <= TOUCHES * size else 0.0
     return found
+
+
+def _beyond(system: System, x: Sequence[float]) -> tuple[str, ...]:
+    """Return a line for each bound that a start is beyond by more than round-off: it is put on the bound."""
+    sizes = sizes_of_gaps(system, 0.0, x)
+    given = zip(system.interface.contacts, system.gaps(0.0, x), sizes)
+    return tuple([
+        f"the start is {_depth(contact, gap)}, and is put on it"
+        for contact, gap, size in given if gap < -TOUCHES * size
+    ])  # fmt: skip
+
+
+def _depth(contact: Contact, gap: float) -> str:
+    return f"{f'{-gap:.6g} {contact.unit}'.rstrip()} beyond the bound `{contact.name}`"
 
 
 def _energies(system: System, x: Sequence[float]) -> None:

@@ -86,6 +86,7 @@ class Start:
     unmet: tuple[Unmet, ...] = ()
     held: tuple[str, ...] = ()
     anchors: tuple[Anchor, ...] = ()  # of the values held
+    beyond: tuple[str, ...] = ()  # lines on bounds that the given start is beyond by little
     seconds: float = 0.0  # that it took
 
     @property
@@ -100,7 +101,7 @@ class Start:
         if found:
             shown = [f"`{c.name}` = {_value(c.used, c.unit)}" for c in found[:_MOST_FOUND]]
             lines.append(f"found for the start: {', '.join(shown)}{more(found, _MOST_FOUND)}")
-        return tuple(lines)
+        return (*lines, *self.beyond)
 
 
 def _together(changes: Sequence[Change]) -> str:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 from lagc.diagnostics.faults import Fault
-from lagc.diagnostics.suggest import AS_JOINT, FOREIGN, LATER, LIBRARIES, NO_LIBRARY, closest, foreign_model
+from lagc.diagnostics.foreign_words import AS_JOINT, KEYWORDS, LIBRARIES, MODELS, NO_LIBRARY, RUNS, foreign
+from lagc.diagnostics.suggest import closest
 from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD
 from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
 
@@ -15,12 +18,11 @@ def first_word(w: Where) -> Explained | None:
         return None
     if w.inside and w.tokens[w.begin + 1].text in (".", "[", "="):
         return None
-    foreign = FOREIGN.get(word.lower())
-    if foreign is not None:
+    entry = KEYWORDS.get(word)
+    if entry is not None:
         message = f"`{word}` is not a keyword of the language"
-        fault = Fault("LAG0118", message, w.span(w.first), remedy=foreign.remedy)
-        repair = None if foreign.ours is None else w.replace_first(*foreign.ours)
-        return Explained(fault, repair)
+        fault = Fault("LAG0118", message, w.span(w.first), remedy=foreign(KEYWORDS, word))
+        return Explained(fault, None if "`" in entry else w.replace_first(*entry.split()))
     if w.tokens[w.begin + 1].kind != WORD:
         return None
     if word.lower() in w.keywords:
@@ -54,16 +56,12 @@ def _until(w: Where, word: str) -> str:
     return before.strip() if found else ""
 
 
-def not_yet(w: Where) -> Explained | None:
+def joint_form(w: Where) -> Explained | None:
     """Explain `joint Revolute j(...)`, which has another form than the language reads."""
-    if w.first.text == "joint" and w.inside:
-        kind = foreign_model(w.tokens[w.begin + 1].text) or AS_JOINT
-        return Explained(Fault("LAG0221", "a joint has another form", w.span(w.first), remedy=kind))
-    if w.first.text not in LATER or not w.inside:
+    if w.first.text != "joint" or not w.inside:
         return None
-    message, remedy = LATER[w.first.text]
-    kind = w.tokens[w.begin + 1].text
-    return Explained(Fault("LAG0220", message, w.span(w.first), remedy=foreign_model(kind) or remedy))
+    kind = foreign(MODELS, w.tokens[w.begin + 1].text) or AS_JOINT
+    return Explained(Fault("LAG0221", "a joint has another form", w.span(w.first), remedy=kind))
 
 
 def python_choice(w: Where) -> Explained | None:
@@ -95,6 +93,54 @@ def python_choice(w: Where) -> Explained | None:
     ordered = [token_of("if", value[0].start), *condition, token_of("then", w.token.start), *value,
                token_of("else", w.token.start), *other]  # fmt: skip
     return Explained(fault, Repair(first + 1, last - first - 1, tuple(ordered)))
+
+
+def conditional_component(w: Where) -> Explained | None:
+    """Explain `Gravity field if air;`."""
+    if w.token.text != "if" or not w.inside or w.new_line() or not w.accepts("SEMICOLON"):
+        return None
+    last = w.position
+    while w.tokens[last + 1].text != ";" and w.tokens[last + 1].kind != END:
+        last += 1
+    name = w.tokens[last].text if last == w.position + 1 and w.tokens[last].kind == WORD else "option"
+    declared = w.span(w.first, w.before).text
+    message = "an optional part of a model is an effect, which a scene uses"
+    remedy = f"write `effect {name} {declared}; end {name};` and `scene lab uses {name};`"
+    fault = Fault("LAG0118", message, w.span(w.token, w.tokens[last]), remedy=remedy)
+    return Explained(fault, Repair(w.position, last + 1 - w.position, ()))
+
+
+def scene_arguments(w: Where) -> Explained | None:
+    """Explain `scene lab(l = 0.7);`, which parses as a scene whose body begins with `(`."""
+    name = w.tokens[w.begin - 1]
+    if w.first.text != "(" or w.begin < 2 or w.tokens[w.begin - 2].text != "scene":
+        return None
+    last = w.begin
+    while w.tokens[last].text != ";" and w.tokens[last].kind != END:
+        last += 1
+    written = w.source.text[w.first.end : w.tokens[last].start].strip().removesuffix(")")
+    starts = {t.text for k, t in enumerate(w.tokens) if k > 1 and w.tokens[k - 2].text == "coordinate"}
+    given = [part.strip() for part in written.split(",")]
+    lines = [f"{'start' if part.split()[0] in starts else 'parameter'} {part};" for part in given if part]
+    message = "a scene has no arguments: it sets values in its body"
+    remedy = f"write `scene {name.text} {' '.join(lines)} end {name.text};`"
+    fault = Fault("LAG0114", message, w.span(name, w.tokens[last - 1]), remedy=remedy)
+    return Explained(fault, Repair(w.begin, last - w.begin, ()))
+
+
+def solver_call(w: Where) -> Explained | None:
+    """Explain `[t, y] = ode45(f, [0, 10], y0);`."""
+    last, depth = w.begin, 0
+    while w.tokens[last].kind != END and (depth > 0 or w.tokens[last].text != ";"):
+        depth += (w.tokens[last].text in ("(", "[", "{")) - (w.tokens[last].text in (")", "]", "}"))
+        last += 1
+    solver = next((t for t in w.tokens[w.begin : last] if t.text in RUNS), None)
+    if solver is None:
+        return None
+    message = f"`{solver.text}` is not needed: lagc integrates the equations of motion"
+    remedy = f"delete this; {foreign(KEYWORDS, 'solve')}"
+    fault = Fault("LAG0118", message, w.span(solver), remedy=remedy)
+    return Explained(fault, Repair(w.begin, last - w.begin + 1, ()))
 
 
 def without_kind(w: Where) -> Explained | None:
@@ -198,7 +244,10 @@ def load_target(w: Where) -> Explained | None:
     if kind == "force" and any(token.text == "on" for token in w.tokens[w.begin : w.position]):
         remedy = f"write `at {w.before.text}`, or `on {w.before.text} at P` for a point P of the body"
     elif remedy is None:
-        remedy = f"add where it acts, `{needed} {'P' if kind == 'force' else 'b'}`, before this"
+        pairs, words = pairwise(w.tokens), ("body", "Particle", "Solid")
+        place = next((b.text for a, b in pairs if a.text in words and b.kind == WORD), "b")
+        written = w.span(w.first, w.before).text
+        remedy = f"write `{written} {needed} {place};`"
     fault = Fault("LAG0127", f"{shown}: `{example}`", w.span(w.token), remedy=remedy)
     return Explained(fault, w.replace(needed) if other else None)
 

@@ -1,106 +1,21 @@
-"""Mistakes with operators, brackets, separators and units."""
+"""Mistakes with brackets, separators and units."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
-from lagc.diagnostics.faults import Fault, Span
-from lagc.diagnostics.suggest import OPERATORS, looks_like_unit
-from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Token
+from lagc.diagnostics.faults import Fault, Source, Span
+from lagc.diagnostics.foreign_words import looks_like_unit, unit_symbol
+from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Token, tokenise
 from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
+from lagc.syntax.mistakes.operators import FUNCTIONS
 
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
-_ARGUMENTS = re.compile(r"\s*\(\s*\w+\s*=[^=].*$")
+_FACTOR = re.compile(r"((?:[/.*]| )?)([A-Za-zµ°]+)((?:\^[-+]?)?\d*)")  # of a unit that is written bare
+_LISTED = re.compile(r"\s*[-\w.]+(\s+[-\w.]+)+\s*$")  # `1 0 -2`, numbers or names with blanks between
 _OPENING = {closing: opening for opening, closing in _CLOSING.items()}
 _OPERATORS = frozenset(("<=", ">=", "==", "<>", *"=+-*/^<>,:({["))
-
-
-def foreign_operator(w: Where) -> Explained | None:
-    if w.token.kind != SYMBOL or w.token.text not in OPERATORS:
-        return None
-    ours = OPERATORS[w.token.text]
-    message = f"`{w.token.text}` is not an operator of the language"
-    if ours is None:
-        return Explained(Fault("LAG0117", message, w.span(w.token)))
-    if w.token.text == ":=" and w.block is not None and w.block.closing == "when":
-        left = w.source.text[: w.token.start].replace("then", ";").rpartition(";")[2].strip()
-        right = w.source.text[w.token.end :].partition(";")[0].strip()
-        short = len(left + right) <= 60 and "\n" not in left + right
-        remedy = f"write `reinit({left}, {right});`" if short else "write `reinit(state, value);`"
-        return Explained(Fault("LAG0117", message, w.span(w.token), remedy=remedy))
-    fault = Fault("LAG0117", message, w.span(w.token), remedy=f"write `{ours}`")
-    return Explained(fault, w.replace(ours))
-
-
-def comparison_for_equation(w: Where) -> Explained | None:
-    text = w.token.text
-    if w.token.kind != SYMBOL:
-        return None
-    if text == "==" and w.accepts("EQUALS"):
-        message = "`==` compares two values; a declaration uses a single `=`"
-        return Explained(Fault("LAG0115", message, w.span(w.token), remedy="write `=`"), w.replace("="))
-    if text in ("<", ">", "<>") and w.first.text == "constraint" and w.accepts("EQUALS"):
-        message = f"a constraint uses `=`, `>=` or `<=`, not `{text}`"
-        remedy = None if text == "<>" else f"write `{text}=`"
-        repair = None if text == "<>" else w.replace(text + "=")
-        return Explained(Fault("LAG0115", message, w.span(w.token), remedy=remedy), repair)
-    return None
-
-
-def equation_for_comparison(w: Where) -> Explained | None:
-    if w.token.text != "=" or not w.accepts(w.sign("==")):
-        return None
-    words = {token.text for token in w.tokens[w.begin : w.position] if token.kind == WORD}
-    if not words & {"if", "elseif", "when"}:
-        return None
-    message = "a condition compares with `==`"
-    return Explained(Fault("LAG0116", message, w.span(w.token), remedy="write `==`"), w.replace("=="))
-
-
-def chained(w: Where) -> Explained | None:
-    if w.token.text == "^":
-        message = "`a^b^c` is ambiguous"
-        return Explained(Fault("LAG0126", message, w.span(w.token), remedy="write `a^(b^c)` or `(a^b)^c`"))
-    if w.token.text in ("<", "<=", ">", ">=", "==", "<>") and not w.accepts("EQUALS"):
-        depth = 0
-        for token in reversed(w.tokens[w.begin : w.position]):
-            depth += (token.text in _OPENING) - (token.text in _CLOSING)
-            if depth < 0 or token.text in ("and", "or", "if", "elseif", "then", "else", ",", "="):
-                break
-            if depth == 0 and token.text in ("<", "<=", ">", ">=", "==", "<>"):
-                message = "comparisons cannot be chained"
-                fault = Fault(
-                    "LAG0126", message, w.span(w.token),
-                    related=((w.span(token), "the first comparison"),),
-                    remedy=_two_bounds(w, token) or "join two comparisons with `and`",
-                )  # fmt: skip
-                return Explained(fault)
-    return None
-
-
-def _two_bounds(w: Where, first: Token) -> str | None:
-    """Return how to write the constraint a <= b <= c, whose first comparison is `first`."""
-    colon = next((x for x in w.tokens[w.begin : w.position] if x.text == ":"), None)
-    if w.first.text != "constraint" or colon is None:
-        return None
-    name = w.source.text[w.first.end : colon.start].strip()
-    left, middle, right = (
-        w.source.text[start:end].strip()
-        for start, end in (
-            (colon.end, first.start),
-            (first.end, w.token.start),
-            (w.token.end, len(w.source.text)),
-        )
-    )
-    last = right.partition(";")[0]
-    found = _ARGUMENTS.search(last)
-    own, bound = (found[0], last[: found.start()]) if found else ("", last)  # arguments belong to both
-    bounds = f"{left} {first.text} {middle}{own}", f"{middle} {w.token.text} {bound}{own}"
-    if any("\n" in bound or len(bound) > 60 for bound in bounds):
-        return "write two constraints, one for each bound"
-    return (
-        f"write two constraints: `constraint {name}_1: {bounds[0]};` and `constraint {name}_2: {bounds[1]};`"
-    )
 
 
 def decimal_comma(w: Where) -> Explained | None:
@@ -134,27 +49,28 @@ def comma_between_starts(w: Where) -> Explained | None:
 
 
 def bare_unit(w: Where) -> Explained | None:
-    if w.token.kind != WORD or w.before.kind != NUMBER or w.new_line() or not looks_like_unit(w.token.text):
+    """Explain `30 deg`, `9.81 m/s^2`, `1e3_N/m` and `1 (kg)`."""
+    inside = w.token.text == "("
+    first = w.position + inside
+    start = w.tokens[first].start + w.tokens[first].text.startswith("_")
+    if w.before.kind != NUMBER or w.new_line() or w.tokens[first].kind != WORD:
         return None
-    if w.before.end == w.token.start and _is_declared(w, w.token.text):
+    text, unit, end = w.source.text, "", start
+    while (part := _FACTOR.match(text, end)) is not None and looks_like_unit(part[2]):
+        if bool(unit) != bool(part[1]) or (part[1] == " " and "-" not in part[3]):
+            break
+        sign = "." if part[1] in ("*", " ") else part[1]
+        unit, end = f"{unit}{sign}{unit_symbol(part[2])}{part[3]}", part.end()
+    last = first
+    while w.tokens[last].end < end:
+        last += 1
+    last += inside
+    if not unit or w.tokens[last - inside].end != end or (inside and w.tokens[last].text != ")"):
+        return None
+    if w.before.end == w.token.start and _is_declared(w, w.tokens[first].text):
         return None  # `2l` is a product
-    # A unit may be a product: `9.81 m/s2`.
-    last = w.position
-    tokens = w.tokens
-    while (
-        tokens[last + 1].text in ("/", ".", "*")
-        and tokens[last + 2].kind == WORD
-        and looks_like_unit(tokens[last + 2].text)
-        and tokens[last + 2].end - tokens[last].end == 1 + len(tokens[last + 2].text)
-    ):
-        last += 2
-    unit = "".join("." if t.text == "*" else t.text for t in tokens[w.position : last + 1])
-    fault = Fault(
-        "LAG0121",
-        "a unit is written in brackets",
-        w.span(w.token, tokens[last]),
-        remedy=f"write `{w.before.text} [{unit}]`",
-    )
+    remedy = f"write `{w.before.text} [{unit}]`"
+    fault = Fault("LAG0121", "a unit is written in brackets", w.span(w.token, w.tokens[last]), remedy=remedy)
     repair = Repair(w.position, last + 1 - w.position, (token_of(f"[{unit}]", w.token.start),))
     return Explained(fault, repair)
 
@@ -184,30 +100,37 @@ def vector_in_brackets(w: Where) -> Explained | None:
     """Explain `[x, 0, 0]` and `[1, 2; 3, 4]`."""
     if w.token.text != "[" or w.token.kind != SYMBOL or not w.accepts("LBRACE"):
         return None
-    last, depth, rows = w.position, 0, False
+    last, depth = w.position, 0
     while True:
         token = w.tokens[last]
         if token.kind == END or token.text in ("=", "end"):
             return None
         depth += (token.text == "[") - (token.text == "]")
-        rows = rows or (token.text == ";" and depth == 1)
         if depth == 0:
             break
         last += 1
-    inner = w.source.text[w.token.end : w.tokens[last].start].replace("[", "{").replace("]", "}")
-    shown = (
-        f"{{{inner}}}"
-        if not rows
-        else "{" + ", ".join(f"{{{row.strip()}}}" for row in inner.split(";")) + "}"
-    )
+    shown = _in_braces(w.source.text, w.tokens[w.position : last + 1])
     message = "a vector or an array is written in braces"
     fault = Fault("LAG0114", message, w.span(w.token, w.tokens[last]), remedy=f"write `{shown}`")
-    if rows:
-        return Explained(fault)
-    braces = {"[": "{", "]": "}"}
-    others = [token_of(braces.get(t.text, t.text), t.start) if t.text in braces else t
-              for t in w.tokens[w.position : last + 1]]  # fmt: skip
-    return Explained(fault, Repair(w.position, len(others), tuple(others)))
+    others = tokenise(Source("", shown)).tokens[:-1]
+    for token in others:
+        token.start = token.end = w.token.start
+    return Explained(fault, Repair(w.position, last + 1 - w.position, tuple(others)))
+
+
+def _in_braces(text: str, tokens: Sequence[Token]) -> str:
+    """Return `[x, 0]`, `[1 2; 3 4]` or the column `[x; 0]` as a vector or a matrix in braces."""
+    first, last = tokens[0].start, tokens[-1].end
+    characters = list(text[first:last])
+    for token in tokens:
+        if token.kind == SYMBOL and token.text in "[]":
+            characters[token.start - first] = "{" if token.text == "[" else "}"
+    rows = "".join(characters[1:-1]).strip(" ;").split(";")
+    split = [row.split() if "," not in row and _LISTED.match(row) else [row.strip()] for row in rows]
+    if len(rows) > 1 and all(len(row) == 1 and "," not in row[0] for row in split):
+        split = [[row[0] for row in split]]
+    lists = [", ".join(row) for row in split]
+    return "{" + (lists[0] if len(lists) == 1 else ", ".join(f"{{{row}}}" for row in lists)) + "}"
 
 
 def vector_in_parentheses(w: Where) -> Explained | None:
@@ -311,17 +234,18 @@ def missing_semicolon(w: Where) -> Explained | None:
 
 
 def comma_in_list(w: Where) -> Explained | None:
-    """Explain `uses a b;`, which parses as a scene whose body begins with `b`."""
+    """Explain `uses a b;` and `uses a + b;`, which parse as a scene whose body begins with `b`."""
     at = w.begin - 1
-    if not w.inside or w.first.kind != WORD or at < 1 or w.tokens[at].kind != WORD:
+    if not w.inside or at < 1 or w.tokens[at].kind != WORD or (w.first.kind != WORD and w.first.text != "+"):
         return None
+    joined = w.first.text in ("+", "and")
     while at > 0 and (w.tokens[at].kind == WORD or w.tokens[at].text == ","):
         if w.tokens[at].text == "uses":
-            message = f"a `,` is missing between `{w.tokens[w.begin - 1].text}` and `{w.first.text}`"
-            span = w.span(w.tokens[w.begin - 1], w.first)
-            fault = Fault("LAG0130", message, span, remedy="separate the names in a list by `,`")
-            comma = token_of(",", w.first.start)
-            return Explained(fault, Repair(w.begin - 1, 1, (w.tokens[w.begin - 1], comma)))
+            before, after = w.tokens[w.begin - 1], w.tokens[w.begin + joined]
+            message = f"a `,` is missing between `{before.text}` and `{after.text}`"
+            remedy = f"separate the names in a list by `,`: `{before.text}, {after.text}`"
+            fault = Fault("LAG0130", message, w.span(before, after), remedy=remedy)
+            return Explained(fault, Repair(w.begin - 1, 1 + joined, (before, token_of(",", w.first.start))))
         at -= 1
     return None
 
@@ -338,11 +262,6 @@ def missing_sign(w: Where) -> Explained | None:
         return Explained(Fault("LAG0130", message, span, remedy="write `,` or `=`"))
     message = f"a `=` is missing between `{w.before.text}` and `{w.token.text}`"
     return Explained(Fault("LAG0130", message, span, remedy="write `=`"), w.insert("="))
-
-
-_FUNCTIONS = frozenset(
-    {"sin", "cos", "tan", "exp", "log", "sqrt", "abs", "norm", "der", "velocity", "position"}
-)
 
 
 def missing_comma(w: Where) -> Explained | None:
@@ -363,7 +282,7 @@ def missing_operator(w: Where) -> Explained | None:
         return None
     message = f"an operator is missing between `{w.before.text}` and `{w.token.text}`"
     remedy = f"to multiply write `{w.before.text}*{w.token.text}`"
-    if w.before.text in _FUNCTIONS and w.token.kind == WORD:
+    if w.before.text in FUNCTIONS and w.token.kind == WORD:
         remedy = f"write `{w.before.text}({w.token.text})`"
     return Explained(Fault("LAG0130", message, w.span(w.before, w.token), remedy=remedy), w.insert("*"))
 

@@ -1,0 +1,63 @@
+"""The records of a verified run."""
+
+from lagc.kernels.language.records import State, Work
+from lagc.kernels.language.sizes import *
+from lagc.kernels.language.words import Count, IVec, Length, Mat, Real, Vec, struct
+
+
+@struct
+class Goal:
+    """What a verified run is asked for, and what is known before it."""
+
+    accuracy: Real  # the largest error of each quantity over its scale
+    law: Real  # error over tolerance, of an earlier run of the model; 0: not known.  The run replaces it
+    most: Count  # limit of evaluations of the right-hand side in all attempts; 0: none
+    slice: Count  # steps after which a call returns INTERRUPTED: call again to continue; 0: none
+
+
+@struct
+class Report:
+    """What a verified run has shown."""
+
+    estimated: Real  # the largest error of a quantity over its scale
+    until: Real  # the accuracy is met until this time
+    rtol: Real  # tolerance of the returned run
+    attempts: Count  # pairs of runs
+    rhs: Count  # evaluations of the right-hand side in all
+    steps: Count  # of the returned run
+    skipped: Count  # comparisons left out, since the runs had not passed the same number of events
+    done: Length  # recorded times
+
+
+@struct
+class Verification:
+    """Workspace of a verified run: the run, its check, and what is compared.  Fill it with zeros before the
+    first use."""
+
+    phase: int  # of the call: 0 a new run, 1 continues
+    run: State
+    check: State
+    run_work: Work
+    check_work: Work
+    error: Vec[NQUANTITY]  # estimated error of each quantity
+    scale: Vec[NQUANTITY]  # what it is relative to
+    constant: IVec[NQUANTITY]  # 1: the quantity does not move
+    # Private from here on: the library alone reads and writes these fields.
+    gap: Vec[NQUANTITY]  # largest difference of the two runs
+    low: Vec[NQUANTITY]  # range of the quantity
+    high: Vec[NQUANTITY]
+    terms: Vec[NQUANTITY]  # sum of the magnitudes of the terms of an output
+    of_run: Vec[NQUANTITY]  # the quantities at one time
+    of_check: Vec[NQUANTITY]
+    x: Vec[NX]
+    before: Mat[SEVEN, NQUANTITY]  # quantities of the run at the ends of the check's steps
+    block_times: Vec[SEVEN]  # ends of the steps of the block
+    check_times: Vec[SEVEN]  # ends of the check's steps
+    block_changes: Vec[SEVEN]  # events of the run before each of its steps
+    compared: IVec[SEVEN]  # 1: `before` has this row
+    steps_done: int  # steps of the run in this block
+    checked: Length  # recorded times that were compared
+    tolerance: Real  # of the attempt
+    predicted: Real  # estimated error at the end, by that so far
+    sizes_alone: bool  # error weights are relative to each state alone
+    misses_by_small: bool  # the worst quantity is small in its scaling group

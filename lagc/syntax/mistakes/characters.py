@@ -1,0 +1,130 @@
+"""Characters that the language does not use: Greek letters, signs of other alphabets, LaTeX, primes."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Callable
+
+from lagc.diagnostics.faults import Fault, Source, Span
+from lagc.diagnostics.foreign_words import CHARACTERS, GREEK, LATEX, SIGNS, filled, remedy_of
+from lagc.syntax.lexer import STRING, SYMBOL, WORD, Lexed, Token
+
+_LATEX = re.compile(r"\\([A-Za-z]+)((?:\{[^{}\n]*(?:\{[^{}\n]*\}[^{}\n]*)*\})*)")
+_EXPONENT = re.compile("[⁰¹²³⁴-⁹⁻]+")
+_ARGUMENT = re.compile(r"\([^()]*\)")
+_BRACES = re.compile(r"\{([^{}]*(?:\{[^{}]*\}[^{}]*)*)\}")
+
+
+def foreign_word(source: Source, word: str, start: int) -> Fault:
+    """Return the fault of a name with other letters than those of the language."""
+    exponent = _EXPONENT.search(source.text, start, start + len(word))
+    base = word if exponent is None else word[: exponent.start() - start]
+    spelled = "".join(GREEK.get(character, character) for character in base)
+    plain = unicodedata.normalize("NFKD", spelled)
+    plain = "".join(c for c in plain if not unicodedata.combining(c))
+    good = plain.isascii() and plain.isidentifier()
+    remedy = f"write `{plain}`" if good else None
+    if exponent is not None and (good or not plain):
+        remedy = _raised(source, plain, exponent)
+    message = f"`{word}` is not a name; names consist of the letters A-Z and a-z, digits and `_`"
+    return Fault("LAG0101", message, Span(source, start, start + len(word)), remedy=remedy)
+
+
+def foreign_character(source: Source, lexed: Lexed, start: int) -> int:
+    """Report what begins with a character that the language does not use, and return its end."""
+    character = source.text[start]
+    explained = _EXPLAINED.get(character)
+    end = explained(source, lexed, start) if explained is not None else None
+    if end is not None:
+        return end
+    meant = SIGNS.get(character)
+    entry = CHARACTERS.get(character) if meant is None else meant
+    _report(source, lexed, start, start + 1, None if entry is None else remedy_of(entry))
+    if meant is not None:
+        lexed.tokens.append(Token(SYMBOL, meant, start, start + 1))
+    return start + 1
+
+
+def _report(source: Source, lexed: Lexed, start: int, end: int, remedy: str | None) -> int:
+    text = source.text[start:end]
+    shown = f"`{text}`" if text.isprintable() else f"the character U+{ord(text[0]):04X}"
+    what = "a character" if len(text) == 1 else "a word"
+    message = f"{shown} is not {what} of the language"
+    lexed.faults.append(Fault("LAG0101", message, Span(source, start, end), remedy=remedy))
+    return end
+
+
+def _comment(source: Source, lexed: Lexed, start: int) -> int | None:
+    """Skip the rest of a line after `#`, or after a `%` that ends or begins a declaration."""
+    before = lexed.tokens[-1] if lexed.tokens else None
+    operand = before is not None and before.text != ";" and "\n" not in source.text[before.end : start]
+    if source.text[start] == "%" and operand:
+        lexed.tokens.append(Token(SYMBOL, "%", start, start + 1))
+        return start + 1
+    _report(source, lexed, start, start + 1, CHARACTERS["#"])
+    newline = source.text.find("\n", start)
+    return len(source.text) if newline < 0 else newline
+
+
+def _quote(source: Source, lexed: Lexed, start: int) -> int | None:
+    """Explain the rates `x'` and `x''`, the transpose `(...)'` and the text `'...'`."""
+    text, end = source.text, start + 1
+    before = lexed.tokens[-1] if lexed.tokens else None
+    near = before is not None and before.end == start
+    if before is not None and near and before.kind == WORD:
+        while text[end : end + 1] == "'":
+            end += 1
+        order = end - start if end - start < 3 else 1
+        return _report(source, lexed, start, end, f"write `{'der(' * order}{before.text}{')' * order}`")
+    if before is not None and near and before.text in (")", "]", "}"):
+        return _report(source, lexed, start, end, "leave it out: a vector is neither a row nor a column")
+    closing = text.find("'", end, max(text.find("\n", end), end))
+    if closing < 0:
+        return None
+    words = text[end:closing]
+    _report(source, lexed, start, closing + 1, f'write `"{words}"`')
+    lexed.tokens.append(Token(STRING, f'"{words}"', start, closing + 1))
+    return closing + 1
+
+
+def _latex(source: Source, lexed: Lexed, start: int) -> int | None:
+    """Explain `\\theta`, `\\frac{1}{2}` and `\\dot{x}`."""
+    found = _LATEX.match(source.text, start)
+    if found is None:
+        return None
+    name, template = found[1], LATEX.get(found[1])
+    if template is None or "{" not in template:
+        end = found.end(1)
+        return _report(source, lexed, start, end, remedy_of(name if template is None else template))
+    parts = [" ".join(part.replace("\\", " ").split()) for part in _BRACES.findall(found[2])]
+    line = filled(template, parts) if template.count("{") <= len(parts) else template
+    return _report(source, lexed, start, found.end(), f"write `{line}`")
+
+
+def _degrees(source: Source, lexed: Lexed, start: int) -> int | None:
+    """Explain `30°`."""
+    number = lexed.tokens[-1].text if lexed.tokens else ""
+    if not number[:1].isdigit():
+        return None
+    return _report(source, lexed, start, start + 1, f"write `{number} [deg]`")
+
+
+def _power(source: Source, lexed: Lexed, start: int) -> int | None:
+    """Explain `s⁻²`."""
+    found = _EXPONENT.match(source.text, start)
+    return found and _report(source, lexed, start, found.end(), _raised(source, "", found))
+
+
+def _raised(source: Source, base: str, exponent: re.Match[str]) -> str:
+    """Return a remedy for `x²` and `sin²(x)`."""
+    power = unicodedata.normalize("NFKD", exponent[0]).replace("\u2212", "-")
+    power = f"({power})" if power.startswith("-") else power
+    argument = _ARGUMENT.match(source.text, exponent.end())
+    return f"write `{base}{argument[0] if argument and base else ''}^{power}`"
+
+
+_EXPLAINED: dict[str, Callable[[Source, Lexed, int], int | None]] = {
+    "#": _comment, "%": _comment, "'": _quote, "\\": _latex, "°": _degrees, "º": _degrees,
+    "⁻": _power,
+}  # fmt: skip

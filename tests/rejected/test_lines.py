@@ -1,0 +1,71 @@
+"""Lines as students and users of MATLAB, Modelica, Python and C write them, and the lines to write.
+
+A row of `lines.txt` is `CODE wrong line ==> right line`, put at the end of a pendulum.  The wrong line gives
+one fault, at the place between the guillemets.  What its remedy says to write stands in the right line,
+which gives none.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from lagc.compiler.checking import check
+from lagc.compiler.pipeline import Choice
+from lagc.diagnostics.faults import Fault, Source
+
+PENDULUM = """\
+model P
+  parameter Mass m = 1 [kg];
+  parameter Length l = 0.5 [m];
+  coordinate Angle theta(start = 1);
+  body b = Particle(mass = m, at = l*{sin(theta), 0, -cos(theta)});
+  Gravity field;
+  """
+
+
+class Row(NamedTuple):
+    code: str
+    wrong: str
+    right: str
+
+
+def rows() -> list[Row]:
+    lines = (Path(__file__).parent / "lines.txt").read_text().splitlines()
+    split = [line.partition(" ") for line in lines if line and not line.startswith("#")]
+    return [Row(code, *rest.split(" ==> ")) for code, _, rest in split]
+
+
+def found(line: str) -> list[Fault]:
+    return check(Source("line.lag", f"{PENDULUM}{line}\nend P;\n"), Choice())
+
+
+def without_blanks(text: str) -> str:
+    return re.sub(r"\s", "", text)
+
+
+ROWS = rows()
+
+
+@pytest.mark.sample(60)
+@pytest.mark.parametrize("row", ROWS, ids=[row.wrong for row in ROWS])
+def test_the_remedy_of_a_line_is_in_the_right_line(row: Row) -> None:
+    wrong = row.wrong.replace("«", "").replace("»", "")
+    (fault,) = found(wrong)
+    place = row.wrong.index("«"), row.wrong.index("»") - 1
+    assert fault.code == row.code
+    assert fault.span is not None
+    assert (fault.span.start, fault.span.end) == tuple(len(PENDULUM) + at for at in place), fault.span.text
+    remedy, right = fault.remedy or "", without_blanks(row.right)
+    pieces = [without_blanks(piece) for piece in re.findall(r"`([^`]+)`", remedy)]
+    left_out = remedy.startswith(("leave it out", "delete it")) and len(right) < len(without_blanks(wrong))
+    assert left_out or any(piece in right for piece in pieces), remedy
+
+
+@pytest.mark.sample(20)
+@pytest.mark.parametrize("row", ROWS, ids=[row.right for row in ROWS])
+def test_the_right_line_is_accepted(row: Row) -> None:
+    assert [(fault.code, fault.message) for fault in found(row.right)] == []
