@@ -60,7 +60,8 @@ def test_a_box_rests_while_some_forces_hold_it(backend: str) -> None:
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize(("mu", "mu_s"), [(0.3, 0.3), (0.2, 0.4)])
 def test_a_box_that_is_pushed_slips_once_at_its_limit(backend: str, mu: float, mu_s: float) -> None:
-    """F = t 1 N/s: both corners slip where t = mu_s m g, and v = ((t^2 - t0^2)/2 - mu m g (t - t0))/m then."""
+    """F = t 1 N/s: both corners slip where t = mu_s m g, and v = ((t^2 - t0^2)/2 - mu m g (t - t0))/m
+    then."""
     run = _box(WEIGHT + "  force push = 1 [N/s]*time*world.x at box;\n", backend, 5.0, mu=mu, mu_s=mu_s)
     t0 = 10.0 * mu_s
     assert _told(run) == ["corner[1] slips", "corner[2] slips"]
@@ -76,7 +77,7 @@ def test_a_box_slips_on_a_board_that_tilts_at_the_angle_of_friction(backend: str
     assert [event.t for event in run.events] == pytest.approx([math.degrees(math.atan(0.4))] * 2, rel=1e-9)
     early = _compiled(BOX + weight + CORNERS, backend).simulate(0.1)
     assert early.status == "ok" and _told(early) == [] and early.final["x"] == 0.0
-    assert early.steps < 300  # nothing of the size of round-off controls the steps
+    assert early.cost.steps < 300  # nothing of the size of round-off controls the steps
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -145,8 +146,8 @@ def test_feet_share_a_load_by_the_smallest_forces_that_push(backend: str) -> Non
 
 
 def body(chance: Any, space: bool, flat: bool) -> tuple[Array, Array, Array, list[tuple[int, int, float]]]:
-    """Return rows, inverse masses, a force, and the contacts (first row, slips, friction) of a random body on 2 to 8
-    contacts; `flat`: on one plane."""
+    """Return rows, inverse masses, a force, and the contacts (first row, slips, friction) of a random body on
+    2 to 8 contacts; `flat`: on one plane."""
     d, count = (3, int(chance.integers(3, 9))) if space else (2, int(chance.integers(2, 9)))
     places = chance.uniform(-1.0, 1.0, (count, d))
     places[:, -1] = -0.5 if flat else chance.uniform(-1.0, -0.1, count)
@@ -166,8 +167,8 @@ def body(chance: Any, space: bool, flat: bool) -> tuple[Array, Array, Array, lis
 
 
 def margin(rows: Array, force: Array, contacts: Sequence[tuple[int, int, float]], sides: int = 360) -> float:
-    """Return the largest margin t, up to the weight, with mu p_n - |p_t| >= t for forces that balance the load, by
-    linear programming: exact in the plane, and in space with polygons inside of the cones."""
+    """Return the largest margin t, up to the weight, with mu p_n - |p_t| >= t for forces that balance the
+    load, by linear programming: exact in the plane, and in space with polygons inside of the cones."""
     n = rows.shape[0]
     bounds, inner = [], math.cos(math.pi / sides)
     for first, slips, mu in contacts:
@@ -180,14 +181,15 @@ def margin(rows: Array, force: Array, contacts: Sequence[tuple[int, int, float]]
                 row[first + 2] = math.sin(angle)
             bounds.append(row)
     cost = np.append(np.zeros(n), -1.0)
-    found = linprog(cost, np.array(bounds), np.zeros(len(bounds)), np.hstack([rows.T, np.zeros((rows.shape[1], 1))]),
-                    -force, [*[(None, None)] * n, (None, float(np.max(np.abs(force))))])  # fmt: skip
+    balance, ends = np.hstack([rows.T, np.zeros((rows.shape[1], 1))]), [*[(None, None)] * n]
+    most = float(np.max(np.abs(force)))
+    found = linprog(cost, np.array(bounds), np.zeros(len(bounds)), balance, -force, [*ends, (None, most)])
     return float(found.x[n]) if found.status == 0 else -math.inf
 
 
 def check(kernels: dict[str, Any], chance: Any, space: bool, flat: bool) -> bool:
-    """Solve the law of a random body. Return whether the contacts can hold it; they rest if they can, by forces in
-    their cones, and never if they cannot."""
+    """Solve the law of a random body. Return whether the contacts can hold it; they rest if they can, by
+    forces in their cones, and never if they cannot."""
     rows, inverse, force, contacts = body(chance, space, flat)
     W, b = (rows * inverse) @ rows.T, (rows * inverse) @ force
     work = kernels["make"]()
@@ -200,7 +202,8 @@ def check(kernels: dict[str, Any], chance: Any, space: bool, flat: bool) -> bool
         for first, slips, mu in contacts:
             assert p[first] >= -1e-8 * size
             if found["mode"][first // (slips + 1)] == STICKS:
-                assert np.linalg.norm(p[first + 1 : first + 1 + slips]) <= mu * p[first] + 1e-7 * np.max(np.abs(p))
+                aside = np.linalg.norm(p[first + 1 : first + 1 + slips])
+                assert aside <= mu * p[first] + 1e-7 * np.max(np.abs(p))
         if not moves:
             assert np.allclose(rows.T @ p, -force, atol=1e-8 * size)
     if holds > 1e-9 * size:
