@@ -169,10 +169,10 @@ def fill(first: int, end: int, w: StartWork) -> None:
         for k in range(row_begin(i), ends[i]):
             at = w.column_of[w.column[k]]
             if at >= 0 and w.roundoff[k] == 0:
-                row[at] = quotient(w.J[k] * w.step_scaling[w.column[k]], w.row_scaling[i])
+                row[at] = w.J[k] * w.step_scaling[w.column[k]] / w.row_scaling[i]
         w.first_column[r - first] = begin if begin < stop else 0
         w.end_column[r - first] = stop
-        w.right[r - first] = quotient(-w.c[i], w.row_scaling[i]) if w.c[i] != 0.0 else 0.0
+        w.right[r - first] = -w.c[i] / w.row_scaling[i] if w.c[i] != 0.0 else 0.0
 
 
 def set_step(y: Vec[NU], base: Vec[NU], factor: Real, w: StartWork) -> None:

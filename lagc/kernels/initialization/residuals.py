@@ -114,7 +114,7 @@ def relative_residual(i: int, w: StartWork) -> Real:
     """The residual of equation i relative to its scale; infinite where it is not a number."""
     if w.c[i] == 0.0:
         return 0.0
-    size = quotient(fabs(w.c[i]), w.row_scaling[i])
+    size = fabs(w.c[i]) / w.row_scaling[i]
     return size if size < inf else inf
 
 
@@ -153,7 +153,7 @@ def grow_sizes(w: StartWork) -> bool:
                 known += fabs(w.J[k]) * w.scaling[w.column[k]]
         for k in range(row_begin(i), ends[i]):
             j = w.column[k]
-            share = quotient(known, fabs(w.J[k])) if w.roundoff[k] == 0 else 0.0
+            share = known / fabs(w.J[k]) if w.roundoff[k] == 0 else 0.0
             if w.scaling[j] == 0.0 and LEAST_WEIGHT < share and share < MOST_WEIGHT and share < w.trial[j]:
                 w.trial[j] = share
                 found = True
