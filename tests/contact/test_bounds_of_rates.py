@@ -120,7 +120,7 @@ def test_a_bound_whose_speed_jumps_drives_at_once() -> None:
 
 
 def test_a_new_speed_is_shared_by_the_clutch() -> None:
-    """A hub that a clause `when` gives -1 rad/s takes the sprocket with it: both get (2 (-1) + 3 1)/5 rad/s."""
+    """A clause `when` gives the hub -1 rad/s: the clutch gives both (2 (-1) + 3 1)/5 rad/s."""
     clause = "when time >= 0.25 [s] then reinit(der(hub), -1 [rad/s]); end when;"
     text = WHEELS.replace("constraint stop: hub <= 1 [rad] (restitution = 0.5);", clause)
     run = lagc.loads(text).compile(backend="numpy").simulate()
