@@ -222,3 +222,30 @@ def test_random_bodies_rest_where_some_forces_hold_them(space: bool, seed: int, 
     kernels = KERNELS.c(tmp_path) if many else in_python()
     held = [check(kernels, chance, space, bool(k % 2)) for k in range(10 if many else 3)]
     assert any(held)
+
+
+CHAIR = """model Chair
+  parameter Angle b = 30 [deg];
+  coordinate Length x, y, z(start = 0.5 [m]);
+  coordinate Orientation o;
+  frame B = rotate(world, o);
+  body chair = Solid(mass = 5 [kg], inertia = {0.4, 0.5, 0.6} [kg.m2], frame = B, com = {x, y, z});
+  for i in 1:2 loop
+    point P[i] = position(chair) + 0.2 [m]*B.x - 0.5 [m]*B.z + (2*i - 3)*0.2 [m]*B.y;
+    point Q[i] = position(chair) - 0.9 [m]*B.x - 0.5 [m]*B.z + (2*i - 3)*0.2 [m]*B.y;
+    constraint front[i]: P[i].z >= 0 (friction = 0.5, static = 0.6, at = P[i]);
+    constraint rear[i]: Q[i].z >= 0 (friction = 0.5, static = 0.6, at = Q[i]);
+  end for;
+  force weight = 5 [kg]*10 [m/s2]*{-sin(b), 0, -cos(b)} at chair;
+end Chair;"""
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(("angle", "slides"), [(29.0, False), (30.9, False), (31.0, True)])
+def test_a_chair_let_go_on_a_slope_begins_by_static_friction(backend: str, angle: float, slides: bool) -> None:
+    """It rests up to atan 0.6 = 30.96 deg, and slides with g (sin b - 0.5 cos b) beyond."""
+    b = math.radians(angle)
+    run = _compiled(CHAIR, backend).simulate(1.0, parameters={"b": b})
+    expected = -5.0 * (math.sin(b) - 0.5 * math.cos(b)) if slides else 0.0
+    assert run.status == "ok" and run.final["x"] == pytest.approx(expected, abs=1e-6)

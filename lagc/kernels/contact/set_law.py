@@ -122,6 +122,8 @@ def set_law(w: Work) -> int:
         w.law_least[i] = 0.0
         w.law_slides[i] = w.law_moves[i]
         w.law_mu[i] = w.law_friction[i] if w.law_moves[i] > 0 else w.law_static[i]
+        if w.law_moves[i] == 0 and w.law_mode[i] == CONTACT_SLIPS and has_friction(w, i):
+            w.law_mode[i] = CONTACT_STICKS  # it has no direction of slip yet
     set_law_scales(w)
     found = search_modes(w)
     if NSLIP > 0:
