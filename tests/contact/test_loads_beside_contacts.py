@@ -68,10 +68,15 @@ def test_a_wheel_with_rolling_resistance(law: str, backend: str) -> None:
     assert run.final["N"] == pytest.approx(98.1, rel=1e-12) and not run.events
 
 
-def test_no_table_of_the_c_is_empty() -> None:
-    """C has no empty tables; the load depends on a contact alone, beside a constraint."""
-    text = WHEEL.replace("LAW", "abs(reaction(floor))").replace("output", "constraint line: y = 0; output")
-    text = text.replace("coordinate Angle", "coordinate Length y; coordinate Angle").replace("{x, 0,", "{x, y,")
+@pytest.mark.parametrize("reaction", ["floor", "line"])
+def test_no_table_of_the_c_is_empty(reaction: str) -> None:
+    """C has no empty tables; the load depends on the contact alone, or on the constraint alone."""
+    text = WHEEL.replace("LAW", f"abs(reaction({reaction}))").replace(
+        "output", "constraint line: y = 0; output"
+    )
+    text = text.replace("coordinate Angle", "coordinate Length y; coordinate Angle").replace(
+        "{x, 0,", "{x, y,"
+    )
     program = pipeline.delivered(pipeline.Compilation(Source("wheel", text), pipeline.Choice()), False)
     assert not any("[] = {}" in code for code in pipeline.render(program, "c").values())
 

@@ -181,24 +181,19 @@ def keep_load_matrix(w: Work) -> None:
             w.load_sizes_kept[k] = w.load_sizes[k]
 
 
-def subtract_slope(k: int, reaction: Real, w: Work) -> None:
-    """Subtract from w.load_rest the part of load derivative k for this reaction."""
-    for i in range(NV):
-        w.load_rest[i] -= reaction * w.load_slopes[k * NV + i]
-
-
 def set_loads(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """Linearize the loads at the reactions w.load_lam and w.contact_forces, with w.load_rest, their value
     for reactions of zero."""
     update_load(p, t, x, w)
     if NCURVED > 0:
         w.load_rest[:] = w.load_force
-        if NLOADED > 0:
-            for k in range(NLOADED):
-                subtract_slope(k, w.load_lam[loading_row[k]], w)
-        if NPUSHED > 0:
-            for k in range(NPUSHED):
-                subtract_slope(NLOADED + k, w.contact_forces[contact_first[pushed_contact[k]]], w)
+        for k in range(NLOADS):
+            if k < NLOADED:
+                own = w.load_lam[loading_row[k]]
+            else:
+                own = w.contact_forces[contact_first[pushed_contact[k - NLOADED]]]
+            for i in range(NV):
+                w.load_rest[i] -= own * w.load_slopes[k * NV + i]
     keep_load_matrix(w)
 
 
