@@ -320,6 +320,8 @@ def unknown(name: str, known: Iterable[str], what: str, code: str) -> Fault:
 
 
 def _bounds(field: Field, value: float, code: str = "LAG0602", remedy: str = "") -> list[Fault]:
+    if field.whole and value % 1.0:
+        return [Fault(code, f"`{field.name}` = {value:g} is not whole; it is an Integer ({field.place})")]
     if field.minimum <= value <= field.maximum:
         return []
     unit = f" {field.unit}" if field.unit else ""

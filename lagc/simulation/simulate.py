@@ -144,7 +144,7 @@ def rest_note(system: System, run: Trajectory) -> list[str]:
     if not within:
         return []
     return [
-        f"at t = {within[0]:.9g} s bounces lower than 1e-10 of the size of a gap are not followed any more: "
+        f"at t = {within[0]:.9g} s bounces lower than 1e-10 of a fall are not followed any more: "
         "speeds there have the error of such a bounce"
     ]
 
@@ -194,8 +194,8 @@ def _integrate(
     rest = None if timed or system.interface.contacts else _rest(system, x, times)
     if rest is not None:
         run = trajectory_at_rest(rest[0], times)
-        resting = Verdict(*verdict(system, run, end), run, ROUNDING)
-        return _Done(spaced_verdict(system, resting, request.accuracy), Options(), [run], [rest[1]])
+        equilibrium = Verdict(*verdict(system, run, end), run, ROUNDING)
+        return _Done(spaced_verdict(system, equilibrium, request.accuracy), Options(), [run], [rest[1]])
     grid = ComparisonGrid(times, ASIDE if system.interface.outputs else 0)
     system, found, why = _chosen(system, x, grid, request, progress, stiff, series)
     demand(system, found.tried[0])

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from lagc.diagnostics.faults import Fault, Span
@@ -208,6 +209,7 @@ def _matrix(context: Context, value: Value, span: Span) -> Matrix:
         (a, d, e), (f, b, g), (h, i, c) = (vector_of(row, span, "a row of the inertia")[0] for row in rows)
         if (d, e, g) != (f, h, i):
             raise Wrong("LAG0306", "an inertia matrix must be symmetric", span)
+        _check_matrix([a, b, c], [d, e, g], span)
         return ((a, d, e), (d, b, g), (e, g, c))
     remedy = None
     if isinstance(value, Scalar):
@@ -230,6 +232,29 @@ def _check_principal(a: Node, b: Node, c: Node, span: Span) -> None:
                 if min(values) < 0
                 else moments([f"{x:.15g} [kg.m2]" if x else "0" for x in values], values.index(largest)),
             )
+
+
+def _check_matrix(diagonal: Sequence[Node], others: Sequence[Node], span: Span) -> None:
+    """Raise Wrong if no body has the principal moments of a constant matrix: its eigenvalues, by O. K. Smith,
+    Communications of the ACM 4 (1961) 168."""
+    if not all(node.is_const for node in (*diagonal, *others)):
+        return
+    (a, b, c), (d, e, g) = ([float(x.value or 0.0) for x in nodes] for nodes in (diagonal, others))
+    mean = (a + b + c) / 3.0
+    a, b, c = a - mean, b - mean, c - mean
+    size = math.sqrt((a * a + b * b + c * c + 2.0 * (d * d + e * e + g * g)) / 6.0)
+    determinant = a * (b * c - g * g) - d * (d * c - g * e) + e * (d * g - b * e)
+    half = determinant / size / size / size / 2.0 if size else 0.0
+    turn = math.acos(max(-1.0, min(1.0, half))) / 3.0
+    values = [mean + 2.0 * size * math.cos(turn + k * math.tau / 3.0) for k in (1, 2, 0)]  # rising
+    if values[2] > (values[0] + values[1]) * (1 + 1e-9):
+        shown = ", ".join([f"{value:.4g}" for value in values])
+        raise Wrong(
+            "LAG0308",
+            f"no body has this inertia matrix: its principal moments are {shown} kg.m2, and each must be "
+            "non-negative and at most the sum of the two others",
+            span,
+        )
 
 
 def declare_gravity(context: Context, entry: Entry) -> Value:

@@ -21,6 +21,7 @@ from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import BIT, VELOCITY
 from lagc.semantics.units import NONE, QuantityType
 from lagc.semantics.values.evaluate import evaluate
+from lagc.semantics.values.evaluate import whole as integral
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.walk import symbols
 from lagc.syntax import tree
@@ -111,6 +112,8 @@ def _starts(context: Context, quantity: Quantity, boolean: bool) -> list[Node]:
         raise Wrong("LAG0210", f"the discrete variable `{entry.path}` has no start", span, f"write `{line}`")
     for node in starts:
         check_constant(context, node, span, what)
+        if quantity.type.name == "Integer" and node.is_const and isinstance(node.value, float):
+            integral(node.value, span, what)
     return starts
 
 

@@ -85,6 +85,9 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
 
         context.report(without_type(context, entry))
         return _stand_in(context, entry, [], None)
+    if entry.name == "time":
+        remedy = "choose another name: `time` is the time of the motion, and the first column of results"
+        raise Wrong("LAG0202", "`time` is a name of the language", entry.span, remedy)
     try:
         truth = is_boolean(declaration)
         meant: QuantityType | None = BOOLEAN if truth else type_of(declaration.type, entry.environment.space)
@@ -196,6 +199,8 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
                 continue
             value = scalar.node.value
             assert value is not None
+            if quantity.type.name == "Integer":
+                whole(value, span, f"the parameter `{name}`")
             check_bounds(quantity, name, value, bounds, span, quantity.type.unit)
         symbol = context.graph.symbol("parameter", name)
         entry.objects += released(context, entry, symbol, quantity.type.unit)
@@ -209,6 +214,7 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
                 *bounds,
                 entry.span,
                 quantity.description,
+                quantity.type.name == "Integer",
             )
         )
         found.append(Scalar(symbol, quantity.type.dimension))
