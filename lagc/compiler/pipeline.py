@@ -157,12 +157,14 @@ def _in_si(name: str, given: float | Quantity) -> float:
         return float(given)
     if given.unit is None:
         return given.value
+    from lagc.semantics.unit_spellings import unit_remedy
     from lagc.semantics.units import UnknownUnit, unit
 
     try:
         return unit(given.unit).to_si(given.value)
     except UnknownUnit as error:
-        raise Refused([Fault("LAG0605", f"`{name}`: {error.reason}", remedy=error.remedy)]) from None
+        fault = Fault("LAG0605", f"`{name}`: {error.reason}", remedy=unit_remedy(error.text))
+        raise Refused([fault]) from None
 
 
 @_uncollected

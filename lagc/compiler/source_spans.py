@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from math import inf, isfinite
 
@@ -18,6 +19,7 @@ from lagc.symbolic.walk import reachable
 
 LONGEST = 60  # characters of an expression that is shown
 MOST_SHOWN = 4  # further places
+_RUBBING = re.compile(r"/(abs|norm)\((der|velocity)\(")  # of a force against the motion: 0/0 at rest
 
 
 def placed(equations: EquationsOfMotion, found: NoStart) -> Refused:
@@ -30,6 +32,8 @@ def placed(equations: EquationsOfMotion, found: NoStart) -> Refused:
     if strange is not None:
         where, what = strange
         message += f": {what}"
+        if remedy is None and _RUBBING.search(what):
+            remedy = "write dry friction as `(friction = 0.3, at = b)` of the constraint to its surface"
         spans = [(where, "here"), *spans] if where is not None else spans
     elif fault.code == "LAG0612":
         light = _light(equations, values)

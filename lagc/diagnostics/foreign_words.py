@@ -77,6 +77,13 @@ KEYWORDS: dict[str, str] = {
 }  # fmt: skip
 RUNS = frozenset({"ode45", "ode15s", "ode23", "odeint", "solve_ivp", "dsolve", "NDSolve", "lsode"})
 
+_STOP = 'terminate("why")'
+ACTIONS: dict[str, str] = {  # of a `when` clause
+    **dict.fromkeys(("print", "printf", "display", "log", "event"), 'mark("name")'),
+    **dict.fromkeys(("stop", "halt", "quit", "exit", "error", "assert", "abort"), _STOP),
+    **dict.fromkeys(("set", "assign", "reset"), "reinit(x, value)"),
+}
+
 # -- names that are called, and names that are not ---------------------------------------------
 
 _CHOICE, _STEP = "if {0} then {1} else {2}", "if {0} > 0 then 1 else 0"
@@ -110,6 +117,8 @@ CALLS: dict[str, str] = {
     "smooth": "{1}", **dict.fromkeys(("noEvent", "homotopy"), "{0}"),
     **dict.fromkeys(("random", "rand", "randn", "uniform", "normal", "noise"), _NOISE),
     **dict.fromkeys(("tension", "Tension"), "write `reaction(c)`, the force of a constraint `c`"),
+    **dict.fromkeys(("Force", "Torque"), "{0}"),
+    **dict.fromkeys(("distance", "dist"), "norm(position({0}) - position({1}))"),
     **dict.fromkeys(("vel", "Velocity"), "velocity({0})"), "speed": "norm(velocity({0}))",
     **dict.fromkeys(("pos", "Position"), "position({0})"), "acc": "acceleration({0})",
     **dict.fromkeys(("kinetic_energy", "kineticEnergy"), "kinetic({0})"),
@@ -139,6 +148,8 @@ NAMES: dict[str, str] = {
     **dict.fromkeys(("ground", "Ground", "World", "inertial"), "world"),
     **dict.fromkeys(("origin", "Origin"), "{0, 0, 0}"),
     **{f"{e}{axis}": f"world.{axis}" for e in ("e", "e_", "u", "u_", "n_") for axis in "xyz"},
+    "down": "-world.z", "up": "world.z", "KE": "kinetic()", "PE": "potential()",
+    **dict.fromkeys(("None", "null", "NULL", "NaN", "nan"), LEAVE_OUT),
     **{f"{axis}_hat": f"world.{axis}" for axis in "xyz"},
     **dict(zip(("i_hat", "j_hat", "k_hat"), ("world.x", "world.y", "world.z"))),
     **dict.fromkeys(("rad", "radian"), "1 [rad]"), **dict.fromkeys(("deg", "degree", "degrees"), "1 [deg]"),

@@ -8,7 +8,7 @@ from functools import lru_cache
 from itertools import islice, product
 
 from lagc.diagnostics.foreign_words import UNIT_PREFIXES, UNIT_VALUES, unit_symbol
-from lagc.semantics.units import SYMBOLS, Dimension, UnknownUnit, unit
+from lagc.semantics.units import BROKEN, SYMBOLS, Dimension, UnknownUnit, unit
 
 _SIGNS = str.maketrans({**dict.fromkeys("·⋅×∙•", "."), "−": "-", "⁻": "-", "º": "°", "μ": "u", "^": ""})
 _WORD = re.compile(r"[^\W\d_]+|[%°]+")
@@ -19,8 +19,10 @@ _MOST = 2000  # spellings that are tried
 _LONGEST = 40
 
 
-def unit_remedy(text: str, wanted: Dimension | None) -> str | None:
+def unit_remedy(text: str, wanted: Dimension | None = None) -> str | None:
     """Return the remedy for a text that is not a unit, or None."""
+    if BROKEN.search(text):
+        return "raise a pure number to that power: `k*(x/(1 [m]))^1.5`, with k in newtons"
     if text.strip() in UNIT_VALUES:
         return f"write it in a unit of the language: 1 {text.strip()} is `{UNIT_VALUES[text.strip()]}`"
     for needed in dict.fromkeys((wanted, None)):

@@ -82,23 +82,12 @@ class Unit:
 
 
 class UnknownUnit(ValueError):
-    """A text that is not a unit: `reason` is the message."""
+    """A text that is not a unit: `reason` is the message; `unit_spellings` has the remedy."""
 
-    def __init__(self, reason: str, text: str = "", remedy: str | None = None):
+    def __init__(self, reason: str, text: str = ""):
         super().__init__(reason)
         self.reason = reason
         self.text = text
-        self._remedy = remedy
-
-    @property
-    def remedy(self) -> str | None:
-        return self.remedy_for(None)
-
-    def remedy_for(self, wanted: Dimension | None) -> str | None:
-        """Return the unit to write, if possible one of dimension `wanted`."""
-        from lagc.semantics.unit_spellings import unit_remedy  # where there is a fault
-
-        return self._remedy or unit_remedy(self.text, wanted)
 
 
 # symbol -> (num, den, power of pi, dimension); these take prefixes
@@ -128,16 +117,15 @@ _PREFIXES = {
     "n": (1, 10**9), "p": (1, 10**12),
 }  # fmt: skip
 SYMBOLS = (*_PREFIXED, *_PLAIN)
-_BROKEN = re.compile(r"\^\s*(\((?![+-]?\d+\))|[+-]?\d*\.\d)")  # an exponent that is not an integer
+BROKEN = re.compile(r"\^\s*(\((?![+-]?\d+\))|[+-]?\d*\.\d)")  # an exponent that is not an integer
 _TOKEN = re.compile(r"\s*(?:([A-Za-zµ%]+|1)(?:\^?([+-]?\d{1,2})|\^\(([+-]?\d{1,2})\))?|([./*()]))", re.ASCII)
 
 
 @lru_cache(maxsize=512)
 def unit(text: str) -> Unit:
     """Return the unit of a text.  Raises UnknownUnit."""
-    if _BROKEN.search(text):
-        remedy = "raise a pure number to that power: `k*(x/(1 [m]))^1.5`, with k in newtons"
-        raise UnknownUnit(f"`{text}` is not a unit; exponents must be integers", remedy=remedy)
+    if BROKEN.search(text):
+        raise UnknownUnit(f"`{text}` is not a unit; exponents must be integers", text)
     try:
         tokens = _tokens(text)
         position, result = _product(tokens, 0, text)

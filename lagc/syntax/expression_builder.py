@@ -8,7 +8,7 @@ from typing import Any, TypeAlias, TypeVar
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.syntax import tree
-from lagc.syntax.lexer import Token
+from lagc.syntax.tokens import Token
 
 _PARTS = (tree.Name, tree.Member, tree.Index, tree.Call)
 MOST_PARTS = 100  # parts of one name, `a.b[1].c`

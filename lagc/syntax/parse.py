@@ -7,7 +7,8 @@ import re
 from lagc.diagnostics.faults import Fault, Refused, Source, Span
 from lagc.syntax.lalr import MOST_FAULTS, Machine
 from lagc.syntax.lalr_tables import tables
-from lagc.syntax.lexer import SYMBOL, WORD, Lexed, Token, tokenise
+from lagc.syntax.lexer import tokenise
+from lagc.syntax.tokens import SYMBOL, WORD, Lexed, Token
 from lagc.syntax.tree import Declarator, Expression, Quantities, Tree
 
 _FOREIGN = re.compile(r"\b(?:equation|algorithm|within)\b|\b(?:model|block|class|package|record)\s+\w+\s*=")

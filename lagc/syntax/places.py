@@ -175,12 +175,13 @@ def _energy(condition: tree.Condition) -> str | None:
 
 def _instead(condition: tree.Condition, container: str) -> str:
     """Return what to write in place of an equation outside of the `initial` section."""
-    if container == "scene":
-        return (
-            "write `start name = value;` for an initial value, `parameter name = value;` for a parameter "
-            "and `simulate(stop = 10);` for the end of the run"
-        )
     left, right = condition.left.span.text, condition.right.span.text
+    if container == "scene" and len(left + right) <= _LONGEST and "\n" not in left + right:
+        if left.lower() in ("stop", "stoptime", "tstop", "t_end", "duration", "accuracy", "every", "points"):
+            name = left if left in ("accuracy", "every", "points") else "stop"
+            return f"write `simulate({name} = {right});`"
+        name = left.removesuffix(".start")
+        return f"for an initial value write `start {name} = {right};`, else `parameter {name} = {right};`"
     kind = _energy(condition)
     if kind == "lagrangian" and "der(" not in right:
         return "delete it: the Lagrangian is the kinetic energy of all bodies minus all energies `potential`"
@@ -191,6 +192,9 @@ def _instead(condition: tree.Condition, container: str) -> str:
             "delete it: the equations of motion follow from the bodies and what acts on them; write a force "
             "as `force f = {1 [N], 0, 0} at b;`"
         )
+    if isinstance(condition.left, tree.Call) and left.endswith("(0)") and not left.startswith("der"):
+        name = left.removesuffix("(0)")
+        return f"write the initial value where `{name}` is declared, `{name}(start = {right})`"
     return (
         "for an equation that always holds write `constraint name: left = right;`; for a computed quantity "
         "`output Type name = value;`; for an initial condition put `initial` before it"

@@ -11,9 +11,9 @@ from collections.abc import Callable
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.syntax.lalr import MOST_FAULTS, Machine
-from lagc.syntax.lexer import END, SYMBOL, WORD, Token
 from lagc.syntax.mistakes import keywords, operators, punctuation
 from lagc.syntax.mistakes.context import Explained, Repair, Where
+from lagc.syntax.tokens import END, SYMBOL, WORD, Token
 
 MOST_RECOVERIES = 200
 
@@ -251,7 +251,9 @@ _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     punctuation.semicolon_too_many,
     keywords.missing_end_word,
     keywords.stray_end,
+    punctuation.number_of_another_language,
     punctuation.bare_unit,
+    punctuation.size_before_name,
     keywords.family,
     keywords.python_choice,
     keywords.conditional_component,
@@ -259,7 +261,9 @@ _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     punctuation.vector_in_parentheses,
     punctuation.colon_for_equal,
     punctuation.brackets,
+    keywords.load_target_first,
     keywords.load_target,
+    keywords.loop_of_another_language,
     keywords.missing_word,
     keywords.constraint_parts,
     keywords.description_last,

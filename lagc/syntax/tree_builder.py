@@ -12,8 +12,8 @@ from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.syntax import tree
 from lagc.syntax.expression_builder import MOST_PARTS, Children, Expressions
-from lagc.syntax.lexer import Token
 from lagc.syntax.places import FILE, arrange
+from lagc.syntax.tokens import Token
 
 _TYPES_TOO = frozenset({"Force", "Torque"})  # also types of quantities, and not only like keywords
 

@@ -109,7 +109,7 @@ def test_a_refusal_shows_the_place_and_the_remedy() -> None:
         "   |\n"
         " 4 |   force f = -c*velocity(b) at b;\n"
         "   |              ^\n"
-        "   = help: declare it, as in `parameter Length c = 1 [m];`"
+        "   = help: declare it, `parameter Damping c = 1 [N.s/m];`"
     )
     first, second = refused.value.faults
     found = refused.value

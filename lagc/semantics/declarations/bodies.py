@@ -263,6 +263,9 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
     source = entry.source
     assert isinstance(source, tree.Declarator)
     call = tree.Call(tree.Name("Gravity", source.name_span), source.arguments, source.span)
+    if source.value is not None:
+        remedy = f"write `Gravity {entry.name}(g = {source.value.span.text});`"
+        raise Wrong("LAG0209", f"`{entry.name}` takes its data in parentheses", source.value.span, remedy)
     strength, given = match(context, call, ("g", "direction"), 0, "`Gravity`")
     if entry.modifiers:
         raise Wrong(

@@ -64,6 +64,8 @@ def remedy(context: Context, e: tree.Name, environment: Environment) -> str:
         or foreign_call(e.name)
         or did_you_mean(e.name, known)
         or reacting(e, instance)
+        or _axis(e.name)
+        or _energy(context, e.name)
         or _declaration(context, e, environment, path)
     )
 
@@ -122,6 +124,23 @@ def _power_of_e(e: tree.Name, path: tuple[tree.Expression, ...]) -> str | None:
     text = whole.right.span.text
     text = text[1:-1] if text.startswith("(") and text.endswith(")") else text
     return f"write `exp({text})`" if whole.left is e else None
+
+
+def _axis(name: str) -> str | None:
+    """Return a remedy for `x`, which may be an axis."""
+    if name not in ("x", "y", "z"):
+        return None
+    return f"for an axis write `world.{name}`; for an unknown declare `coordinate Length {name};`"
+
+
+def _energy(context: Context, name: str) -> str | None:
+    """Return a remedy for `T` and `V` in an output of an energy."""
+    calls = {"T": "kinetic()", "V": "potential()", "U": "potential()"}
+    declaration = context.chain[-1].declaration if context.chain else None
+    if not isinstance(declaration, tree.Quantities) or declaration.kind != "output" or name not in calls:
+        return None
+    energy = declaration.type is not None and declaration.type.path == ("Energy",)
+    return f"write `{calls[name]}`" if energy else None
 
 
 def _unit_factor(e: tree.Name) -> str | None:
@@ -214,7 +233,7 @@ def _declaration(
         return f"declare it, `point {e.name} = {{0, 0, 0}} [m];`"
     needed = _needed(context, e, environment, path)
     if needed is None:
-        return f"declare it with its type and value, `parameter Real {e.name} = 1;`"
+        return f"declare it, `parameter Real {e.name} = 1;`, or with a type such as `Length` for `Real`"
     if needed == NONE:
         kind = "Angle" if called in _ANGLES else "Real"
         return f"declare it, `parameter {kind} {e.name} = 1;`"

@@ -253,7 +253,9 @@ def target_text(context: Context, e: tree.Expression, environment: Environment) 
         "LAG0224",
         "`start` sets a coordinate or its rate",
         e.span,
-        "write `start x = ...;` or `start der(x) = ...;`",
+        f"write `start {e.function.span.text} = ...;`"
+        if isinstance(e, tree.Call) and e.function.span.text != "der"
+        else "write `start x = ...;` or `start der(x) = ...;`",
     )
 
 

@@ -93,6 +93,7 @@ def match(
     if more:
         remedy = surplus(who.strip("`"), [argument.span.text for argument in e.arguments])
         message = f"{who} takes {_count(parameters)}; more are given"
+        remedy = remedy or (f"the arguments are ({', '.join(parameters)})" if parameters else None)
         wrong.append(Wrong("LAG0209", message, more[0].span, remedy))
     for position, argument in enumerate(e.arguments):
         if argument in more:

@@ -135,7 +135,10 @@ def _real(written: tree.Unit) -> QuantityType:
     try:
         meant = unit(text or "1")
     except UnknownUnit as unknown:
-        raise Wrong("LAG0304", unknown.reason, written.span, remedy=unknown.remedy) from None
+        from lagc.semantics.unit_spellings import unit_remedy  # where there is a fault
+
+        size = f"the size of an array follows its name: `x[{text}]`" if text.isdigit() else unit_remedy(text)
+        raise Wrong("LAG0304", unknown.reason, written.span, size) from None
     if meant.factor != 1.0:
         return quantity_type("Real", si_text(meant.dimension), text)
     return quantity_type("Real", "" if text == "1" else text)

@@ -42,11 +42,13 @@ def _quantity(
     try:
         meant = unit(e.unit.text)
     except UnknownUnit as unknown:
+        from lagc.semantics.unit_spellings import unit_remedy as spelled  # where there is a fault
+
         raise Wrong(
             "LAG0304",
             unknown.reason,
             e.unit.span,
-            remedy=_AN_ELEMENT if _is_number(e, environment) else unknown.remedy_for(wanted),
+            remedy=_AN_ELEMENT if _is_number(e, environment) else spelled(e.unit.text, wanted),
         ) from None
     value = evaluate(context, e.value, environment)
 

@@ -182,7 +182,10 @@ def _measured(file: Columns, k: int, asked: Argument) -> Column:
     except Unfit as error:
         raise Wrong("LAG0314", f"the file {error}", asked.span, error.remedy) from None
     except UnknownUnit as unknown:
-        raise Wrong("LAG0304", f"the column `{name}`: {unknown.reason}", asked.span, unknown.remedy) from None
+        from lagc.semantics.unit_spellings import unit_remedy  # where there is a fault
+
+        message, remedy = f"the column `{name}`: {unknown.reason}", unit_remedy(unknown.text)
+        raise Wrong("LAG0304", message, asked.span, remedy) from None
     if meant is None:
         return Column(numbers, NONE, True)
     numbers = [meant.to_si(x) for x in numbers] if meant.factor != 1.0 else numbers

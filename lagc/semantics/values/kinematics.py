@@ -340,6 +340,9 @@ def _rotate(context: Context, span: Span, frame: Argument, axis: Argument, angle
             if isinstance(axis.value, Scalar)
             else None,
         )
+    if isinstance(axis.value, Scalar) and not isinstance(angle.value, Scalar):
+        remedy = f"write the axis first: `rotate({frame.span.text}, {angle.span.text}, {axis.span.text})`"
+        raise Wrong("LAG0306", "the axis of a rotation must be a vector {x, y, z}", axis.span, remedy)
     vector, _ = vector_of(axis.value, axis.span, "the axis of a rotation")
     return _about(context, parent, *direction(context, parent, vector, axis.span), angle, axis.span)
 

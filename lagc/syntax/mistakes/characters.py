@@ -8,11 +8,12 @@ from collections.abc import Callable
 
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.diagnostics.foreign_words import CHARACTERS, GREEK, LATEX, SIGNS, filled, remedy_of
-from lagc.syntax.lexer import STRING, SYMBOL, WORD, Lexed, Token
+from lagc.syntax.tokens import STRING, SYMBOL, WORD, Lexed, Token
 
 _LATEX = re.compile(r"\\([A-Za-z]+)((?:\{[^{}\n]*(?:\{[^{}\n]*\}[^{}\n]*)*\})*)")
 _EXPONENT = re.compile("[⁰¹²³⁴-⁹⁻]+")
 _ARGUMENT = re.compile(r"\([^()]*\)")
+_DEFINE = re.compile(r"#\s*define\s+(\w+)\s+([^\n;]*[^\s;])")
 _BRACES = re.compile(r"\{([^{}]*(?:\{[^{}]*\}[^{}]*)*)\}")
 
 
@@ -27,6 +28,8 @@ def foreign_word(source: Source, word: str, start: int) -> Fault:
     remedy = f"write `{plain}`" if good else None
     if exponent is not None and (good or not plain):
         remedy = _raised(source, plain, exponent)
+    elif word in CHARACTERS:
+        remedy = remedy_of(CHARACTERS[word])
     message = f"`{word}` is not a name; names consist of the letters A-Z and a-z, digits and `_`"
     return Fault("LAG0101", message, Span(source, start, start + len(word)), remedy=remedy)
 
@@ -62,7 +65,9 @@ def _comment(source: Source, lexed: Lexed, start: int) -> int | None:
     if source.text[start] == "%" and operand:
         lexed.tokens.append(Token(SYMBOL, "%", start, start + 1))
         return start + 1
-    _report(source, lexed, start, start + 1, CHARACTERS["#"])
+    defined = _DEFINE.match(source.text, start)
+    remedy = f"write `constant Real {defined[1]} = {defined[2]};`" if defined else CHARACTERS["#"]
+    _report(source, lexed, start, start + 1, remedy)
     newline = source.text.find("\n", start)
     return len(source.text) if newline < 0 else newline
 

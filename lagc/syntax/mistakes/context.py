@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Span
 from lagc.syntax.lalr import Machine
-from lagc.syntax.lexer import END, SYMBOL, UNIT, WORD, Token
+from lagc.syntax.tokens import END, SYMBOL, UNIT, WORD, Token
 
 HEADERS = frozenset(("model", "package", "effect", "scene", "for", "when"))  # words that open a block
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
 
-from lagc.diagnostics.faults import Fault
+from lagc.diagnostics.faults import Fault, Span
 from lagc.diagnostics.foreign_words import AS_JOINT, KEYWORDS, LIBRARIES, MODELS, NO_LIBRARY, RUNS, foreign
 from lagc.diagnostics.suggest import closest
-from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD
 from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
+from lagc.syntax.tokens import END, NUMBER, STRING, SYMBOL, UNIT, WORD
 
 
 def first_word(w: Where) -> Explained | None:
@@ -252,6 +253,37 @@ def load_target(w: Where) -> Explained | None:
     return Explained(fault, w.replace(needed) if other else None)
 
 
+def load_target_first(w: Where) -> Explained | None:
+    """Explain `force f at b = {1, 0, 0};`."""
+    if w.first.text not in ("force", "torque") or w.token.text not in ("at", "on") or not w.accepts("EQUALS"):
+        return None
+    end = w.source.text.find(";", w.token.start)
+    place, _, value = w.source.text[w.token.start : end].partition("=")
+    if not value or "\n" in value or len(value) > 80:
+        return None
+    message = f"a {w.first.text} acts `{w.token.text}` what follows its value"
+    remedy = f"write `{w.span(w.first, w.before).text} = {value.strip()} {place.strip()};`"
+    return Explained(Fault("LAG0127", message, w.span(w.token), remedy=remedy))
+
+
+def loop_of_another_language(w: Where) -> Explained | None:
+    """Explain `for i = 1 to 3`, `for i in range(3):` and `for (int i = 0; i < 3; i++)`."""
+    found = _LOOP.match(w.source.text, w.first.start) if w.first.text == "for" else None
+    if found is None:
+        return None
+    index, first, last = found["i"] or found["j"] or found["k"], found["first"] or "1", ""
+    last = found["last"] or found["count"] or found["bound"]
+    message = "a loop has the form `for i in 1:n loop ... end for;`"
+    span = Span(w.source, w.first.start, found.end())
+    return Explained(Fault("LAG0128", message, span, remedy=f"write `for {index} in {first}:{last} loop`"))
+
+
+_LOOP = re.compile(
+    r"for\s+(?:(?P<i>\w+)\s*=\s*(?P<first>\w+)\s+to\s+(?P<last>\w+)|(?P<j>\w+)\s+in\s+range\((?P<count>\w+)\)"
+    r"|\(\s*(?:int\s+)?(?P<k>\w+)\s*=\s*\w+\s*;\s*\w+\s*<=?\s*(?P<bound>\w+)\s*;[^)\n]*\))"
+)
+
+
 def constraint_parts(w: Where) -> Explained | None:
     if w.first.text != "constraint":
         return None
@@ -261,7 +293,10 @@ def constraint_parts(w: Where) -> Explained | None:
         remedy = f"write `constraint c: {rest};`" if len(rest) <= 60 and "\n" not in rest else None
         return Explained(Fault("LAG0129", f"a constraint has a name: {form}", w.span(w.token), remedy=remedy))
     if w.accepts("EQUALS") and w.token.text == ";":
-        return Explained(Fault("LAG0129", f"a constraint has two sides: {form}", w.span(w.token)))
+        remedy = f"write `{w.span(w.first, w.before).text} = 0;` if it is to be 0"
+        return Explained(
+            Fault("LAG0129", f"a constraint has two sides: {form}", w.span(w.token), remedy=remedy)
+        )
     return None
 
 
@@ -307,7 +342,17 @@ def another_name(w: Where) -> Explained | None:
 
 
 def missing_name(w: Where) -> Explained | None:
+    name = _NAMED.get(w.first.text)
+    if name is not None and w.token.text == ";" and w.tokens[w.begin + 1].text in ("(", ";"):
+        rest = w.span(w.first, w.before).text.removeprefix(w.first.text)
+        missing = f"a name is missing after `{w.first.text}`"
+        line = f"write `{w.first.text} {name}{rest};`"
+        return Explained(Fault("LAG0132", missing, w.span(w.first), remedy=line))
     if not w.inside or not w.accepts("NAME") or w.accepts("NUMBER") or w.accepts("SEMICOLON"):
         return None
-    what = f"after `{w.before.text}`"
-    return Explained(Fault("LAG0132", f"a name is missing {what}; {w.shown} is not a name", w.span(w.token)))
+    message = f"a name is missing after `{w.before.text}`; {w.shown} is not a name"
+    remedy = "write `constraint c:`" if w.first.text == "constraint" and w.token.text == ":" else None
+    return Explained(Fault("LAG0132", message, w.span(w.token), remedy=remedy))
+
+
+_NAMED = {"Gravity": "field", "Particle": "b", "Solid": "b"}

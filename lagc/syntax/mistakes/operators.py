@@ -6,8 +6,8 @@ import re
 
 from lagc.diagnostics.faults import Fault
 from lagc.diagnostics.foreign_words import OPERATORS
-from lagc.syntax.lexer import END, NUMBER, SYMBOL, WORD, Token
 from lagc.syntax.mistakes.context import Explained, Repair, Where, token_of
+from lagc.syntax.tokens import END, NUMBER, SYMBOL, WORD, Token
 
 _BRACKETS = {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}
 _LONGEST = 60  # characters of an expression that a remedy repeats

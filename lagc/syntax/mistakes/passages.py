@@ -6,7 +6,7 @@ Each is reported once, with the line to write instead, and its tokens are left o
 from __future__ import annotations
 
 from lagc.diagnostics.faults import Fault, Source, Span
-from lagc.syntax.lexer import END, SYMBOL, WORD, Lexed, Token
+from lagc.syntax.tokens import END, SYMBOL, WORD, Lexed, Token
 
 _SECTIONS = frozenset({"equation", "algorithm"})
 _AROUND = _SECTIONS | {"public", "protected"}

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.diagnostics.foreign_words import looks_like_unit, unit_symbol
-from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Token, tokenise
+from lagc.syntax.lexer import tokenise
 from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
 from lagc.syntax.mistakes.operators import FUNCTIONS
+from lagc.syntax.tokens import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Token
 
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
 _FACTOR = re.compile(r"((?:[/.*]| )?)([A-Za-zµ°]+)((?:\^[-+]?)?\d*)")  # of a unit that is written bare
@@ -67,8 +68,9 @@ def bare_unit(w: Where) -> Explained | None:
     last += inside
     if not unit or w.tokens[last - inside].end != end or (inside and w.tokens[last].text != ")"):
         return None
-    if w.before.end == w.token.start and _is_declared(w, w.tokens[first].text):
-        return None  # `2l` is a product
+    near = w.before.end == w.token.start or w.tokens[w.position - 2].text == "/"
+    if near and _is_declared(w, w.tokens[first].text):
+        return None  # `2l` and `1/2 m` are products
     remedy = f"write `{w.before.text} [{unit}]`"
     fault = Fault("LAG0121", "a unit is written in brackets", w.span(w.token, w.tokens[last]), remedy=remedy)
     repair = Repair(w.position, last + 1 - w.position, (token_of(f"[{unit}]", w.token.start),))
@@ -156,10 +158,13 @@ def vector_in_parentheses(w: Where) -> Explained | None:
 
 
 def colon_for_equal(w: Where) -> Explained | None:
-    """Explain `x(start: 1)`."""
-    if w.token.text != ":" or not w.brackets or w.brackets[-1].text != "(" or not w.accepts("EQUALS"):
+    """Explain `x(start: 1)` and `parameter Length l: 0.5;`."""
+    argument = bool(w.brackets) and w.brackets[-1].text == "("
+    if w.token.text != ":" or not w.accepts("EQUALS") or (w.brackets and not argument) or not w.inside:
         return None
-    message = "an argument has the form `name = value`"
+    if w.first.text == "constraint":
+        return None
+    message = "an argument has the form `name = value`" if argument else "a value follows `=`"
     return Explained(Fault("LAG0123", message, w.span(w.token), remedy="write `=`"), w.replace("="))
 
 
@@ -209,7 +214,8 @@ def semicolon_too_many(w: Where) -> Explained | None:
     if w.token.text not in (";", ":") or w.token.kind != SYMBOL:
         return None
     header = w.tokens[max(w.position - 2, 0)].text in HEADERS
-    if w.token.text == ":" and w.tokens[max(w.position - 2, 0)].text == "scene":
+    body = w.tokens[w.position + 1].text in ("start", "parameter", "simulate")
+    if w.token.text == ":" and not body and w.tokens[max(w.position - 2, 0)].text == "scene":
         message = "a scene lists its effects after `uses`"
         return Explained(Fault("LAG0124", message, w.span(w.token), remedy="write `uses`"), w.replace("uses"))
     if w.before.text in ("then", "loop", "else") or header:
@@ -274,12 +280,52 @@ def missing_comma(w: Where) -> Explained | None:
     return Explained(fault, w.insert(","))
 
 
+def number_of_another_language(w: Where) -> Explained | None:
+    """Explain `3.0f`, `1_000` and `0x1F`."""
+    if w.before.kind != NUMBER or w.token.kind != WORD or w.token.start != w.before.end:
+        return None
+    number, rest = w.before.text, w.token.text
+    if re.fullmatch(r"(_\d+)+", rest):
+        meant = number + rest.replace("_", "")
+    elif number == "0" and re.fullmatch(r"[xX][0-9a-fA-F]+", rest):
+        meant = str(int(rest[1:], 16))
+    elif rest in ("f", "d", "u") and not _is_declared(w, rest):
+        meant = number
+    else:
+        return None
+    message = "a number consists of digits, a point and an exponent"
+    fault = Fault("LAG0105", message, w.span(w.before, w.token), remedy=f"write `{meant}`")
+    token = Token(NUMBER, meant, w.before.start, w.token.end)
+    return Explained(fault, Repair(w.position - 1, 2, (token,)))
+
+
+def size_before_name(w: Where) -> Explained | None:
+    """Explain `output Length[3] r;`."""
+    if w.token.kind != WORD or w.before.text != "]" or w.position - w.begin != 5 or not w.inside:
+        return None
+    kind, meant, _, size, _ = w.tokens[w.begin : w.position]
+    remedy = f"write `{kind.text} {meant.text} {w.token.text}[{size.text}]`"
+    message = "the size of an array follows its name"
+    order = (w.token, *w.tokens[w.begin + 2 : w.position])
+    return Explained(
+        Fault("LAG0110", message, w.span(meant, w.token), remedy=remedy), Repair(w.begin + 2, 4, order)
+    )
+
+
 def missing_operator(w: Where) -> Explained | None:
     operand = w.token.kind in (WORD, NUMBER) or w.token.text in ("(", "{")
     if not operand or w.new_line() or not w.accepts("TIMES") or w.before.kind == STRING:
         return None
     if w.token.kind == WORD and w.token.text in w.keywords:
         return None
+    if w.before.text == "new":
+        fault = Fault(
+            "LAG0118", "`new` is not a keyword of the language", w.span(w.before), remedy="leave it out"
+        )
+        return Explained(fault, Repair(w.position - 1, 1, ()))
+    if w.before.text in ("Particle", "Solid"):
+        remedy = f"write `{w.before.text}(...)` in place of `{w.before.text}{{...}}`"
+        return Explained(Fault("LAG0114", "arguments stand in parentheses", w.span(w.token), remedy=remedy))
     message = f"an operator is missing between `{w.before.text}` and `{w.token.text}`"
     remedy = f"to multiply write `{w.before.text}*{w.token.text}`"
     if w.before.text in FUNCTIONS and w.token.kind == WORD:
