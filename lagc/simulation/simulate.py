@@ -189,18 +189,20 @@ def _integrate(
             fixed_step_verdict(system, run, options.step, end) if options.step else verdict(system, run, end)
         )
         return _Done(Verdict(*outcome, run, None), options, [run], [])
+    scales = _scales(system, request)
     timed = system.interface.whens and system.interface.timed
     assert request.accuracy is not None
     rest = None if timed or system.interface.contacts else _rest(system, x, times)
     if rest is not None:
         run = trajectory_at_rest(rest[0], times)
         equilibrium = Verdict(*verdict(system, run, end), run, ROUNDING)
-        return _Done(spaced_verdict(system, equilibrium, request.accuracy), Options(), [run], [rest[1]])
+        equilibrium = spaced_verdict(system, equilibrium, request.accuracy, scales)
+        return _Done(equilibrium, Options(), [run], [rest[1]])
     grid = ComparisonGrid(times, ASIDE if system.interface.outputs else 0)
     system, found, why = _chosen(system, x, grid, request, progress, stiff, series)
     demand(system, found.tried[0])
     result = verified_verdict(system, found, request.accuracy, end)
-    result = spaced_verdict(system, result, request.accuracy)
+    result = spaced_verdict(system, result, request.accuracy, scales)
     run, notes = grid.recorded(result.trajectory), [*why, *found.notes]
     verdict_ = replace(result, trajectory=run)
     return _Done(verdict_, found.options, found.tried, notes, tuple(found.errors), tuple(found.scales))
@@ -255,14 +257,18 @@ def gain_of_series(interface: Interface, tolerance: float) -> float:
     return steps * (12.0 * rhs + OVERHEAD[0]) / series
 
 
+def _scales(system: System, request: Request) -> dict[str, float]:
+    """The scales of quantities that the model and the request give, by name."""
+    return {**system.interface.scales, **request.scales}
+
+
 def _terms(
     system: System, x: Sequence[float], grid: ComparisonGrid, request: Request, progress: Progress | None
 ) -> dict[str, Any]:
     """The arguments of `verified_run` that a request determines."""
-    scales = {**system.interface.scales, **request.scales}
     return {
         "x0": x, "times": grid.times, "aside": grid.aside, "accuracy": request.accuracy,
-        "progress": progress, "max_step": request.max_step, "scales": scales,
+        "progress": progress, "max_step": request.max_step, "scales": _scales(system, request),
     }  # fmt: skip
 
 

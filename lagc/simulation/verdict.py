@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import inf
 from sys import float_info
 from typing import TYPE_CHECKING
@@ -88,19 +88,23 @@ def verified_verdict(system: System, found: Verified, asked: float, stop: float)
     return Verdict(status, message, run, estimated)
 
 
-def spaced_verdict(system: System, found: Verdict, asked: float) -> Verdict:
-    """`found`, or failed if an angle is so large that the spacing of numbers there exceeds `asked` rad, and
-    rates or outputs depend on it."""
+def spaced_verdict(system: System, found: Verdict, asked: float, scales: Mapping[str, float]) -> Verdict:
+    """`found`, or failed if an angle is so large that the spacing of numbers there exceeds `asked` times its
+    scale, and rates or outputs depend on it. `scales` are those that are given, by name; others are 1 rad.
+    The message of a run that only misses its accuracy is replaced: this is the cause."""
     run, interface = found.trajectory, system.interface
     for i, name in enumerate(interface.q_names if run.states else ()):
         size = max(abs(x[i]) for x in run.states)
-        if interface.state_units[i] == "rad" and ULP * size > asked and _depends(system, run, i):
-            before = f"{found.message}; " if found.status == "failed" else ""
+        least = ULP * size / scales.get(name, 1.0)
+        if interface.state_units[i] == "rad" and least > asked and _depends(system, run, i):
+            broken = found.status == "failed" and run.status not in (OK, REDUNDANT)
+            before = f"{found.message}; " if broken else ""
             message = (f"{before}`{name}` is {size:g} rad, where the spacing of numbers is "
                        f"{ULP * size:.2g} rad: the accuracy {asked:g} cannot be reached in double precision. "
                        "Leave out whole turns")  # fmt: skip
-            least = max(found.estimated or 0.0, ULP * size)
-            return replace(found, status="failed", message=message, estimated=least)
+            return replace(
+                found, status="failed", message=message, estimated=max(found.estimated or 0.0, least)
+            )
     return found
 
 
