@@ -205,6 +205,27 @@ def test_the_library_is_in_balance_by_far() -> None:
             assert out.imbalance < 0.1 * out.explained, name
 
 
+def test_round_off_at_one_state_is_not_that_of_the_whole_time() -> None:
+    """Two forces of 1e9 N cancel, always or at one of seven states. The round-off of the power, which speeds
+    multiply, explains an imbalance in proportion: 6 + 2 parts, or one."""
+
+    def explained(active: str) -> float:
+        text = f"""model M
+          coordinate Length x(start = 1 [m], rate = 1 [m/s]);
+          body b = Particle(mass = 1 [kg], at = {{x, 0, 0}});
+          force one = {{{active}*1e9 [N]*sin(x/(1 [m])), 0, 0}} at b;
+          force two = {{-{active}*1e9 [N]*cos(x/(1 [m]) - 1.5707963267948966), 0, 0}} at b;
+        end M;"""
+        system = lagc.loads(text).compile(backend="numpy").simulate(1.0, rtol=1e-6, points=2).system
+        work = [0.0] * (system.nx - 2)
+        states = [[1.0, 2.0 if k == 6 else 1.0, *work] for k in range(7)]
+        run = Trajectory([float(k) for k in range(7)], states, 6.0, states[-1])
+        return balance(system, run, [], 0.0).explained
+
+    always, once = explained("1"), explained("(if time > 2.5 [s] and time < 3.5 [s] then 1 else 0)")
+    assert always == pytest.approx(8.0 * once, rel=0.01) and once > 0.0
+
+
 def test_a_potential_that_jumps_in_time_does_work() -> None:
     run = told("potential V = if time < 0.7 [s] then 0 else 1/2*9 [N/m]*x^2;", 1.0, 0.5, 2.0)
     assert run.status == "ok", run.message

@@ -96,8 +96,9 @@ def _explained(
     picked = _picked(len(states), PROBED)
     slopes = max(_slopes(system, times[k], states[k], groups) for k in picked)
     lasts = abs(times[-1] - times[0])
-    noise = apart(lambda: max(_noise(system, times[k], states[k], lasts) for k in picked))
-    return accuracy * MARGIN * slopes + ROUNDING * noise
+    noise = apart(lambda: [_noise(system, times[k], states[k]) for k in picked])
+    power = sum(power for _, power in noise) / len(noise)
+    return accuracy * MARGIN * slopes + ROUNDING * (max(energy for energy, _ in noise) + lasts * power)
 
 
 def _picked(n: int, count: int) -> list[int]:
@@ -116,9 +117,9 @@ def _slopes(system: System, t: float, x: Sequence[float], groups: Sizes) -> floa
     return total
 
 
-def _noise(system: System, t: float, x: Sequence[float], lasts: float) -> float:
-    """The round-off of the energy at one state, and that of its power over the time `lasts`, in J, from
-    evaluations with directed rounding. Large forces that cancel leave a power that nothing balances."""
+def _noise(system: System, t: float, x: Sequence[float]) -> tuple[float, float]:
+    """The round-off of the energy at one state in J, and that of the power in W, from evaluations with
+    directed rounding. Large forces that cancel leave a power that nothing balances."""
     from lagc.simulation.backends.directed_rounding import directed
 
     found, powers = [system.energies(t, x)], []
@@ -130,4 +131,4 @@ def _noise(system: System, t: float, x: Sequence[float], lasts: float) -> float:
             turned.rhs(t, x, xdot, lam)
             powers.append(work_of(system, xdot))
     energy = max(abs(e[2] - found[0][2]) for e in found) + 2.0**-52 * max(abs(a) for a in found[0])
-    return energy + lasts * abs(powers[0] - powers[1])
+    return energy, abs(powers[0] - powers[1])
