@@ -64,7 +64,7 @@ class Measurable:
         from lagc.host import cache
         from lagc.simulation.backends.compile import CannotCompile
         from lagc.study.cost import Study, study
-        from lagc.study.probe import Failed, Probe
+        from lagc.study.probe import Failed, Late, Probe
 
         request = Request(
             stop=seconds("stop", stop), points=points,
@@ -109,7 +109,7 @@ class Measurable:
             return study(make, verify, sizes, nearby, begun, times, progress)
         except CannotCompile as error:
             raise Refused([Fault("LAG0701", f"the cost cannot be measured: {error}")]) from None
-        except Failed as failed:
+        except (Failed, Late) as failed:
             message = f"the cost cannot be measured: the motion does not reach {times[-1]:g} s: {failed}"
             raise Refused([Fault("LAG0620", message, remedy="see `lagc sim` for the reason")]) from None
 

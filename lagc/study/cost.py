@@ -319,19 +319,24 @@ def look_nearby(
     study: Study, plain: Probe, probe: Callable[[int], Probe | None], times: Sequence[float], deadline: float
 ) -> None:
     """Correct the settings for the targets until they meet them, on this motion and on those at nearby
-    parameters; `probe(k)` is the k-th of them.  The finest run in double precision is the reference there."""
+    parameters; `probe(k)` is the k-th of them.  The finest run in double precision is the reference there.
+    Raises Late at the deadline of `plain`; a run that goes on at `deadline` ends the corrections."""
     assert study.reference is not None
     beside = [(plain, study.reference)]
     middle = 0.5 * (perf_counter() + deadline)
     for k in range(NEARBY if study.laws else 0):
-        with suppress(Failed):
+        with suppress(Failed, Late):
             found = probe(k) if perf_counter() < middle else None
             if found is not None:
                 found.deadline = deadline
                 exact = found.run(Setting("dop853", rtol=1e-14), times)
                 beside.append((found, replace(study.reference, shot=exact)))
-    for target in TARGETS:
-        _settle(study, target, beside, times, deadline)
+    try:
+        for target in TARGETS:
+            _settle(study, target, beside, times, deadline)
+    except Late:
+        if perf_counter() > plain.deadline:
+            raise
 
 
 def _settle(
