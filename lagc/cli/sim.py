@@ -7,6 +7,7 @@ by comparing runs.  `--method`, `--rtol`, `--atol` and `--step` choose them by h
 from __future__ import annotations
 
 import argparse
+import re
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -172,11 +173,17 @@ def check_files(options: argparse.Namespace) -> None:
 
 
 def part_outputs(options: argparse.Namespace) -> None:
-    """Set `output`, the file, and `expressions`, those in brackets.  Raises Usage for two files."""
+    """Set `output`, the file, and `expressions`: words with a sign of an operation or a bracket, and without
+    an ending of a file.  Raises Usage for two files."""
+    from lagc.host.atomic_write import is_straight
     from lagc.simulation.formats import WRITERS
 
     options.expressions = [
-        w for w in options.outputs_given if "(" in w and not w.lower().endswith(tuple(WRITERS))
+        word
+        for word in options.outputs_given
+        if re.search(r"[()\[\]{}^*+<>=,]", word)
+        and not word.lower().endswith(tuple(WRITERS))
+        and not is_straight(word)
     ]
     paths = [word for word in options.outputs_given if word not in options.expressions]
     if len(paths) > 1:
