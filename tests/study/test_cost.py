@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import nullcontext
 from math import cos, sqrt
 from pathlib import Path
 from time import sleep
@@ -204,6 +205,26 @@ def test_a_run_in_slices_is_the_same_and_ends_at_its_deadline(monkeypatch: pytes
     with pytest.raises(Late):
         probe.run(setting, times)
     assert len(looks) == before + 3
+
+
+@pytest.mark.parametrize("over", [False, True])
+def test_a_run_that_is_late_is_no_failure_of_its_setting(over: bool) -> None:
+    """The deadline of corrections ends these, that of the study ends the study."""
+
+    class Endless(Straight):
+        deadline = float("-inf") if over else float("inf")
+
+        def run(self, setting: Setting, times: object, repeats: int = 1) -> Shot:
+            raise Late
+
+    study = Study(("x",), 1.0, 2, 1)
+    study.points = made(1.0, 1.0, 8)
+    exact = Straight(1.0).run(Setting("dop853", rtol=1e-14), ())
+    study.reference = cost.Reference(exact, np.array([1.0]), 0.0, 0.0, "")
+    study.conclude()
+    with pytest.raises(Late) if over else nullcontext():
+        cost.look_nearby(study, Endless(1.0), lambda k: Straight(3.0), (0.0, 1.0), float("inf"))  # type: ignore[arg-type, return-value]
+    assert not study.sizes
 
 
 @needs_compiler
