@@ -51,13 +51,17 @@ def test_overlays_are_other_scenes_and_values(folder: Path) -> None:
 
 
 def test_an_expression_in_brackets_is_a_column(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert sim("-o", "norm(velocity(bob))", "-o", "run.csv", "--output", "(theta/2)", "--json") == 0
+    assert (
+        sim("-o", "norm(velocity(bob))", "-o", "run.csv", "-o", "(theta/2)", "-o", "theta^2", "--json") == 0
+    )
     final = json.loads(capsys.readouterr().out)["final"]
     with open(folder / "run.csv", encoding="utf-8", newline="") as file:
         last = list(csv.DictReader(file))[-1]
     assert float(last["norm(velocity(bob))"]) == final["norm(velocity(bob))"] == pytest.approx(
         abs(0.5 * final["der(theta)"]), rel=1e-12)  # fmt: skip
     assert float(last["(theta/2)"]) == final["theta"] / 2
+    assert float(last["theta^2"]) == pytest.approx(final["theta"] ** 2, rel=1e-15)
+    assert sim("-o", "run (1).csv") == 0 and (folder / "run (1).csv").exists()
 
 
 @pytest.mark.parametrize(
