@@ -95,15 +95,18 @@ CALLS: dict[str, str] = {
     **dict.fromkeys(("sqr", "square"), "({0})^2"), "cbrt": "({0})^(1/3)",
     **{f"{arc}{f}": f"a{f}({{0}})" for f in ("sin", "cos", "tan") for arc in ("arc", "ar")},
     **{f"{f}d": f"{f}(({{0}})*1 [deg])" for f in ("sin", "cos", "tan")},
-    **{f"a{f}d": f"a{f}({{0}})" for f in ("sin", "cos", "tan")}, "atan2d": "atan2({0}, {1})",
+    **{f"a{f}d": f"write `a{f}(x)`, in rad: `a{f}(x)/(1 [deg])` is the number of degrees"
+       for f in ("sin", "cos", "tan")},
+    "atan2d": "write `atan2(y, x)`, in rad: `atan2(y, x)/(1 [deg])` is the number of degrees",
     **dict.fromkeys(("arctan2", "Atan2", "ArcTan2"), "atan2({0}, {1})"),
     "tg": "tan({0})", **dict.fromkeys(("ctg", "cot"), "1/tan({0})"), "sec": "1/cos({0})",
     "csc": "1/sin({0})", "sh": "sinh({0})", "ch": "cosh({0})", "th": "tanh({0})",
     **dict.fromkeys(("deg2rad", "radians"), "({0})*1 [deg]"),
     **dict.fromkeys(("rad2deg", "degrees"), "({0})/(1 [deg])"),
     **dict.fromkeys(("fabs", "Abs"), "abs({0})"), **dict.fromkeys(("sgn", "signum"), "sign({0})"),
-    **dict.fromkeys(("mag", "magnitude", "vecnorm", "length"), "norm({0})"),
+    **dict.fromkeys(("mag", "magnitude", "vecnorm"), "norm({0})"),
     "hypot": "sqrt(({0})^2 + ({1})^2)", **dict.fromkeys(("len", "numel"), "size({0})"),
+    "length": "write `norm(v)` for the length of a vector, `size(x)` for the number of elements of an array",
     "inner": "dot({0}, {1})", **dict.fromkeys(("unit", "unit_vector", "unitvector"), "normalize({0})"),
     **dict.fromkeys(("vector", "vec", "array", "Matrix", "vector3"), "{{{all}}}"),
     **dict.fromkeys(("diff", "ddt", "dot_", "deriv", "derivative", "Derivative", "dt", "D", "d", "Dt"),
@@ -233,7 +236,7 @@ ARGUMENTS: dict[str, tuple[str, ...]] = {  # -> those that may be meant; none: i
 UNIT_WORDS: dict[str, str] = {
     **dict.fromkeys(("gram", "gramme", "gm"), "g"), **dict.fromkeys(("kilo", "kilogramme"), "kg"),
     **dict.fromkeys(("meter", "metre"), "m"), **dict.fromkeys(("second", "sec"), "s"),
-    "minute": "min", **dict.fromkeys(("hour", "hr"), "h"), **dict.fromkeys(("tonne", "ton"), "t"),
+    "minute": "min", **dict.fromkeys(("hour", "hr"), "h"), "tonne": "t",
     "radian": "rad",
     **dict.fromkeys(("degree", "°", "º"), "deg"), **dict.fromkeys(("revolution", "turn"), "rev"),
     "newton": "N", "joule": "J", "watt": "W", "pascal": "Pa", "hertz": "Hz", "kelvin": "K", "volt": "V",
@@ -249,7 +252,10 @@ UNIT_VALUES = {
     "PS": "735.49875 [W]", "psi": "6894.757 [Pa]", "atm": "101325 [Pa]", "cal": "4.184 [J]",
     "kcal": "4184 [J]", "Wh": "3600 [J]", "kWh": "3.6e6 [J]", "mile": "1609.344 [m]", "yd": "0.9144 [m]",
     "oz": "0.02834952 [kg]", "week": "7 [d]", "year": "365.25 [d]", "grad": "0.9 [deg]", "turns": "1 [rev]",
-    **dict.fromkeys(("°C", "degC", "deg C", "° C", "Celsius", "celsius"), "1 [K], from 273.15 [K] on"),
+    **dict.fromkeys(("°C", "degC", "deg C", "° C", "Celsius", "celsius"),
+        "write kelvins: 20 °C are `293.15 [K]`, and a difference of 1 °C is `1 [K]`"),
+    **dict.fromkeys(("ton", "tons"),
+        "write `[t]` for 1000 kg; a US ton is `907.18474 [kg]`, a British one `1016.0469 [kg]`"),
 }  # fmt: skip
 UNIT_PREFIXES = {"kilo": "k", "milli": "m", "centi": "c", "micro": "u", "mega": "M", "giga": "G", "nano": "n"}
 _UNITS = frozenset({
@@ -281,13 +287,13 @@ def remedy_of(entry: str) -> str:
     return entry if "`" in entry else f"write `{entry}`" if entry else "leave it out"
 
 
-def foreign(table: Mapping[str, str], name: str) -> str | None:
+def remedy_of_word(table: Mapping[str, str], name: str) -> str | None:
     """Return the remedy for a word in one of the tables, or None."""
     entry = table.get(name)
     return None if entry is None else remedy_of(entry)
 
 
-def filled(template: str, arguments: Sequence[str]) -> str:
+def fill_template(template: str, arguments: Sequence[str]) -> str:
     """Return a template with its arguments; superfluous parentheses are left out.  Raises IndexError."""
     text = _PLAIN.sub(r"\1", template.format(*arguments, all=", ".join(arguments)))
     return re.sub(r"([\d.])\*1 \[", r"\1 [", text)
@@ -300,17 +306,17 @@ def foreign_call(name: str, arguments: Sequence[str] = ()) -> str | None:
     if template is None or "`" in template:
         return template
     try:
-        line = filled(template, arguments)
+        line = fill_template(template, arguments)
     except IndexError:
         line = "\n"
     shown = len(line) <= _LONGEST and "\n" not in line
-    return f"write `{line if shown else filled(template, 'xyz')}`"
+    return f"write `{line if shown else fill_template(template, 'xyz')}`"
 
 
-def surplus(name: str, arguments: Sequence[str]) -> str | None:
+def remedy_of_surplus(name: str, arguments: Sequence[str]) -> str | None:
     """Return the remedy for a call with too many arguments, or None: `der(der(x))` for `der(x, 2)`."""
     template = "der(der({0}))" if name == "der" and arguments[1] == "2" else SURPLUS.get(name)
-    return template and f"write `{filled(template, arguments)}`"
+    return template and f"write `{fill_template(template, arguments)}`"
 
 
 def keeps_argument(name: str, k: int) -> bool:

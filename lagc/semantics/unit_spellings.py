@@ -23,8 +23,10 @@ def unit_remedy(text: str, wanted: Dimension | None = None) -> str | None:
     """Return the remedy for a text that is not a unit, or None."""
     if BROKEN.search(text):
         return "raise a pure number to that power: `k*(x/(1 [m]))^1.5`, with k in newtons"
-    if text.strip() in UNIT_VALUES:
-        return f"write it in a unit of the language: 1 {text.strip()} is `{UNIT_VALUES[text.strip()]}`"
+    value = UNIT_VALUES.get(text.strip())
+    if value is not None:
+        known = f"write it in a unit of the language: 1 {text.strip()} is `{value}`"
+        return value if "`" in value else known
     for needed in dict.fromkeys((wanted, None)):
         if (meant := meant_unit(text, needed)) is not None:
             return f"write `[{meant}]`"

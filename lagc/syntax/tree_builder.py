@@ -272,12 +272,12 @@ class Excludes(Requires):
 
 def _misspelt_keyword(made: tree.TypeName) -> list[Fault]:
     """Report `bod b = Particle(...);`, since an instance of a model has no value."""
-    from lagc.diagnostics.foreign_words import KEYWORDS, TYPES, foreign
+    from lagc.diagnostics.foreign_words import KEYWORDS, TYPES, remedy_of_word
     from lagc.diagnostics.suggest import closest
     from lagc.syntax.lalr_tables import tables
 
     word = made.path[-1]
-    remedy = foreign(KEYWORDS, word)
+    remedy = remedy_of_word(KEYWORDS, word)
     if remedy is not None:
         message = f"`{word}` is not a keyword of the language"
         return [Fault("LAG0118", message, made.span, remedy=remedy)]

@@ -69,3 +69,26 @@ def test_the_remedy_of_a_line_is_in_the_right_line(row: Row) -> None:
 @pytest.mark.parametrize("row", ROWS, ids=[row.right for row in ROWS])
 def test_the_right_line_is_accepted(row: Row) -> None:
     assert [(fault.code, fault.message) for fault in found(row.right)] == []
+
+
+@pytest.mark.parametrize(
+    ("line", "remedies"),
+    [("output Angle a = asind(0.5);", ["write `asin(x)`, in rad: `asin(x)/(1 [deg])` is the number of "
+      "degrees"]),
+     ("output Real a = length({1, 2});", ["write `norm(v)` for the length of a vector, `size(x)` for the "
+      "number of elements of an array"]),
+     ("parameter Mass M = 2 [ton];", ["write `[t]` for 1000 kg; a US ton is `907.18474 [kg]`, a British one "
+      "`1016.0469 [kg]`"]),
+     ("parameter Real T = 20 [degC];", ["write kelvins: 20 °C are `293.15 [K]`, and a difference of 1 °C is "
+      "`1 [K]`"]),
+     ("dissipation D = 1/2*c*v^2;", ["declare `v` first: the dimension of `c` follows from it",
+      "write the rate `der(x)` of a coordinate, or declare `speed Velocity v = der(x);`"])],
+)  # fmt: skip
+def test_remedies_that_depend_on_what_is_meant(line: str, remedies: list[str]) -> None:
+    assert [fault.remedy for fault in found(line)] == remedies
+
+
+def test_what_these_remedies_say_is_so() -> None:
+    assert found("output Real a = asin(0.5)/(1 [deg]); output Real n = size({1, 2}), r = norm({3, 4});") == []
+    assert found("speed AngularVelocity v = der(theta); parameter RotationalDamping c = 1 [N.m.s/rad]; "
+                 "dissipation D = 1/2*c*v^2;") == []  # fmt: skip

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from lagc.diagnostics.faults import Fault, Span
-from lagc.diagnostics.foreign_words import MODELS, foreign
+from lagc.diagnostics.foreign_words import MODELS, remedy_of_word
 from lagc.diagnostics.suggest import did_you_mean, moments
 from lagc.semantics import model as objects
 from lagc.semantics.context import Context
@@ -61,9 +61,8 @@ def declare_body(context: Context, entry: Entry) -> Value:
     name = call.function.name if isinstance(call.function, tree.Name) else ""
     if name not in _PARAMETERS:
         look_at_arguments(context, call, entry.environment)
-        raise Wrong(
-            "LAG0221", NO_BODY, call.function.span, did_you_mean(name, _PARAMETERS) or foreign(MODELS, name)
-        )
+        remedy = did_you_mean(name, _PARAMETERS) or remedy_of_word(MODELS, name)
+        raise Wrong("LAG0221", NO_BODY, call.function.span, remedy)
     given = _arguments(context, entry, call, name)
     if name == "Solid" and "frame" not in given:
         given["frame"] = _drawn_frame(context, entry, call)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from lagc.diagnostics.foreign_words import NAMES, foreign, foreign_call, looks_like_unit, unit_symbol
+from lagc.diagnostics.foreign_words import NAMES, foreign_call, looks_like_unit, remedy_of_word, unit_symbol
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Entry, Environment, Instance, flat
@@ -60,17 +60,17 @@ def remedy(context: Context, e: tree.Name, environment: Environment) -> str:
         or _unit_factor(e)
         or _strength(e.name, instance)
         or rate_remedy(e.name, instance)
-        or foreign(NAMES, e.name)
+        or remedy_of_word(NAMES, e.name)
         or foreign_call(e.name)
         or did_you_mean(e.name, known)
-        or reacting(e, instance)
+        or remedy_of_reaction(e, instance)
         or _axis(e.name)
         or _energy(context, e.name)
         or _declaration(context, e, environment, path)
     )
 
 
-def reacting(e: tree.Name, instance: Instance) -> str | None:
+def remedy_of_reaction(e: tree.Name, instance: Instance) -> str | None:
     """Return a remedy for the argument of a function of constraints: which there are."""
     for function, advice in (
         (
@@ -193,6 +193,13 @@ def _parts(e: tree.Expression) -> tuple[tree.Expression, ...]:
     return ()
 
 
+def _names(e: tree.Expression) -> Iterator[tree.Name]:
+    if isinstance(e, tree.Name):
+        yield e
+    for part in _parts(e):
+        yield from _names(part)
+
+
 def _roots(entry: Entry) -> tuple[tuple[tree.Expression, Dimension | None], ...]:
     """Return the expressions of a declaration, each with the dimension that it needs (None: not known)."""
     source, declaration = entry.source, entry.declaration
@@ -233,6 +240,10 @@ def _declaration(
         return f"declare it, `point {e.name} = {{0, 0, 0}} [m];`"
     needed = _needed(context, e, environment, path)
     if needed is None:
+        for name in _names(path[-1]) if path else ():
+            known = name.name == e.name or dimension_of(context, name, environment) is not None
+            if not known and rate_remedy(name.name, environment.instance):
+                return f"declare `{name.name}` first: the dimension of `{e.name}` follows from it"
         return f"declare it, `parameter Real {e.name} = 1;`, or with a type such as `Length` for `Real`"
     if needed == NONE:
         kind = "Angle" if called in _ANGLES else "Real"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import partial
 
-from lagc.diagnostics.foreign_words import CALLS, foreign_call, keeps_argument, surplus
+from lagc.diagnostics.foreign_words import CALLS, foreign_call, keeps_argument, remedy_of_surplus
 from lagc.diagnostics.suggest import did_you_mean, meant_argument
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Entry, Environment, Scalar, Value, expect, flat
@@ -91,7 +91,7 @@ def match(
     allowed = LONGEST if parameters[-1:] == ("*",) else len(parameters)
     more = [argument for argument in e.arguments[allowed:] if argument.name is None]
     if more:
-        remedy = surplus(who.strip("`"), [argument.span.text for argument in e.arguments])
+        remedy = remedy_of_surplus(who.strip("`"), [argument.span.text for argument in e.arguments])
         message = f"{who} takes {_count(parameters)}; more are given"
         remedy = remedy or (f"the arguments are ({', '.join(parameters)})" if parameters else None)
         wrong.append(Wrong("LAG0209", message, more[0].span, remedy))

@@ -114,7 +114,7 @@ def type_of(name: tree.TypeName | None, space: Namespace, depth: int = 0) -> Qua
         if name.path[0] in TYPES:
             return TYPES[name.path[0]]
         known = [*TYPES, *space.known()]
-        remedy = words.foreign(words.TYPES, name.path[0]) or did_you_mean(name.path[0], known)
+        remedy = words.remedy_of_word(words.TYPES, name.path[0]) or did_you_mean(name.path[0], known)
         raise Wrong("LAG0203", f"there is no type `{name.path[0]}`", name.span, remedy)
     built_in = words.TYPES.get(name.path[-1], name.path[-1])
     if declared is None and built_in in TYPES:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from lagc.diagnostics.faults import Span
-from lagc.diagnostics.foreign_words import NAMES, foreign, foreign_call
+from lagc.diagnostics.foreign_words import NAMES, foreign_call, remedy_of_word
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Array, Environment, Scalar, Text, Truth, Value, flat, kind, shape
 from lagc.semantics.refusals import Poisoned, Wrong
@@ -87,11 +87,12 @@ def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
             e.span,
             remedy="move this into the same effect, or use that effect in the scene",
         )
+    from lagc.semantics.names.undeclared import remedy, remedy_of_reaction  # where there is a fault
+
     function = written(e.name)
     if function is not None:
-        raise Wrong("LAG0201", f"`{e.name}` is a function", e.span, remedy=f"write `{function}`")
-    from lagc.semantics.names.undeclared import remedy  # where there is a fault
-
+        line = remedy_of_reaction(e, instance) or f"write `{function}`"
+        raise Wrong("LAG0201", f"`{e.name}` is a function", e.span, line)
     raise Wrong("LAG0201", f"`{e.name}` is not declared", e.span, remedy(context, e, environment))
 
 
@@ -121,7 +122,7 @@ def _member(context: Context, e: tree.Member, environment: Environment) -> Value
     if constant is not None:
         return constant
     path = dotted(e) or ("",)
-    remedy = f"write `{path[-1]}`" if path[-1] in CONSTANTS else foreign(NAMES, path[-1])
+    remedy = f"write `{path[-1]}`" if path[-1] in CONSTANTS else remedy_of_word(NAMES, path[-1])
     remedy = remedy or foreign_call(path[-1])
     unused = path[0] in environment.instance.unused
     if remedy is not None and not unused and find(context, path[0], environment, e.span) is None:

@@ -7,7 +7,7 @@ import unicodedata
 from collections.abc import Callable
 
 from lagc.diagnostics.faults import Fault, Source, Span
-from lagc.diagnostics.foreign_words import CHARACTERS, GREEK, LATEX, SIGNS, filled, remedy_of
+from lagc.diagnostics.foreign_words import CHARACTERS, GREEK, LATEX, SIGNS, fill_template, remedy_of
 from lagc.syntax.tokens import STRING, SYMBOL, WORD, Lexed, Token
 
 _LATEX = re.compile(r"\\([A-Za-z]+)((?:\{[^{}\n]*(?:\{[^{}\n]*\}[^{}\n]*)*\})*)")
@@ -103,7 +103,7 @@ def _latex(source: Source, lexed: Lexed, start: int) -> int | None:
         end = found.end(1)
         return _report(source, lexed, start, end, remedy_of(name if template is None else template))
     parts = [" ".join(part.replace("\\", " ").split()) for part in _BRACES.findall(found[2])]
-    line = filled(template, parts) if template.count("{") <= len(parts) else template
+    line = fill_template(template, parts) if template.count("{") <= len(parts) else template
     return _report(source, lexed, start, found.end(), f"write `{line}`")
 
 

@@ -6,7 +6,15 @@ import re
 from itertools import pairwise
 
 from lagc.diagnostics.faults import Fault, Span
-from lagc.diagnostics.foreign_words import AS_JOINT, KEYWORDS, LIBRARIES, MODELS, NO_LIBRARY, RUNS, foreign
+from lagc.diagnostics.foreign_words import (
+    AS_JOINT,
+    KEYWORDS,
+    LIBRARIES,
+    MODELS,
+    NO_LIBRARY,
+    RUNS,
+    remedy_of_word,
+)
 from lagc.diagnostics.suggest import closest
 from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
 from lagc.syntax.tokens import END, NUMBER, STRING, SYMBOL, UNIT, WORD
@@ -22,7 +30,7 @@ def first_word(w: Where) -> Explained | None:
     entry = KEYWORDS.get(word)
     if entry is not None:
         message = f"`{word}` is not a keyword of the language"
-        fault = Fault("LAG0118", message, w.span(w.first), remedy=foreign(KEYWORDS, word))
+        fault = Fault("LAG0118", message, w.span(w.first), remedy=remedy_of_word(KEYWORDS, word))
         return Explained(fault, None if "`" in entry else w.replace_first(*entry.split()))
     if w.tokens[w.begin + 1].kind != WORD:
         return None
@@ -61,7 +69,7 @@ def joint_form(w: Where) -> Explained | None:
     """Explain `joint Revolute j(...)`, which has another form than the language reads."""
     if w.first.text != "joint" or not w.inside:
         return None
-    kind = foreign(MODELS, w.tokens[w.begin + 1].text) or AS_JOINT
+    kind = remedy_of_word(MODELS, w.tokens[w.begin + 1].text) or AS_JOINT
     return Explained(Fault("LAG0221", "a joint has another form", w.span(w.first), remedy=kind))
 
 
@@ -139,7 +147,7 @@ def solver_call(w: Where) -> Explained | None:
     if solver is None:
         return None
     message = f"`{solver.text}` is not needed: lagc integrates the equations of motion"
-    remedy = f"delete this; {foreign(KEYWORDS, 'solve')}"
+    remedy = f"delete this; {remedy_of_word(KEYWORDS, 'solve')}"
     fault = Fault("LAG0118", message, w.span(solver), remedy=remedy)
     return Explained(fault, Repair(w.begin, last - w.begin + 1, ()))
 
