@@ -211,7 +211,7 @@ def _backward(block: Block, plan: Elimination, factors: Factors, matrix: Matrix,
     for step in reversed(plan.steps):
         k = step.unknown
         if step.definition:
-            x[k] = _lifted_velocity(block, plan.structure, matrix, k, x)
+            x[k] = _combination(block, plan.structure, matrix, k, x)
             continue
         x[k] = block.mul(x[k], factors.inverse[k])
         for i in sorted(step.near, key=when.__getitem__, reverse=True):  # what is known last comes last
@@ -219,7 +219,7 @@ def _backward(block: Block, plan: Elimination, factors: Factors, matrix: Matrix,
     return x
 
 
-def _lifted_velocity(block: Block, structure: Structure, matrix: Matrix, k: int, x: Sequence[int]) -> int:
+def _combination(block: Block, structure: Structure, matrix: Matrix, k: int, x: Sequence[int]) -> int:
     """A lifted velocity by its definition."""
     return _sum(block, [block.mul(matrix.coefficients[(k, u)], x[u]) for u in structure.definitions[k]])
 
@@ -236,7 +236,7 @@ def residual(
     y = [*x[: plan.size], *[block.zero] * len(structure.definitions)]
     products: list[list[int]] = [[] for _ in range(structure.unknowns)]
     for k in sorted(structure.definitions):
-        y[k] = _lifted_velocity(block, structure, matrix, k, y)
+        y[k] = _combination(block, structure, matrix, k, y)
         if k in ties:
             products[ties[k]] = [y[k], ~x[k]]
             y[k] = x[k]
