@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 from lagc.diagnostics.faults import Fault
+from lagc.diagnostics.suggest import is_many_radians, many_radians
 from lagc.semantics.names.scope import expect
 from lagc.semantics.refusals import Wrong
 from lagc.semantics.units import NONE, Dimension, name_of, over, si_text
@@ -91,7 +92,6 @@ def _lone_factor(expression: tree.Expression) -> tree.Number | tree.Name | None:
 
 Models: TypeAlias = Mapping[str, Sequence[tree.Declaration]]  # declarations of each model
 _NAMED = (tree.ModelDeclaration, tree.Package)
-_MANY = 10  # radians: more than a turn and a half, and in degrees a usual angle
 
 
 def whole_radians(file: tree.Tree) -> list[Fault]:
@@ -149,12 +149,6 @@ def _given(d: tree.Declaration) -> Iterator[tuple[str, tree.Expression | None]]:
 def _whole(name: str, value: tree.Expression | None) -> Fault | None:
     number = value.operand if isinstance(value, tree.Unary) else value
     sign = "-" if isinstance(value, tree.Unary) and value.op == "-" else ""
-    if not isinstance(number, tree.Number) or number.value < _MANY or not number.value.is_integer():
+    if not isinstance(number, tree.Number) or not is_many_radians(number.value):
         return None
-    return Fault(
-        "LAG0618",
-        f"`{name}` is {sign}{number.text} radians",
-        number.span,
-        remedy=f"if degrees are meant, write `{number.text} [deg]`, else `{number.text} [rad]`",
-        severity="warning",
-    )
+    return many_radians(name, number.text, sign, number.span)
