@@ -216,6 +216,13 @@ ENTRIES: dict[str, Entry] = {
         _on_particle("  constraint rail: x = 0 (friction = 0.3, slip = der(x));\n"),
         _on_particle("  constraint rail: x = 0 (friction = 0.3, slip = der(y));\n"),
     ),
+    "LAG0434": Entry(
+        "gravity of a negative magnitude",
+        "This is a warning. `g` is a magnitude along the `direction`, which is -world.z unless it is given: "
+        "a negative one pulls upwards.",
+        _on_particle("  Gravity field(g = -9.81);\n"),
+        _on_particle("  Gravity field(g = 9.81);\n"),
+    ),
     "LAG0430": Entry(
         "a reaction of a parameter that changes an inertia",
         "`reaction(l)` is the force that holds the parameter `l`. If a mass or an inertia depends on `l`, "

@@ -106,6 +106,39 @@ def whole_radians(file: tree.Tree) -> list[Fault]:
     return found
 
 
+def angular_hertz(file: tree.Tree) -> list[Fault]:
+    """Return warnings for angular velocities, or rates of angles, in hertz."""
+    named = [_own(d.body) for d in _within(file.declarations) if isinstance(d, _NAMED)]
+    return [
+        fault
+        for own in (_own(file.declarations), *named)
+        for d in own
+        if isinstance(d, tree.Quantities) and d.type is not None
+        for name, value in _turning(d, d.type.path)
+        if (fault := _hertz(name, value))
+    ]
+
+
+def _turning(d: tree.Quantities, kind: tuple[str, ...]) -> Iterator[tuple[str, tree.Expression | None]]:
+    """Yield the angular velocities that a declaration gives values to."""
+    for declarator in d.declarators:
+        if kind == ("AngularVelocity",):
+            yield declarator.name, declarator.value
+            yield from ((declarator.name, a.value) for a in declarator.arguments if a.name == "start")
+        elif kind == ("Angle",):
+            yield from (
+                (f"der({declarator.name})", a.value) for a in declarator.arguments if a.name == "rate"
+            )
+
+
+def _hertz(name: str, value: tree.Expression | None) -> Fault | None:
+    if not isinstance(value, tree.Quantity) or not value.unit.text.strip().endswith("Hz"):
+        return None
+    message = f"`{name}` is an angular velocity: 1 [Hz] of it is 1 rad/s, not a turn in each second"
+    remedy = f"for a frequency write `2*pi*{value.span.text}`"
+    return Fault("LAG0619", message, value.span, remedy=remedy, severity="warning")
+
+
 def _angles(own: Sequence[tree.Declaration], models: Models) -> set[str]:
     """Return the names of angles among declarations, inherited ones included."""
     found: set[str] = set()
