@@ -272,7 +272,8 @@ def _as_it_stands(straight: bool) -> dict[str, Any]:
 
 
 def test_no_kernel_of_python_divides_by_what_may_be_zero() -> None:
-    """C returns infinity or NaN where Python raises: `/` is left to divisors that are numbers or constants."""
+    """C returns infinity or NaN where Python raises: `/` is left to divisors that are numbers or
+    constants."""
     constants = {part["name"] for part in parts() if part["kind"] in ("int", "Real")}
     for part in parts():
         for leaf in _leaves(part["tree"]) if part["kind"] == "function" else ():

@@ -72,7 +72,7 @@ def complaint(words: tuple[str, ...], said: Said) -> str | None:
         return "an internal error: " + both[both.index("LAG0799") :][:300]
     if said.code not in _STATUS:
         return f"exit code {said.code}"
-    if said.code == 3 and words[0] not in ("sim", "linearize"):
+    if said.code == 3 and words[0] not in ("sim", "linearize", "cost", "effects"):
         return "exit code 3 of a command that runs nothing"
     if "--json" in words:
         return _json_complaint(said)

@@ -151,8 +151,8 @@ class Held(Leaking):
 
 @pytest.mark.parametrize("missing", [0.0, 1e-3])
 def test_work_that_is_roundoff_of_large_forces_is_in_balance(missing: float) -> None:
-    """At a speed of 1e-21 m/s the energy is 5e-43 J. Forces of 1e6 N do works of 1e-14 J, which cancel to their
-    round-off of 1e-30 J; a force of 1 mN that is missing does a work beyond it."""
+    """At a speed of 1e-21 m/s the energy is 5e-43 J. Forces of 1e6 N do works of 1e-14 J, which cancel to
+    their round-off of 1e-30 J; a force of 1 mN that is missing does a work beyond it."""
     for speed in (1.1e-21, 1.3e-21, 1.7e-21):
         held = Held(missing)
         xdot, lam = [0.0] * 3, list[float]()

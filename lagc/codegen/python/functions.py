@@ -80,8 +80,8 @@ _MATH.remove("floor")
 _FIRST, _REST = ", ".join(_MATH[:11]), ", ".join(_MATH[11:])
 
 # Python raises where C returns infinity or NaN.  A function that raised is computed again with floats and
-# functions that return what C returns; functions that do not raise stay fast.  Kernels, which change what they
-# are given, call `quotient` and `root` instead.
+# functions that return what C returns; functions that do not raise stay fast.  Kernels change their
+# arguments: they call `quotient` and `root` instead.
 ARITHMETIC = (
     f"""\
 from math import {", ".join(sorted([*_MATH, "inf", "nan"]))}

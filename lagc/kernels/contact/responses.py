@@ -96,9 +96,9 @@ def largest_scaled(w: Work) -> Real:
 
 
 def response_to_forces(j: int, before: Real, largest: Real, w: Work) -> Real:
-    """Return a speed, acceleration or displacement with X p added. One that this cancels to round-off is zero:
-    what lies at rest has no motion whose error could be measured. The round-off of each force is that of the
-    largest one, as they solve equations together."""
+    """Return a speed, acceleration or displacement with X p added. One that this cancels to round-off is
+    zero: what lies at rest has no motion whose error could be measured. The round-off of each force is that
+    of the largest one, as they solve equations together."""
     total = before
     terms = fabs(before)
     for r in range(w.law_rows):
@@ -116,7 +116,8 @@ def add_responses(values: Vec[NX], w: Work) -> None:
 
 
 def add_cancelling(values: Vec[NX], w: Work) -> None:
-    """Add X p to the speeds, or accelerations, of `values`, of forces that solve equations with w.law_scale."""
+    """Add X p to the speeds, or accelerations, of `values`, of forces that solve equations with
+    w.law_scale."""
     largest = largest_scaled(w)
     for j in range(NV):
         values[NQ + j] = response_to_forces(j, values[NQ + j], largest, w)

@@ -6,9 +6,8 @@ With scaled forces p and accelerations u = W p + b, each contact has
     F_t = p_t - P(p_t - u_t), where P projects on the disc with the radius mu p_n
 
 (M. Jean, Comput. Methods Appl. Mech. Engrg. 177 (1999) 235-257, after P. Alart, A. Curnier, ibid. 92 (1991)
-353-375). F is not smooth but has one of several derivatives everywhere: each is the system of given modes. What is
-found is a solution; others are not excluded, and none may be found where there is one.
-"""
+353-375). F is not smooth but has one of several derivatives everywhere: each is the system of given modes.
+The method finds a solution. It excludes no others, and may find none where there is one."""
 
 from math import fabs, sqrt
 
@@ -88,7 +87,8 @@ def set_slip_rows(w: Work, i: int) -> None:
 
 
 def linearize_law(w: Work) -> Real:
-    """Set w.law_matrix to the derivative of F by the scaled forces and w.law_right to -F; return its length."""
+    """Set w.law_matrix to the derivative of F by the scaled forces and w.law_right to -F; return its
+    length."""
     w.law_unknowns = w.law_rows
     relative_motion(w)
     for i in range(w.law_count):
@@ -151,7 +151,8 @@ def solve_law_equation(w: Work) -> bool:
 
 
 def search_by_newton(w: Work) -> bool:
-    """Compute w.law_p, w.law_u and the modes by Newton's method. Return False if it finds none that meet the law."""
+    """Compute w.law_p, w.law_u and the modes by Newton's method. Return False if it finds none that meet the
+    law."""
     if not solve_law_equation(w):
         return False
     read_modes(w)

@@ -1,8 +1,7 @@
 """The law of contact with dry friction: modes and forces of contacts that touch.
 
-Few contacts are decided by `enumeration`, many by their modes before or by Newton's method (`semismooth`). Modes are
-read from u, since the forces of dependent rows are not unique.
-"""
+Few contacts are decided by `enumeration`, many by their modes before or by Newton's method (`semismooth`).
+Modes are read from u, since the forces of dependent rows are not unique."""
 
 from lagc.kernels.contact.conditions import has_friction, read_modes
 from lagc.kernels.contact.enumeration import (
@@ -10,6 +9,7 @@ from lagc.kernels.contact.enumeration import (
     LAW_FOUND,
     LAW_NONE,
     LAW_ONE,
+    LAW_SEVERAL,
     choices,
     enumerate_modes,
 )
@@ -23,7 +23,8 @@ MOST_SPATIAL = 27  # the same with slip directions in space
 
 
 def is_convex(w: Work) -> bool:
-    """Return whether all contacts are one-sided and without friction and W is symmetric: motion is unique then."""
+    """Return whether all contacts are one-sided and without friction and W is symmetric: motion is unique
+    then."""
     if NLOADS > 0:
         return False
     for i in range(w.law_count):
@@ -95,16 +96,40 @@ def start_slips(w: Work) -> bool:
     return found
 
 
+def rests(w: Work) -> bool:
+    """Return whether contacts that do not move stay as they are by some forces in the static cones, with
+    these forces. If not, modes and culprit are as before."""
+    culprit = w.law_culprit
+    for i in range(w.law_count):
+        if w.law_slides[i] > 0:
+            return False
+        w.law_kept_mode[i] = w.law_mode[i]
+        w.law_mode[i] = CONTACT_STICKS if has_friction(w, i) else CONTACT_SLIPS
+        w.law_turns[i] = 0
+    if meets_law(w):
+        return True
+    w.law_culprit = culprit
+    for i in range(w.law_count):
+        w.law_mode[i] = w.law_kept_mode[i]
+    return False
+
+
 def set_law(w: Work) -> int:
     """Find the modes of contacts that touch, with w.law_p and w.law_u. A contact that does not move sticks up
-    to its static friction; it is solved with the friction of slip if it begins to slip."""
+    to its static friction; it is solved with the friction of slip if it begins to slip. Of several solutions
+    rest is taken."""
     for i in range(w.law_count):
         w.law_least[i] = 0.0
         w.law_slides[i] = w.law_moves[i]
         w.law_mu[i] = w.law_friction[i] if w.law_moves[i] > 0 else w.law_static[i]
+        if w.law_moves[i] == 0 and w.law_mode[i] == CONTACT_SLIPS and has_friction(w, i):
+            w.law_mode[i] = CONTACT_STICKS  # it has no direction of slip yet
     set_law_scales(w)
     found = search_modes(w)
     if NSLIP > 0:
+        if found == LAW_SEVERAL and rests(w):
+            read_modes(w)
+            found = LAW_FOUND
         while found <= LAW_FOUND and start_slips(w):
             found = search_modes(w)
     return found

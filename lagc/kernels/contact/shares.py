@@ -1,13 +1,12 @@
 """Shares of a load that contacts may bear in many ways: the smallest forces within their friction cones.
 
-The rows of closed contacts, Q z = c with orthonormal Q, leave the scaled forces z open. The smallest ones in the
-product K of the cones, min 1/2 z' D z, are z = P(D^-1 Q' y), where P projects on K and Q z = c. This is the
-gradient of a convex function of y. Newton's method takes the generalised derivative of P (L. Qi, J. Sun, Math.
-Programming 58 (1993) 353-367) and adds to it a part of the load that is left, as near the limit of what the cones
-bear y has no bound (D.-H. Li, M. Fukushima, L. Qi, N. Yamashita, Comput. Optim. Appl. 28 (2004) 131-147). Beyond
-the limit z tends to the forces in K that leave the least load. Where a load r that is left has Q' r in the polar
-cone of K and r' c > 0, no forces in K bear it (J. Farkas, 1902).
-"""
+The rows of closed contacts, Q z = c with orthonormal Q, leave the scaled forces z open. The smallest ones in
+the product K of the cones, min 1/2 z' D z, are z = P(D^-1 Q' y), where P projects on K and Q z = c. This is
+the gradient of a convex function of y. Newton's method takes the generalised derivative of P (L. Qi, J. Sun,
+Math. Programming 58 (1993) 353-367) and adds to it a part of the load that is left, as near the limit of what
+the cones bear y has no bound (D.-H. Li, M. Fukushima, L. Qi, N. Yamashita, Comput. Optim. Appl. 28 (2004)
+131-147). Beyond the limit z tends to the forces in K that leave the least load. Where a load r that is left
+has Q' r in the polar cone of K and r' c > 0, no forces in K bear it (J. Farkas, 1902)."""
 
 from math import fabs, sqrt
 
@@ -47,8 +46,8 @@ def aside_of(w: Work, e: int, m: int) -> Real:
 
 
 def project_pull(w: Work) -> None:
-    """Set w.law_share to the projection of w.law_pull on the cones, and w.law_place. Forces of two-sided contacts
-    have none."""
+    """Set w.law_share to the projection of w.law_pull on the cones, and w.law_place. Forces of two-sided
+    contacts have none."""
     for e in range(w.law_unknowns):
         m = sticking_rows(w, e)
         if m >= 0:
@@ -92,8 +91,8 @@ def pull_along(w: Work, dual: Vec[NLAW]) -> None:
 
 
 def share_value(w: Work) -> Real:
-    """Set w.law_share for w.law_dual; return the value of the convex function, and set w.law_share_terms to the
-    sum of the magnitudes of its terms."""
+    """Set w.law_share for w.law_dual; return the value of the convex function, and set w.law_share_terms to
+    the sum of the magnitudes of its terms."""
     pull_along(w, w.law_dual)
     for e in range(w.law_unknowns):
         w.law_pull[e] /= w.law_metric[e]
@@ -156,8 +155,8 @@ def second_derivative(w: Work, k: int, j: int) -> Real:
 
 
 def newton_step_of_dual(w: Work, part: Real) -> None:
-    """Set w.law_step to the step of w.law_dual for w.law_left, by the factors L L' of the second derivative. To its
-    diagonal a part of the largest entry of D^-1 is added."""
+    """Set w.law_step to the step of w.law_dual for w.law_left, by the factors L L' of the second derivative.
+    To its diagonal a part of the largest entry of D^-1 is added."""
     n = w.law_unknowns
     largest = 0.0
     for e in range(n):
@@ -187,8 +186,8 @@ def newton_step_of_dual(w: Work, part: Real) -> None:
 
 
 def set_share_metric(w: Work) -> None:
-    """Set w.law_metric, D, which measures all forces alike along gaps of one unit. Those along gaps of other units
-    are measured by the scales of their contacts."""
+    """Set w.law_metric, D, which measures all forces alike along gaps of one unit. Those along gaps of other
+    units are measured by the scales of their contacts."""
     for e in range(w.law_unknowns):
         unit = w.law_unit[w.law_contact[e]]
         total = 0.0
@@ -202,8 +201,8 @@ def set_share_metric(w: Work) -> None:
 
 
 def find_shares(w: Work, load: Real) -> None:
-    """Compute w.law_share, the smallest forces in the cones that bear the load, or those that leave the least of
-    it, with the length of what they leave, w.law_lack."""
+    """Compute w.law_share, the smallest forces in the cones that bear the load, or those that leave the least
+    of it, with the length of what they leave, w.law_lack."""
     value = share_value(w)
     w.law_lack = load_left(w)
     for turn in range(MOST_SHARINGS):
@@ -242,8 +241,8 @@ def is_shared(w: Work) -> bool:
 
 
 def share_load(w: Work) -> None:
-    """Set w.law_p and w.law_u to the smallest forces in the cones, after `solve_modes` in modes that leave them
-    open. If there are none, only w.law_lack, the load that is left, and w.law_share are set."""
+    """Set w.law_p and w.law_u to the smallest forces in the cones, after `solve_modes` in modes that leave
+    them open. If there are none, only w.law_lack, the load that is left, and w.law_share are set."""
     n = w.law_unknowns
     load = 0.0
     for k in range(w.law_rank):

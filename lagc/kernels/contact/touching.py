@@ -134,8 +134,9 @@ def cone_margin(i: int, w: Work) -> Real:
 
 
 def bear_load(w: Work) -> None:
-    """Let contacts that bear their load in many ways do so by the smallest forces within their cones. If these do
-    not bear it, modes change: the forces stay, as if the cones were wider, and w.law_lack is not zero."""
+    """Let contacts that bear their load in many ways do so by the smallest forces within their cones. If
+    these do not bear it, modes change: the forces stay, as if the cones were wider, and w.law_lack is not
+    zero."""
     w.law_lack = 0.0
     if is_shared(w):
         for n in range(w.law_count):
@@ -145,9 +146,9 @@ def bear_load(w: Work) -> None:
 
 
 def set_margins(w: Work) -> None:
-    """Set w.force_margins and w.cone_margins of the listed contacts, by w.contact_forces: what falls to zero where
-    they open or slip. Contacts that share a load do so where no shares bear it; those that are at the bounds of
-    their cones begin."""
+    """Set w.force_margins and w.cone_margins of the listed contacts, by w.contact_forces: what falls to zero
+    where they open or slip. Contacts that share a load do so where no shares bear it; those that are at the
+    bounds of their cones begin."""
     shared = is_shared(w)
     size = 0.0
     slides = False
@@ -305,7 +306,6 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
         status = solve_loaded(p, t, x, xdot, lam, False, w)
         if failed(status):
             return status
-        w.law_lack = 0.0
     else:
         status = respond(p, t, x, w)
         if failed(status):
@@ -317,7 +317,7 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
         if not solve_touching(w):
             w.culprit = w.touching[w.law_culprit]
             return PARADOX
-        bear_load(w)
+    bear_load(w)
     take_forces(p, t, x, xdot, lam, w)
     return OK
 

@@ -3,9 +3,9 @@
 A kernel is a function with annotated arguments and a scalar or pair as its result; it passes everything else
 through records.  It consists of assignments, arithmetic, `if`, `while`, `for i in range`, `break`,
 `continue`, `return`, and calls of earlier kernels, of functions of the model, and of `fabs`, `floor`, `sqrt`.
-Division by zero and the square root of a negative number give what C gives.  `if NC > 0:` and `if STRAIGHT:` are
-decided when a kernel is printed.  There are no tuples, defaults, closures, recursion or exceptions, and no
-memory except local vectors.
+Division by zero and the square root of a negative number give what C gives.  `if NC > 0:` and `if STRAIGHT:`
+are decided when a kernel is printed.  There are no tuples, defaults, closures, recursion or exceptions, and
+no memory except local vectors.
 
     v[:] = w            copies a vector; v[a:b] = part(w, c, d) a part of one
     r = w.dq            a name for a vector, or a row of a matrix, of a record: nothing is copied

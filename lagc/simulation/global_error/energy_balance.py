@@ -118,7 +118,7 @@ def _slopes(system: System, t: float, x: Sequence[float], groups: Sizes) -> floa
 
 def _noise(system: System, t: float, x: Sequence[float], lasts: float) -> float:
     """The round-off of the energy at one state, and that of its power over the time `lasts`, in J, from
-    evaluations with directed rounding. What large forces that cancel leave does work that nothing balances."""
+    evaluations with directed rounding. Large forces that cancel leave a power that nothing balances."""
     from lagc.simulation.backends.directed_rounding import directed
 
     found, powers = [system.energies(t, x)], []
