@@ -285,7 +285,7 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
         vector, found = vector_of(written, given.span, "a direction")
         expect(found, NONE, given.span, "a direction")
         direction = unit_vector(context, vector, given.span)
-    if direction == (graph.zero, graph.zero, graph.const(-1.0)):
+    if strength is not None and direction == (graph.zero, graph.zero, graph.const(-1.0)):
         _look_at_sign(context, entry, strength)
     total = graph.zero
     for other in entry.environment.instance.in_order():
@@ -299,7 +299,7 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
     return Reference(entry)
 
 
-def _look_at_sign(context: Context, entry: Entry, strength: tree.Expression | None) -> None:
+def _look_at_sign(context: Context, entry: Entry, strength: tree.Expression) -> None:
     """Warn of a negative number for the magnitude of gravity along -world.z."""
     number = strength.value if isinstance(strength, tree.Quantity) else strength
     if isinstance(number, tree.Unary) and number.op == "-" and is_bare(number.operand, units=True):
