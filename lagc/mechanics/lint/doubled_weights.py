@@ -1,7 +1,7 @@
 """Potentials that are the weight of bodies on which gravity acts already. Warnings only.
 
-Two potentials have the same forces if they change alike between any two configurations. This is tried at random
-ones.
+Two potentials have the same forces if they change alike between any two configurations. Random ones are
+compared.
 """
 
 from __future__ import annotations
