@@ -104,3 +104,9 @@ def many_radians(name: str, text: str, sign: str = "", span: Span | None = None)
     """Return the warning of an angle that looks like degrees; `text` is its magnitude."""
     remedy = f"if degrees are meant, write `{text} [deg]`, else `{text} [rad]`"
     return Fault("LAG0618", f"`{name}` is {sign}{text} radians", span, remedy=remedy, severity="warning")
+
+
+def in_hertz(name: str, remedy: str, span: Span | None = None) -> Fault:
+    """Return the warning of an angular velocity whose unit is that of a frequency."""
+    message = f"`{name}` is an angular velocity: 1 [Hz] of it is 1 rad/s, not a turn in each second"
+    return Fault("LAG0619", message, span, remedy=remedy, severity="warning")

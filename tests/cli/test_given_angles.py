@@ -48,3 +48,17 @@ def test_given_values_are_looked_at(
             f["message"] for f in json.loads(capsys.readouterr().out)["faults"] if f["code"] == "LAG0618"
         ]
         assert set(faults) == wanted and len(faults) == len(wanted)
+
+
+@pytest.mark.parametrize(
+    "given, warned", [("", 1), ("-p w=50[rad/s]", 0), ("-p w=2[kHz]", 1), ("-p w=300[rpm]", 0)]
+)
+def test_given_angular_velocities_are_looked_at(
+    given: str, warned: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "lamp.lag"
+    text = MODEL.replace("input Angle w = 20", "parameter AngularVelocity w = 50 [Hz]")
+    path.write_text(text.replace("w*1 [N]", "w*1 [N.s]"))
+    assert main(["check", str(path), "--json", *given.split()]) == 0
+    codes = [f["code"] for f in json.loads(capsys.readouterr().out)["faults"]]
+    assert codes.count("LAG0619") == warned

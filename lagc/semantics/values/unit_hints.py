@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 from lagc.diagnostics.faults import Fault
-from lagc.diagnostics.suggest import is_many_radians, many_radians
+from lagc.diagnostics.suggest import in_hertz, is_many_radians, many_radians
 from lagc.semantics.names.scope import expect
 from lagc.semantics.refusals import Wrong
 from lagc.semantics.units import NONE, Dimension, name_of, over, si_text
@@ -134,9 +134,7 @@ def _turning(d: tree.Quantities, kind: tuple[str, ...]) -> Iterator[tuple[str, t
 def _hertz(name: str, value: tree.Expression | None) -> Fault | None:
     if not isinstance(value, tree.Quantity) or not value.unit.text.strip().endswith("Hz"):
         return None
-    message = f"`{name}` is an angular velocity: 1 [Hz] of it is 1 rad/s, not a turn in each second"
-    remedy = f"for a frequency write `2*pi*{value.span.text}`"
-    return Fault("LAG0619", message, value.span, remedy=remedy, severity="warning")
+    return in_hertz(name, f"for a frequency write `2*pi*{value.span.text}`", value.span)
 
 
 def _angles(own: Sequence[tree.Declaration], models: Models) -> set[str]:
