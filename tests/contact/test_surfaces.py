@@ -44,6 +44,16 @@ MODELS = {
         "at = T",
         "slip = der(dot(T, S.x))",
     ),
+    "an arm that starts stretched, where it moves across itself alone": (
+        """coordinate Angle u(start = 0), v(start = 0, rate = 1 [rad/s]);
+        point E = 1 [m]*{cos(u), 0, -sin(u)};
+        point T = E + 1 [m]*{cos(u + v), 0, -sin(u + v)};
+        body one = Particle(mass = 1 [kg], at = E);
+        body two = Particle(mass = 1 [kg], at = T);
+        constraint floor: (T.z + 0.5*T.x)/sqrt(1.25) >= -0.5 [m] (friction = 0.3, @);""",
+        "at = T",
+        "slip = der((T.x - 0.5*T.z)/sqrt(1.25))",
+    ),
     "a ball thrown on a slope in space": (
         """parameter Angle b = 20 [deg], c = 30 [deg];
         coordinate Length x(rate = 1 [m/s]), y(rate = -0.5 [m/s]), z(start = 0.4 [m]);

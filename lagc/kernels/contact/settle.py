@@ -239,7 +239,8 @@ def decide_released(p: Params, s: State, w: Work) -> Status:
 
 def find_rests(s: State, w: Work) -> bool:
     """Return whether further contacts rest: their next bounce, by w.contact_rates, stays below the least
-    height, a part of the largest one that they fell from, by their speed and the time since they touched. Set
+    height, a part of the largest one that they fell from. That is half the speed before the impact times the
+    time since they touched: the height of a fall from rest, up to twice that of a flight up and down. Set
     s.rest_times."""
     found = False
     for i in range(NCON):
@@ -390,7 +391,8 @@ def report_contacts(s: State, begins: bool, w: Work) -> bool:
 
 def settle(p: Params, s: State, begins: bool, w: Work) -> Status:
     """Do what contacts do at (s.t, s.x), with the hits w.contact_hit, and report it in *s. The work integral
-    gains the change of the energy. After a failure s.x is as before."""
+    gains the change of the energy. A failure ends the run: s.x is as before, and the
+    records of bounces are not."""
     w.x_settled[:] = s.x
     if NZ > 0:
         fn_energies(p, s.t, s.x, w.contact_energies)

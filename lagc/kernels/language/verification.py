@@ -7,7 +7,7 @@ from lagc.kernels.language.words import Count, IVec, Length, Mat, Real, Vec, str
 
 @struct
 class Goal:
-    """What a verified run is asked for, and what is known before it."""
+    """The request of a verified run, and the facts known before it."""
 
     accuracy: Real  # the largest error of each quantity over its scale
     law: Real  # error over tolerance, of an earlier run of the model; 0: not known.  The run replaces it
@@ -17,7 +17,7 @@ class Goal:
 
 @struct
 class Report:
-    """What a verified run has shown."""
+    """The result of a verified run."""
 
     estimated: Real  # the largest error of a quantity over its scale; infinite: the end was not reached
     until: Real  # the accuracy is met until this time

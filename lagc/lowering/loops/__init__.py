@@ -1,1 +1,1 @@
-"""Loop rerolling and independent blocks."""
+"""Loop rolling: parts of the equations that differ in indices alone become one loop."""

@@ -6,7 +6,8 @@ gradients of gap rate and w by the speeds. The force along the gap is 1/|n| of t
 Two directions along a surface that turns in space are those of T. Duff et al., J. Comput. Graph. Tech. 6,
 2017, 1-8. They have no value where n points against the pole: the one of +z and -z that n is nearer to at the
 initial state. A plane motion has one slip. It is positive along the x axis or, where it is across this at the
-initial state, along y or z.
+initial state, along y or z. A random state takes the place of an initial one that is singular, as that of a
+stretched arm: it has too few independent velocities.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from lagc.symbolic.vectors import Vector, add, cross, dot, norm, scale, sub
 from lagc.symbolic.walk import substitute
 
 Gradient = Mapping[int, Node]
+_State = Mapping[Node, float]
 
 _INDEPENDENT = 1e-12  # part of the square of a velocity that others do not have
 _ROUNDOFF = 1e-9  # of a unit vector
@@ -40,8 +42,8 @@ def along_surface(states: States, contact: Contact, normal: Gradient) -> tuple[l
     released = [rate for release in states.model.releases for rate in release.rates]
     freed = {states.place_of_v[rate] for rate in released}
     parts = [_without(row, freed) for row in gradients(states.graph, given, states.place_of_v)]
-    n = _normal(states, _without(normal, freed), parts)
-    if n is None:
+    found = _normal(states, _without(normal, freed), parts)
+    if found is None:
         message = f"the velocity of the place of `{contact.label}` does not show the direction of its surface"
         remedy = (
             "give the place where the bodies touch, or write two components along the surface that are "
@@ -49,20 +51,20 @@ def along_surface(states: States, contact: Contact, normal: Gradient) -> tuple[l
         )
         raise Refused([Fault("LAG0235", message, contact.span, remedy=remedy)])
     velocity = (given[0], given[1], given[2])
-    directions = _across(states, n)
-    found = [dot(direction, velocity) for direction in directions]
-    held = substitute(states.graph, found, dict.fromkeys(released, states.graph.zero))
+    n, state = found
+    directions = _across(states, n, state)
+    rates = [dot(direction, velocity) for direction in directions]
+    held = substitute(states.graph, rates, dict.fromkeys(released, states.graph.zero))
     slips = [k for k in range(2) if not held[k].is_zero]
-    if len(slips) == 1 and _is_backward(states, directions[slips[0]]):
-        found[slips[0]] = -found[slips[0]]
-    return [found[k] for k in slips], norm(n)
+    if len(slips) == 1 and _is_backward(states, directions[slips[0]], state):
+        rates[slips[0]] = -rates[slips[0]]
+    return [rates[k] for k in slips], norm(n)
 
 
-def _is_backward(states: States, direction: Vector) -> bool:
-    """Return whether the first component of a unit vector, beyond round-off, is negative at the start."""
+def _is_backward(states: States, direction: Vector, state: _State | None) -> bool:
+    """Return whether the first component of a unit vector, beyond round-off, is negative at a state."""
     fixed = all(x.is_const for x in direction)
-    start = {} if fixed else _initial(states)
-    values = [] if start is None else evaluate(states.in_speeds(direction), start)
+    values = evaluate(states.in_speeds(direction), state or {}) if fixed or state else []
     return next((value < 0.0 for value in values if abs(value) > _ROUNDOFF), False)
 
 
@@ -70,23 +72,29 @@ def _without(row: Gradient, columns: Set[int]) -> Gradient:
     return {j: node for j, node in row.items() if j not in columns}
 
 
-def _normal(states: States, normal: Gradient, parts: Sequence[Gradient]) -> Vector | None:
-    """Return n with normal = n . parts: an axis of the world, or the shortest one."""
-    zero = states.graph.zero
+def _normal(
+    states: States, normal: Gradient, parts: Sequence[Gradient]
+) -> tuple[Vector, _State | None] | None:
+    """Return n with normal = n . parts, an axis of the world or the shortest one, and the state of its signs;
+    None if there is no n."""
+    zero, start = states.graph.zero, _initial(states)
     for k in range(3):
         for sign in (1.0, -1.0):
             x, y, z = (states.graph.const(sign) if i == k else zero for i in range(3))
             if _fits(states, (x, y, z), normal, parts):
-                return (x, y, z)
-    n = _shortest(states, normal, parts)
-    return n if any(not x.is_zero for x in n) and _fits(states, n, normal, parts) else None
+                return (x, y, z), start
+    for state in (start, next(samples(states.model, 1), None)):
+        n = _shortest(states, normal, parts, state)
+        if any(not x.is_zero for x in n) and _fits(states, n, normal, parts):
+            return n, state
+    return None
 
 
-def _shortest(states: States, normal: Gradient, parts: Sequence[Gradient]) -> Vector:
+def _shortest(states: States, normal: Gradient, parts: Sequence[Gradient], state: _State | None) -> Vector:
     """Return the shortest n with normal = n . parts. The partial velocities of the place, simple ones first,
-    are made orthogonal (Gram-Schmidt); those that depend on others at the initial state are left out. Each
-    adds the rate of the gap along it."""
-    zero, start = states.graph.zero, _initial(states)
+    are made orthogonal (Gram-Schmidt); those that depend on others at `state` are left out. Each adds the
+    rate of the gap along it."""
+    zero = states.graph.zero
     n: Vector = (zero, zero, zero)
     columns = sorted({*normal, *(j for part in parts for j in part)})
     columns.sort(key=lambda j: sum(j in part and not part[j].is_const for part in parts))
@@ -98,14 +106,14 @@ def _shortest(states: States, normal: Gradient, parts: Sequence[Gradient]) -> Ve
             share = dot((x, y, z), e) / dot(e, e)
             move, rate = sub(move, scale(share, e)), rate - share * rate_along
         squares = states.in_speeds([dot(move, move), dot((x, y, z), (x, y, z))])
-        left, whole = evaluate(squares, start) if start else (0.0, 1.0)
+        left, whole = evaluate(squares, state) if state else (0.0, 1.0)
         if left > _INDEPENDENT * whole:
             basis.append((move, rate))
             n = add(n, scale(rate / dot(move, move), move))
     return n
 
 
-def _initial(states: States) -> dict[Node, float] | None:
+def _initial(states: States) -> _State | None:
     """Return the initial state, with random speeds; None if it has values outside a domain."""
     return next(samples(states.model, 1, vary=False, spread=0.0), None)
 
@@ -128,7 +136,7 @@ def _fits(states: States, n: Sequence[Node], normal: Gradient, parts: Sequence[G
     return ZeroTest(anywhere(states)).vanish(left) is not None
 
 
-def _across(states: States, n: Vector) -> tuple[Vector, Vector]:
+def _across(states: States, n: Vector, state: _State | None) -> tuple[Vector, Vector]:
     """Return two unit vectors across n and each other: one is an axis of the world if n is across one."""
     graph, length = states.graph, norm(n)
     zero, one = graph.zero, graph.one
@@ -138,8 +146,7 @@ def _across(states: States, n: Vector) -> tuple[Vector, Vector]:
             other = cross(n, axis)
             return (other[0] / length, other[1] / length, other[2] / length), axis
     x, y, z = n[0] / length, n[1] / length, n[2] / length
-    start = _initial(states)
-    if start is not None and evaluate([states.in_speeds([n[2]])[0]], start)[0] < 0.0:
+    if state is not None and evaluate(states.in_speeds([n[2]]), state)[0] < 0.0:
         x, y, z = -x, -y, -z
     part = -one / (one + z)
     return (one + x * x * part, x * y * part, -x), (x * y * part, one + y * y * part, -y)
