@@ -36,7 +36,7 @@ class Run(Solution):
         try:
             return self.evaluate(name)
         except Refused as refused:
-            if name.isidentifier():
+            if name.isidentifier() or name.startswith("d("):
                 return super().__getitem__(name)  # raises KeyError with similar names
             fault = refused.faults[0]
             raise KeyError(fault.message + (f"; {fault.remedy}" if fault.remedy else "")) from None

@@ -58,6 +58,7 @@ def methods(text: str) -> tuple[str, ...]:
 def run(options: argparse.Namespace) -> int:
     from lagc.compiler import pipeline
     from lagc.host import model_library
+    from lagc.simulation.request import warnings_of
 
     if options.real != "double" and options.target != "c":
         raise Usage("--real needs --target c")
@@ -70,6 +71,7 @@ def run(options: argparse.Namespace) -> int:
     files = pipeline.render(program, options.target, real=options.real)
     spare(compilation, *(os.path.join(options.output, name) for name in files))
     paths = write(files, options.output)
+    warnings = warnings_of(program.interface, {**compilation.choice.inputs, **compilation.choice.parameters})
     if options.json:
         interface = program.interface
         print_json(
@@ -81,12 +83,12 @@ def run(options: argparse.Namespace) -> int:
                 "target": options.target,
                 "files": paths,
                 "operations": interface.operations,
-                "warnings": interface.warnings,
+                "warnings": warnings,
                 "dropped": interface.dropped,
             }
         )
     elif not options.quiet:
-        for warning in program.interface.warnings:
+        for warning in warnings:
             say(f"warning: {warning}")
         for note in program.interface.notes:
             say(note)

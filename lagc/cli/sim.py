@@ -97,7 +97,13 @@ def run(options: argparse.Namespace) -> int:
     from lagc.host import model_library
     from lagc.simulation.backends.compile import CannotCompile
     from lagc.simulation.formats import targets
-    from lagc.simulation.request import bound_guesses, bound_parameters, bound_scales, bound_starts
+    from lagc.simulation.request import (
+        bound_guesses,
+        bound_parameters,
+        bound_scales,
+        bound_starts,
+        warnings_of,
+    )
     from lagc.simulation.supervision import MOST_MEMORY, Forecast, check_memory
 
     check_files(options)
@@ -154,6 +160,7 @@ def run(options: argparse.Namespace) -> int:
             raise wrong(f"{error}; --backend numpy needs no compiler") from None
     if note:
         found.notes = (note, *found.notes)
+    found.warnings = warnings_of(model.interface, {**choice.inputs, **choice.parameters, **given})
     found.add_columns(*options.expressions)
     return deliver(found, options, more, runs)
 

@@ -21,7 +21,7 @@ def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: boo
     chosen = " (the first of the file)" if scene_chosen and interface.scene != "default" else ""
     reason = f" ({run.backend_reason})" if run.backend_reason else ""
     lines = [f"{interface.model}, scene {interface.scene}{chosen}{effects}"]
-    lines += [f"  {'warning':9} {warning}" for warning in interface.warnings]
+    lines += [f"  {'warning':9} {warning}" for warning in run.warnings]
     if interface.dropped:
         them = "them" if len(interface.dropped) > 1 else "it"
         lines.append(f"  {'dropped':9} {', '.join(interface.dropped)}: nothing asked for depends on {them}")

@@ -40,8 +40,15 @@ def look(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Checked
     """Check the syntax of `source` and, if it has no errors, each of its models and scenes, and unused
     effects. `choice` may name one model or scene.  Its parameter values are given to the models that have
     them."""
+    from lagc.simulation.request import is_of_other_value
+
     reached = [len(STAGES)]  # number of stages, for each model and scene
-    return Checked(_look(source, choice, roots, reached), STAGES[min(reached) :])
+    faults = [
+        fault
+        for fault in _look(source, choice, roots, reached)
+        if fault.span is None or not is_of_other_value(f"{fault.code}: {fault.message}", choice.parameters)
+    ]
+    return Checked(faults, STAGES[min(reached) :])
 
 
 def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[int]) -> list[Fault]:
@@ -89,14 +96,18 @@ def _faults(
     """The faults of one choice by code and place, warnings first. Adds the names of its parameters and inputs
     to `known`, and the number of stages that it reached to `reached`."""
     from lagc.mechanics.lint.unmoved import unmoved
+    from lagc.simulation.request import angle_warnings
 
     faults: Sequence[Fault]
     warnings: Sequence[Fault] = ()
+    asked: Sequence[Fault] = ()
     stages = 2
     try:
         model = resolve(tree, choice, roots)
         warnings, stages = model.warnings, 3
-        known.update([p.name for p in model.parameters], [u.name for u in model.inputs], model.built_in)
+        units = {p.name: p.unit for p in model.parameters} | {u.name: u.unit for u in model.inputs}
+        known.update(units, model.built_in)
+        asked = angle_warnings(choice.parameters, units)
         equations = derive(model)
         warnings, stages = equations.warnings, 4
         if not any(fault.code == _UNUSED for fault in warnings):
@@ -105,7 +116,7 @@ def _faults(
     except Refused as refused:
         faults = refused.faults
     reached.append(stages)
-    return _by_place([*warnings, *faults])
+    return _by_place([*asked, *warnings, *faults])
 
 
 def _by_place(faults: Sequence[Fault]) -> dict[tuple[object, ...], Fault]:

@@ -6,11 +6,13 @@ from collections.abc import Collection, Iterable, Sequence
 from functools import lru_cache
 from operator import itemgetter
 
+from lagc.diagnostics.faults import Fault, Span
 from lagc.diagnostics.foreign_words import ARGUMENTS
 
 LONGEST = 64  # characters of a name that is compared
 MOST = 2000  # known names that are looked at
 NEAREST = 50  # of them, by their letters, that are compared
+MANY_RADIANS = 10  # more than a turn and a half, and in degrees a usual angle
 
 
 def closest(name: str, known: Iterable[str]) -> str | None:
@@ -91,3 +93,20 @@ def moments(written: Sequence[str], k: int) -> str:
 
 def _plain(name: str) -> str:
     return name.lower().replace("_", "")
+
+
+def is_many_radians(value: float) -> bool:
+    """Whether a number without a unit looks like an angle in degrees."""
+    return abs(value) >= MANY_RADIANS and float(value).is_integer()
+
+
+def many_radians(name: str, text: str, sign: str = "", span: Span | None = None) -> Fault:
+    """Return the warning of an angle that looks like degrees; `text` is its magnitude."""
+    remedy = f"if degrees are meant, write `{text} [deg]`, else `{text} [rad]`"
+    return Fault("LAG0618", f"`{name}` is {sign}{text} radians", span, remedy=remedy, severity="warning")
+
+
+def in_hertz(name: str, remedy: str, span: Span | None = None) -> Fault:
+    """Return the warning of an angular velocity whose unit is that of a frequency."""
+    message = f"`{name}` is an angular velocity: 1 [Hz] of it is 1 rad/s, not a turn in each second"
+    return Fault("LAG0619", message, span, remedy=remedy, severity="warning")

@@ -47,9 +47,9 @@ def library_models() -> list[str]:
 
 
 def locate(name: str) -> str:
-    """Return the path of a model: a path, or a library model (`simple_pendulum`, `course/simple_pendulum`).
-    Raises Refused if there is none."""
-    if os.path.exists(name):
+    """Return the path of a model: a path, or a library model (`simple_pendulum`, `course/simple_pendulum`),
+    which a folder of that name does not hide.  Raises Refused if there is none."""
+    if os.path.exists(name) and not os.path.isdir(name):
         return name
     wanted = name.removesuffix(SUFFIX)
     root = models_folder()
@@ -60,6 +60,8 @@ def locate(name: str) -> str:
     matches = [m for m in models if m.rpartition("/")[2] == wanted]
     if len(matches) == 1:
         return os.path.join(root, *matches[0].split("/")) + SUFFIX
+    if os.path.isdir(name):
+        return name  # reading it names the reason
     raise Refused([_not_found(name, wanted, matches, models)])
 
 

@@ -52,6 +52,7 @@ MOST_REDUCTIONS = 40  # of one step because of a hidden event
 TIME_ERROR = 10.0  # error of an event time, over step size and tolerance
 FIRST_ORDER = 0.1  # time that is corrected to first order, over step size and root of the tolerance
 SHORT_STEP = 1e6  # size of a step without truncation error, in units in the last place of the time
+LEAST_ATTEMPT = 16.0  # least size of a first attempt, in units in the last place of the time
 NEWTON_TOLERANCE = 0.03  # error of the stages over that of a step, at most
 FIXED_STEP_TOLERANCE = by_type(1e-5, 1e-11, "1e-27")  # relative error of the stages of a fixed step
 LOOSENING = 0.1  # tolerance of the estimated error over that of a step at a tolerance of 1
@@ -220,7 +221,7 @@ def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
 
 
 def choose_step_size(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> None:
-    """Set the size of the first attempt."""
+    """Set the size of the first attempt, which the round-off of the time bounds from below."""
     if s.h == 0.0:
         if o.step > 0.0:
             s.h = o.step
@@ -228,7 +229,10 @@ def choose_step_size(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Wor
             s.h = o.first_step
         else:
             s.h = first_step_size(p, s, t1, a.direction, o, w)
-    a.size = o.max_step if o.max_step > 0.0 and s.h > o.max_step else s.h
+    least = LEAST_ATTEMPT * SPACING * fabs(s.t)
+    a.size = s.h if s.h > least else least
+    if o.max_step > 0.0 and a.size > o.max_step:
+        a.size = o.max_step
 
 
 def begin_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:

@@ -9,7 +9,7 @@ If the estimated error is above what is asked, the run is repeated with a smalle
 model is close to proportional to the tolerance; this law gives the next tolerance.
 """
 
-from math import fabs
+from math import fabs, inf
 from typing import Any
 
 from lagc.kernels.arguments import check_call
@@ -357,7 +357,8 @@ def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales
     at most g->accuracy of its scale: scales[NQUANTITY] where they are given and positive, else the range of
     the quantity. Write states[n*NX] and outputs[n*NY] at the times, which increase, errors and scales to
     v->error and v->scale, and the rest of what is known to *r. The accuracy is met if r->estimated is at
-    most g->accuracy. o->method and o->max_step are used; o->rtol and o->alone are set. Begin with
+    most g->accuracy; it is infinite if the end is not reached: r->done times are written, and it is met
+    until r->until. o->method and o->max_step are used; o->rtol and o->alone are set. Begin with
     v->phase = 0. INTERRUPTED after g->slice steps: call again to continue."""
     if v.phase == 0:
         v.run.t = times[0]
@@ -410,6 +411,8 @@ def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales
         r.estimated = estimate_errors(g, scales, o.method, False, v)
         whole = v.run.t >= times[n - 1] or status == TERMINATED
         g.law = (r.estimated if whole else v.predicted) / v.tolerance
+        if not whole:
+            r.estimated = inf
         if last or (whole and r.estimated <= g.accuracy) or (g.most > 0 and r.rhs > g.most):
             return status
         next_tolerance(g, whole, failed(status) and status != TERMINATED, r, v)

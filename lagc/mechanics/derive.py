@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from lagc.diagnostics.faults import Fault, Refused
@@ -100,8 +100,19 @@ def derive(model: Model) -> EquationsOfMotion:
             *_warnings(states, kept, contributions),
             *_aside(states, kept, contacts),
             *_shared(states, dropped),
+            *_doubled(model),
         ),
     )
+
+
+def _doubled(model: Model) -> Iterable[Fault]:
+    """Warnings of weights that are also written as potentials."""
+    fields = [isinstance(action, Potential) and action.gravity is not None for action in model.actions]
+    if all(fields) or not any(fields):
+        return ()
+    from lagc.mechanics.lint.doubled_weights import doubled_weights  # loaded where there may be some
+
+    return doubled_weights(model)
 
 
 def _cuts(states: States) -> tuple[tuple[Fault, ...], tuple[WhenEquations, ...]]:

@@ -45,7 +45,7 @@ from lagc.semantics.scenes.left_out import ignored_annotations, unused_effects
 from lagc.semantics.time_derivatives import LATE, MOVING
 from lagc.semantics.values.calls import look_at_uncalled
 from lagc.semantics.values.expressions import EVALUATORS
-from lagc.semantics.values.unit_hints import whole_radians
+from lagc.semantics.values.unit_hints import angular_hertz, whole_radians
 from lagc.syntax import tree
 
 RECURSION = 40_000  # Python frames; nesting is limited far below that
@@ -147,7 +147,7 @@ def _resolve(
 
 def text_warnings(file: tree.Tree) -> list[Fault]:
     """Return the warnings that the text of a file gives, whatever its models are."""
-    return [*whole_radians(file), *ignored_annotations(file)]
+    return [*whole_radians(file), *angular_hertz(file), *ignored_annotations(file)]
 
 
 def _empty(declaration: tree.ModelDeclaration) -> str:

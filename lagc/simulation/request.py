@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from math import isfinite
+from math import isfinite, tau
 from operator import index
 from typing import Any, SupportsFloat
 
 from lagc.base.records import dataclass, field
 from lagc.base.text import FINEST, MOST_POINTS
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.diagnostics.suggest import did_you_mean, in_hertz, is_many_radians, many_radians
 from lagc.kernels import IMPLICIT, METHODS, SERIES
 from lagc.lowering.program import Field, Interface
 from lagc.simulation.system import FIXED, System
@@ -212,6 +212,34 @@ def given_values(given: Given, fields: Iterable[Field], faults: list[Fault]) -> 
             faults += _bounds(known[name], value)
             values[name] = value
     return values
+
+
+def angle_warnings(given: Mapping[str, object], units: Mapping[str, str]) -> list[Fault]:
+    """Return warnings of given angles that look like degrees, and of angular velocities in hertz; `units` are
+    those of quantities by name."""
+    found: list[Fault] = []
+    for name, number in given.items():
+        if not isinstance(number, Quantity):
+            continue
+        if number.unit is None and units.get(name) == "rad" and is_many_radians(number.value):
+            found.append(many_radians(name, f"{abs(number.value):g}", "-" if number.value < 0.0 else ""))
+        elif (number.unit or "").endswith("Hz") and units.get(name) == "rad/s":
+            found.append(in_hertz(name, f"for a frequency give {tau:.10g} times the number"))
+    return found
+
+
+def is_of_other_value(warning: str, given: Mapping[str, object]) -> bool:
+    """Whether a warning, with its code, is of a quantity that gets another value."""
+    codes = ("LAG0618", "LAG0619")
+    return warning.startswith(tuple([f"{code}: `{name}` is " for name in given for code in codes]))
+
+
+def warnings_of(interface: Interface, given: Mapping[str, object]) -> tuple[str, ...]:
+    """Return the warnings of a model with the given parameters, inputs and initial values."""
+    units = {f.name: f.unit for f in (*interface.parameters, *interface.inputs)}
+    units.update(zip(interface.state_names, interface.state_units))
+    more = [f"{fault.code}: {fault.message}; {fault.remedy}" for fault in angle_warnings(given, units)]
+    return (*[w for w in interface.warnings if not is_of_other_value(w, given)], *more)
 
 
 def keep_limits(system: System) -> None:

@@ -110,6 +110,7 @@ def simulate(
         asked=request.accuracy, estimated=result.estimated, cut=result.cut,
         position_drift=trajectory.position_drift, velocity_drift=trajectory.velocity_drift,
         energy=energy(system, trajectory), notes=tuple(notes),
+        warnings=system.interface.warnings,
         open_reactions=open_reactions, error_bars=done.errors, scale_values=done.scales,
         events=_events(system, trajectory),
         corners=tuple(trajectory.corners), interrupted=trajectory.status == INTERRUPTED, end=times[-1],

@@ -99,6 +99,7 @@ class Solution:
     cost: Cost
     end: float  # the end time asked for
     notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
     open_reactions: tuple[str, ...] = ()
     alone: bool = False  # whether rtol is relative to each state, not to its scaling group
     # Of coordinates, speeds, outputs and discrete variables; empty for a run that is not verified
@@ -287,7 +288,7 @@ class Solution:
             "cost": {"steps": cost.steps, "rejected": cost.rejected, "rhs": cost.rhs, "alone": cost.alone,
                      "operations": cost.operations, "compile_s": cost.compile_s, "run_s": cost.run_s,
                      "start_s": cost.start_s},
-            "warnings": list(interface.warnings), "dropped": list(interface.dropped),
+            "warnings": list(self.warnings), "dropped": list(interface.dropped),
             "open_reactions": list(self.open_reactions), "notes": list(self.notes),
         }  # fmt: skip
 

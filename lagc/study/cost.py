@@ -220,6 +220,7 @@ def study(
         except CannotCompile as error:
             found.notes.append(f"there is no quadruple precision: {error}")
             exact = None
+        plain.deadline = max(began + LONGEST * budget, perf_counter() + budget)  # compiling may take longer
         tell(0.05, "reference")
         if exact is not None:
             exact.look = plain.look

@@ -18,7 +18,7 @@ from lagc.codegen.kernel_compiler.real_types import DOUBLE, QUAD, SINGLE, TYPES,
 from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Refused, Source
 from lagc.lowering.program import Program
-from tests.codegen.tools import MODELS, call, of_model, write
+from tests.codegen.tools import MODELS, call, of_model, of_source, write
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not there")
 HERE = Path(__file__).parent
@@ -114,6 +114,49 @@ def test_tables_that_bend_are_of_every_type(real: str, over: str, tmp_path: Path
     run = built(pipeline.optimize(pipeline.derive(model), True), TYPES[real], tmp_path)
     x, y, vx, vy = (float(v) for v in end(run, 3.0, "1e-5", ["0", "0", "0", "1"])[:4])
     assert (x, y, vx, vy) == pytest.approx((2.0, 3.0, 1.0, 1.0), rel=1e-4)
+
+
+LATE = """
+#include "osc.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/* t0, time between calls: prints the largest error of cos(t - t0) within 10 s */
+int main(int count, char **words)
+{
+    const double t0 = atof(words[1]), every = atof(words[2]);
+    osc_params p = osc_default_params();
+    osc_options o = osc_default_options();
+    static osc_work w;
+    static osc_state s;
+    double worst = 0.0;
+    osc_start(&p, s.x);
+    osc_begin(&s, (float)t0, s.x);
+    for (int k = 1; k * every <= 10.0; k++) {
+        if (osc_advance(&p, &s, (float)(t0 + k * every), &o, &w) != OSC_OK)
+            return 1;
+        worst = fmax(worst, fabs(s.x[0] - cos(s.t - t0)));
+    }
+    printf("%g\\n", worst);
+    return count - 3;
+}
+"""
+
+
+@pytest.mark.full
+def test_late_times_of_float_lose_no_accuracy(tmp_path: Path) -> None:
+    """Their spacing is 6e-5 s at 1000 s and 4e-3 s at 40000 s. The equations do not depend on time, and the
+    closed form is one in the time that the state has."""
+    text = "model Osc coordinate Length x(start = 1); body b = Particle(mass = 1, at = {x, 0, 0});"
+    source = Source("osc.lag", text + " potential u = 1/2*1 [N/m]*x^2; end Osc;")
+    files = render(of_source(source), False, SINGLE)
+    paths = write({**files, "late.c": LATE}, tmp_path)
+    run = tmp_path / "late"
+    call("gcc", "-std=c99", "-O1", paths[".c"], tmp_path / "osc.c", "-lm", "-o", run)
+    for t0 in ("0", "1000", "10000", "40000"):
+        assert float(call(run, t0, "0.001")) < 1e-4, t0  # the tolerance of a step
+        assert float(call(run, t0, "5")) < 1e-4, t0
 
 
 @pytest.mark.full

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import subprocess
-from math import cos, sin, sqrt
+from math import cos, inf, sin, sqrt
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -128,6 +128,8 @@ def test_a_limit_of_evaluations_ends_the_search(oscillator: ModuleType) -> None:
     """The accuracy is beyond double precision; what was reached is returned."""
     status, *_, r, _, _ = run(oscillator, 1e-17, most=2000)
     assert status == oscillator.OK and r.estimated > 1e-17 and r.rhs < 6000
+    *_, r, _, _ = run(oscillator, 1e-3, most=50)
+    assert r.estimated == inf and 0 < r.done < len(TIMES) and r.until < TIMES[-1]
 
 
 def test_clauses_end_both_runs() -> None:

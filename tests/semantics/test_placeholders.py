@@ -156,6 +156,17 @@ def test_a_model_with_a_placeholder_does_not_run_alone_but_is_no_fault() -> None
         pipeline.resolve(parse(Source("m.lag", text)), Choice(model="Pull"))
 
 
+@pytest.mark.parametrize("form", ["{0}{1}", "package P {0}{1} end P;"])
+def test_the_model_that_commands_take_is_checked_though_it_has_a_placeholder(form: str) -> None:
+    whole = "model M coordinate Length x; body p = Particle(mass = 1, at = {x, 0, 0}); end M;\n"
+    part = "model D body b; force f = 1 [N]*world.x at b; end D;\n"
+    for first, last, expected in ((whole, part, ["LAG0210"]), (part, whole, [])):
+        found = check(Source("m.lag", form.format(first, last)), Choice())
+        assert [fault.code for fault in found if fault.severity == "error"] == expected
+    with pytest.raises(Refused, match="is not given"):
+        pipeline.resolve(parse(Source("m.lag", form.format(whole, part))), Choice())
+
+
 def test_a_file_of_ones_own_comes_before_that_of_the_library(tmp_path: Path) -> None:
     main = 'import "effects/springs.lag";\nmodel M\n coordinate Length x;\n'
     main += " body p = Particle(mass = 1, at = {x, 0, 0});\n Spring s(A = p, B = {0, 0, 0});\nend M;\n"

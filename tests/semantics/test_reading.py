@@ -129,6 +129,17 @@ def test_a_model_is_a_file_or_a_pipe(tmp_path: Path, make: Callable[[Path], obje
     assert refusal(str(path)).code == ("LAG0704" if make is make_hole else "LAG0702")
 
 
+def test_a_folder_does_not_hide_a_model_of_the_library(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "simple_pendulum").mkdir()
+    (tmp_path / "course" / "simple_pendulum").mkdir(parents=True)
+    for name in ("simple_pendulum", "course/simple_pendulum"):
+        assert "model SimplePendulum" in model_library.read(name).text
+    assert refusal("course").code == "LAG0702"
+
+
 @only_posix
 def test_a_pipe_that_is_written_to_is_read(tmp_path: Path) -> None:
     """As the shell's `<(...)` is, also slowly and in pieces."""

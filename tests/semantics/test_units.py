@@ -142,6 +142,33 @@ def test_whole_numbers_of_many_radians_are_asked_after(written: str, warned: lis
     assert [text[f.span.start : f.span.end] for f in found if f.span] == warned
 
 
+@pytest.mark.parametrize(
+    "written, codes",
+    [
+        ("frame F = rotate_y(world, 30);", ["LAG0618"]),
+        ("frame F = rotate(world, world.x + world.y, -45);", ["LAG0618"]),
+        ("frame F = rotate_z(world, 30 [deg]);", []),
+        ("frame F = rotate_x(world, 1.5);", []),
+        ("parameter AngularVelocity w = 50 [Hz];", ["LAG0619"]),
+        ("parameter AngularVelocity w = 2*pi*50 [Hz], u = 300 [rpm], v = 3;", []),
+        ("parameter Frequency f = 50 [Hz];", []),
+        (
+            "coordinate Angle a(rate = 2 [kHz]); body c = Particle(mass = 1, at = {0, a*1 [m], 0});",
+            ["LAG0619"],
+        ),
+        ("Gravity field(g = -9.81);", ["LAG0434"]),
+        ("Gravity field(g = -9.81 [m/s2], direction = {0, 0, -1});", ["LAG0434"]),
+        ("effect e Gravity field(g = -9.81 [m/s2]); end e; scene s uses e;", ["LAG0434"]),
+        ("Gravity field(g = -9.81 [m/s2], direction = world.z);", []),
+        ("Gravity field(g = 1.62 [m/s2]);", []),
+    ],
+)
+def test_numbers_of_another_unit_or_sign_are_asked_after(written: str, codes: list[str]) -> None:
+    body = "body b = Particle(mass = 1, at = {0, 0, z});"
+    text = f"model M coordinate Length z(rate = 1); {body} {written} end M;"
+    assert [f.code for f in check(Source("m.lag", text), Choice()) if f.code != "LAG0429"] == codes
+
+
 def test_models_of_one_name_are_each_looked_at() -> None:
     text = "".join(
         f"package {package} model A coordinate Angle a(start = {start}); body b = Particle(mass = 1, "

@@ -6,7 +6,8 @@ import json
 from contextlib import nullcontext
 from math import cos, sqrt
 from pathlib import Path
-from time import sleep
+from time import perf_counter, sleep
+from typing import Any
 
 import pytest
 
@@ -95,6 +96,31 @@ def test_a_setting_is_corrected_until_it_meets_its_target_at_nearby_parameters()
     for advice in study.advice[:3]:
         assert advice.setting is not None and (advice.met, advice.tried) == (20, 20)
         assert 0.2 * advice.target < advice.setting.rtol <= advice.target / 3.0
+
+
+class Timed(Straight):
+    """One that keeps its deadline."""
+
+    deadline = float("inf")
+
+    def run(self, setting: Setting, times: object, repeats: int = 1) -> Shot:
+        if perf_counter() > self.deadline:
+            raise Late
+        return super().run(setting, times, repeats)
+
+
+def test_settings_are_measured_after_a_compilation_that_took_longer_than_the_budget() -> None:
+    def verify(accuracy: float) -> Any:
+        raise AssertionError("there is no time left")
+
+    study = Study(("x",), 1.0, 2, 1)
+    study.began, study.budget = perf_counter() - 100.0, 0.2
+    cost.study(
+        lambda real, flags: Timed(1.0),  # type: ignore[arg-type, return-value]
+        verify, lambda values: np.array([1.0]), lambda k: None, study, (0.0, 1.0), lambda share, words: None,
+    )  # fmt: skip
+    assert study.complete and not study.notes
+    assert study.points and study.laws and study.advice
 
 
 def test_the_cheapest_method_is_taken_and_what_cannot_be_reached_is_told() -> None:

@@ -216,6 +216,23 @@ ENTRIES: dict[str, Entry] = {
         _on_particle("  constraint rail: x = 0 (friction = 0.3, slip = der(x));\n"),
         _on_particle("  constraint rail: x = 0 (friction = 0.3, slip = der(y));\n"),
     ),
+    "LAG0434": Entry(
+        "gravity of a negative magnitude",
+        "This is a warning. `g` is a magnitude along the `direction`, which is -world.z unless it is given: "
+        "a negative one pulls upwards.",
+        _on_particle("  Gravity field(g = -9.81);\n"),
+        _on_particle("  Gravity field(g = 9.81);\n"),
+    ),
+    "LAG0435": Entry(
+        "a weight that counts twice",
+        "This is a warning. `Gravity` acts on all bodies. A potential that changes as the weight of one of "
+        "them, or of all, at each configuration doubles it.",
+        "model M\n  parameter Mass m = 2 [kg];\n  coordinate Length z;\n"
+        "  body p = Particle(mass = m, at = {0, 0, z});\n  Gravity field;\n"
+        "  potential weight = m*9.81 [m/s2]*z;\nend M;\n",
+        "model M\n  parameter Mass m = 2 [kg];\n  coordinate Length z;\n"
+        "  body p = Particle(mass = m, at = {0, 0, z});\n  Gravity field;\nend M;\n",
+    ),
     "LAG0430": Entry(
         "a reaction of a parameter that changes an inertia",
         "`reaction(l)` is the force that holds the parameter `l`. If a mass or an inertia depends on `l`, "

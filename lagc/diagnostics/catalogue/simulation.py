@@ -178,6 +178,26 @@ model Pendulum
 end Pendulum;
 """,
     ),
+    "LAG0619": Entry(
+        "an angular velocity in hertz",
+        "The hertz is 1/s, and an angular velocity of 1/s is 1 rad/s: a frequency needs the factor 2*pi.",
+        """
+model Mixer
+  parameter AngularVelocity w = 50 [Hz];
+  coordinate Length x;
+  body b = Particle(mass = 1, at = {x, 0, 0});
+  force f = sin(w*time)*1 [N]*world.x at b;
+end Mixer;
+""",
+        """
+model Mixer
+  parameter AngularVelocity w = 2*pi*50 [Hz];
+  coordinate Length x;
+  body b = Particle(mass = 1, at = {x, 0, 0});
+  force f = sin(w*time)*1 [N]*world.x at b;
+end Mixer;
+""",
+    ),
     "LAG0620": Entry(
         "a failed simulation",
         "The run ended early, or did not reach the requested accuracy. The message says where and why. "

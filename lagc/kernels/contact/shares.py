@@ -1,7 +1,8 @@
 """Shares of a load that contacts may bear in many ways: the smallest forces within their friction cones.
 
 The rows of closed contacts, Q z = c with orthonormal Q, leave the scaled forces z open. The smallest ones in
-the product K of the cones, min 1/2 z' D z, are z = P(D^-1 Q' y), where P projects on K and Q z = c. This is
+the product K of the cones, min 1/2 z' D z, are z = P(D^-1 Q' y), where P projects on K and Q z = c. Contacts
+that no row connects are solved apart: neither decides about the other. This is
 the gradient of a convex function of y. Newton's method takes the generalised derivative of P (L. Qi, J. Sun,
 Math. Programming 58 (1993) 353-367) and adds to it a part of the load that is left, as near the limit of what
 the cones bear y has no bound (D.-H. Li, M. Fukushima, L. Qi, N. Yamashita, Comput. Optim. Appl. 28 (2004)
@@ -29,10 +30,15 @@ WITHIN = 1
 ON_SURFACE = 2  # the nearest forces are on the surface of the cone
 
 
+def is_in_block(w: Work, e: int) -> bool:
+    """Return whether an unknown belongs to the block that is solved."""
+    return w.law_block[w.law_contact[e]] == w.law_block_now
+
+
 def sticking_rows(w: Work, e: int) -> int:
-    """Return how many unknowns of friction follow the normal force e; -1 if e is none."""
+    """Return how many unknowns of friction follow the normal force e; -1 if e is none of the block."""
     i = w.law_contact[e]
-    if w.law_unknown[e] != w.law_first[i]:
+    if w.law_unknown[e] != w.law_first[i] or not is_in_block(w, e):
         return -1
     return w.law_slips[i] if w.law_mode[i] == CONTACT_STICKS else 0
 
@@ -46,8 +52,7 @@ def aside_of(w: Work, e: int, m: int) -> Real:
 
 
 def project_pull(w: Work) -> None:
-    """Set w.law_share to the projection of w.law_pull on the cones, and w.law_place. Forces of two-sided
-    contacts have none."""
+    """Set w.law_share to the projection of w.law_pull on the cones, and w.law_place."""
     for e in range(w.law_unknowns):
         m = sticking_rows(w, e)
         if m >= 0:
@@ -56,7 +61,7 @@ def project_pull(w: Work) -> None:
             aside = aside_of(w, e, m)
             slip = 1.0
             w.law_place[e] = WITHIN
-            if w.law_two_sided[w.law_contact[e]] == 0 and not (normal >= 0.0 and aside <= mu * normal):
+            if not (normal >= 0.0 and aside <= mu * normal):
                 w.law_place[e] = OUTSIDE if mu * aside <= -normal else ON_SURFACE
                 normal = (normal + mu * aside) / (1.0 + mu * mu) if w.law_place[e] == ON_SURFACE else 0.0
                 slip = mu * normal / aside if aside > 0.0 else 0.0
@@ -86,7 +91,8 @@ def pull_along(w: Work, dual: Vec[NLAW]) -> None:
     for e in range(n):
         total = 0.0
         for k in range(w.law_rank):
-            total += w.law_matrix[w.law_order[k] * n + e] * dual[k]
+            if w.law_row_block[k] == w.law_block_now:
+                total += w.law_matrix[w.law_order[k] * n + e] * dual[k]
         w.law_pull[e] = total
 
 
@@ -99,12 +105,14 @@ def share_value(w: Work) -> Real:
     project_pull(w)
     value = 0.0
     for e in range(w.law_unknowns):
-        value += 0.5 * w.law_metric[e] * w.law_share[e] * w.law_share[e]
+        if is_in_block(w, e):
+            value += 0.5 * w.law_metric[e] * w.law_share[e] * w.law_share[e]
     w.law_share_terms = value
     for k in range(w.law_rank):
-        term = w.law_right[w.law_order[k]] * w.law_dual[k]
-        w.law_share_terms += fabs(term)
-        value -= term
+        if w.law_row_block[k] == w.law_block_now:
+            term = w.law_right[w.law_order[k]] * w.law_dual[k]
+            w.law_share_terms += fabs(term)
+            value -= term
     return value
 
 
@@ -113,10 +121,13 @@ def load_left(w: Work) -> Real:
     n = w.law_unknowns
     length = 0.0
     for k in range(w.law_rank):
+        if w.law_row_block[k] != w.law_block_now:
+            continue
         row = w.law_order[k]
         total = w.law_right[row]
         for e in range(n):
-            total -= w.law_matrix[row * n + e] * w.law_share[e]
+            if is_in_block(w, e):
+                total -= w.law_matrix[row * n + e] * w.law_share[e]
         w.law_left[k] = total
         length += total * total
     return sqrt(length)
@@ -128,10 +139,12 @@ def no_share(w: Work, load: Real) -> bool:
     project_pull(w)
     total = 0.0
     for e in range(w.law_unknowns):
-        total += w.law_share[e] * w.law_share[e]
+        if is_in_block(w, e):
+            total += w.law_share[e] * w.law_share[e]
     along = 0.0
     for k in range(w.law_rank):
-        along += w.law_left[k] * w.law_right[w.law_order[k]]
+        if w.law_row_block[k] == w.law_block_now:
+            along += w.law_left[k] * w.law_right[w.law_order[k]]
     return FARTHEST_SHARE * load * sqrt(total) <= along
 
 
@@ -160,10 +173,15 @@ def newton_step_of_dual(w: Work, part: Real) -> None:
     n = w.law_unknowns
     largest = 0.0
     for e in range(n):
-        if 1.0 / w.law_metric[e] > largest:
+        if is_in_block(w, e) and 1.0 / w.law_metric[e] > largest:
             largest = 1.0 / w.law_metric[e]
     for k in range(w.law_rank):
-        # Row k of L, then the solution of L s = left.
+        # Row k of L, then the solution of L s = left. Rows of other blocks are those of a unit matrix.
+        if w.law_row_block[k] != w.law_block_now:
+            for j in range(k + 1):
+                w.law_factor[k * n + j] = 1.0 if j == k else 0.0
+            w.law_step[k] = 0.0
+            continue
         for j in range(k + 1):
             total = second_derivative(w, k, j)
             for i in range(j):
@@ -200,23 +218,24 @@ def set_share_metric(w: Work) -> None:
         w.law_metric[e] = own * own
 
 
-def find_shares(w: Work, load: Real) -> None:
-    """Compute w.law_share, the smallest forces in the cones that bear the load, or those that leave the least
-    of it, with the length of what they leave, w.law_lack."""
+def find_shares(w: Work, load: Real) -> Real:
+    """Compute w.law_share, the smallest forces in the cones that bear the load of the block, or those that
+    leave the least of it. Return the length of what they leave; 0 if that is round-off."""
     value = share_value(w)
-    w.law_lack = load_left(w)
+    lack = load_left(w)
     for turn in range(MOST_SHARINGS):
-        if w.law_lack <= SHARED * load:
+        if lack <= SHARED * load:
             break
         ends = no_share(w, load)
         value = share_value(w)
         if ends:
             break
-        newton_step_of_dual(w, SHARE_DAMPING * w.law_lack / load + 4.0 * SPACING)
+        newton_step_of_dual(w, SHARE_DAMPING * lack / load + 4.0 * SPACING)
         terms = w.law_share_terms
         slope = 0.0
         for k in range(w.law_rank):
-            slope += w.law_step[k] * w.law_left[k]
+            if w.law_row_block[k] == w.law_block_now:
+                slope += w.law_step[k] * w.law_left[k]
             w.law_dual_before[k] = w.law_dual[k]
         part = 1.0
         while part > SHORTEST_STEP:
@@ -225,41 +244,108 @@ def find_shares(w: Work, load: Real) -> None:
             if share_value(w) <= value - 1e-4 * part * slope + 4.0 * SPACING * terms:
                 break
             part *= 0.5
-        w.law_lack = load_left(w)
-    if w.law_lack <= BORNE * load:
-        w.law_lack = 0.0
+        lack = load_left(w)
+    return 0.0 if lack <= BORNE * load else lack
 
 
-def is_shared(w: Work) -> bool:
-    """Return whether closed contacts bear their load in many ways, after `solve_modes`."""
+def set_blocks(w: Work) -> None:
+    """Set w.law_block, a number for the contacts that rows connect, and w.law_row_block."""
+    n = w.law_unknowns
+    for i in range(w.law_count):
+        w.law_block[i] = i
+    for k in range(w.law_rank):
+        block = -1
+        for e in range(n):
+            if w.law_matrix[w.law_order[k] * n + e] != 0.0:
+                other = w.law_block[w.law_contact[e]]
+                if block < 0:
+                    block = other
+                elif other != block:
+                    for i in range(w.law_count):
+                        if w.law_block[i] == other:
+                            w.law_block[i] = block
+    for k in range(w.law_rank):
+        for e in range(n):
+            if w.law_matrix[w.law_order[k] * n + e] != 0.0:
+                w.law_row_block[k] = w.law_block[w.law_contact[e]]
+                break
+
+
+def find_sharing(w: Work) -> bool:
+    """Set w.law_shared to 1 for closed contacts whose block bears its load in many ways, after `solve_modes`,
+    and w.law_lack to 0. Return whether there are any. Blocks with two-sided contacts have the shortest
+    forces."""
+    for i in range(w.law_count):
+        w.law_shared[i] = 0
+        w.law_lack[i] = 0.0
     if w.law_rank >= w.law_unknowns or w.law_turning:
         return False
     for i in range(w.law_count):
         if w.law_least[i] > 0.0:
             return False
-    return True
+    set_blocks(w)
+    found = False
+    for i in range(w.law_count):
+        if w.law_block[i] != i:  # one contact of each block has its number
+            continue
+        w.law_block_now = i
+        more = 0
+        for e in range(w.law_unknowns):
+            if is_in_block(w, e):
+                more += 1
+        for k in range(w.law_rank):
+            if w.law_row_block[k] == i:
+                more -= 1
+        for k in range(w.law_count):
+            if w.law_block[k] == i and w.law_two_sided[k] > 0:
+                more = 0
+        if more > 0:
+            found = True
+            for k in range(w.law_count):
+                if w.law_block[k] == i:
+                    w.law_shared[k] = 1
+    return found
 
 
-def share_load(w: Work) -> None:
-    """Set w.law_p and w.law_u to the smallest forces in the cones, after `solve_modes` in modes that leave
-    them open. If there are none, only w.law_lack, the load that is left, and w.law_share are set."""
+def share_block(w: Work) -> None:
+    """Set w.law_p of the block to its smallest forces in the cones. If there are none, only w.law_lack, the
+    load that is left, and w.law_share are set."""
     n = w.law_unknowns
     load = 0.0
     for k in range(w.law_rank):
-        w.law_dual[k] = w.law_right[w.law_order[k]]
-        load += w.law_dual[k] * w.law_dual[k]
-    set_share_metric(w)
-    find_shares(w, sqrt(load))
-    if w.law_lack > 0.0:
+        if w.law_row_block[k] == w.law_block_now:
+            w.law_dual[k] = w.law_right[w.law_order[k]]
+            load += w.law_dual[k] * w.law_dual[k]
+    lack = find_shares(w, sqrt(load))
+    for i in range(w.law_count):
+        if w.law_block[i] == w.law_block_now:
+            w.law_lack[i] = lack
+    if lack > 0.0:
         return
+    outside = False
     for e in range(n):
-        if not (sticking_rows(w, e) >= 0 and w.law_place[e] == OUTSIDE):
+        if is_in_block(w, e):
+            if w.law_unknown[e] == w.law_first[w.law_contact[e]]:
+                outside = w.law_place[e] == OUTSIDE
             for k in range(w.law_rank):  # u = 0 to round-off
-                w.law_share[e] += w.law_matrix[w.law_order[k] * n + e] * w.law_left[k]
-        w.law_p[w.law_unknown[e]] = w.law_scale[w.law_unknown[e]] * w.law_share[e]
+                if w.law_row_block[k] == w.law_block_now and not outside:
+                    w.law_share[e] += w.law_matrix[w.law_order[k] * n + e] * w.law_left[k]
+            w.law_p[w.law_unknown[e]] = w.law_scale[w.law_unknown[e]] * w.law_share[e]
+
+
+def share_load(w: Work) -> None:
+    """Set w.law_p and w.law_u to the smallest forces in the cones, of the contacts in w.law_shared, after
+    `solve_modes` in modes that leave them open."""
+    if not find_sharing(w):
+        return
+    set_share_metric(w)
+    for i in range(w.law_count):
+        if w.law_shared[i] > 0 and w.law_block[i] == i:
+            w.law_block_now = i
+            share_block(w)
     slip_forces(w)
     relative_motion(w)
-    for e in range(n):
+    for e in range(w.law_unknowns):
         w.law_u[w.law_unknown[e]] = 0.0
 
 
@@ -267,6 +353,5 @@ def meets_law(w: Work) -> bool:
     """Return whether the law has a solution in the modes w.law_mode, w.law_p and w.law_u."""
     if not solve_modes(w):
         return False
-    if is_shared(w):
-        share_load(w)
+    share_load(w)
     return is_admissible(w)

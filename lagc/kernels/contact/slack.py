@@ -1,18 +1,19 @@
 """Slack of contacts: round-off by which their indicators may be beyond zero where a step begins."""
 
 from lagc.kernels.contact.frozen_modes import CONTACT_STICKS
-from lagc.kernels.contact.shares import is_shared
 from lagc.kernels.contact.slips import reach_of
 from lagc.kernels.contact.touching import find_touching, rates_at, set_gaps, slip_along, slip_relation
 from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
 from lagc.kernels.language.vocabulary import *
 
 
-def force_roundoff(row: int, w: Work) -> Real:
-    """Return the round-off of the force along a listed row: that of its acceleration over its response. It is
-    zero for contacts that share a load, which cross at once, and along a slip that constraints hold."""
+def force_roundoff(n: int, k: int, w: Work) -> Real:
+    """Return the round-off of the force along row k of a listed contact: that of its acceleration over its
+    response. It is zero for contacts that share a load, which cross at once, and along a slip that
+    constraints hold."""
+    row = w.law_first[n] + k
     response = w.law_w[row * w.law_rows + row]
-    if is_shared(w) or not response > 0.0:
+    if w.law_shared[n] > 0 or not response > 0.0:
         return 0.0
     return CONTACT_ROUNDOFF * w.law_sizes[row] / response
 
@@ -21,13 +22,13 @@ def set_force_slack(s: State, w: Work) -> None:
     """Set the slack of the listed contacts: of their forces, and of friction that they could still bear."""
     for n in range(w.law_count):
         i = w.touching[n]
-        least = force_roundoff(w.law_first[n], w)
+        least = force_roundoff(n, 0, w)
         margin = w.force_margins[i]
         s.slack[NMODE - NCON + i] = least - (2.0 * margin if margin < 0.0 else 0.0)
         if NSLIP > 0:
             if w.law_mode[n] == CONTACT_STICKS:
                 for m in range(w.law_slips[n]):
-                    least += force_roundoff(w.law_first[n] + 1 + m, w)
+                    least += force_roundoff(n, 1 + m, w)
                 margin = w.cone_margins[i]
                 s.slack[slip_relation(i)] = least - (2.0 * margin if margin < 0.0 else 0.0)
 

@@ -28,7 +28,7 @@ from lagc.kernels.contact.responses import (
     set_loads,
 )
 from lagc.kernels.contact.set_law import set_law
-from lagc.kernels.contact.shares import AT_BOUND, is_shared, share_load
+from lagc.kernels.contact.shares import AT_BOUND, share_load
 from lagc.kernels.dynamics.loaded_reactions import MOST_LOAD_STEPS, motion_at
 from lagc.kernels.dynamics.rhs import rhs_at, store_rates
 from lagc.kernels.language.vocabulary import *
@@ -137,45 +137,50 @@ def bear_load(w: Work) -> None:
     """Let contacts that bear their load in many ways do so by the smallest forces within their cones. If
     these do not bear it, modes change: the forces stay, as if the cones were wider, and w.law_lack is not
     zero."""
-    w.law_lack = 0.0
-    if is_shared(w):
-        for n in range(w.law_count):
-            if w.law_mode[n] == CONTACT_STICKS:
-                w.law_mu[n] = w.law_static[n]
-        share_load(w)
+    for n in range(w.law_count):
+        if w.law_mode[n] == CONTACT_STICKS:
+            w.law_mu[n] = w.law_static[n]
+    share_load(w)
 
 
-def set_margins(w: Work) -> None:
-    """Set w.force_margins and w.cone_margins of the listed contacts, by w.contact_forces: what falls to zero
-    where they open or slip. Contacts that share a load do so where no shares bear it; those that are at the
-    bounds of their cones begin."""
-    shared = is_shared(w)
+def set_margins_of_block(block: int, w: Work) -> None:
+    """Set the margins of contacts that share a load. At the bound of a cone the margin is minus the load that
+    is left; while some shares bear the load, it is the largest force."""
     size = 0.0
     slides = False
     for n in range(w.law_count):
-        i = w.touching[n]
-        w.force_margins[i] = w.contact_forces[contact_first[i]]
-        if fabs(w.force_margins[i]) > size:
-            size = fabs(w.force_margins[i])
-        if NSLIP > 0:
-            w.cone_margins[i] = cone_margin(i, w) if w.law_mode[n] == CONTACT_STICKS else 0.0
-    if not shared:
-        return
+        if w.law_block[n] == block and fabs(w.force_margins[w.touching[n]]) > size:
+            size = fabs(w.force_margins[w.touching[n]])
     least = AT_BOUND * size
     if NSLIP > 0:
         for n in range(w.law_count):
             i = w.touching[n]
-            if w.law_mode[n] == CONTACT_STICKS and w.force_margins[i] > least and w.cone_margins[i] <= least:
-                slides = True
+            if w.law_block[n] == block and w.law_mode[n] == CONTACT_STICKS:
+                if w.force_margins[i] > least and w.cone_margins[i] <= least:
+                    slides = True
     for n in range(w.law_count):
-        i = w.touching[n]
-        if w.law_two_sided[n] == 0:
+        if w.law_block[n] == block:
+            i = w.touching[n]
             opens = w.force_margins[i] <= least
             if opens:
-                w.force_margins[i] = size if slides or w.law_lack == 0.0 else -w.law_lack
+                w.force_margins[i] = size if slides or w.law_lack[n] == 0.0 else -w.law_lack[n]
             if NSLIP > 0:
                 if w.law_mode[n] == CONTACT_STICKS and w.cone_margins[i] <= least:
-                    w.cone_margins[i] = size if opens or w.law_lack == 0.0 else -w.law_lack
+                    w.cone_margins[i] = size if opens or w.law_lack[n] == 0.0 else -w.law_lack[n]
+
+
+def set_margins(w: Work) -> None:
+    """Set w.force_margins and w.cone_margins of the listed contacts, by w.contact_forces: what falls to zero
+    where they open or slip. Contacts that share a load do so where no shares bear it; those of a block that
+    are at the bounds of their cones begin."""
+    for n in range(w.law_count):
+        i = w.touching[n]
+        w.force_margins[i] = w.contact_forces[contact_first[i]]
+        if NSLIP > 0:
+            w.cone_margins[i] = cone_margin(i, w) if w.law_mode[n] == CONTACT_STICKS else 0.0
+    for n in range(w.law_count):
+        if w.law_shared[n] > 0 and w.law_block[n] == n:
+            set_margins_of_block(n, w)
 
 
 def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
@@ -195,9 +200,9 @@ def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
     for r in range(w.law_rows):
         row = w.touching_rows[r]
         w.contact_forces[row] = w.law_p[r]
-    if w.law_lack > 0.0:
-        for e in range(w.law_unknowns):
-            row = w.law_unknown[e]
+    for e in range(w.law_unknowns):
+        row = w.law_unknown[e]
+        if w.law_lack[w.law_contact[e]] > 0.0:
             w.contact_forces[w.touching_rows[row]] = w.law_scale[row] * w.law_share[e]
     set_margins(w)
     for r in range(w.law_rows):

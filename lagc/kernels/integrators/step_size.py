@@ -26,16 +26,16 @@ def rational_power(a: Real, exponent: Real) -> Real:
 
 
 def plan_step(s: State, t1: Real, a: Trial) -> None:
-    """Set the end of an attempt of a.size. It is lengthened by up to 1 %, or shortened, to end at t1."""
+    """Set the end of an attempt of a.size. It is lengthened by up to 1 %, or shortened, to end at t1. The
+    motion goes on for the time that passes, a multiple of the spacing of the time."""
     rest = fabs(t1 - s.t)
     a.ends_on_target = a.size * 1.01 >= rest
     a.t_new = t1
     if a.ends_on_target:
         a.size = rest
-        a.h = t1 - s.t
     else:
-        a.h = a.size * a.direction
-        a.t_new = s.t + a.h
+        a.t_new = s.t + a.size * a.direction
+    a.h = a.t_new - s.t
 
 
 def step_underflows(s: State, t1: Real, a: Trial) -> bool:

@@ -334,7 +334,11 @@ class Work:
         law_left: Vec[NLAW]  # load that is not borne
         law_factor: Vec[NLAWS]
         law_share_terms: Real
-        law_lack: Real  # size of the load that no forces bear
+        law_block: IVec[NCON]  # of contacts that rows connect: the number of one of them
+        law_row_block: IVec[NLAW]
+        law_block_now: int  # that is solved
+        law_shared: IVec[NCON]  # 1: its block bears its load in many ways
+        law_lack: Vec[NCON]  # load that no forces of its block bear
         law_kept_mode: IVec[NCON]
         law_kept_p: Vec[NCROW]
         law_kept_u: Vec[NCROW]

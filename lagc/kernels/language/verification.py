@@ -19,7 +19,7 @@ class Goal:
 class Report:
     """The result of a verified run."""
 
-    estimated: Real  # the largest error of a quantity over its scale
+    estimated: Real  # the largest error of a quantity over its scale; infinite: the end was not reached
     until: Real  # the accuracy is met until this time
     rtol: Real  # tolerance of the returned run
     attempts: Count  # pairs of runs

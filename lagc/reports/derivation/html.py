@@ -15,7 +15,7 @@ h1 { font-size: 1.6em } h3 { margin: 1.2em 0 .2em } table { border-collapse: col
 td, th { padding: .2em .8em; border-bottom: 1px solid #ccc; text-align: left }
 svg { max-width: 100%; height: auto }
 """
-_SCROLL = '<div style="overflow-x:auto">{}</div>'  # what is wider than the page
+_SCROLL = '<div style="overflow:auto hidden;padding:.4em 0">{}</div>'  # what is wider than the page
 
 
 def to_page(blocks: Sequence[Block], language: str) -> str:

@@ -34,6 +34,7 @@ from lagc.semantics.values.calls import look_at_arguments, match
 from lagc.semantics.values.evaluate import each, evaluate, evaluate_as
 from lagc.semantics.values.frame_vectors import unit_vector
 from lagc.semantics.values.kinematics import turned_by, velocity_of
+from lagc.semantics.values.unit_hints import is_bare
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix, Vector, dot
 from lagc.syntax import tree
@@ -283,6 +284,8 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
         vector, found = vector_of(written, given.span, "a direction")
         expect(found, NONE, given.span, "a direction")
         direction = unit_vector(context, vector, given.span)
+    if strength is not None and direction == (graph.zero, graph.zero, graph.const(-1.0)):
+        _look_at_sign(context, entry, strength)
     total = graph.zero
     for other in entry.environment.instance.in_order():
         if other.kind == "body" and other.elements is None:
@@ -293,6 +296,16 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
     field = objects.Potential(entry.path, total, entry.span, entry.effect, (g, direction))
     entry.objects.append(field)
     return Reference(entry)
+
+
+def _look_at_sign(context: Context, entry: Entry, strength: tree.Expression) -> None:
+    """Warn of a negative number for the magnitude of gravity along -world.z."""
+    number = strength.value if isinstance(strength, tree.Quantity) else strength
+    if isinstance(number, tree.Unary) and number.op == "-" and is_bare(number.operand, units=True):
+        message = f"`{entry.name}` pulls upwards: `g` is the magnitude along -world.z"
+        remedy = f"write `g = {strength.span.text.lstrip('- ')}`, or `direction = world.z` if up is meant"
+        fault = Fault("LAG0434", message, strength.span, remedy=remedy, severity="warning")
+        context.warnings[strength.span, strength.span] = fault
 
 
 def _note_field(context: Context, entry: Entry, body: Entry, direction: Vector) -> None:

@@ -26,17 +26,18 @@ class Variant:
 def variants(file: tree.Tree, model: str | None = None, roots: Sequence[str] = ()) -> list[Variant]:
     """Return every scene of every model of the file (or of `model`), and each unused effect in the first
     scene. An unused effect comes with the effects it requires.  A model that other models extend or contain,
-    or that has placeholders, is only checked within others, since it may be incomplete.  Names that cannot be
-    found are skipped: `resolve` reports them."""
+    or that has placeholders, is only checked within others, since it may be incomplete, unless it is the one
+    that `choose_model` returns.  Names that cannot be found are skipped: `resolve` reports them."""
     importer = Importer(file.source, tuple(roots))
     space = Namespace(file.declarations, None, importer)
     models = list(_models(file.declarations, space, ""))
-    main = [d.name for _, d, where in models if where is space]
-    parts = set(_parts(file.declarations)) - set(main[-1:])
+    main = next((d for _, d, where in reversed(models) if where is space), models[-1][1] if models else None)
+    parts = set(_parts(file.declarations))
     found: list[Variant] = []
     for name, declaration, where in models:
         open_ = any(isinstance(d, tree.Placeholder) for d in declaration.body)
-        if name == model or (model is None and declaration.name not in parts and not open_):
+        whole = declaration is main or (declaration.name not in parts and not open_)
+        if name == model or (model is None and whole):
             found += _of_model(name, declaration, where)
     return found or [Variant(model, None)]
 

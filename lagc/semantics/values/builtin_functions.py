@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Span
+from lagc.diagnostics.suggest import is_many_radians, many_radians
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import (
     Array,
@@ -275,3 +276,12 @@ def _size(context: Context, span: Span, a: Argument, dimension: Argument | None)
         last = len(sizes)
         raise Wrong("LAG0207", f"this array has the dimensions 1 to {last}", dimension.span)
     return constant(context.graph, float(sizes[int(which.value) - 1]), NONE)
+
+
+def angle_of_turn(context: Context, angle: Argument) -> Node:
+    """Return an angle of rotation; a number that looks like degrees gets a warning."""
+    node = number(angle, "an angle of rotation")
+    if angle.bare and isinstance(node.value, float) and is_many_radians(node.value):
+        text, sign = angle.span.text.lstrip("- "), "-" if node.value < 0.0 else ""
+        context.warnings[angle.span, angle.span] = many_radians("angle", text, sign, angle.span)
+    return node

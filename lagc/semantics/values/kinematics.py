@@ -22,7 +22,7 @@ from lagc.semantics.refusals import Wrong
 from lagc.semantics.time_derivatives import BIT, LATE, VELOCITY
 from lagc.semantics.units import ENERGY, KG, NONE, POWER, Dimension, M, S, dimension, over, si_text, times
 from lagc.semantics.units import unit as unit_of
-from lagc.semantics.values.builtin_functions import Argument, Table, number
+from lagc.semantics.values.builtin_functions import Argument, Table, angle_of_turn
 from lagc.semantics.values.frame_vectors import direction, in_frame, is_constant, known_in_frame
 from lagc.symbolic import vectors
 from lagc.symbolic.graph import Node
@@ -360,7 +360,7 @@ def about_axis(context: Context, frame: Argument, k: int, angle: Argument) -> Fr
 
 
 def _about_own(context: Context, parent: Frame, k: int, sense: float, angle: Argument) -> Frame:
-    node = number(angle, "an angle of rotation")
+    node = angle_of_turn(context, angle)
     graph = context.graph
     c, s, one, zero = graph.cos(node), sense * graph.sin(node), graph.one, graph.zero
     turns: tuple[Matrix, ...] = (
@@ -393,7 +393,7 @@ def _about(context: Context, parent: Frame, axis: Vector, own: Vector, angle: Ar
     for k in range(3):
         if own[k].is_const and abs(own[k].value) == 1.0 and all(own[j].is_zero for j in range(3) if j != k):
             return _about_own(context, parent, k, own[k].value, angle)
-    node = number(angle, "an angle of rotation")
+    node = angle_of_turn(context, angle)
     rate = derivative(context, node, angle.span)
     if is_constant(context, axis):  # W R, with a rotation W about the fixed axis
         turn, about = _turn(axis, node), add(parent.angular_velocity, scale(rate, own))

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 from lagc.diagnostics.faults import Fault
+from lagc.diagnostics.suggest import in_hertz, is_many_radians, many_radians
 from lagc.semantics.names.scope import expect
 from lagc.semantics.refusals import Wrong
 from lagc.semantics.units import NONE, Dimension, name_of, over, si_text
@@ -91,7 +92,6 @@ def _lone_factor(expression: tree.Expression) -> tree.Number | tree.Name | None:
 
 Models: TypeAlias = Mapping[str, Sequence[tree.Declaration]]  # declarations of each model
 _NAMED = (tree.ModelDeclaration, tree.Package)
-_MANY = 10  # radians: more than a turn and a half, and in degrees a usual angle
 
 
 def whole_radians(file: tree.Tree) -> list[Fault]:
@@ -104,6 +104,37 @@ def whole_radians(file: tree.Tree) -> list[Fault]:
         angles = _angles(own, models) if many else ()
         found += [fault for name, fault in many if name in angles]
     return found
+
+
+def angular_hertz(file: tree.Tree) -> list[Fault]:
+    """Return warnings for angular velocities, or rates of angles, in hertz."""
+    named = [_own(d.body) for d in _within(file.declarations) if isinstance(d, _NAMED)]
+    return [
+        fault
+        for own in (_own(file.declarations), *named)
+        for d in own
+        if isinstance(d, tree.Quantities) and d.type is not None
+        for name, value in _turning(d, d.type.path)
+        if (fault := _hertz(name, value))
+    ]
+
+
+def _turning(d: tree.Quantities, kind: tuple[str, ...]) -> Iterator[tuple[str, tree.Expression | None]]:
+    """Yield the angular velocities that a declaration gives values to."""
+    for declarator in d.declarators:
+        if kind == ("AngularVelocity",):
+            yield declarator.name, declarator.value
+            yield from ((declarator.name, a.value) for a in declarator.arguments if a.name == "start")
+        elif kind == ("Angle",):
+            yield from (
+                (f"der({declarator.name})", a.value) for a in declarator.arguments if a.name == "rate"
+            )
+
+
+def _hertz(name: str, value: tree.Expression | None) -> Fault | None:
+    if not isinstance(value, tree.Quantity) or not value.unit.text.strip().endswith("Hz"):
+        return None
+    return in_hertz(name, f"for a frequency write `2*pi*{value.span.text}`", value.span)
 
 
 def _angles(own: Sequence[tree.Declaration], models: Models) -> set[str]:
@@ -149,12 +180,6 @@ def _given(d: tree.Declaration) -> Iterator[tuple[str, tree.Expression | None]]:
 def _whole(name: str, value: tree.Expression | None) -> Fault | None:
     number = value.operand if isinstance(value, tree.Unary) else value
     sign = "-" if isinstance(value, tree.Unary) and value.op == "-" else ""
-    if not isinstance(number, tree.Number) or number.value < _MANY or not number.value.is_integer():
+    if not isinstance(number, tree.Number) or not is_many_radians(number.value):
         return None
-    return Fault(
-        "LAG0618",
-        f"`{name}` is {sign}{number.text} radians",
-        number.span,
-        remedy=f"if degrees are meant, write `{number.text} [deg]`, else `{number.text} [rad]`",
-        severity="warning",
-    )
+    return many_radians(name, number.text, sign, number.span)

@@ -200,7 +200,9 @@ class _Search:
 
     def verify(self) -> Verified:
         stopped = self._pilots()
-        for _ in range(ATTEMPTS + 1):
+        attempts = ATTEMPTS + 1
+        while attempts > 0:
+            attempts -= 1
             if stopped is not None:
                 return stopped
             settled = self._settled()
@@ -211,7 +213,7 @@ class _Search:
             if dwarfed or (unmet and self._is_unresolved()):
                 self.alone |= dwarfed
                 self._begin()
-                stopped = self._pilots()
+                stopped, attempts = self._pilots(), ATTEMPTS + 1
                 continue
             more = [] if settled else self.truncation.following(self.accuracy, self.balance is not None)
             if not more:

@@ -114,7 +114,7 @@ def test_parts_that_share_nothing_are_left_alone() -> None:
     assert hypot(x, y) == pytest.approx(1.0, abs=1e-12)
     assert f"constraint `c7` (m.lag:{2 + 4 * 7 + 2})" in change.forced
     search = Consistency(conditions_of(system), 0.0, system.start(), system.interface.start_levels)
-    assert search.run() == OK and search.space.work <= 30
+    assert search.run() == OK and search.space.work <= 4 * 12  # factorizations of each part alone
 
 
 TURNED = """\
