@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from lagc.api_cost import Measurable
 from lagc.api_derivatives import Differentiable
 from lagc.api_effects import Comparable, without
+from lagc.api_run import Run
 from lagc.api_values import Input, Value, condition, parted, quantities, real, reals, seconds, word, words
 from lagc.base.records import dataclass, names, replace
 from lagc.compiler.loaded import Loaded
@@ -117,36 +118,6 @@ class ModelFile:
 
     def _repr_latex_(self) -> str:
         return self.compile()._repr_latex_()
-
-
-class Run(Solution):
-    """The result of a simulation, with plots and files."""
-
-    def plot(self, *names: str, path: str | None = None) -> object:
-        """Draw the named columns over time and return the matplotlib figure.
-
-        Without names, draw the coordinates.  `path` is the file to write (.png, .svg, .pdf).  Raises
-        ImportError if matplotlib is not installed, KeyError for an unknown name."""
-        from lagc.reports.plots.plot import plot
-
-        return plot(self, names=names, path=path)
-
-    def save(self, path: str, units: bool = False) -> None:
-        """Write the recorded times and columns to a file; the ending gives the format: .csv, .npz or
-        .parquet.
-
-        `units` adds the units to the header of a CSV file, as in `theta [rad]`.  Units and all metadata are
-        always saved: in the archive, or in the file `PATH.json` beside a CSV file.  Raises
-        `lagc.simulation.formats.CannotSave` if the ending is unknown, a package is missing or the file
-        cannot be written."""
-        from lagc.simulation.formats import save
-
-        save(self, path, units)
-
-    def _repr_html_(self) -> str:
-        from lagc.reports.plots.plot import solution_html
-
-        return solution_html(self)
 
 
 class CompiledModel(Differentiable, Measurable, Comparable):
@@ -381,9 +352,17 @@ class CompiledModel(Differentiable, Measurable, Comparable):
             directions_of(self._loaded, request.sensitivity)
         found = self._loaded.simulate(request, parameters, progress)
         run = Run(**{name: getattr(found, name) for name in names(Solution)})
+        run.loaded, run.request = self._loaded, request
         if request.sensitivity:
             follow(self._loaded, run, request, parameters, running(progress))
         return run
+
+    def check_expressions(self, expressions: Sequence[str]) -> None:
+        """Compile expressions for `Run.evaluate`.  Raises Refused for one that is wrong."""
+        if expressions:
+            from lagc.compiler.probed import compile_probes
+
+            compile_probes(self._loaded, expressions)
 
     def rhs(self, t: float, x: Sequence[float], parameters: Mapping[str, Value] | None = None) -> Array:
         """Return dx/dt at (t, x) as an array of the length of x, in SI units; for use with other integrators.

@@ -18,11 +18,12 @@ from lagc.cli.options import (
     quantity,
 )
 from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show
-from lagc.cli.sim import check_picture
+from lagc.cli.pictures import check_picture
 from lagc.host.budgets import reached, rest
 
 if TYPE_CHECKING:
-    from lagc.api import CompiledModel, Run
+    from lagc.api import CompiledModel
+    from lagc.api_run import Run
 
 T = TypeVar("T")
 

@@ -13,19 +13,25 @@ from contextlib import AbstractContextManager, nullcontext, redirect_stdout
 from typing import TYPE_CHECKING
 
 from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show
+from lagc.cli.pictures import animation_of, picture_of
 from lagc.cli.signals import SIGNALS
 from lagc.host.atomic_write import output
 from lagc.host.budgets import reached, rest
 
 if TYPE_CHECKING:
-    from lagc.api import Run
+    from lagc.api_run import Run
     from lagc.compiler.pipeline import Compilation
-    from lagc.lowering.program import Interface
+    from lagc.reports.plots.plot import Drawing
 
 
-def deliver(found: Run, options: argparse.Namespace, more: Mapping[str, object] | None = None) -> int:
+def deliver(
+    found: Run,
+    options: argparse.Namespace,
+    more: Mapping[str, object] | None = None,
+    others: Mapping[str, Run] | None = None,
+) -> int:
     """Write, draw and print the result, also of a failed run, and return the exit code.  `more` is a part of
-    the JSON object.
+    the JSON object, `others` are runs by their labels that pictures show beside it.
 
     A run that was interrupted at its initial state writes no file, and leaves existing files alone.
     """
@@ -34,13 +40,15 @@ def deliver(found: Run, options: argparse.Namespace, more: Mapping[str, object] 
     picture = picture_of(found.system.interface, options.plot) if begun else ""
     with SIGNALS.patience():
         written = not (options.output and begun) or _save(found, options)
-        drawn = not picture or _draw(found, picture, options)
+        drawn = not picture or _draw(found, picture, options, others or {})
+        film = animation_of(found.system.interface, options.animate) if begun and found.times else ""
+        drawn = (not film or _animate(found, film, options, others or {})) and drawn
     with beside(options.output):
         _print(found, options, more or {})
     if options.plot == "" and begun and not picture:
         from lagc.reports.plots.plot import show as show_picture
 
-        show_picture(found)
+        show_picture(found, drawing_of(found, options, others or {}))
     if found.interrupted:
         say(found.message, options.quiet)
         return LIMITED if reached() else INTERRUPTED
@@ -75,21 +83,35 @@ def _save(found: Run, options: argparse.Namespace) -> bool:
     return path == wanted
 
 
-def picture_of(interface: Interface, named: str | None) -> str:
-    """The file for the plot: the one given, one in the current folder if there is no display, or ""."""
-    if named != "":
-        return named or ""
-    from lagc.reports.plots.plot import has_display, path_beside
-
-    return "" if has_display() else path_beside(interface)
-
-
-def _draw(found: Run, wanted: str, options: argparse.Namespace) -> bool:
+def _draw(found: Run, wanted: str, options: argparse.Namespace, others: Mapping[str, Run]) -> bool:
     from lagc.reports.plots.plot import plot
 
-    path = kept(wanted, lambda name: plot(found, path=name), (OSError, ValueError, ArithmeticError))
+    drawing = drawing_of(found, options, others)
+    path = kept(
+        wanted, lambda name: plot(found, path=name, drawing=drawing), (OSError, ValueError, ArithmeticError)
+    )
     if path is not None:
         say(f"plot written to {path}", options.quiet or options.json)
+    return path == wanted
+
+
+def drawing_of(found: Run, options: argparse.Namespace, others: Mapping[str, Run]) -> Drawing | None:
+    """Return the function that draws the panels of `--show`; None without them."""
+    if not options.panels:
+        return None
+    from lagc.reports.plots.panels import Plotted, draw, parse
+
+    panels = parse(options.panels, found.names)
+    plotted = [
+        Plotted(label, run, run.evaluate, run.unit, run.scene) for label, run in {"": found, **others}.items()
+    ]
+    return lambda figure: draw(plotted, panels, figure)
+
+
+def _animate(found: Run, wanted: str, options: argparse.Namespace, others: Mapping[str, Run]) -> bool:
+    path = kept(wanted, lambda name: found.animate(name, overlay=others), (OSError, ValueError), ".html")
+    if path is not None:
+        say(f"animation written to {path}", options.quiet or options.json)
     return path == wanted
 
 

@@ -50,7 +50,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     from lagc.api import CompiledModel
     from lagc.cli.deliver import beside
-    from lagc.cli.sim import check_picture
+    from lagc.cli.pictures import check_picture
     from lagc.compiler.pipeline import Compilation
     from lagc.host import model_library
 

@@ -12,14 +12,13 @@ from typing import TYPE_CHECKING
 
 from lagc.base.records import replace
 from lagc.base.text import whole
-from lagc.cli.deliver import deliver, picture_of, spare
+from lagc.cli.deliver import deliver, spare
 from lagc.cli.options import (
     add_backend_option,
     add_general_options,
     add_list_option,
     add_model_options,
     add_outputs_option,
-    add_plot_option,
     add_start_option,
     choice_of,
     limits_of,
@@ -28,6 +27,7 @@ from lagc.cli.options import (
     split,
 )
 from lagc.cli.output import Unwritten, Usage
+from lagc.cli.pictures import add_picture_options, check_panels, check_pictures, overlays_of, pictures_of
 from lagc.kernels import METHODS
 
 if TYPE_CHECKING:
@@ -69,13 +69,17 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--points", metavar="N", help="record N points; default: 501")
     about = "derivatives of the motion by parameters and initial values, e.g. 'l,m,start(theta)'"
     add_list_option(parser, "--sensitivity", "sensitivity", "NAMES", about)
+    about = (
+        "write the recorded points: .csv, .npz or .parquet; or an expression in brackets for a "
+        "further column, such as 'norm(velocity(bob))'"
+    )
     parser.add_argument(
-        "-o", "--output", metavar="FILE", help="write the recorded points: .csv, .npz or .parquet"
+        "-o", "--output", metavar="FILE", dest="outputs_given", action="append", default=[], help=about
     )
     parser.add_argument(
         "--units", action="store_true", help="add units to the header of a .csv file: theta [rad]"
     )
-    add_plot_option(parser, "draw the motion into FILE (.png, .svg, .pdf), or on the screen")
+    add_picture_options(parser)
     parser.add_argument(
         "--prune",
         action="store_true",
@@ -116,7 +120,9 @@ def run(options: argparse.Namespace) -> int:
     complete = request.completed(model.interface.simulate)
     check_memory(complete, model.interface.nx, most)
     written = targets(options.output) if options.output else ()
-    spare(compilation, *written, picture_of(model.interface, options.plot))
+    spare(compilation, *written, *pictures_of(model.interface, options))
+    model.check_expressions(options.expressions)
+    check_panels(options, model)
     more: dict[str, object] = {}
     note = ""
     if options.prune:
@@ -133,11 +139,13 @@ def run(options: argparse.Namespace) -> int:
     parameters = bound_parameters(model.interface, choice.parameters, model.artifact.unused)
     request = replace(request, starts=starts, guesses=bound_guesses(model.interface, guesses, given))
     request = replace(request, scales=bound_scales(model.interface, scales) if scales else {})
+    others = overlays_of(options, model, choice, request)
     stop = complete.stop or 0.0
     with Bar(stop, quiet=options.quiet or options.json) as bar:
         try:
             progress = Forecast(bar, stop) if options.max_time is None else bar
             found = model.run(request, parameters, progress)
+            runs = {} if found.interrupted else {label: again(bar) for label, again in others.items()}
         except CannotCompile as error:
             if error.starved:
                 raise MemoryError from None
@@ -145,11 +153,14 @@ def run(options: argparse.Namespace) -> int:
             raise wrong(f"{error}; --backend numpy needs no compiler") from None
     if note:
         found.notes = (note, *found.notes)
-    return deliver(found, options, more)
+    found.add_columns(*options.expressions)
+    return deliver(found, options, more, runs)
 
 
 def check_files(options: argparse.Namespace) -> None:
-    """Raise Usage if the output files cannot be written; called before the computation."""
+    """Part `--output` into a file and expressions.  Raise Usage if the output files cannot be written; called
+    before the computation."""
+    part_outputs(options)
     if options.output is not None:
         from lagc.simulation.formats import CannotSave, check_path
 
@@ -157,27 +168,20 @@ def check_files(options: argparse.Namespace) -> None:
             check_path(options.output)
         except CannotSave as error:
             raise Usage(str(error)) from None
-    check_picture(options)
+    check_pictures(options)
 
 
-def check_picture(options: argparse.Namespace) -> None:
-    """Raise Usage if the plot of `--plot` cannot be drawn."""
-    if options.plot is not None:
-        from lagc.host.packages import PICTURES, is_installed
+def part_outputs(options: argparse.Namespace) -> None:
+    """Set `output`, the file, and `expressions`, those in brackets.  Raises Usage for two files."""
+    from lagc.simulation.formats import WRITERS
 
-        if not is_installed("matplotlib"):
-            raise Usage(PICTURES)
-    if options.plot:
-        from lagc.host.atomic_write import obstacle
-        from lagc.reports.plots.plot import check_ending
-
-        try:
-            check_ending(options.plot)
-        except ValueError as error:
-            raise Usage(str(error)) from None
-        reason = obstacle(options.plot)
-        if reason:
-            raise Usage(f"`{options.plot}` cannot be drawn: {reason}")
+    options.expressions = [
+        w for w in options.outputs_given if "(" in w and not w.lower().endswith(tuple(WRITERS))
+    ]
+    paths = [word for word in options.outputs_given if word not in options.expressions]
+    if len(paths) > 1:
+        raise Usage(f"`--output {paths[1]}`: one file takes the recorded points, and that is `{paths[0]}`")
+    options.output = paths[0] if paths else None
 
 
 def request_of(options: argparse.Namespace) -> Request:

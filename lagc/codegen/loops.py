@@ -18,8 +18,7 @@ Running: TypeAlias = tuple[str, str, int, int | None]
 class Forms:
     """The differences between languages: `array` declares the array of kept values; `variable`, `fixed` and
     `change` declare and assign variables; `table` declares a table of numbers; `head` and `end` enclose a
-    loop over a run, with names that run through arrays if `sequences`; `only` is the head of code that
-    belongs to one piece."""
+    loop over a run, with names that run through arrays if `sequences`."""
 
     array: str
     variable: str
@@ -28,7 +27,6 @@ class Forms:
     table: Callable[[str, Sequence[float]], list[str]]
     head: Callable[[Run, Sequence[Running]], str]
     end: str
-    only: str
     sequences: bool = False
     number: str = "{}"  # an entry of a table of reals
 
@@ -68,18 +66,12 @@ class _Printer:
         names = {(READ, k): self._name(k) for k, text in enumerate(reads) if not text.isidentifier()}
         body = lines(segment.body, replace(self.dialect, load=load, store=store), names)
         if segment.run.count == 1:
-            return self._where_asked(body)
+            return body
         for k, access in enumerate(segment.carries):
             value = self._entry(access)
             self.before.append(forms.variable.format(name=f"{CARRIED}{k}", value=value))
         loop = self._block(forms.head(segment.run, self.running), body)
-        return self._where_asked([*self.before, *loop])
-
-    def _where_asked(self, text: list[str]) -> list[str]:
-        """Enclose code that belongs to one piece."""
-        run = self.segment.run
-        alone = run.piece >= 0 and not run.through
-        return self._block(self.forms.only.format(piece=run.piece), text) if alone else text
+        return [*self.before, *loop]
 
     def _block(self, head: str, text: Sequence[str]) -> list[str]:
         return [head, *(f"    {line}" for line in text), *([self.forms.end] if self.forms.end else [])]

@@ -121,8 +121,8 @@ def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> li
     """Try the initial state, and return warnings. A warning tells that a parameter has no value, that the
     check took too long, or that an output has no finite value.  Raises Refused if a run would fail before its
     first step."""
+    from lagc.compiler.source_spans import placed
     from lagc.simulation.initialization.dry_run import NoStart, try_start
-    from lagc.simulation.initialization.source_spans import placed
     from lagc.simulation.request import bound_parameters
 
     program = optimize(equations, work=True)

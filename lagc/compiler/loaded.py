@@ -39,6 +39,7 @@ class Loaded:
         self.others: dict[str, Loaded] = {}  # of a root, by method
         self.followers: dict[tuple[str, tuple[int, ...] | None], System] = {}  # with what sensitivities need
         self.held_systems: dict[tuple[int, ...], NumpySystem] = {}  # by the modes of contacts
+        self.probed: dict[tuple[str, ...], System] = {}  # of a root, by the expressions of probes
         self.numpy_s = 0.0  # the longest run of `auto` in NumPy so far
         began = perf_counter()
         self.preferred = self.first = self._preferred()
@@ -51,7 +52,7 @@ class Loaded:
 
     def __setstate__(self, state: dict[str, object]) -> None:
         vars(self).update(
-            state, lock=RLock(), systems={}, numpy_s=0.0, followers={}, others={}, held_systems={}
+            state, lock=RLock(), systems={}, numpy_s=0.0, followers={}, others={}, held_systems={}, probed={}
         )
         self.preferred = self._preferred()
 
@@ -217,7 +218,7 @@ class Loaded:
 
     def _with_places(self, error: NoStart) -> Refused:
         """The error with its places in the model text."""
-        from lagc.simulation.initialization.source_spans import placed
+        from lagc.compiler.source_spans import placed
 
         with self.compilation.lock:
             return placed(self.compilation.equations, error)

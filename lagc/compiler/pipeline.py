@@ -53,7 +53,8 @@ class Choice:
     """A model of a file, with its scene, effects and values. Values of structural parameters become part of
     the code, as do `inputs` that are not numbers, the condition `until` that ends a run, and `outputs`, the
     names of what it is for (None: all).  Other parameters stay symbols.  `contact_modes`: those in which
-    contacts are held as equations and loads (None: they act)."""
+    contacts are held as equations and loads (None: they act). `probes` are expressions that become
+    outputs."""
 
     model: str | None = None
     scene: str | None = None
@@ -64,6 +65,7 @@ class Choice:
     until: str | None = None
     outputs: tuple[str, ...] | None = None
     contact_modes: tuple[int, ...] | None = None
+    probes: tuple[str, ...] = ()
 
 
 class _Uncollected(ContextDecorator):
@@ -118,6 +120,7 @@ def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
             inputs=choice.inputs,
             until=choice.until,
             roots=roots,
+            probes=choice.probes,
         )
 
     given = {name: _in_si(name, value) for name, value in choice.parameters.items()}
@@ -142,9 +145,10 @@ def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
             model = hold_contacts(model, choice.contact_modes)
         if choice.outputs is None:
             return model
+        from lagc.semantics.declarations.probes import PROBE
         from lagc.semantics.scenes.asked import asked_for
 
-        return asked_for(model, choice.outputs)
+        return asked_for(model, (*choice.outputs, *(o.name for o in model.outputs if PROBE in o.name)))
 
 
 def _in_si(name: str, given: float | Quantity) -> float:
@@ -282,8 +286,8 @@ class Compilation:
         inputs = [(name, _said(given)) for name, given in sorted(choice.inputs.items())]
         effects = choice.with_effects, choice.without_effects
         chosen = repr((choice.model, choice.scene, *effects, inputs, choice.until, choice.outputs,
-                       choice.contact_modes))  # fmt: skip
-        texts = [self.source.text, *(text for _, text in inputs), choice.until or ""]
+                       choice.contact_modes, choice.probes))  # fmt: skip
+        texts = [self.source.text, *(text for _, text in inputs), choice.until or "", *choice.probes]
         reads = any(word in text for word in ("import", "table") for text in texts)
         folder = folder_of(self.source.name) if reads else ""
         named = (self.source.name, folder, self.source.text, repr(self.roots), chosen)

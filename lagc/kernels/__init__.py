@@ -71,12 +71,8 @@ FILES = (
     "sensitivity/tangent_dispatch",
     "sensitivity/tangent_step",
     "initialization/workspace",
-    "initialization/least_norm",
     "initialization/residuals",
-    "initialization/scaling",
     "initialization/gauss_newton",
-    "initialization/multistart",
-    "initialization/relaxation",
     "initialization/consistent",
 )
 

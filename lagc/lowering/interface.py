@@ -29,7 +29,7 @@ _DEFINITE = 1e-12  # of the product of the moments: minors that may be rounding
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
     "initial_places", "relations", "timed", "flowing", "driven", "doubtful", "derivatives",
-    "part_ends", "part_columns", "pieces", "row_pieces", "written", "conservative", "series", "methods",
+    "part_ends", "part_columns", "written", "conservative", "series", "methods",
     "scales",
 )  # fmt: skip
 _OPTIONAL = (
@@ -165,7 +165,7 @@ def _of_equations(equations: EquationsOfMotion) -> dict[str, Any]:
 
 def _of_functions(functions: Mapping[str, Function], slopes: Slopes) -> dict[str, Any]:
     """Return what the functions and the derivatives of the initial equations tell of themselves."""
-    bind, conditions = functions.get("bind"), functions.get("conditions")
+    bind = functions.get("bind")
     columns = slopes.columns
     parts = (*slopes.rows, *slopes.sums) if slopes.sums else ()
     return {
@@ -173,8 +173,6 @@ def _of_functions(functions: Mapping[str, Function], slopes: Slopes) -> dict[str
         "condition_columns": tuple([k for own in columns for k in own]),
         "part_ends": tuple(accumulate([len(own) for own in parts])),
         "part_columns": tuple([k for own in parts for k in own]),
-        "pieces": conditions.pieces if conditions else (),
-        "row_pieces": conditions.row_pieces if conditions else (),
         "written": sum([function.written for function in functions.values()]),
         "preparation": bind.cost if bind else 0,
         "prepared": bind.outputs[0][1] if bind else 0,

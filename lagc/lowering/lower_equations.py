@@ -19,7 +19,6 @@ from lagc.lowering.kkt.articulated_body import plain
 from lagc.lowering.kkt.prune import independent, prune, sources, with_pivots
 from lagc.lowering.kkt.solve import Solver, forms_matrix, solvers
 from lagc.lowering.loaded_reactions import loaded, loads_of
-from lagc.lowering.loops.independent_blocks import in_pieces
 from lagc.lowering.loops.loop_rolling import rerolled
 from lagc.lowering.program import Function, Program
 from lagc.lowering.scalar.parameter_hoisting import Preparation
@@ -77,12 +76,7 @@ def optimize(
     found, read = preparation.finished(made)
     if expand:
         found.update((f.name, f) for f in _series(equations, found, work, loads is not None))
-    found = {
-        name: in_pieces(function)
-        if name == "conditions" and not slopes.sums  # their derivatives are put together from all
-        else rerolled(function, often=name in OFTEN)
-        for name, function in found.items()
-    }
+    found = {name: rerolled(function, often=name in OFTEN) for name, function in found.items()}
     return Program(
         interface(
             equations,

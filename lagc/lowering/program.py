@@ -50,14 +50,11 @@ class Store:
 @dataclass(frozen=True, slots=True)
 class Run:
     """`count` repetitions of the same `period` operations on other operands. Stores are numbered after the
-    operations. In a function with `pieces` it belongs to `piece`, or it goes `through` pieces from that one
-    on, one repetition each; -1: to none, and is always evaluated."""
+    operations."""
 
     first: int
     period: int
     count: int
-    piece: int = -1
-    through: bool = False
 
     @property
     def end(self) -> int:
@@ -68,8 +65,7 @@ class Run:
 class Function:
     """A straight-line function. `comments` maps the position of an operation or store to the formula or
     source line that begins there. A long repetitive function has its leaves first and then `runs` (see
-    `loop_rolling`). `pieces` tells which block depends on each entry of x, `row_pieces` which block computes
-    each entry of the first output, -1 for none."""
+    `loop_rolling`)."""
 
     name: str
     inputs: tuple[str, ...]  # arrays read, in signature order: p t x e a lam c d w r s
@@ -80,8 +76,6 @@ class Function:
     comments: dict[int, str] = field(default_factory=dict)
     cleared: tuple[str, ...] = ()  # outputs that are zero but for what is stored
     runs: tuple[Run, ...] = ()
-    pieces: tuple[int, ...] = ()
-    row_pieces: tuple[int, ...] = ()
 
     @property
     def spelled(self) -> str:
@@ -252,8 +246,6 @@ class Interface:
     read: tuple[int, ...] = ()  # the parameters that it reads: copies of them are the last of these
     part_ends: tuple[int, ...] = ()  # where in J those by sums too of each condition, then each sum, end
     part_columns: tuple[int, ...] = ()  # of an unknown, or behind these of a sum
-    pieces: tuple[int, ...] = ()  # of the conditions, that alone depends on each unknown of x, -1 for none
-    row_pieces: tuple[int, ...] = ()  # that makes each condition, -1 for none: it depends on no unknown
     methods: tuple[str, ...] = ()  # of integration that generated code has; none: all that it can have
     series: tuple[int, int, int, int, int] = (0, 0, 0, 0, 0)  # see `lagc.lowering.series.counts`
     scales: dict[str, float] = field(default_factory=dict)  # that quantities are declared with

@@ -211,8 +211,8 @@ class Potential:
 @dataclass(frozen=True, slots=True)
 class Force:
     """`vector` (world axes) applied at a point with `velocity` (world axes, in rates; with `from`, relative).
-    `at` is the point if there is no body; `mentioned` are the velocities that the vector contains, with their
-    places; `target` is the place of the point in the text."""
+    `at` is the point, `on_body` tells whether it belongs to a body; `mentioned` are the velocities that the
+    vector contains, with their places; `target` is the place of the point in the text."""
 
     name: str
     vector: Vector
@@ -222,6 +222,7 @@ class Force:
     target: Span | None = None
     mentioned: tuple[tuple[Vector, Span], ...] = ()
     at: Vector | None = None
+    on_body: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -384,7 +385,8 @@ class Output:
 @dataclass(frozen=True, slots=True)
 class Joint:
     """A joint between two bodies ("world") or two joints. An open one brings `coordinates`, a closing one
-    `equations`."""
+    `equations`. `at` is its place in world axes, `axis` its axis; of a `Distance`, `at` and `to` are its
+    ends. None: it has none."""
 
     name: str
     kind: str
@@ -392,6 +394,9 @@ class Joint:
     coordinates: tuple[str, ...]
     equations: int
     span: Span
+    at: Vector | None = None
+    axis: Vector | None = None
+    to: Vector | None = None
 
 
 @dataclass(frozen=True, slots=True)

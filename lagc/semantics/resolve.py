@@ -63,17 +63,19 @@ def resolve(
     inputs: Inputs | None = None,
     until: str | None = None,
     roots: Sequence[str] | None = None,
+    probes: Sequence[str] = (),
 ) -> objects.Model:
     """Return one scene of a model of the file, with all names resolved. `parameters` and `starts` are values
     by full name, in SI or with a unit; `inputs` are texts of expressions or points over time; `until` is the
-    condition that ends a run; `roots` are further folders for imports. Raises Refused with all faults."""
+    condition that ends a run; `roots` are further folders for imports; `probes` are expressions that become
+    outputs. Raises Refused with all faults."""
     sys.setrecursionlimit(max(sys.getrecursionlimit(), RECURSION))
 
     def once(before: Context | None) -> tuple[Context, objects.Model]:
         importer = Importer(file.source, tuple(roots or ()))
         context = Context(importer, Uses(), declare, EVALUATORS, before)
         found = _resolve(context, file, scene, with_effects, without_effects, model, parameters, starts,
-                         inputs, until)  # fmt: skip
+                         inputs, until, probes)  # fmt: skip
         return context, found
 
     context, found = once(None)
@@ -91,6 +93,7 @@ def _resolve(
     starts: Numbers | None,
     inputs: Inputs | None,
     until: str | None,
+    probes: Sequence[str],
 ) -> objects.Model:
     importer = context.importer
     space = Namespace(file.declarations, None, importer)
@@ -115,7 +118,7 @@ def _resolve(
         context.refuse_faults()
         raise AssertionError("a fault refuses") from None
     check_effects(context, setting)
-    found = _evaluate(context, instance)
+    found = [*_evaluate(context, instance), *_probes(context, probes, environment)]
     conditions = _conditions(context)
     whens = _whens(context)
     if _of(found, objects.Discrete) or context.impulses:
@@ -168,6 +171,16 @@ def _evaluate(context: Context, instance: Instance) -> list[objects.ModelObject]
     for entry in instance.in_order():
         if context.attempt(context.value, entry, entry.span):
             found.extend(entry.objects)
+    return found
+
+
+def _probes(context: Context, texts: Sequence[str], environment: Environment) -> list[objects.ModelObject]:
+    found: list[objects.ModelObject] = []
+    for k, text in enumerate(texts):
+        from lagc.semantics.declarations.probes import parse_probe, probe_outputs  # where there are some
+
+        written = parse_probe(context, text)
+        context.attempt(lambda n, w: found.extend(probe_outputs(context, n, w, environment)), k + 1, written)
     return found
 
 

@@ -144,7 +144,7 @@ def rest_note(system: System, run: Trajectory) -> list[str]:
     if not within:
         return []
     return [
-        f"at t = {within[0]:.9g} s bounces lower than 1e-10 of the size of a gap are not followed any more: "
+        f"at t = {within[0]:.9g} s bounces lower than 1e-10 of a fall are not followed any more: "
         "speeds there have the error of such a bounce"
     ]
 

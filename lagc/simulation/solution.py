@@ -110,6 +110,7 @@ class Solution:
     cut: bool = False  # the motion is not predictable beyond the last time
     backend_reason: str = ""  # why `auto` chose this backend
     sensitivities: Sensitivities | None = None
+    expressions: dict[str, tuple[str, list[float]]] = field(default_factory=dict)  # name: unit, values
     _columns: dict[str, list[float]] = field(default_factory=dict, repr=False)
 
     def __repr__(self) -> str:
@@ -136,6 +137,7 @@ class Solution:
         for name, unit in zip(interface.q_names, interface.q_units):
             found.setdefault(derived(name), f"{unit}/s" if unit else "1/s")
         found.update({x.name: x.unit for x in (*interface.discretes, *interface.outputs)})
+        found.update({name: unit for name, (unit, _) in self.expressions.items()})
         if self.sensitivities is not None:
             found.update(self.sensitivities.units(found))
         return found
@@ -187,6 +189,8 @@ class Solution:
         found = self._columns.get(name)
         if found is not None:
             return found
+        if name in self.expressions:
+            return self.expressions[name][1]
         interface, states = self.system.interface, self.state_names
         discretes = [x.name for x in interface.discretes]
         if name in states or name in discretes:
@@ -216,6 +220,7 @@ class Solution:
     def final(self) -> dict[str, float]:
         """Every column at the last recorded time."""
         last = replace(self, times=self.times[-1:], states=self.states[-1:], _columns={})
+        last.expressions = {name: (unit, x[-1:]) for name, (unit, x) in self.expressions.items()}
         if self.sensitivities is not None:
             last.sensitivities = self.sensitivities.last()
         return {name: last.column(name)[0] for name in self.columns} if self.times else {}

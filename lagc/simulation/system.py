@@ -137,12 +137,6 @@ class System(Protocol):
         """Return c, J and the sizes of the initial equations (see `Program`)."""
         ...
 
-    def some_conditions(self, t: float, x: Vector, c: list[float], jacobian: list[float], sizes: list[float],
-                        first: int, last: int) -> None:  # fmt: skip
-        """Fill in the entries of the independent blocks first..last-1 (`interface.pieces`), and of equations
-        in no block. The lists may be longer than needed."""
-        ...
-
     def limits(self) -> list[float]:
         """The derived values that have bounds (`interface.limits`)."""
         ...

@@ -204,26 +204,33 @@ def study(
     k-th motion at nearby parameters, or None.  Raises CannotCompile, and
     Failed where not even the reference reaches its end.
     """
-    began, budget = found.began, found.budget
+    began, budget, at = found.began, found.budget, (0.0, "compiling")
+
+    def tell(share: float, words: str) -> None:
+        nonlocal at
+        at = share, words
+        progress(share, words)
+
     try:
-        progress(0.0, "compiling")
+        tell(*at)
         plain = make("double", ())
         plain.deadline = began + LONGEST * budget
+        plain.look = lambda: progress(*at)
         try:
             exact = make("quad", ())
         except CannotCompile as error:
             found.notes.append(f"there is no quadruple precision: {error}")
             exact = None
-        progress(0.05, "reference")
+        tell(0.05, "reference")
         if exact is not None:
-            exact.look = lambda: progress(0.05, "reference")
+            exact.look = plain.look
         left = max(budget - (perf_counter() - began), 0.2 * budget)
         found.reference = refer(exact, plain, times, sizes, 0.3 * left)
         if found.reference.shot.ended:
             found.notes.append(
                 f"the model ends the motion after {len(found.reference.shot.hi)} recorded times"
             )
-        measure(found, plain, times, perf_counter() + 0.5 * left, progress)
+        measure(found, plain, times, perf_counter() + 0.5 * left, tell)
         found.conclude()
         deadline = max(began + 0.95 * budget, perf_counter() + LEFT * budget)
         look_nearby(found, plain, nearby, times[: len(found.reference.shot.hi)], deadline)
@@ -231,7 +238,7 @@ def study(
         for target in TARGETS:
             if perf_counter() - began > budget:
                 break
-            progress(0.85, f"lagc sim --accuracy {target:.0e}")
+            tell(0.85, f"lagc sim --accuracy {target:.0e}")
             outcome, values = verify(target)
             for _ in range(TIMES if outcome.seconds < 0.01 * budget else 0):  # the first run loads modules
                 outcome = min(outcome, verify(target)[0], key=lambda each: each.seconds)
@@ -241,7 +248,7 @@ def study(
                     made = float(errors_of(values, 0.0, found.reference).max(initial=0.0))
             found.verified.append(replace(outcome, error=made))
         if perf_counter() - began < budget:
-            progress(0.95, "compiler options")
+            tell(0.95, "compiler options")
             compare_compilers(
                 found, lambda flags: make("double", flags), times[: len(found.reference.shot.hi)]
             )

@@ -23,7 +23,7 @@ from lagc.simulation.backends.compile import library
 from lagc.simulation.system import INTERRUPTED, OK, TERMINATED
 
 Array = npt.NDArray[np.float64]
-SLICE = {False: 500, True: 5}  # steps between two looks at the clock and at signals; True: in quadruple precision
+SLICE = {"double": 500, "quad": 5}  # steps between two looks at the clock and at signals
 QUAD_FLAGS = ("-O0", "-std=gnu99", "-lquadmath")  # all time is in calls for __float128
 _TEXT = """\
 #include "@.h"
@@ -134,11 +134,11 @@ class Late(Failed):
 
 
 class Probe:
-    """The generated C of a model with the parameter values of a run, and the initial state x0. A run that goes on
-    at the deadline (of `perf_counter`) ends; a signal ends it too."""
+    """The generated C of a model with the parameter values of a run, and the initial state x0. A run that
+    goes on at the deadline (of `perf_counter`) ends. `look` is called now and then, and may raise."""
 
     deadline = inf
-    look: Callable[[], None] = staticmethod(lambda: None)  # is called now and then: it may raise KeyboardInterrupt
+    look: Callable[[], None] = staticmethod(lambda: None)
 
     def __init__(self, sources: Mapping[str, str], interface: Interface, values: Sequence[float],
                  x0: Sequence[float], real: str = "double", flags: tuple[str, ...] = ()):  # fmt: skip
@@ -146,11 +146,12 @@ class Probe:
         header, quad = sources[f"{own}.h"], real == "quad"
         text = _TEXT.replace("OUTPUTS", _OUTPUTS if interface.outputs else "(void)y;")
         text = text.replace("BIND", "@_bind(&p);" if f" {own}_bind(" in header else "")
-        text = text.replace("INTERRUPTED", str(INTERRUPTED)).replace("REAL", "__float128" if quad else "double")
+        text = text.replace("REAL", "__float128" if quad else "double")
+        text = text.replace("INTERRUPTED", str(INTERRUPTED))
         text = text.replace("@@", own.upper()).replace("@", own)
         compiled = library({**sources, "probe.c": text}, (*flags, *(QUAD_FLAGS if quad else ())))
         self._call: Any = compiled.lagc_probe
-        self._slice = SLICE[quad]
+        self._slice = SLICE[real]
         self._real: Any = ctypes.c_longdouble if quad else c_double  # 16 bytes, aligned, as __float128
         self.nx, self.ny = interface.nx, len(interface.outputs)  # without a work integral
         self.moving = interface.nq + interface.nv  # discrete variables jump between recorded times
@@ -168,12 +169,12 @@ class Probe:
         status, resumed = INTERRUPTED, 0
         while status == INTERRUPTED:
             if perf_counter() > self.deadline:
-                raise Late("the time is over")
+                raise Late("a run takes longer than the budget")
             status = self._call(
                 self.values, c_int(len(self.values)), c_int(METHODS.index(setting.method)),
                 c_double(setting.rtol), c_double(setting.step), self.x0, grid,
-                c_size_t(n), c_long(repeats), c_long(self._slice if repeats == 1 else 0), c_int(resumed), room, hi, lo,
-                counts,
+                c_size_t(n), c_long(repeats), c_long(self._slice if repeats == 1 else 0), c_int(resumed),
+                room, hi, lo, counts,
             )  # fmt: skip
             resumed = 1
             self.look()

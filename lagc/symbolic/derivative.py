@@ -46,7 +46,10 @@ def partial(graph: Graph, node: Node, k: int) -> Node:
 
 
 def tangent(
-    graph: Graph, outputs: Sequence[Node], seeds: Mapping[Node, Node], within: Sequence[Node] | None = None,
+    graph: Graph,
+    outputs: Sequence[Node],
+    seeds: Mapping[Node, Node],
+    within: Sequence[Node] | None = None,
     norms: bool = False,
 ) -> list[Node]:
     """Return d(outputs) along the direction d(leaf) = seeds[leaf]; leaves without a seed are constant.

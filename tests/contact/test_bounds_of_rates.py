@@ -31,8 +31,10 @@ end Hub;"""
 WHEELS = """model Wheels "the hub is never slower than the sprocket, and may hit a stop"
   parameter AngularVelocity a = 1 [rad/s], b = 2 [rad/s];
   coordinate Angle sprocket(rate = a), hub(rate = b);
-  body one = Solid(mass = 1 [kg], inertia = {1, 1, 1}*3 [kg.m2], frame = rotate_z(world, sprocket), com = {0, 0, 0});
-  body two = Solid(mass = 1 [kg], inertia = {1, 1, 1}*2 [kg.m2], frame = rotate_z(world, hub), com = {0, 0, 0});
+  frame A = rotate_z(world, sprocket);
+  frame B = rotate_z(world, hub);
+  body one = Solid(mass = 1 [kg], inertia = {1, 1, 1}*3 [kg.m2], frame = A, com = {0, 0, 0});
+  body two = Solid(mass = 1 [kg], inertia = {1, 1, 1}*2 [kg.m2], frame = B, com = {0, 0, 0});
   constraint clutch: der(hub) >= der(sprocket);
   constraint stop: hub <= 1 [rad] (restitution = 0.5);
   scene s
@@ -60,8 +62,8 @@ def _root(f: Callable[[float], float], low: float, high: float) -> float:
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_a_one_way_clutch_that_a_sinusoid_drives(backend: str) -> None:
-    """It opens where the torque J W w cos(w t) + c W sin(w t) falls to zero. The hub then coasts, J h'' = -c h',
-    until the shaft is as fast again; there speeds do not jump."""
+    """It opens where the torque J W w cos(w t) + c W sin(w t) falls to zero. The hub then coasts,
+    J h'' = -c h', until the shaft is as fast again; there speeds do not jump."""
     inertia, c, top, w = 0.5, 0.4, 3.0, 2.0
     run = lagc.loads(HUB).compile(backend=backend).simulate()
     opens = (math.pi - math.atan(inertia * w / c)) / w
@@ -87,9 +89,9 @@ def test_a_one_way_clutch_that_a_sinusoid_drives(backend: str) -> None:
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_a_hub_that_rebounds_takes_the_sprocket_with_it(backend: str) -> None:
-    """The open clutch takes part in the impact on the stop. The hub rebounds at -1 rad/s, the clutch brings both
-    to one speed, 1/5 rad/s, with which the hub hits the stop again, ..., until both are at rest: the stop has
-    taken the angular momentum of both, 7 kg m2/s, and the clutch that of the sprocket, 3 kg m2/s."""
+    """The open clutch takes part in the impact on the stop. The hub rebounds at -1 rad/s, the clutch brings
+    both to one speed, 1/5 rad/s, with which the hub hits the stop again, ..., until both are at rest: the
+    stop has taken the angular momentum of both, 7 kg m2/s, and the clutch that of the sprocket, 3 kg m2/s."""
     run = lagc.loads(WHEELS).compile(backend=backend).simulate()
     assert [(event.contact, event.kind) for event in run.events] == [("clutch", "impact"), ("stop", "impact")]
     assert [event.t for event in run.events] == pytest.approx([0.5, 0.5], abs=1e-12)

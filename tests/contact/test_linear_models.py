@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from math import cos, radians
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -254,6 +255,12 @@ def test_derivatives_by_hand_are_refused() -> None:
     with pytest.raises(Refused) as refused:
         _block().jacobian("rates", "state")
     assert refused.value.faults[0].code == "LAG0623"
+
+
+def test_generated_derivatives_are_refused_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    asked = ["build", "bouncing_ball", "--target", "c", "--derivatives", "-o", str(tmp_path / "made")]
+    assert main(asked) == 1 and "LAG0623" in capsys.readouterr().err
+    assert not (tmp_path / "made").exists()
 
 
 def test_the_command_names_the_mode(capsys: pytest.CaptureFixture[str]) -> None:

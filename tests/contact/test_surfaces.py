@@ -113,8 +113,8 @@ def _run(text: str, slip: str, backend: str = "numpy") -> lagc.Run:
 @pytest.mark.full
 @pytest.mark.parametrize("name", MODELS)
 def test_the_normal_follows_from_the_velocities(name: str) -> None:
-    """The motion is that with the slip in words, from the same accuracy: the axes along a surface in space may
-    differ, and with them round-off."""
+    """The motion is that with the slip in words, to the same accuracy: the axes along a surface in space
+    may differ, and with them round-off."""
     text, place, slip = MODELS[name]
     one, two = _run(text, place), _run(text, slip)
     assert one.status == two.status == "ok"
@@ -158,8 +158,8 @@ def test_a_slip_along_a_wall_is_positive_along_an_axis(gap: str, at: str, rate: 
 
 @pytest.mark.parametrize("backend", ["numpy", pytest.param("c", marks=pytest.mark.full)])
 def test_friction_along_a_direction_that_a_constraint_holds(backend: str) -> None:
-    """The ball lands after sqrt(2 h/g), where the blow of v = sqrt(2 g h) takes mu v of its speed 1 m/s; the rest
-    lasts (1 - mu v)/(mu g)."""
+    """The ball lands after sqrt(2 h/g), where the blow of v = sqrt(2 g h) takes mu v of its speed 1 m/s; the
+    rest lasts (1 - mu v)/(mu g)."""
     text = """coordinate Length x(rate = 1 [m/s]), y, z(start = 0.5 [m]);
     body ball = Particle(mass = 1 [kg], at = {x, y, z});
     constraint plane: y = 0;

@@ -71,9 +71,6 @@ class Handmade(ABC):
     def reaches(self, t: float, x: Vector, sizes: Sequence[float]) -> list[float]:
         return []
 
-    def some_conditions(self, *_: object) -> None:
-        raise AssertionError("there are no pieces")
-
     def assemble(self, t: float, x: Vector) -> int:
         return OK
 

@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
-from math import exp, log, pi, sin, sqrt
+from math import cosh, exp, log, pi, sin, sqrt, tanh
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -74,6 +74,24 @@ def test_of_a_damped_oscillator(backend: str) -> None:
             close(run.sensitivity("pull", name), pull, 1e-8)
     assert not run.sensitivity("x", "unused").any()
     assert run.units["d(der(x))/d(m)"] == "m/(s.kg)" and run.units["d(pull)/d(start(x))"] == "N/m"
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+@pytest.mark.parametrize("along", ["{0, 0, 1}", "{0.48, 0.64, 0.6}"])
+def test_of_drag_by_the_norm_of_a_velocity_from_rest(backend: str, along: str) -> None:
+    """norm(v)*v has the derivative 0 at v = 0. z = z0 - m/k log cosh(w t), w = sqrt(g k/m)."""
+    text = f"""model Drag
+      parameter Real[kg/m] k = 0.1;
+      coordinate Length z(start = 10 [m]);
+      body bob = Particle(mass = 1 [kg], at = z*{along});
+      Gravity field(g = 9.81 [m/s2], direction = -{along});
+      force drag = -k*norm(velocity(bob))*velocity(bob) at bob;
+    end Drag;"""
+    run = lagc.loads(text).compile(backend=backend).simulate(1, sensitivity="k")
+    k, g, w = 0.1, 9.81, sqrt(0.981)
+    exact = log(cosh(w)) / k**2 - g * tanh(w) / (2.0 * k * w)
+    assert run.sensitivity("z", "k")[-1] == pytest.approx(exact, rel=1e-6)
 
 
 @pytest.mark.full

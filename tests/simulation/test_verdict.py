@@ -133,6 +133,36 @@ def test_energy_out_of_balance_is_never_ok(accuracy: float, share: float) -> Non
         assert reasons(run.message) == set()
 
 
+class Held(Leaking):
+    """A particle that three forces hold, whose powers are summed by themselves."""
+
+    def __init__(self, missing: float) -> None:
+        super().__init__(0.0)
+        self.nz, self.missing = 1, missing
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        powers = 1e6 * x[1], 2e6 * x[1]
+        xdot[:] = [x[1], 0.0, powers[0] + powers[1] - (3e6 - self.missing) * x[1]]
+        return OK
+
+    def energies(self, t: float, x: Vector) -> list[float]:
+        return [0.5 * x[1] * x[1], 0.0, 0.5 * x[1] * x[1]]
+
+
+@pytest.mark.parametrize("missing", [0.0, 1e-3])
+def test_work_that_is_roundoff_of_large_forces_is_in_balance(missing: float) -> None:
+    """At a speed of 1e-21 m/s the energy is 5e-43 J. Forces of 1e6 N do works of 1e-14 J, which cancel to their
+    round-off of 1e-30 J; a force of 1 mN that is missing does a work beyond it."""
+    for speed in (1.1e-21, 1.3e-21, 1.7e-21):
+        held = Held(missing)
+        xdot, lam = [0.0] * 3, list[float]()
+        held.rhs(0.0, [0.0, speed, 0.0], xdot, lam)
+        states = [[speed * t, speed, xdot[2] * t] for t in range(11)]
+        run = Trajectory([float(t) for t in range(11)], states, 10.0, states[-1])
+        out = balance(held, run, [((0,), 1e-20), ((1,), speed)], 1e-6)
+        assert out.holds == (missing == 0.0), (speed, out)
+
+
 def fall(seed: int, more: str) -> tuple[lagc.Run, float]:
     """A motion about the origin with a term `more` of the potential, and that term's height."""
     chance = Random(seed)

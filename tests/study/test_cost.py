@@ -22,7 +22,7 @@ np = pytest.importorskip("numpy")
 from lagc.study import cost  # noqa: E402
 from lagc.study.advice import Point, advise, fitted  # noqa: E402
 from lagc.study.cost import Study, errors_of, scales_of  # noqa: E402
-from lagc.study.probe import Probe, Setting, Shot  # noqa: E402
+from lagc.study.probe import Late, Probe, Setting, Shot  # noqa: E402
 
 SPRING = """\
 model Spring
@@ -179,6 +179,31 @@ def test_a_probe_follows_a_closed_form(real: str) -> None:
     assert np.abs(shot.hi[:, 2] - 1.0).max() < 1e-12 and shot.steps > 10 and shot.seconds > 0.0
     if real == "quad":  # energy is kept to more digits than a double has
         assert 0.0 < np.abs((shot.hi[:, 2] - 1.0) + shot.lo[:, 2]).max() < 1e-18
+
+
+@needs_compiler
+@pytest.mark.full
+def test_a_run_in_slices_is_the_same_and_ends_at_its_deadline(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between slices it looks at the clock and listens to signals; the numbers are those of one call."""
+    from lagc.compiler import pipeline
+
+    model = lagc.loads(SPRING).compile()
+    program = pipeline.delivered(model.compilation, False)
+    probe = Probe(pipeline.render(program, "c"), program.interface, [2.0, 8.0], [0.5, 0.0])
+    setting, times = Setting("dop853", rtol=1e-10), [0.25 * k for k in range(17)]
+    whole, looks = probe.run(setting, times), list[int]()
+    monkeypatch.setattr(probe, "_slice", 1)
+    monkeypatch.setattr(probe, "look", lambda: looks.append(1))
+    parts = probe.run(setting, times)
+    assert len(looks) >= whole.steps > 5
+    assert np.array_equal(parts.hi, whole.hi) and np.array_equal(parts.lo, whole.lo)
+    assert (parts.rhs, parts.steps, parts.rejected) == (whole.rhs, whole.steps, whole.rejected)
+    monkeypatch.setattr("lagc.study.probe.perf_counter", lambda: float(len(looks)))
+    monkeypatch.setattr(probe, "deadline", len(looks) + 2.5)
+    before = len(looks)
+    with pytest.raises(Late):
+        probe.run(setting, times)
+    assert len(looks) == before + 3
 
 
 @needs_compiler

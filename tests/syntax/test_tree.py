@@ -151,8 +151,7 @@ def test_nested_and_each_modifications() -> None:
 
 
 @pytest.mark.parametrize(
-    "kind",
-    ["frame", "point", "body", "joint", "potential", "kinetic", "lagrangian", "dissipation"],
+    "kind", ["frame", "point", "body", "joint", "potential", "kinetic", "lagrangian", "dissipation"]
 )
 def test_constructs(kind: str) -> None:
     declaration = one(f'{kind} c[i, 2] = f(x) unless e "text";')

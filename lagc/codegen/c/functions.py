@@ -82,25 +82,16 @@ def function_text(
             body += lines(function, dialect, locals_)
             return _about(function) + _definition(f"lagc_fn_{function.spelled}", function, body)
         function = in_parts(function)
-    return _about(function) + _divided(
-        function, loops(function, dialect, _forms(real, function.pieces), locals_), body
-    )
+    return _about(function) + _divided(function, loops(function, dialect, _forms(real), locals_), body)
 
 
 def _head(run: Run, _: Sequence[Running]) -> str:
-    """Return the head of a loop over the repetitions that belong to the pieces `first` to `last`."""
-    begin, end = "0", str(run.count)
-    if run.through:
-        behind = run.piece + run.count
-        begin = f"(first > {run.piece} ? first - {run.piece} : 0)"
-        end = f"(last < {behind} ? last : {behind}) - {run.piece}"
-    return f"for (int i = {begin}; i < {end}; i++) {{"
+    """Return the head of a loop over the repetitions."""
+    return f"for (int i = 0; i < {run.count}; i++) {{"
 
 
-def _forms(real: Arithmetic, pieces: Sequence[int]) -> Forms:
-    """Return the forms of C. With pieces the kept values are initialized, since compilers cannot see that
-    only written ones are read."""
-    array = "lagc_real kept[{size}]" + (" = {{0}};" if pieces else ";")
+def _forms(real: Arithmetic) -> Forms:
+    """Return the forms of C."""
 
     def table(name: str, values: Sequence[float]) -> list[str]:
         whole = all([isinstance(value, int) for value in values])
@@ -109,9 +100,9 @@ def _forms(real: Arithmetic, pieces: Sequence[int]) -> Forms:
         return [f"static const {'int' if whole else 'lagc_real'} {name}[{len(values)}] = {{", *entries, "};"]
 
     return Forms(
-        array=array, variable="lagc_real {name} = {value};",
+        array="lagc_real kept[{size}];", variable="lagc_real {name} = {value};",
         fixed="const lagc_real {name} = {value};", change="{name} = {value};", table=table,
-        head=_head, end="}", only="if (first <= {piece} && {piece} < last) {{",
+        head=_head, end="}",
     )  # fmt: skip
 
 
@@ -124,17 +115,15 @@ def _divided(function: Function, parts: Sequence[list[str]], cleared: list[str])
         if groups[-1] and len(groups[-1]) + len(block) > LONGEST:
             groups.append([])
         groups[-1] += block
-    name, own = f"lagc_fn_{function.spelled}", function.pieces
-    some = {"first": "int first", "last": "int last"} if own else {}
-    more = {**some, "kept": "lagc_real *kept"} if array else some
-    inner = f"{name}_some" if own else name
+    name = f"lagc_fn_{function.spelled}"
+    more = {"kept": "lagc_real *kept"} if array else {}
     if len(groups) == 1:
-        text = [_definition(inner, function, [*array, *cleared, *groups[0]], some)]
+        text = [_definition(name, function, [*array, *cleared, *groups[0]], {})]
     else:
         text = [_definition(f"{name}_{k}", function, group, more) for k, group in enumerate(groups, 1)]
         arguments = ", ".join([*_order(function), *more])
         calls = [f"{name}_{k}({arguments});" for k in range(1, len(groups) + 1)]
-        text.append(_definition(inner, function, [*array, *cleared, *calls], some))
+        text.append(_definition(name, function, [*array, *cleared, *calls], {}))
     return "\n".join(text)
 
 

@@ -51,8 +51,6 @@ def public_functions(program: Program, real: Arithmetic = DOUBLE) -> list[Public
         found += _system(interface)
     direct = {**_DIRECT, "conditions": _conditions(interface)}
     found += [function for name, function in direct.items() if name in functions]
-    if interface.pieces:
-        found.append(_SOME)
     if "outputs" in functions:
         found.append(_outputs(program))
     if "power" in functions:
@@ -117,23 +115,13 @@ _FORGET = "    w->rank_deficient = 0; /* forget earlier evaluations */\n"
 
 def _conditions(interface: Interface) -> PublicFunction:
     count, entries = len(interface.condition_ends), len(interface.condition_columns)
-    some = f"_some(p, t, x, c, J, sizes, 0, {max(interface.pieces) + 1})" if interface.pieces else ""
     together = "    lagc_assemble_slopes(J);\n" if interface.part_ends else ""
     return PublicFunction(
         f"c[{count}]: residuals of the initial equations at x[NU]: phi, psi, the initial section, stated\n"
         f" * rates minus their values, but not unit quaternions.  J[{entries}]: derivatives that are not\n"
         f" * identically zero.  sizes[{count}]: sums of the magnitudes of the terms.",
         f"void lagc_conditions({_POINT}, lagc_real *c, lagc_real *J, lagc_real *sizes)",
-        f"    lagc_fn_conditions{some or '(p, t, x, c, J, sizes)'};\n{together}")  # fmt: skip
-
-
-_SOME = PublicFunction(
-    "The same for the independent groups first..last-1 of initial equations; entries of other groups\n"
-    " * are not changed.",
-    f"void lagc_some_conditions({_POINT}, lagc_real *c, lagc_real *J, lagc_real *sizes,\n"
-    "                          int first, int last)",
-    "    lagc_fn_conditions_some(p, t, x, c, J, sizes, first, last);\n",
-)
+        f"    lagc_fn_conditions(p, t, x, c, J, sizes);\n{together}")  # fmt: skip
 
 
 def _default_params(interface: Interface, real: Arithmetic) -> PublicFunction:

@@ -24,7 +24,6 @@ DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NPARTED": lambda n: n["NCOND"] + n["NSUM"], "NWHOLE": lambda n: n["NU"] + n["NSUM"],
     "NQUANTITY": lambda n: n["NQ"] + n["NV"] + n["NY"],
     "NALL": lambda n: n["NP"] + n["NPREPARED"],
-    "NTREE": lambda n: n["NE"] * 2 + 2,
     "NSLOPES": lambda n: n["NNEWTON"] * n["NNEWTON"], "NFACTORS": lambda n: n["NLINEAR"] * n["NLINEAR"],
     "NMASS": lambda n: n["NV"] * n["NV"],
     "NCROW": lambda n: n["NCON"] + n["NSLIP"],
@@ -176,7 +175,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     nq, nv, fields = interface.nq, interface.nv, (*interface.parameters, *interface.inputs)
     start = sizes_of_start(nq, nv, len(interface.rate_names), interface.condition_ends,
                            interface.condition_columns, interface.quaternions,
-                           interface.row_pieces, len(interface.massless))  # fmt: skip
+                           len(interface.massless))  # fmt: skip
     sums = max(len(interface.part_ends) - len(interface.condition_ends), 0)
     values, lanes, squares, *_ = interface.series
     relations, free = len(interface.relations), len(interface.relations) - interface.timed_relations
@@ -227,8 +226,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
 
 
 def sizes_of_start(nq: int, nv: int, rates: int, ends: Sequence[int], columns: Sequence[int],
-                   quaternions: Sequence[int], pieces: Sequence[int] = (),
-                   massless: int = 0) -> dict[str, int]:  # fmt: skip
+                   quaternions: Sequence[int], massless: int = 0) -> dict[str, int]:  # fmt: skip
     """Return the sizes of the initialization; `ends` and `columns` describe the initial equations of the
     model."""
     rows = [columns[begin:end] for begin, end in zip((0, *ends), ends)]
@@ -237,7 +235,7 @@ def sizes_of_start(nq: int, nv: int, rates: int, ends: Sequence[int], columns: S
         "NQ": nq, "NV": nv, "NX": nq + nv, "NRATE": rates, "NMASSLESS": massless, "NU": nq + nv + rates,
         "NCOND": len(rows), "NQUAT": len(quaternions), "NE": len(rows) + len(quaternions),
         "NJ": max(len(columns) + 4 * len(quaternions), 1), "NSUM": 0, "NPARTS": 0,
-        "NSTRETCH": len(begins), "NPIECE": max(pieces, default=-1) + 1, **CONSTANT_SIZES,
+        "NSTRETCH": len(begins), **CONSTANT_SIZES,
     })  # fmt: skip
 
 
@@ -279,7 +277,6 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "scaling_group": interface.kinds, "quaternion": interface.quaternions, "bounded": bounded,
         "sources": interface.read,
         "level": interface.start_levels, "unit": interface.start_units,
-        "row_piece": of_conditions(interface.row_pieces, len(ends)),
         "angle": [int(i in angles) for i in range(len(interface.start_levels))],
         "massless": marked(interface.nq, interface.massless, len(interface.start_levels)),
         "ends": ends, "stretch_begins": begins, "stretch_ends": stops,
@@ -311,11 +308,6 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
 def marked(nq: int, speeds: Sequence[int], count: int) -> list[int]:
     """Return 1 for these speeds among `count` unknowns of the initialization, else 0."""
     return [int(i - nq in speeds) for i in range(count)]
-
-
-def of_conditions(pieces: Sequence[int], count: int) -> tuple[int, ...]:
-    """Return the independent group of each initial equation; -1 for unit quaternions, which follow."""
-    return (*pieces, *[-1] * (count - len(pieces)))
 
 
 def stretches(ends: Sequence[int], columns: Sequence[int]) -> tuple[list[int], list[int]]:

@@ -44,16 +44,10 @@ AT_GUESSES = replace(DIALECT, calls={**CALLS, "div": "quotient"}, called=("div",
 
 
 def _head(run: Run, running: Sequence[Running]) -> str:
-    """Return the head of a loop over the repetitions that belong to the pieces `first` to `last`."""
+    """Return the head of a loop over the repetitions."""
     names = ["i", *(name for name, *_ in running)]
-    if run.through:
-        first, last = [f"{name} - {run.piece}" if run.piece else name for name in ("first", "last")]
-        begin = f"max({first}, 0)" if run.piece else first
-        sequences = [f"range(begin := {begin}, end := max(min({last}, {run.count}), 0))"]
-        sequences += [_some_of(array, place, stride) for _, array, place, stride in running]
-    else:
-        sequences = [f"range({run.count})"]
-        sequences += [_all_of(array, place, stride, run.count) for _, array, place, stride in running]
+    sequences = [f"range({run.count})"]
+    sequences += [_all_of(array, place, stride, run.count) for _, array, place, stride in running]
     if len(names) == 1:
         return f"for i in {sequences[0]}:"
     return f"for {', '.join(names)} in zip({', '.join(sequences)}):"
@@ -66,17 +60,6 @@ def _all_of(array: str, first: int, stride: int | None, count: int) -> str:
     return f"{array}[{first}:{end if end >= 0 else ''}{f':{stride}' if stride != 1 else ''}]"
 
 
-def _some_of(array: str, first: int, stride: int | None) -> str:
-    """Return the entries of the repetitions `begin` to `end`."""
-    if stride is None:
-        return f"{array}[begin:end]"
-    if stride < 0:  # reversed
-        return f"{array}[{first - stride} - {-stride}*end:{first + 1} - {-stride}*begin:{-stride}][::-1]"
-    times, before = f"{stride}*" if stride != 1 else "", f"{first} + " if first else ""
-    step = f":{stride}" if stride != 1 else ""
-    return f"{array}[{before}{times}begin:{before}{times}end{step}]"
-
-
 _STRAIGHT = 10_000  # operations up to which straight code is faster than loops
 
 FORMS = Forms(
@@ -87,7 +70,6 @@ FORMS = Forms(
     table=lambda name, values: [f"{name} = ({', '.join(map(repr, values))})"],
     head=_head,
     end="",
-    only="if first <= {piece} < last:",
     sequences=True,
     number="(1.0 * {})",  # for `_again`, which converts constants but not tuples
 )
@@ -218,14 +200,14 @@ _CAREFUL = {
 }
 
 
-def _again(function, inputs, outputs, *pieces):
-    """Compute `function`, or some of its pieces, as C does; write the lists in `outputs`."""
+def _again(function, inputs, outputs):
+    """Compute `function` as C does; write the lists in `outputs`."""
     code = function.__code__
     constants = tuple(_Ieee(c) if type(c) is float else c for c in code.co_consts)
     careful = type(function)(code.replace(co_consts=constants), _CAREFUL, None, function.__defaults__)
     values = [[_Ieee(b) for b in a] if isinstance(a, (list, tuple)) else _Ieee(a) for a in inputs]
     results = [[_Ieee(b) for b in a] for a in outputs]
-    careful(*values, *results, *pieces)
+    careful(*values, *results)
     for output, result in zip(outputs, results):
         output[:] = [float(b) for b in result]
 '''
@@ -279,21 +261,19 @@ def function_text(function: Function, locals_: Mapping[tuple[str, int], str], nu
     order = [*function.inputs, *(name for name in outputs if name not in function.inputs)]
     size = dict(function.outputs)
     body = [f"{a}[:] = [0.0] * {size[a]}" for a in function.cleared]
-    own = function.pieces
-    if own or (function.runs and len(function.operations) > _STRAIGHT):
+    if function.runs and len(function.operations) > _STRAIGHT:
         body += [line for part in loops(function, dialect, FORMS, {}) for line in part]
     else:
         body += lines(function, dialect, locals_) or ["pass"]
     description = comment(function.description).replace('"', "'")
-    name = f"fn_{function.spelled}_some" if own else f"fn_{function.spelled}"
-    more = ["first", "last"] if own else []
-    text = [f"def {name}({', '.join([*order, *more])}):"]
+    name = f"fn_{function.spelled}"
+    text = [f"def {name}({', '.join(order)}):"]
     if description:
         text.append(f'    """{description}"""')
     text.append("    try:")
     text += [f"        {line}" for line in body]
     text.append("    except (ArithmeticError, ValueError):")
-    arguments = f"({_tuple(inputs)}), ({_tuple(outputs)})" + (", first, last" if own else "")
+    arguments = f"({_tuple(inputs)}), ({_tuple(outputs)})"
     along = function.name == "along"
     text.append(f"        {'_each_again' if along else '_again'}({name}, {arguments})")
     return (_EACH if along else "") + "\n".join(text) + "\n"

@@ -11,8 +11,8 @@ from types import CodeType
 from lagc.host import cache as store
 from lagc.host.cache import tool_fingerprint
 
-ROOTS = ("prepare", "reach_start", "evaluate_all")
-FLAGS = ("NCOND", "NRATE", "NQUAT", "NP", "NPIECE", "NMASSLESS")
+ROOTS = ("prepare", "reach_start", "select_equations", "evaluate")
+FLAGS = ("NCOND", "NRATE", "NQUAT", "NMASSLESS")
 
 
 @cache

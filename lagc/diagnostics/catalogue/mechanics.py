@@ -211,8 +211,8 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0433": Entry(
         "friction along a slip that constraints hold",
-        "This is a warning. The constraints of the model hold the slip of this contact at zero. It never slips, "
-        "and its friction changes nothing.",
+        "This is a warning. The constraints of the model hold the slip of this contact at zero. It never "
+        "slips, and its friction changes nothing.",
         _on_particle("  constraint rail: x = 0 (friction = 0.3, slip = der(x));\n"),
         _on_particle("  constraint rail: x = 0 (friction = 0.3, slip = der(y));\n"),
     ),

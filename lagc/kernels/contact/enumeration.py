@@ -5,13 +5,7 @@ P. Painleve, Lecons sur le frottement, 1895: a rod that slides on a rough floor 
 
 from math import inf, sqrt
 
-from lagc.kernels.contact.conditions import (
-    differs,
-    has_friction,
-    keep_solution,
-    read_modes,
-    restore_solution,
-)
+from lagc.kernels.contact.conditions import differs, has_friction, keep_solution, read_modes, restore_solution
 from lagc.kernels.contact.frozen_modes import (
     CONTACT_OPEN,
     CONTACT_SLIPS,

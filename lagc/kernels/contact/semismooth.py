@@ -34,7 +34,9 @@ LAW_SOLVED = by_type(1e-5, 1e-11, "1e-26")  # of the largest scaled force: F tha
 def set_law_row(w: Work, row: int) -> None:
     """Let F of a row be its scaled u."""
     for k in range(w.law_rows):
-        w.law_matrix[row * w.law_rows + k] = w.law_row_scale[row] * w.law_w[row * w.law_rows + k] * w.law_scale[k]
+        w.law_matrix[row * w.law_rows + k] = (
+            w.law_row_scale[row] * w.law_w[row * w.law_rows + k] * w.law_scale[k]
+        )
     w.law_right[row] = -w.law_row_scale[row] * w.law_u[row]
 
 

@@ -21,7 +21,9 @@ BORNE = by_type(1e-4, 1e-10, "1e-20")  # of the load: with less left, it is born
 FARTHEST_SHARE = by_type(1e2, 1e4, "1e8")  # over the load: larger forces do not count, as in a wedge
 SHARE_DAMPING = 1e-5  # of the second derivative, for a load that is left whole
 SHORTEST_STEP = 1e-4  # of a step
-AT_BOUND = by_type(1e-4, 1e-9, "1e-18")  # of the largest force: a force, or a distance from a cone, that is zero
+AT_BOUND = by_type(
+    1e-4, 1e-9, "1e-18"
+)  # of the largest force: a force, or a distance from a cone, that is zero
 
 OUTSIDE = 0  # places of what is projected: the nearest forces are 0
 WITHIN = 1

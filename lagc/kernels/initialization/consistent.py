@@ -1,229 +1,223 @@
-"""Consistent initial conditions: unstated values move first, stated values only where they have to."""
+"""Consistent initial conditions: the equations by a Gauss-Newton method with steps of least norm.
+
+The unknowns y are q, v, and stated rates that declared speeds replace.  The equations are phi = 0, psi = 0,
+the `initial` section, rate - value = 0 for these rates, and unit quaternions.  A stated value is held.  If
+nothing is found, values give way to values that are stated more firmly: DECLARED, then SCENE, then RUN; FIXED
+values never do.
+"""
 
 from math import fabs, inf
 
 from lagc.kernels.arguments import bad_parameter
-from lagc.kernels.arithmetic.quaternions import normalise
-from lagc.kernels.initialization.gauss_newton import attempt, select_columns, unscaled_norm, unstated_distance
-from lagc.kernels.initialization.multistart import NEAR, SPREADS, multistart
-from lagc.kernels.initialization.relaxation import relax
+from lagc.kernels.arithmetic.quaternions import normalise, square_at
+from lagc.kernels.initialization.gauss_newton import distance, draw_back, newton, relax, tidy
 from lagc.kernels.initialization.residuals import (
-    largest_residual,
+    SLIGHT,
+    mark_roundoff,
+    relative_residual,
     row_begin,
-    select_equations,
-    set_levels,
-    set_scales,
+    set_sizes,
+    start_residual,
 )
-from lagc.kernels.initialization.scaling import set_scaling
-from lagc.kernels.initialization.workspace import DECLARED, FIXED, UNSTATED, StartWork
+from lagc.kernels.initialization.workspace import FIXED, UNSTATED, StartWork
 from lagc.kernels.language.vocabulary import *
 
-
-def moves_massless(i: int, w: StartWork) -> bool:
-    """Whether equation i contains an unstated speed without inertia."""
-    found = False
-    for k in range(row_begin(i), ends[i]):
-        j = w.column[k]
-        found = found or (massless[j] == 1 and w.levels[j] == UNSTATED)
-    return found
+BEGINNINGS = 8  # the guess, and points beside it
+BESIDE = 3  # the beginning that leaves a singular guess well behind
+ALIKE = 1e-6  # of a residual: attempts that end with the same one ended at the same point
+NEAR = 8.0  # scaled distance from the guess: a solution within it ends the search
+PULL_STEPS = 20  # steps towards the guess
 
 
-def select_without_massless(w: StartWork) -> int:
-    """Select the equations without unstated speeds without inertia; return their number, -1 for all."""
-    rows = w.row_count
-    kept = 0
-    for r in range(rows):
-        w.whole[r] = w.rows[r]
-        if not moves_massless(w.rows[r], w):
-            w.selected[kept] = w.rows[r]
-            kept += 1
-    if kept == rows:
-        return -1
-    select_equations(kept, w)
-    return kept
-
-
-def complete_massless(p: Params, t: Real, rows: int, w: StartWork) -> bool:
-    """Select all equations again; move speeds without inertia from w.y, and hold unstated ones with."""
-    for r in range(rows):
-        w.selected[r] = w.whole[r]
-    select_equations(rows, w)
-    for i in range(NQ, NQ + NV):
-        w.held[i] = 0
-        if massless[i] == 0 and w.levels[i] == UNSTATED and w.free[i] == 1:
-            w.held[i] = 1
-            w.free[i] = 0
-    attempt(p, t, w.y, w)
-    for i in range(NQ, NQ + NV):
-        if w.held[i] == 1:
-            w.free[i] = 1
-    return largest_residual(p, t, w.y, w.row_count, w) <= ACCEPTED
-
-
-def search(p: Params, t: Real, end: int, w: StartWork) -> bool:
-    """Search from beginnings 0..end-1; unstated speeds without inertia move before those of bodies."""
-    if NMASSLESS > 0:
-        rows = w.row_count
-        kept = select_without_massless(w)
-        if kept >= 0:
-            w.y[:] = w.guess
-            met = kept == 0 or multistart(p, t, 0, end, w)
-            if complete_massless(p, t, rows, w) and met:
-                return True
-    return multistart(p, t, 0, end, w)
-
-
-def release_level(level: int, w: StartWork) -> bool:
-    """Free all values of a level in this block; return whether there are any."""
-    found = False
-    for k in range(w.unknown_count):
-        i = w.unknowns[k]
-        if w.levels[i] == level:
-            w.free[i] = 1
-            found = True
-    return found
-
-
-def has_level(level: int, w: StartWork) -> bool:
-    """Whether this block has a value of the level."""
-    for k in range(w.unknown_count):
-        i = w.unknowns[k]
-        if w.levels[i] == level:
-            return True
-    return False
-
-
-def release_levels(p: Params, t: Real, w: StartWork) -> bool:
-    """Find a start of this block: free one priority level after the other, then hold all that need not
-    move."""
-    if search(p, t, SPREADS, w):
-        return True
-    level = DECLARED
-    while level < FIXED:
-        if release_level(level, w) and search(p, t, SPREADS, w):
-            break
-        level += 1
-    if level == FIXED:
-        return False
-    while level > UNSTATED:
-        if has_level(level, w):
-            relax(p, t, level, w)
-        level -= 1
-    return True
-
-
-def least_block(i: int, w: StartWork) -> int:
-    """Give the unknowns of equation i that may move the least block number among them; return it."""
-    found = size(NU)
-    first = row_begin(i)
-    end = ends[i]
-    for k in range(first, end):
-        if w.levels[w.column[k]] < FIXED and w.picked[w.column[k]] < found:
-            found = w.picked[w.column[k]]
-    for k in range(first, end):
-        if w.levels[w.column[k]] < FIXED:
-            w.picked[w.column[k]] = found
-    return found
-
-
-def label_blocks(w: StartWork) -> None:
-    """Set w.block: equal for equations that share an unknown that may move."""
+def mark_open(first: int, end: int, w: StartWork) -> None:
+    """Set w.reached: the unknowns of equations that are not met, and of what shares an unknown with those."""
     for i in range(NU):
-        w.picked[i] = i
-    for r in range(NE):
-        w.block[r] = -1
+        w.reached[i] = 0
+    for r in range(first, end):
+        w.open[r] = 0 if relative_residual(w.rows[r], w) <= ACCEPTED else 1
     changed = True
     while changed:
         changed = False
-        for r in range(NE):
-            least = least_block(w.all_rows[r], w)
-            changed = changed or w.block[r] != least
-            w.block[r] = least
+        for r in range(first, end):
+            for k in range(row_begin(w.rows[r]), ends[w.rows[r]]):
+                j = w.column[k]
+                if w.open[r] == 1 and w.reached[j] == 0 and w.levels[j] < FIXED:
+                    w.reached[j] = 1
+                    changed = True
+                if w.open[r] == 0 and w.reached[j] == 1:
+                    w.open[r] = 1
+                    changed = True
 
 
-def select_block(part: int, w: StartWork) -> int:
-    """Select the equations of one block and reset the unknowns; return the number of equations."""
-    n = 0
-    for r in range(NE):
-        if w.block[r] == part:
-            w.selected[n] = w.all_rows[r]
-            n += 1
-    if n > 0:
-        select_equations(n, w)
-        for i in range(NU):
-            w.free[i] = 0
-        for k in range(w.unknown_count):
-            w.free[w.unknowns[k]] = w.free_before[w.unknowns[k]]
-        w.y[:] = w.block_begin
-    return n
-
-
-def solve_blocks(p: Params, t: Real, w: StartWork) -> bool:
-    """Solve independent blocks of equations one by one."""
-    w.block_begin[:] = w.y
-    w.combined[:] = w.guess
-    w.free_before[:] = w.free
-    label_blocks(w)
-    for part in range(NU + 1):
-        if select_block(part, w) == 0:
-            continue
-        met = (
-            largest_residual(p, t, w.block_begin, w.row_count, w) <= CLOSE
-            and unstated_distance(w.block_begin, w) <= NEAR
-        )
-        if not met and not release_levels(p, t, w):
-            return False
-        for k in range(w.unknown_count):
-            i = w.unknowns[k]
-            if w.levels[i] < FIXED:
-                w.combined[i] = w.y[i]
-                w.free_before[i] = w.free[i]
-    w.y[:] = w.combined
-    w.free[:] = w.free_before
-    return True
-
-
-def reset_traces(w: StartWork) -> bool:
-    """Set w.combined to w.y, with unknowns that moved by less than the tolerance reset to their guesses
-    and held; return whether there are any."""
-    w.combined[:] = w.y
+def select_columns(stage: int, last: int, level: int, w: StartWork) -> bool:
+    """Free the reached unknowns of the stages up to this level: set w.columns and w.step_scaling; return
+    whether there are any of this level."""
+    w.column_count = 0
     found = False
-    for k in range(w.unknown_count):
-        i = w.unknowns[k]
-        move = fabs(w.y[i] - w.guess[i])
-        if w.free[i] == 1 and 0.0 < move and move <= TRACE * w.scaling[i]:
-            w.combined[i] = w.guess[i]
-            w.free[i] = 0
-            found = True
+    for k in range(NU):
+        i = w.ordered[k]
+        w.column_of[i] = -1
+        if w.reached[i] == 1 and stage <= w.stage[i] and w.stage[i] <= last and w.levels[i] <= level:
+            found = found or w.levels[i] == level
+            w.column_of[i] = w.column_count
+            w.columns[w.column_count] = i
+            w.column_count += 1
+            w.step_scaling[i] = w.scaling[i]
     return found
 
 
-def meets_unscaled(p: Params, t: Real, y: Vec[NU], w: StartWork) -> bool:
-    """Whether y meets the equations relative to their own terms."""
-    select_columns(0, NU, w)
-    largest_residual(p, t, y, w.row_count, w)
-    w.entry_roundoff[:] = w.slope_roundoff
-    return unscaled_norm(w.c, w.term_sizes, 0, w.row_count, w) <= CLOSE
+def begin_at(k: int, w: StartWork) -> None:
+    """Set w.y, in w.columns, to the guess, beside it for k > 0: a guess may be singular."""
+    state: Length = 12345 + k  # the congruential generator of rand() in the C standard, of 31 bits
+    for n in range(w.column_count):
+        i = w.columns[n]
+        w.y[i] = w.guess[i]
+        state = (1103515245 * state + 12345) & 2147483647
+        if k > 0:
+            spread = 0.01 if k == 1 else 0.25 * float(k - 1)
+            w.y[i] += spread * w.step_scaling[i] * (float(state) / 1073741824.0 - 1.0)
+    if NQUAT > 0:
+        if k > 0:
+            normalise(w.y)
 
 
-def restore_traces(p: Params, t: Real, w: StartWork) -> None:
-    """Reset unknowns that moved by less than the tolerance to their guesses, if the equations stay met:
-    steps leave traces of round-off in unknowns that need not move."""
-    for i in range(NE):
-        w.selected[i] = w.all_rows[i]
-    select_equations(NE, w)
-    w.free_before[:] = w.free
-    if reset_traces(w):
-        w.full_steps = True
-        attempt(p, t, w.combined, w)
-        w.full_steps = False
-        same = largest_residual(p, t, w.combined, w.row_count, w) <= CLOSE
+def solve_stages(p: Params, t: Real, stage: int, last: int, level: int, w: StartWork) -> bool:
+    """Meet the equations of these stages by unknowns of the same stages that are stated no more firmly than
+    `level`, from the guess and from points beside it; else leave w.y. Parts of the equations that are met do
+    not begin again, and their stated values do not give way."""
+    first = w.stage_begin[stage]
+    end = w.stage_begin[last + 1]
+    if level == UNSTATED:
         for i in range(NU):
-            same = same and fabs(w.combined[i] - w.y[i]) <= TRACE * w.scaling[i]
-        w.free[:] = w.free_before
-        if same and (meets_unscaled(p, t, w.combined, w) or not meets_unscaled(p, t, w.y, w)):
-            w.y[:] = w.combined
-    w.free[:] = w.free_before
+            w.reached[i] = 1
+    if not select_columns(stage, last, level, w) and level > UNSTATED:
+        return False
+    if stage > 0:
+        mark_roundoff(p, t, w.y, w)
+    else:
+        for k in range(NJ):
+            w.roundoff[k] = 0  # positions move, and with them what is round-off
+    # Attempts from the guess, w.ended its end, and from points beside it; the nearest solution counts.
+    w.begun[:] = w.y
+    w.ended[:] = w.y
+    nearest = inf
+    failed = 0.0  # the residual of the attempt before
+    for k in range(BEGINNINGS):
+        w.y[:] = w.ended
+        begin_at(k, w)
+        if newton(p, t, first, end, w):
+            tidy(p, t, first, end, w)
+            if k > 0:
+                draw_back(p, t, first, end, PULL_STEPS, w)
+            if level > UNSTATED:
+                relax(p, t, level, first, end, w)  # all values of the level have moved: let few do
+            tidy(p, t, first, end, w)
+            if distance(w) < nearest:
+                nearest = distance(w)
+                w.best[:] = w.y
+            if nearest <= NEAR or level > UNSTATED:
+                break
+        else:
+            if k == 0:  # parts that are met stay as they are from now on
+                w.ended[:] = w.y
+                mark_open(first, end, w)
+                select_columns(stage, last, level, w)
+            if w.column_count == 0 or (k >= BESIDE and fabs(w.worst - failed) <= ALIKE * failed):
+                break
+            failed = w.worst if w.worst < inf else 0.0
+    if nearest == inf:
+        w.y[:] = w.begun
+        return False
+    w.y[:] = w.best
+    for n in range(w.column_count):
+        w.free[w.columns[n]] = 1
+    return True
+
+
+def reach_start(p: Params, t: Real, w: StartWork) -> Status:
+    """Move w.y from the guess to consistent initial conditions: positions, then speeds, then all together."""
+    w.y[:] = w.guess
+    found = False
+    for level in range(UNSTATED, FIXED):
+        if not found:
+            found = solve_stages(p, t, 0, 0, level, w)
+    if found:
+        found = solve_stages(p, t, 1, 1, UNSTATED, w) and solve_stages(p, t, 2, 2, UNSTATED, w)
+        for level in range(UNSTATED, FIXED):
+            if not found:
+                found = solve_stages(p, t, 1, 2, level, w) or solve_stages(p, t, 0, 2, level, w)
+    if not found:
+        w.y[:] = w.ended
+    start_residual(p, t, w.y, 0, w.stage_begin[3], True, w)
+    return OK if found else INCONSISTENT
+
+
+def order_unknowns(w: StartWork) -> None:
+    """Set w.ordered: all unknowns in the order in which equations name them.  Coupled ones are near each
+    other then, and the rows of the matrix narrow."""
+    for i in range(NU):
+        w.reached[i] = 0
+    count = 0
+    named = row_begin(size(NE))  # the number of derivatives
+    for k in range(named + NU):
+        j = w.column[k] if k < named else k - named
+        if w.reached[j] == 0:
+            w.reached[j] = 1
+            w.ordered[count] = j
+            count += 1
+
+
+def select_equations(w: StartWork) -> None:
+    """Set w.rows: the equations w.asked, by the stages of their unknowns."""
+    count = 0
+    for stage in range(3):
+        w.stage_begin[stage] = count
+        for i in range(NE):
+            latest = 0
+            for k in range(row_begin(i), ends[i]):
+                if w.stage[w.column[k]] > latest:
+                    latest = w.stage[w.column[k]]
+            if w.asked[i] == 1 and latest == stage:
+                w.rows[count] = i
+                count += 1
+    w.stage_begin[3] = count
+
+
+def set_levels(levels: IVec[NU], w: StartWork) -> None:
+    """Set levels, those of a quaternion alike, and stages; ask for all equations."""
+    if present(levels):
+        w.levels[:] = levels
+    else:
+        w.levels[:] = level
+    # The four parts of a quaternion move together: the firmest statement counts for all.
+    for i in range(NU):
+        w.part[i] = 0
+    if NQUAT > 0:
+        for k in range(NQUAT):
+            first = quaternion[k]
+            for i in range(1, 4):
+                if w.levels[first + i] > w.levels[first]:
+                    w.levels[first] = w.levels[first + i]
+            for i in range(1, 4):
+                w.levels[first + i] = w.levels[first]
+                w.part[first + i] = 1
+    # Stages: positions, speeds, unstated speeds without inertia.
+    for i in range(NU):
+        w.free[i] = 1 if w.levels[i] == UNSTATED else 0
+        w.stage[i] = 0 if i < NQ else 1
+        if NMASSLESS > 0:
+            if massless[i] == 1 and w.levels[i] == UNSTATED:
+                w.stage[i] = 2
+    # The unknown of each derivative, from the stretches of consecutive unknowns in which tables keep them.
+    n = 0
+    for k in range(NSTRETCH):
+        for j in range(stretch_begins[k], stretch_ends[k]):
+            w.column[n] = j
+            n += 1
+    for i in range(NE):
+        w.asked[i] = 1
+    select_equations(w)
+    order_unknowns(w)
 
 
 def check_input(p: Params, t: Real, levels: IVec[NU], w: StartWork) -> bool:
@@ -237,19 +231,18 @@ def check_input(p: Params, t: Real, levels: IVec[NU], w: StartWork) -> bool:
 
 
 def prepare(p: Params, t: Real, x: Vec[NX], levels: IVec[NU], w: StartWork) -> Status:
-    """Set the guess, the levels and the scaling."""
+    """Set the guess, the levels and the sizes."""
     rates = vector(NU)
-    for i in range(NU):
-        rates[i] = 0.0
     largest = vector(NU)
     for i in range(NU):
+        rates[i] = 0.0
         largest[i] = 0.0
     if NCOND > 0:
         fn_measures(p, rates, largest)
     set_levels(levels, w)
     for i in range(NQ + NV):
         w.guess[i] = x[i]
-    for i in range(NRATE):
+    for i in range(NRATE):  # `x` has no stated rates: they are computed from parameters
         w.guess[NQ + NV + i] = rates[i]
     if NQUAT > 0:
         normalise(w.guess)
@@ -257,37 +250,21 @@ def prepare(p: Params, t: Real, x: Vec[NX], levels: IVec[NU], w: StartWork) -> S
     if w.culprit >= 0:
         return NOT_FINITE
     if NQUAT > 0:
-        for k in range(NQUAT):
-            at = quaternion[k]
-            if (
-                w.guess[at] == 0.0
-                and w.guess[at + 1] == 0.0
-                and w.guess[at + 2] == 0.0
-                and w.guess[at + 3] == 0.0
-            ):
+        for k in range(NQUAT):  # a quaternion that is zero has no direction
+            if square_at(w.guess, quaternion[k]) == 0.0:
                 w.culprit = NCOND + k
                 return INCONSISTENT
-    w.full_steps = False
     w.work = 0
-    set_scaling(p, t, largest, w)
-    set_scales(False, w)
-    return OK
-
-
-def reach_start(p: Params, t: Real, w: StartWork) -> Status:
-    """Move w.y from the guess to consistent initial conditions."""
-    near = search(p, t, 1, w) and unstated_distance(w.y, w) <= NEAR
-    if not near and not solve_blocks(p, t, w):
-        largest_residual(p, t, w.y, w.row_count, w)
-        return INCONSISTENT
-    restore_traces(p, t, w)
+    w.share = SLIGHT
+    w.y[:] = w.guess
+    set_sizes(p, t, largest, w)
     return OK
 
 
 @public
 def consistent(p: Params, t: Real, x: Vec[NX], levels: IVec[NU], w: StartWork) -> Status:
     """Move the guess x[NX] to consistent initial conditions: constraints, their rates, the initial
-    section, unit quaternions; x[NQ+NV..] stays.  Lower levels move first, few values of each level.
+    section, unit quaternions; x[NQ+NV..] stays.  Values of lower levels give way to those of higher ones.
     `levels` of q, v and the stated rates, in this order; NULL: those of the model.  Any status but OK leaves
     x as it was.  INCONSISTENT: no solution was found; the equations are phi[NH], psi[NC], those of the
     initial section, those of the stated rates, unit quaternions, in this order."""

@@ -1,8 +1,7 @@
-"""The unknowns and equations of the initialization, and their residuals.
+"""Residuals and Jacobian of the initial equations, and the sizes by which they are measured.
 
-The unknowns y are q, v, and stated rates that declared speeds replace.  The initial equations are phi = 0,
-psi = 0, the `initial` section, rate - value = 0 for these rates, and unit quaternions.  Each unknown has a
-level, from UNSTATED to FIXED.
+No absolute length, mass or time appears.  Each unknown has a size.  The residual of an equation counts
+relative to the sum of the magnitudes of its terms and to its change over the sizes of its unknowns.
 """
 
 from math import fabs, inf, sqrt
@@ -11,9 +10,7 @@ from lagc.kernels.arithmetic.quaternions import square_at
 from lagc.kernels.initialization.workspace import UNSTATED, StartWork
 from lagc.kernels.language.vocabulary import *
 
-SLIGHT = (
-    1.0 / 1024.0
-)  # weight of the unknowns' magnitudes in the scale of a row, and of stated values in a step
+SLIGHT = 1.0 / 1024.0  # of the size of an unknown: its share in the scale of a residual; of a radian
 
 
 def part_begin(i: int) -> int:
@@ -26,18 +23,20 @@ def assemble_slopes(J: Vec[NJ]) -> None:
     parts = vector(NPARTS)
     for k in range(NPARTS):
         parts[k] = J[k]
-    total = vector(NWHOLE)
+    total = vector(NWHOLE)  # derivatives by all unknowns, then by all sums
     for j in range(NWHOLE):
         total[j] = 0.0
     made = 0
     stretch = 0
     for i in range(NCOND):
+        # The equation as it is written: by unknowns and by sums, `last` the last of these.
         first = part_begin(i)
         last = -1
         for k in range(first, part_ends[i]):
             total[part_column[k]] = parts[k]
             if part_column[k] - NU > last:
                 last = part_column[k] - NU
+        # A sum depends on unknowns and on sums before it, so that backwards each is complete when it is met.
         for n in range(last + 1):
             at = last - n
             slope = total[NU + at]
@@ -58,243 +57,142 @@ def row_begin(i: int) -> int:
     return ends[i - 1] if i > 0 else 0
 
 
-def is_roundoff(k: int, w: StartWork) -> bool:
-    """Whether derivative k is within its round-off estimate."""
-    return 0.0 < fabs(w.J[k]) and fabs(w.J[k]) <= w.entry_roundoff[k]
-
-
-def complete_row(i: int, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE]) -> None:
+def complete_row(i: int, y: Vec[NU], w: StartWork) -> None:
     """Complete equation i where it is that of a stated rate or of a unit quaternion."""
     if NRATE > 0:
         k = i - (NCOND - NRATE)
         if k >= 0 and k < NRATE:
-            c[i] -= y[NQ + NV + k]
-            sizes[i] += fabs(y[NQ + NV + k])
+            w.c[i] -= y[NQ + NV + k]
+            w.term_sizes[i] += fabs(y[NQ + NV + k])
     if NQUAT > 0:
         if i >= NCOND:
             at = quaternion[i - NCOND]
             first = row_begin(i)
-            c[i] = 0.5 * (square_at(y, at) - 1.0)
-            sizes[i] = 1.0
+            w.c[i] = 0.5 * (square_at(y, at) - 1.0)
+            w.term_sizes[i] = 1.0
             for j in range(4):
-                J[first + j] = y[at + j]
+                w.J[first + j] = y[at + j]
 
 
-def evaluate_all(p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE]) -> None:
+def evaluate(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
     """Evaluate residuals, Jacobian and term sizes of all equations."""
     if NCOND > 0:
-        if NPIECE > 0:
-            fn_conditions_some(p, t, y, c, J, sizes, 0, size(NPIECE))
-        else:
-            fn_conditions(p, t, y, c, J, sizes)
+        fn_conditions(p, t, y, w.c, w.J, w.term_sizes)
     if NSUM > 0:
-        assemble_slopes(J)
+        assemble_slopes(w.J)
     if NRATE > 0 or NQUAT > 0:
         for i in range(NCOND - NRATE, NE):
-            complete_row(i, y, c, J, sizes)
+            complete_row(i, y, w)
 
 
-def evaluate_rows(
-    p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE], w: StartWork
-) -> None:
-    """Evaluate the same of w.rows alone. Values of other rows may belong to another point."""
-    if NPIECE > 0:
-        fn_conditions_some(p, t, y, c, J, sizes, w.first_piece, w.end_piece)
-        if NRATE > 0 or NQUAT > 0:
-            for r in range(w.row_count):
-                complete_row(w.rows[r], y, c, J, sizes)
-    else:
-        evaluate_all(p, t, y, c, J, sizes)
+def mark_roundoff(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
+    """Set w.roundoff: the derivatives by speeds at y that are round-off, as r cos(a) at a quarter turn.  They
+    change by their own magnitude where positions change by units in the last place (N. J. Higham, *Accuracy
+    and Stability of Numerical Algorithms*, 2002, section 1.10)."""
+    w.trial[:] = y
+    for i in range(NQ):
+        w.trial[i] *= 1.0 + FOUR_ULPS
+    evaluate(p, t, w.trial, w)
+    w.other_J[:] = w.J
+    evaluate(p, t, y, w)
+    for k in range(NJ):
+        change = fabs(w.J[k] - w.other_J[k])
+        w.roundoff[k] = 1 if w.column[k] >= NQ and 0.0 < fabs(w.J[k]) and fabs(w.J[k]) <= change else 0
 
 
-def set_scales(even: bool, w: StartWork) -> None:
-    """Set w.step_scaling, by which a step prefers unstated unknowns to stated ones; even: the same for all
-    unknowns of a unit."""
-    for i in range(NU):
-        if even:
-            w.step_scaling[i] = w.unit_scaling[i]
-        else:
-            w.step_scaling[i] = w.scaling[i] if w.levels[i] == UNSTATED else SLIGHT * w.scaling[i]
-
-
-def scale_rows(y: Vec[NU], J: Vec[NJ], sizes: Vec[NE], w: StartWork) -> None:
-    """Set w.row_scaling and w.roundoff of w.rows at y: residuals count relative to the terms and to the
-    change by a thousandth of the magnitudes of the unknowns; residuals below round-off count as zero."""
-    for r in range(w.row_count):
-        i = w.rows[r]
+def scale_rows(y: Vec[NU], w: StartWork) -> None:
+    """Set w.row_scaling at y: the terms of each equation, and its change by w.share of its unknowns."""
+    for i in range(NE):
         slight = 0.0
-        w.roundoff[i] = w.residual_roundoff[i]
         for k in range(row_begin(i), ends[i]):
             j = w.column[k]
-            size = fabs(y[j])
-            if w.free[j] == 1 and w.magnitude[j] > size:
-                size = w.magnitude[j]
-            slight += fabs(J[k]) * size
-            w.roundoff[i] += w.slope_roundoff[k] * fabs(y[j])
-            if r >= w.position_rows and j < NQ and w.free[j] == 0:
-                w.roundoff[i] += fabs(J[k]) * FOUR_ULPS * w.unit_scaling[j]
-        w.row_scaling[i] = sizes[i] + SLIGHT * slight
+            slight += fabs(w.J[k]) * (w.scaling[j] if fabs(y[j]) < w.scaling[j] else fabs(y[j]))
+        w.row_scaling[i] = w.term_sizes[i] + w.share * slight
 
 
-def relative_residual(value: Real, floor: Real, scale: Real) -> Real:
-    """A residual relative to its scale, 0 below its round-off."""
-    if fabs(value) <= floor:
+def relative_residual(i: int, w: StartWork) -> Real:
+    """The residual of equation i relative to its scale; infinite where it is not a number."""
+    if w.c[i] == 0.0:
         return 0.0
-    return fabs(value) / scale if 0.0 < scale and scale < inf else inf
+    size = fabs(w.c[i]) / w.row_scaling[i]
+    return size if size < inf else inf
 
 
-def residual_norm(c: Vec[NE], first: int, end: int, w: StartWork) -> Real:
-    """The norm of the relative residuals of w.rows[first..end-1]; infinity if one is not a number."""
-    total = 0.0
-    for k in range(first, end):
-        i = w.rows[k]
-        size = relative_residual(c[i], w.roundoff[i], w.row_scaling[i])
-        total += size * size
-    return sqrt(total) if total == total else inf
-
-
-def largest_residual(p: Params, t: Real, y: Vec[NU], end: int, w: StartWork) -> Real:
-    """The largest relative residual of w.rows[..end-1] at y; infinity if one is not a number."""
-    evaluate_rows(p, t, y, w.c, w.J, w.term_sizes, w)
-    scale_rows(y, w.J, w.term_sizes, w)
+def start_norm(first: int, end: int, w: StartWork) -> Real:
+    """The norm of the relative residuals of w.rows[first..end-1]; w.worst and w.culprit: the largest."""
+    w.worst = 0.0
     w.culprit = -1
-    worst = 0.0
-    for k in range(end):
-        i = w.rows[k]
-        size = relative_residual(w.c[i], w.roundoff[i], w.row_scaling[i])
-        if not size <= worst:
-            worst = size if size == size else inf
-            w.culprit = i
-            if worst == inf:
-                break
-    return worst
+    total = 0.0
+    for r in range(first, end):
+        size = relative_residual(w.rows[r], w)
+        total += size * size
+        if size > w.worst:
+            w.worst = size
+            w.culprit = w.rows[r]
+    return sqrt(total) if w.worst < inf else inf
 
 
-def has_speeds(i: int, w: StartWork) -> bool:
-    """Whether equation i contains speeds."""
-    for k in range(row_begin(i), ends[i]):
-        if w.column[k] >= NQ:
-            return True
-    return False
+def start_residual(p: Params, t: Real, y: Vec[NU], first: int, end: int, rescale: bool, w: StartWork) -> Real:
+    """Evaluate all equations at y; return the norm of the residuals of w.rows[first..end-1]."""
+    evaluate(p, t, y, w)
+    if rescale:
+        scale_rows(y, w)
+    return start_norm(first, end, w)
 
 
-def link_entries(w: StartWork) -> None:
-    """Link the derivatives of w.rows by each unknown: from w.last on by w.previous; w.equation_of each."""
-    for j in range(NU):
-        w.last[j] = -1
-    for r in range(w.row_count):
-        i = w.rows[r]
+def grow_sizes(w: StartWork) -> bool:
+    """Give unknowns without a size that by which they balance the known terms of an equation, the least that
+    any equation implies; return whether there were any."""
+    for n in range(NU):
+        w.trial[n] = inf
+    found = False
+    for i in range(NE):
+        known = w.term_sizes[i]
         for k in range(row_begin(i), ends[i]):
-            w.equation_of[k] = i
-            w.previous[k] = w.last[w.column[k]]
-            w.last[w.column[k]] = k
-
-
-def visit(i: int, count: int, w: StartWork) -> int:
-    """Append the new unknowns of equation i to w.ordered; return how many it holds."""
-    w.chosen[i] = 1
-    found = count
-    for k in range(row_begin(i), ends[i]):
-        j = w.column[k]
-        if w.marks[j] == 0:
-            w.marks[j] = 1
-            w.ordered[found] = j
-            found += 1
+            if w.scaling[w.column[k]] > 0.0:
+                known += fabs(w.J[k]) * w.scaling[w.column[k]]
+        for k in range(row_begin(i), ends[i]):
+            j = w.column[k]
+            share = known / fabs(w.J[k]) if w.roundoff[k] == 0 else 0.0
+            if w.scaling[j] == 0.0 and LEAST_WEIGHT < share and share < MOST_WEIGHT and share < w.trial[j]:
+                w.trial[j] = share
+                found = True
+    for n in range(NU):
+        if w.trial[n] < inf:
+            w.scaling[n] = w.trial[n]
     return found
 
 
-def order_unknowns(w: StartWork) -> None:
-    """Set w.ordered: the unknowns of the rows such that coupled ones are near (E. Cuthill, J. McKee,
-    1969)."""
-    link_entries(w)
-    for j in range(NU):
-        w.marks[j] = 0
-    for i in range(NE):
-        w.chosen[i] = 0
-    count = 0
-    at = 0
-    for r in range(w.row_count):
-        if w.chosen[w.rows[r]] == 0:
-            count = visit(w.rows[r], count, w)
-        while at < count:
-            k = w.last[w.ordered[at]]
-            while k >= 0:
-                if w.chosen[w.equation_of[k]] == 0:
-                    count = visit(w.equation_of[k], count, w)
-                k = w.previous[k]
-            at += 1
-
-
-def find_piece_range(w: StartWork) -> None:
-    """Set the range of independently evaluated groups that the rows belong to."""
-    w.first_piece = size(NPIECE)
-    w.end_piece = 0
-    for r in range(w.row_count):
-        own = row_piece[w.rows[r]]
-        if own >= 0 and own < w.first_piece:
-            w.first_piece = own
-        if own >= w.end_piece:
-            w.end_piece = own + 1
-
-
-def select_equations(n: Size, w: StartWork) -> None:
-    """Select the n equations w.selected, equations of positions first, and their unknowns."""
+def set_sizes(p: Params, t: Real, largest: Vec[NU], w: StartWork) -> None:
+    """Set w.scaling: the size of an unknown is its stated magnitude, else the largest of its unit, else what
+    the equations imply, else that of parameters of its unit (`largest`), else 1."""
+    # The largest guess of each unit.  One that is not stated may be small by chance, as round-off.
     for i in range(NU):
-        w.marks[i] = 0
-    for i in range(n):
-        for k in range(row_begin(w.selected[i]), ends[w.selected[i]]):
-            w.marks[w.column[k]] = 1
-    w.unknown_count = 0
+        w.unit_size[i] = 0.0
     for i in range(NU):
-        if w.marks[i] == 1:
-            w.unknowns[w.unknown_count] = i
-            w.unknown_count += 1
-    w.row_count = 0
-    for i in range(n):
-        if not has_speeds(w.selected[i], w):
-            w.rows[w.row_count] = w.selected[i]
-            w.row_count += 1
-    w.position_rows = w.row_count
-    for i in range(n):
-        if has_speeds(w.selected[i], w):
-            w.rows[w.row_count] = w.selected[i]
-            w.row_count += 1
-    if NPIECE > 0:
-        find_piece_range(w)
-    order_unknowns(w)
-
-
-def fill_columns(w: StartWork) -> None:
-    """Set w.column, the unknown of each derivative."""
-    n = 0
-    for k in range(NSTRETCH):
-        for j in range(stretch_begins[k], stretch_ends[k]):
-            w.column[n] = j
-            n += 1
-
-
-def set_levels(levels: IVec[NU], w: StartWork) -> None:
-    """Set the levels, one for each quaternion, and select all equations."""
-    if present(levels):
-        w.levels[:] = levels
-    else:
-        w.levels[:] = level
+        least = 0.0 if w.levels[i] > UNSTATED else SLIGHT * largest[unit[i]]
+        if fabs(w.guess[i]) > w.unit_size[unit[i]] and fabs(w.guess[i]) > least:
+            w.unit_size[unit[i]] = fabs(w.guess[i])
     for i in range(NU):
-        w.part[i] = 0
+        w.scaling[i] = fabs(w.guess[i])
+        if w.levels[i] == UNSTATED or w.guess[i] == 0.0:
+            w.scaling[i] = w.unit_size[unit[i]]
+    # Sizes pass from equation to equation; then those of a unit without a guess have the largest in common.
+    mark_roundoff(p, t, w.guess, w)
+    more = True
+    while more:
+        more = grow_sizes(w)
+    for i in range(NU):
+        if w.unit_size[unit[i]] == 0.0 and w.scaling[i] > largest[unit[i]]:
+            largest[unit[i]] = w.scaling[i]
+    for i in range(NU):
+        if w.unit_size[unit[i]] == 0.0 and largest[unit[i]] > 0.0:
+            w.scaling[i] = largest[unit[i]]
+        if not (LEAST_WEIGHT < w.scaling[i] and w.scaling[i] < MOST_WEIGHT):
+            w.scaling[i] = 1.0
+        if angle[i] == 1:
+            w.scaling[i] = 1.0 if w.scaling[i] > 1.0 else (w.scaling[i] if w.scaling[i] > SLIGHT else SLIGHT)
     if NQUAT > 0:
         for k in range(NQUAT):
-            first = quaternion[k]
-            for i in range(1, 4):
-                if w.levels[first + i] > w.levels[first]:
-                    w.levels[first] = w.levels[first + i]
-            for i in range(1, 4):
-                w.levels[first + i] = w.levels[first]
-                w.part[first + i] = 1
-    for i in range(NU):
-        w.free[i] = 1 if w.levels[i] == UNSTATED else 0
-    fill_columns(w)
-    for i in range(NE):
-        w.selected[i] = i
-    select_equations(NE, w)
-    for i in range(NE):
-        w.all_rows[i] = w.rows[i]
+            for i in range(4):
+                w.scaling[quaternion[k] + i] = 1.0

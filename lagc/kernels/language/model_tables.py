@@ -9,7 +9,6 @@ level: IVec[NU]  # how firmly each unknown of the start is stated
 unit: IVec[NU]
 angle: IVec[NU]  # 1: of an angle
 massless: IVec[NU]  # 1: a speed without inertia
-row_piece: IVec[NE]  # that makes each condition; -1: none, or one of a unit quaternion
 ends: IVec[NE]  # where the derivatives of each condition end
 stretch_begins: IVec[NSTRETCH]  # the unknowns of these, condition by condition, where they follow each other
 stretch_ends: IVec[NSTRETCH]  # behind the last

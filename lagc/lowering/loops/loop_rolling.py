@@ -9,7 +9,7 @@ consecutive. No operation and no operand changes, so results have the same bits.
 from __future__ import annotations
 
 import math
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import NamedTuple, TypeAlias
@@ -68,23 +68,6 @@ def lettered(function: Function) -> tuple[Function, list[Letter]]:
     letters: list[Letter] = [(o.op, *_table(o), *[kinds[k] for k in o.operands]) for o in operations]
     letters += [(store.array, kinds[store.value]) for store in function.stores]
     return replace(function, operations=operations), letters
-
-
-def rerolled_between(function: Function, starts: Sequence[int]) -> list[Run]:
-    """Return the runs of a function whose leaves come first.  No run crosses a place in `starts`."""
-    function, letters = lettered(function)
-    for k in starts:
-        letters[k] = (*letters[k], str(k))
-    cuts, found = deque(sorted(starts)), list[Run]()
-    for run in _Text(function, letters).runs():
-        first = run.first
-        while cuts and cuts[0] < run.end:
-            cut = cuts.popleft()
-            if cut > first:
-                found.append(replace(run, first=first, period=cut - first))
-                first = cut
-        found.append(replace(run, first=first, period=run.period - (first - run.first)))
-    return found
 
 
 def _cost(often: bool, text: int, indexing: int = 0) -> float:

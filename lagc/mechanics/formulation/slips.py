@@ -60,8 +60,9 @@ def along_surface(states: States, contact: Contact, normal: Gradient) -> tuple[l
 
 def _is_backward(states: States, direction: Vector) -> bool:
     """Return whether the first component of a unit vector, beyond round-off, is negative at the start."""
-    start = _initial(states)
-    values = evaluate(states.in_speeds(direction), start) if start else []
+    fixed = all(x.is_const for x in direction)
+    start = {} if fixed else _initial(states)
+    values = [] if start is None else evaluate(states.in_speeds(direction), start)
     return next((value < 0.0 for value in values if abs(value) > _ROUNDOFF), False)
 
 

@@ -28,7 +28,8 @@ def points_of_their_own(states: States, rows: Sequence[Row]) -> Iterator[Fault]:
     """Yield LAG0411 of forces at points that move relative to the body that they seem to be of, or not."""
     bodies = states.model.bodies
     places = {body.position for body in bodies}
-    forces = [x for x in states.model.actions if isinstance(x, Force) and x.at and x.at not in places]
+    loads = [x for x in states.model.actions if isinstance(x, Force) and not x.on_body]
+    forces = [x for x in loads if x.at and x.at not in places]
     if not forces or len(states.v) > LARGEST:
         return
     moved_by = [(body, _coordinates([*body.position, *_axes(body)])) for body in bodies]

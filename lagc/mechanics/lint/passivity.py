@@ -217,7 +217,7 @@ def _of_bodies(model: Model, load: Force) -> Iterator[_Velocity]:
         yield _Velocity(((1.0, body.velocity),), f"velocity({body.name})")
     point = load.target.text if load.target else ""
     for body in model.bodies:
-        if load.at is not None and body.frame is not None:
+        if load.at is not None and not load.on_body and body.frame is not None:
             velocity = add(body.velocity, cross(body.frame.spin, sub(load.at, body.position)))
             yield _Velocity(((1.0, velocity),), f"velocity({body.name}, at = {point})")
 

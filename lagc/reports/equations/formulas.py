@@ -26,7 +26,7 @@ from lagc.reports.algebra.trigonometric_identities import (
 from lagc.reports.equations.modes import Law
 from lagc.reports.names import pi_of
 from lagc.symbolic.graph import Graph, Node
-from lagc.symbolic.walk import reachable
+from lagc.symbolic.walk import reachable, symbols
 
 
 class NamingAlgebra(ShortAlgebra):
@@ -111,12 +111,12 @@ def formulas(equations: EquationsOfMotion, laws: Sequence[Law] = ()) -> Formulas
     for kind in (ShortAlgebra, TurningAlgebra):
         algebra = kind(known, work)
         with suppress(TooLarge):
-            collector = collector_of(equations, algebra)
+            collector = collector_of(SymbolKinds(equations), algebra)
             found = everything(equations, collector, motion_polynomials(equations, algebra), laws)
             algebra.rest()
             return with_long_sums(equations, collector, found)
     naming = NamingAlgebra(equations.graph, shared(_roots(equations, laws)), known)
-    collector = collector_of(equations, naming)
+    collector = collector_of(SymbolKinds(equations), naming)
     found = everything(equations, collector, motion_polynomials(equations, naming), laws)
     return Formulas(collector, found, naming.definitions)
 
@@ -174,23 +174,38 @@ def nonnegative(equations: EquationsOfMotion) -> list[Node]:
     return [p.symbol for p in equations.model.parameters if p.minimum >= 0]
 
 
-def collector_of(equations: EquationsOfMotion, algebra: Algebra) -> Collector:
-    """Return a collector of terms in the order of the symbols of `equations`."""
-    model = equations.model
-    algebra.pi = pi_of(equations)
-    forces = [force for contact in equations.contacts for force in contact.forces]
-    parameters = [*(p.symbol for p in model.parameters), *model.given]
-    if algebra.pi is not None:
-        parameters.insert(0, algebra.pi)
-    for node in (*parameters, *equations.q, *equations.v, *equations.a, *equations.lam, *forces):
-        algebra.symbol(node)
+class SymbolKinds:
+    """The symbols of `equations` by kind, and their ranks in the order of terms."""
+
+    def __init__(self, equations: EquationsOfMotion) -> None:
+        model = equations.model
+        self.pi = pi_of(equations)
+        parameters = [*(p.symbol for p in model.parameters), *model.given]
+        if self.pi is not None:
+            parameters.insert(0, self.pi)
+        forces = [force for contact in equations.contacts for force in contact.forces]
+        trailing = [*equations.lam, *forces]
+        ordered = (*parameters, *equations.q, *equations.v, *equations.a, *trailing)
+        self.ranks = {node: rank for rank, node in enumerate(ordered)}
+        self.parameters, self.rates = frozenset(parameters), frozenset(equations.v)
+        self.leading, self.trailing = frozenset(equations.a), frozenset(trailing)
+        self.cancelled = frozenset(p.symbol for p in model.parameters if p.minimum >= 0 or p.value)
+
+
+def collector_of(kinds: SymbolKinds, algebra: Algebra, within: Sequence[Node] | None = None) -> Collector:
+    """Return a collector of terms in the order of the symbols of equations, or of those in `within`."""
+    ranks = kinds.ranks
+    if within is not None:
+        ranks = {node: ranks[node] for node in (*symbols(within), kinds.pi) if node in ranks}
+    algebra.pi = kinds.pi
+    numbers = {node: algebra.symbol(node) for node in sorted(ranks, key=ranks.__getitem__)}
     return Collector(
         algebra,
-        parameters={algebra.symbol(n) for n in parameters},
-        leading=[algebra.symbol(n) for n in equations.a],
-        rates={algebra.symbol(n) for n in equations.v},
-        trailing=[algebra.symbol(n) for n in (*equations.lam, *forces)],
-        cancelled={algebra.symbol(p.symbol) for p in model.parameters if p.minimum >= 0 or p.value},
+        parameters={k for node, k in numbers.items() if node in kinds.parameters},
+        leading=[k for node, k in numbers.items() if node in kinds.leading],
+        rates={k for node, k in numbers.items() if node in kinds.rates},
+        trailing=[k for node, k in numbers.items() if node in kinds.trailing],
+        cancelled={k for node, k in numbers.items() if node in kinds.cancelled},
     )
 
 

@@ -19,6 +19,7 @@ from lagc.reports.equations.formulas import (
     Formula,
     Formulas,
     SharedAlgebra,
+    SymbolKinds,
     collector_of,
     conditions,
     everything,
@@ -96,7 +97,7 @@ def in_parts(equations: EquationsOfMotion, nodes: Sequence[Node]) -> Page:
     NotFinite."""
     carried = {x for part in equations.inertias for x in part.carried if x.args}
     algebra = SharedAlgebra(equations.graph, shared(nodes) | carried, nonnegative(equations))
-    collector = collector_of(equations, algebra)
+    collector = collector_of(SymbolKinds(equations), algebra)
     found = [
         Formula("motion", "", collector.collect(tidy(equations, algebra, p)), ZERO)
         for p in algebra.polynomials(nodes)
@@ -120,7 +121,7 @@ def _in_sums(equations: EquationsOfMotion, motion: Sequence[Node], laws: Sequenc
     """Multiplied out.  Raises TooLarge where the first tells that this is no good, or one is too long."""
     _try_sum(equations, motion)
     algebra = ShortAlgebra(nonnegative(equations))
-    collector = collector_of(equations, algebra)
+    collector = collector_of(SymbolKinds(equations), algebra)
     every: list[Polynomial] = []
     limit = max(ALL, EACH * len(motion))
     for node in motion:
@@ -134,7 +135,7 @@ def _in_sums(equations: EquationsOfMotion, motion: Sequence[Node], laws: Sequenc
 
 def _try_sum(equations: EquationsOfMotion, motion: Sequence[Node]) -> None:
     algebra = ShortAlgebra(nonnegative(equations), ONE)
-    collector = collector_of(equations, algebra)
+    collector = collector_of(SymbolKinds(equations), algebra)
     first = tidy(equations, algebra, algebra.polynomials(motion[:1])[0])
     if len(first) > LOCAL and len(first) * len(motion) > TERMS:
         raise TooLarge
@@ -147,7 +148,7 @@ def _in_parts(equations: EquationsOfMotion, motion: Sequence[Node], laws: Sequen
     """With names for what is shared."""
     roots = [*equations.qdot, *motion, *conditions(equations, laws)]
     algebra = SharedAlgebra(equations.graph, shared(roots), nonnegative(equations))
-    collector = collector_of(equations, algebra)
+    collector = collector_of(SymbolKinds(equations), algebra)
     found = everything(equations, collector, algebra.polynomials(motion), laws)
     return Formulas(collector, found, algebra.definitions)
 

@@ -13,7 +13,7 @@ from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.reports.algebra.expansion import TooLarge
 from lagc.reports.algebra.polynomials import NotFinite
 from lagc.reports.algebra.trigonometric_identities import ShortAlgebra
-from lagc.reports.equations.formulas import collector_of, nonnegative, tidy
+from lagc.reports.equations.formulas import SymbolKinds, collector_of, nonnegative, tidy
 from lagc.reports.equations.modes import IMPACTS, modes
 from lagc.reports.equations.page import Page, in_parts, page
 from lagc.reports.equations.plain_text import TextWriter
@@ -84,6 +84,7 @@ class Expressions:
     def __init__(self, equations: EquationsOfMotion, whole: bool) -> None:
         self.equations, self.whole = equations, whole
         self.names = names(equations)
+        self._kinds, self._taken = SymbolKinds(equations), taken(self.names)
         self.seen: set[Name] = set()
         self.left = WHOLE
 
@@ -96,10 +97,10 @@ class Expressions:
         limit = max(LIMIT, self.left // 2) if self.whole else LIMIT
         algebra = ShortAlgebra(nonnegative(self.equations), limit=limit)
         try:
-            collector = collector_of(self.equations, algebra)
+            collector = collector_of(self._kinds, algebra, [node])
             p = tidy(self.equations, algebra, algebra.polynomials([node])[0])
             found = Former(collector, self.names).total(collector.collect(p))
-            for form in (found,) if self.whole else (found, summed(found, taken(self.names))):
+            for form in (found,) if self.whole else (found, summed(found, set(self._taken))):
                 writer = TextWriter(self.names)
                 written = writer.total(form)
                 if self.whole or len(written) <= LONGEST:

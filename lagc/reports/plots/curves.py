@@ -47,8 +47,9 @@ def with_corners(solution: Solution) -> Solution:
     corners = [(t, x) for t, *states in solution.corners if t <= last for x in states]
     points = sorted([*corners, *zip(solution.times, solution.states)], key=lambda point: point[0])
     return replace(
-        solution, times=[t for t, _ in points], states=[x for _, x in points], sensitivities=None, _columns={}
-    )
+        solution, times=[t for t, _ in points], states=[x for _, x in points], sensitivities=None,
+        expressions={}, _columns={},
+    )  # fmt: skip
 
 
 def scales(solution: Solution) -> Scales:

@@ -10,11 +10,12 @@ import io
 import math
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from math import ceil
 from textwrap import fill
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from lagc.base.records import RLock
 from lagc.base.text import one_line, printable
@@ -48,27 +49,35 @@ STYLE: dict[Any, Any] = {
 _TURN = RLock()
 
 
-def plot(solution: Solution, names: Sequence[str] = (), path: str | None = None) -> Figure:
-    """Draw the columns `names` (default: coordinates and outputs), into the file `path` if given, by its
-    ending: .png .svg .pdf. Raises ImportError without matplotlib, KeyError for an unknown name, ValueError
-    for an unknown ending, OSError if the file cannot be written."""
+Drawing: TypeAlias = Callable[["Figure"], None]
+
+
+def plot(
+    solution: Solution, names: Sequence[str] = (), path: str | None = None, drawing: Drawing | None = None
+) -> Figure:
+    """Draw the columns `names` (default: coordinates and outputs), or by `drawing`, into the file `path` if
+    given, by its ending: .png .svg .pdf. Raises ImportError without matplotlib, KeyError for an unknown name,
+    ValueError for an unknown ending, OSError if the file cannot be written."""
     figure: Figure = _matplotlib().figure.Figure(layout="constrained")
-    draw(solution, figure, names)
+    if drawing is None:
+        draw(solution, figure, names)
+    else:
+        drawing(figure)
     if path is not None:
         save(figure, path)
     return figure
 
 
-def show(solution: Solution) -> str | None:
+def show(solution: Solution, drawing: Drawing | None = None) -> str | None:
     """Draw into a window; where there is no display, into a file beside, whose path is returned."""
     if not has_display():
         path = path_beside(solution.system.interface)
-        plot(solution, path=path)
+        plot(solution, path=path, drawing=drawing)
         return path
     _matplotlib()
     from matplotlib import pyplot
 
-    draw(solution, pyplot.figure(layout="constrained"))
+    (drawing or partial(draw, solution))(pyplot.figure(layout="constrained"))
     pyplot.show()
     return None
 
@@ -171,7 +180,7 @@ def title(solution: Solution) -> str:
 def shown_names(solution: Solution) -> list[str]:
     """Coordinates and outputs, then what they change by."""
     interface, varied = solution.system.interface, solution.sensitivities
-    names = [*interface.q_names, *[o.name for o in interface.outputs]]
+    names = [*interface.q_names, *[o.name for o in interface.outputs], *solution.expressions]
     return names if varied is None else [*names, *varied.named(names)]
 
 
@@ -200,7 +209,8 @@ def _draw_group(
     factor = 180.0 / math.pi if "deg" in unit and not unit.startswith("orientation") else 1.0
     ends, flat, size = [0.0] if known.constant.issuperset(names) else [], True, 0.0
     for number, name in enumerate(names):
-        run = solution if solution.sensitivities and name in solution.sensitivities else drawn
+        sensitive = solution.sensitivities is not None and name in solution.sensitivities
+        run = solution if sensitive or name in solution.expressions else drawn
         values = run.column(name)
         finite = [x for x in values if math.isfinite(x)]
         if finite and name not in known.constant:

@@ -179,14 +179,15 @@ def declare_load(context: Context, entry: Entry) -> Value:
         return vector
 
     if is_force:
-        vector, (velocity, at) = both(
+        vector, (velocity, at, on_body) = both(
             context, load, lambda: _where_applied(context, source, place, body, reaction)
         )
         entry.objects.append(
             objects.Force(
-                entry.path, vector, velocity, entry.span, entry.effect, source.target.span, mentioned, at
+                entry.path, vector, velocity, entry.span, entry.effect, source.target.span, mentioned, at,
+                on_body,
             )
-        )
+        )  # fmt: skip
     else:
         vector, (frame, opposite) = both(context, load, lambda: _frames(source, target, reaction))
         entry.objects.append(
@@ -199,9 +200,10 @@ def declare_load(context: Context, entry: Entry) -> Value:
 
 def _where_applied(
     context: Context, source: tree.Load, place: Argument, body: Value | None, reaction: Value | None
-) -> tuple[Vector, Vector | None]:
-    """Return the velocity of the point where a force acts, and that point if the force acts on no body. With
+) -> tuple[Vector, Vector, bool]:
+    """Return the velocity of the point where a force acts, that point, and whether it belongs to a body. With
     `from`, the velocity is relative to the material point of the other body."""
+    at = place.value.position if isinstance(place.value, Body) else None
     if body is None or source.body is None:
         if source.reaction is not None:
             raise Wrong(
@@ -210,13 +212,14 @@ def _where_applied(
                 source.reaction.span,
                 "write `on body at point from other`, or declare the opposite force separately",
             )
-        at = None if isinstance(place.value, Body) else vector_of(place.value, place.span, "a point")[0]
-        return velocity_of(context, place, None), at
+        is_body, at = at is not None, at or vector_of(place.value, place.span, "a point")[0]
+        return velocity_of(context, place, None), at, is_body
     velocity = material_velocity(context, Argument(body, source.body.span), place)
+    at = at or vector_of(place.value, place.span, "a point")[0]
     if reaction is None or source.reaction is None:
-        return velocity, None
+        return velocity, at, True
     other = material_velocity(context, Argument(reaction, source.reaction.span), place)
-    return sub(velocity, other), None
+    return sub(velocity, other), at, True
 
 
 def _frames(source: tree.Load, target: Value, reaction: Value | None) -> tuple[Frame, Frame | None]:

@@ -135,17 +135,8 @@ class CompiledSystem(ABC):
     def conditions(self, t: float, x: Vector) -> tuple[list[float], list[float], list[float]]:
         n = len(self.interface.condition_ends)
         lengths = n, len(self.interface.condition_columns), n
-        if self.interface.pieces:
-            c, jacobian, sizes = ([0.0] * length for length in lengths)
-            self.some_conditions(t, x, c, jacobian, sizes, 0, max(self.interface.pieces) + 1)
-        else:
-            c, jacobian, sizes = self._fill("conditions", lengths, t, x)
+        c, jacobian, sizes = self._fill("conditions", lengths, t, x)
         return c, jacobian, sizes
-
-    @abstractmethod
-    def some_conditions(self, t: float, x: Vector, c: list[float], jacobian: list[float], sizes: list[float],
-                        first: int, last: int) -> None:  # fmt: skip
-        """See `System`."""
 
     def measures(self) -> tuple[list[float], list[float]]:
         rates, units = len(self.interface.rate_names), len(set(self.interface.start_units))

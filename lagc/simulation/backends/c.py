@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from ctypes import c_double, c_int, c_long, c_size_t, sizeof
 from itertools import chain
 from time import perf_counter
-from typing import Any, TypeAlias
+from typing import Any
 
 from lagc.base.records import once
 from lagc.codegen.python.support.base import MOST_CORNERS, MOST_EVENTS
 from lagc.codegen.python.support.contacts import ContactTrajectory, contact_events
 from lagc.codegen.python.support.slices import record_in_slices
 from lagc.kernels import METHODS, MOST_ACTS
-from lagc.lowering.program import Interface
 from lagc.simulation.backends.base import Branch, Compiled, CompiledSystem
 from lagc.simulation.backends.compile import library
 from lagc.simulation.system import OK, Options, Trajectory, Vector
@@ -36,7 +35,7 @@ _RESULTS: dict[str, Any] = {
     **dict.fromkeys(("follow",), c_int),
     **dict.fromkeys(("work_size", "state_size", "tangent_work_size"), c_size_t),
     **dict.fromkeys(("position", "velocity", "scales", "energies", "start", "displace", "gaps"), None),
-    **dict.fromkeys(("solve", "begin", "bind", "hold", "conditions", "some_conditions"), None),
+    **dict.fromkeys(("solve", "begin", "bind", "hold", "conditions"), None),
     **dict.fromkeys(("measures", "limits", "event_facts"), None),
 }
 
@@ -70,10 +69,6 @@ class CModel(Compiled):
     def head(self) -> type[Any]:
         return _head_type(self.interface.nc)
 
-    @once
-    def spans(self) -> Spans:
-        return Spans(self.interface)
-
     def bind(self, values: Sequence[float], branch: Branch | None = None) -> CSystem:
         return CSystem(self, values, branch)
 
@@ -101,9 +96,6 @@ class _Workspace:
         self.x = (c_double * interface.nx)()
         self.xdot = (c_double * interface.nx)()
         self.lam = (c_double * max(interface.nc, 1))()
-        rows = len(interface.condition_ends) if interface.pieces else 0
-        lengths = (interface.nx, rows, len(interface.condition_columns), rows) if rows else ()
-        self.conditions = [(c_double * length)() for length in lengths]  # x, c, J, sizes
 
 
 class CSystem(CompiledSystem):
@@ -318,19 +310,6 @@ class CSystem(CompiledSystem):
         workspace.call[name](self._p, c_double(t), workspace.x, values)
         return values[:]
 
-    def some_conditions(self, t: float, x: Vector, c: list[float], jacobian: list[float], sizes: list[float],
-                        first: int, last: int) -> None:  # fmt: skip
-        asked, rows, entries = self.model.spans(first, last)
-        workspace = self._thread.workspace
-        x_there, c_there, jacobian_there, sizes_there = room = workspace.conditions
-        for k in asked:
-            x_there[k] = x[k]
-        workspace.call["some_conditions"](self._p, c_double(t), *room, first, last)
-        for k in rows:
-            c[k], sizes[k] = c_there[k], sizes_there[k]
-        for k in entries:
-            jacobian[k] = jacobian_there[k]
-
     def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:
         arrays = [(c_double * max(length, 1))() for length in lengths]
         if name in self.interface.functions:
@@ -389,44 +368,3 @@ def _head_type(nc: int) -> type[Any]:
         _fields_ = (("culprit", c_int), ("fallbacks", c_long), ("redundant", c_int * nc))
 
     return Head
-
-
-Found: TypeAlias = "tuple[list[slice], list[slice], list[slice]]"
-
-
-class Spans:
-    """The slices of the initial equations that belong to independent blocks. Called with first and last, it
-    returns, for the blocks first..last-1, slices of the unknowns in x, of the equations in c and sizes, and
-    of the derivatives in J.  Equations that belong to no block are included."""
-
-    def __init__(self, interface: Interface):
-        self.ends = interface.condition_ends
-        self.unknowns: dict[int, list[int]] = {}  # by block; -1: in no block
-        self.rows: dict[int, list[int]] = {}
-        for j, piece in enumerate(interface.pieces):
-            self.unknowns.setdefault(piece, []).append(j)
-        for i, piece in enumerate(interface.row_pieces):
-            self.rows.setdefault(piece, []).append(i)
-        self.known: dict[tuple[int, int], Found] = {}
-
-    def __call__(self, first: int, last: int) -> Found:
-        if (first, last) not in self.known:
-            asked, ends = range(first, last), self.ends
-            unknowns = sorted([j for piece in asked for j in self.unknowns.get(piece, ())])
-            rows = sorted([i for piece in (-1, *asked) for i in self.rows.get(piece, ())])
-            entries = [k for i in rows for k in range(ends[i - 1] if i > 0 else 0, ends[i])]
-            self.known[first, last] = slices(unknowns), slices(rows), slices(entries)
-        return self.known[first, last]
-
-
-def slices(numbers: Iterable[int]) -> list[slice]:
-    """The slices that ascending numbers form."""
-    found: list[slice] = []
-    begin = end = -1
-    for k in numbers:
-        if k != end:
-            if begin >= 0:
-                found.append(slice(begin, end))
-            begin = k
-        end = k + 1
-    return [*found, slice(begin, end)] if begin >= 0 else found

@@ -324,10 +324,6 @@ class NumpySystem(CompiledSystem):
             self.model.module["assemble_slopes"](found[1])
         return found
 
-    def some_conditions(self, t: float, x: Vector, c: list[float], jacobian: list[float], sizes: list[float],
-                        first: int, last: int) -> None:  # fmt: skip
-        self.model.module["fn_conditions_some"](self._p, t, x, c, jacobian, sizes, first, last)
-
     def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:
         arrays = [[0.0] * length for length in lengths]
         if name in self.interface.functions:

@@ -95,7 +95,8 @@ def _explained(
 
     picked = _picked(len(states), PROBED)
     slopes = max(_slopes(system, times[k], states[k], groups) for k in picked)
-    noise = apart(lambda: max(_noise(system, times[k], states[k]) for k in picked))
+    lasts = abs(times[-1] - times[0])
+    noise = apart(lambda: max(_noise(system, times[k], states[k], lasts) for k in picked))
     return accuracy * MARGIN * slopes + ROUNDING * noise
 
 
@@ -115,12 +116,18 @@ def _slopes(system: System, t: float, x: Sequence[float], groups: Sizes) -> floa
     return total
 
 
-def _noise(system: System, t: float, x: Sequence[float]) -> float:
-    """The round-off of the energy at one state, in J, from evaluations with directed rounding."""
+def _noise(system: System, t: float, x: Sequence[float], lasts: float) -> float:
+    """The round-off of the energy at one state, and that of its power over the time `lasts`, in J, from
+    evaluations with directed rounding. What large forces that cancel leave does work that nothing balances."""
     from lagc.simulation.backends.directed_rounding import directed
 
-    found = [system.energies(t, x)]
+    found, powers = [system.energies(t, x)], []
     for direction in (1, -1):
         with directed(direction):
-            found.append(system.bind(system.parameters).energies(t, x))
-    return max(abs(e[2] - found[0][2]) for e in found) + 2.0**-52 * max(abs(a) for a in found[0])
+            turned = system.bind(system.parameters)
+            found.append(turned.energies(t, x))
+            xdot, lam = [0.0] * system.nx, [0.0] * system.nc
+            turned.rhs(t, x, xdot, lam)
+            powers.append(work_of(system, xdot))
+    energy = max(abs(e[2] - found[0][2]) for e in found) + 2.0**-52 * max(abs(a) for a in found[0])
+    return energy + lasts * abs(powers[0] - powers[1])

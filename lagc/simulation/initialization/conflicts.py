@@ -1,21 +1,21 @@
 """The search for consistent initial conditions, with the names of the equations in a conflict.
 
-Equations that force a value, or contradict each other, are found by leaving out one after the other while the
+Equations and stated values that contradict each other are found by leaving out one after the other while the
 search still fails.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from lagc.lowering.program import Interface
 from lagc.simulation.initialization.result import Anchor, Change, Start, Unmet
-from lagc.simulation.initialization.solver import Conditions, Consistency, least_norm
+from lagc.simulation.initialization.solver import Conditions, Consistency
 from lagc.simulation.system import FIXED, NOT_FINITE, OK, RUN, UNSTATED, System
 
 _SHOWN = 1e-9  # of its size: a change that is worth a word
-_TRIED = 3  # spreads after which conditions are taken to contradict each other
-_PATIENCE = (1, 2, 4)  # times that such a search goes on from where it came to
+_PATIENCE = (1, 2, 4)  # times that a search continues from its last point
 _MOST_FOUND = 6  # values or conditions that are named in one note
 _COMPARED = 24  # conditions among which the fewest that force a value are looked for
 _PART = 1e-6  # of the largest: the share of a condition that takes part in a combination
@@ -23,16 +23,16 @@ _PART = 1e-6  # of the largest: the share of a condition that takes part in a co
 
 def search(system: System, t: float, guess: list[float], levels: list[int]) -> Start:
     """The start near `guess`; `levels` says how firmly each unknown is stated."""
-    interface, conditions = system.interface, conditions_of(system)
-    tried = Consistency(conditions, t, guess, levels)
+    interface = system.interface
+    tried = Consistency(conditions_of(system), t, guess, levels)
     status = tried.run()
     if status == NOT_FINITE:
-        return Start(guess, (), _strange(interface, tried.culprit - system.nq - system.nv))
-    found = _Words(system, conditions, t, guess, tried.levels)
-    x = [*tried.y[: system.nq + system.nv], *guess[system.nq + system.nv :]]
+        return Start(guess, (), _strange(interface, tried.space.culprit - system.nq - system.nv))
+    words = _Words(system, tried, guess)
+    x = [*tried.y[: words.state], *guess[words.state :]]
     if status == OK:
-        return Start(x, found.changes(tried))
-    return Start(x, (), *found.conflict(tried))
+        return Start(x, words.changes())
+    return Start(x, (), *words.conflict())
 
 
 def _strange(interface: Interface, rate: int) -> tuple[Unmet, ...]:
@@ -49,92 +49,99 @@ def conditions_of(system: System) -> Conditions:
     return Conditions(
         system.nq, system.nv, system.quaternions, interface.start_units, interface.angles,
         interface.condition_ends, interface.condition_columns, system.conditions, system.measures,
-        system.parameters, lambda p: system.bind(p).conditions,
-        pieces=interface.row_pieces, some=system.some_conditions,
-        massless=interface.massless,
+        interface.massless,
     )  # fmt: skip
 
 
 class _Words:
-    """The names of what takes part in a start, and which of it matters."""
+    """The names of what takes part in a search from `guess`, after it has ended, and which of it matters."""
 
-    def __init__(
-        self, system: System, conditions: Conditions, t: float, guess: list[float], levels: list[int]
-    ):
+    def __init__(self, system: System, search: Consistency, guess: list[float]):
         interface = system.interface
-        self.interface, self.conditions, self.t = interface, conditions, t
-        self.guess, self.levels, self.state = guess, levels, system.nq + system.nv
-        self.names = [*system.interface.state_names, *interface.rate_names]
+        self.interface, self.search, self.conditions = interface, search, search.conditions
+        self.guess, self.state, self.levels = guess, system.nq + system.nv, list(search.space.levels)
+        self.names = [*interface.state_names, *interface.rate_names]
         self.units = [*interface.state_units, *interface.rate_units]
-        self.given = [*guess[: system.nq + system.nv], *system.measures()[0]]
+        self.given = [*guess[: self.state], *system.measures()[0]]
         self.rows = _rows(interface)
 
-    def changes(self, search: Consistency) -> tuple[Change, ...]:
+    def changes(self) -> tuple[Change, ...]:
         """Return the values that differ from the given ones, stated rates included."""
-        y, weights, free, part = search.y, search.weights, search.free, search.part
-        moved = []
-        for i, (given, used) in enumerate(zip(self.given, y)):
-            if abs(given - used) > _SHOWN * max(abs(given), weights[i]):
-                moved.append(i)
+        y, sizes, free, part = (getattr(self.search.space, name) for name in ("y", "scaling", "free", "part"))
+        moved = [i for i, (given, used) in enumerate(zip(self.given, y))
+                 if abs(given - used) > _SHOWN * max(abs(given), sizes[i])]  # fmt: skip
         found: dict[tuple[int, ...], Change] = {}
-        led = [i for i in moved if self.levels[i] != UNSTATED and free[i] and not part[i]]
-        together = self._forced(search, led) if len(led) > _MOST_FOUND else ()
+        stated = [i for i in moved if self.levels[i] != UNSTATED]
+        led = [i for i in stated if free[i] and not part[i]]
+        together = self._forced(led) if len(led) > _MOST_FOUND else ()
         for i in moved:
-            stated = self.levels[i] != UNSTATED
-            whole = _whole(self.conditions, i) if stated else (i,)
+            whole = self.conditions.whole(i) if i in stated else (i,)
             if whole in found:
                 continue
-            name, given, used = self.names[i], self.given[i], y[i]
-            forced = together
-            if not together and stated and free[i]:
-                forced = self._forced(search, [i])
-            place = self.interface.start_places[i] if stated and self.levels[i] != RUN else ""
-            share = max(abs(self.given[j] - y[j]) / weights[j] for j in whole)
-            change = Change(name, given, used, self.units[i], stated, place, forced, share)
+            forced = together or (self._forced([i]) if i in stated and free[i] else ())
+            place = self.interface.start_places[i] if i in stated and self.levels[i] != RUN else ""
+            share = max(abs(self.given[j] - y[j]) / sizes[j] for j in whole)
+            change = Change(
+                self.names[i], self.given[i], y[i], self.units[i], i in stated, place, forced, share
+            )
             if len(whole) > 1:
                 parts = tuple([self.given[j] for j in whole]), tuple([y[j] for j in whole])
-                change = Change(_owner(name), *parts, "", stated, place, forced, share)
+                change = Change(_owner(self.names[i]), *parts, "", True, place, forced, share)
             found[whole] = change
         return tuple(found.values())
 
-    def _forced(self, search: Consistency, values: Sequence[int]) -> tuple[str, ...]:
+    def _forced(self, values: Sequence[int]) -> tuple[str, ...]:
         """Return the conditions that cannot hold with the given `values`: those whose combination, linear at
         the start, requires moves of these values and of nothing else that is free."""
-        rows = self._tied(search, values)
-        _, jacobian, _ = search.evaluate(search.y)
-        weights, free = search.weights, [j for j, moves in enumerate(search.free) if moves]
-        place = {j: k for k, j in enumerate(free)}
-        slopes = [[0.0] * len(rows) for _ in free]
+        import numpy as np
+
+        space, rows = self.search.space, self._connected(values)
+        jacobian = self.search.evaluate(space.y)[1]
+        slopes = np.zeros((self.search.n, len(rows)))
         for k, row in enumerate(rows):
-            first = self.conditions.ends[row - 1] if row > 0 else 0
-            largest = 0.0
-            for entry in range(first, self.conditions.ends[row]):
+            for entry in self.conditions.entries_of(row):
                 j = self.conditions.columns[entry]
-                if j in place:
-                    slopes[place[j]][k] = jacobian[entry] * weights[j]
-                    largest = max(largest, abs(slopes[place[j]][k]))
-            for slope in slopes if largest > 0.0 else ():
-                slope[k] /= largest
-        right = [1.0 + j / search.n if j in values else 0.0 for j in free]  # weights that hardly cancel
+                slopes[j, k] = jacobian[entry] * space.scaling[j] if space.free[j] else 0.0
+        largest = np.abs(slopes).max(axis=0, initial=0.0)
+        slopes /= np.where(largest > 0.0, largest, 1.0)
+        right = np.zeros(self.search.n)
+        for j in values:  # weights that hardly cancel
+            right[j] = 1.0 + j / self.search.n
         everything = range(len(rows))
-        kept = _combined(slopes, right, everything) or list(everything)
+        kept = _combined(slopes, right, everything) or self._direct(rows, values)  # several share a move
         for k in reversed(kept if len(kept) <= _COMPARED else ()):  # not all that depend on each other
             kept = (_combined(slopes, right, [i for i in kept if i != k]) if k in kept else None) or kept
         return tuple([self.rows[rows[k]][0] for k in kept])
 
-    def conflict(self, search: Consistency) -> tuple[tuple[Unmet, ...], tuple[str, ...], tuple[Anchor, ...]]:
+    def _direct(self, rows: Sequence[int], values: Sequence[int]) -> list[int]:
+        """Those of `rows`, by index, that contain one of the values; without speeds if they are positions."""
+        later = max(values) >= self.conditions.nq
+        columns = [self.conditions.columns_of(row) for row in rows]
+        return [k for k, own in enumerate(columns)
+                if own & {*values} and (max(own) >= self.conditions.nq) == later]  # fmt: skip
+
+    def _connected(self, values: Sequence[int]) -> list[int]:
+        """The rows that `values` reach, from row to row by what is free."""
+        known, rows = {j for i in values for j in self.conditions.whole(i)}, set[int]()
+        columns = [self.conditions.columns_of(k) for k in range(len(self.rows))]
+        while more := {k for k, own in enumerate(columns) if k not in rows and known & own}:
+            rows |= more
+            known |= {j for k in more for j in columns[k] if self.search.space.free[j]}
+        return sorted(rows)
+
+    def conflict(self) -> tuple[tuple[Unmet, ...], tuple[str, ...], tuple[Anchor, ...]]:
         """The conditions, and the values that are fixed, that contradict each other; none is superfluous."""
+        search, part, held, anchors = self.search, self.search.space.part, [], []
         c = search.evaluate(search.y)[0]
-        at_guess = search.evaluate(search.guess)[0]
+        at_guess = search.evaluate(search.space.guess)[0]
         strange = [k for k, value in enumerate(at_guess) if not abs(value) < float("inf")]
         if not strange and not search.has_begun:
-            strange = [search.culprit]
+            strange = [search.space.culprit]
         levels = [FIXED if level == FIXED else UNSTATED for level in self.levels]
-        rows = strange or self._minimal(levels, search)
-        part, held, anchors = search.part, [], []
+        rows = strange or self._minimal(levels)
         for i in [] if strange else range(search.n):
             if levels[i] == FIXED and not part[i]:
-                whole = _whole(self.conditions, i)
+                whole = self.conditions.whole(i)
                 tried = [UNSTATED if j in whole else level for j, level in enumerate(levels)]
                 if self._fails(tried, rows, self.guess):
                     levels = tried
@@ -146,13 +153,13 @@ class _Words:
         unmet = [Unmet(self.rows[k][0], a, *self.rows[k][1:]) for k, a in zip(rows, amounts)]
         return tuple(unmet), tuple(held), tuple(anchors)
 
-    def _minimal(self, levels: list[int], search: Consistency) -> list[int]:
-        """Return a minimal inconsistent set of the equations of `search`, which have no common solution. If
-        none is found, return all of them, without the rates if the positions alone are inconsistent.
+    def _minimal(self, levels: list[int]) -> list[int]:
+        """Return a minimal inconsistent set of the equations, which have no common solution. If none is
+        found, return all of them, without the rates if the positions alone are inconsistent.
 
         Without some equations, others may have a solution far from the guess, as for all links of a chain but
         the last ones. So the search for one is repeated with more patience."""
-        rows, ended = search.rows, self._ended(search, self.guess)
+        rows, ended = [*range(len(self.rows))], self._last_point(self.search, self.guess)
         for patience in _PATIENCE:
             kept = rows
             for k in sorted(rows, reverse=True):
@@ -165,48 +172,30 @@ class _Words:
         return positions if self._fails(levels, positions, self.guess, patience) else rows
 
     def _fails(self, levels: list[int], rows: Sequence[int], guess: list[float], patience: int = 1) -> bool:
-        """Whether no start is found from the guess, and from where the search came to, so many times."""
+        """Whether no start is found from the guess, and then from the last point, `patience` times."""
         for _ in range(patience):
-            search = Consistency(self.conditions, self.t, guess, levels, rows)
-            if search.solve(0, _TRIED):
+            search = Consistency(self.conditions, self.search.t, guess, levels, rows)
+            if search.run() == OK:
                 return False
-            guess = self._ended(search, guess)
+            guess = self._last_point(search, guess)
         return True
 
-    def _ended(self, search: Consistency, guess: list[float]) -> list[float]:
+    def _last_point(self, search: Consistency, guess: list[float]) -> list[float]:
         return [*search.y[: self.state], *guess[self.state :]]
 
-    def _tied(self, search: Consistency, values: Sequence[int]) -> list[int]:
-        """The rows that `values` reach, from row to row by what is free."""
-        known, rows, free = {j for i in values for j in _whole(self.conditions, i)}, set[int](), search.free
-        columns = [set(self.conditions.columns_of(k)) for k in range(len(self.rows))]
-        while True:
-            more = {k for k in range(len(self.rows)) if k not in rows and known & columns[k]}
-            if not more:
-                return sorted(rows)
-            rows |= more
-            known |= {j for k in more for j in columns[k] if free[j]}
 
-
-def _combined(slopes: Sequence[Sequence[float]], right: list[float], rows: Sequence[int]) -> list[int] | None:
+def _combined(slopes: Any, right: Any, rows: Sequence[int]) -> list[int] | None:
     """Those of `rows`, columns of `slopes`, that take part in a combination that is `right`, if one is."""
-    table = [[slope[k] for k in rows] for slope in slopes]
-    factors = least_norm(table, right, _SHOWN) if rows and slopes else []
-    residuals = [
-        abs(sum(a * b for a, b in zip(slope, factors)) - wanted) for slope, wanted in zip(table, right)
-    ]
-    if not factors or not max(residuals) < _PART:
+    import numpy as np
+
+    table = slopes[:, rows]
+    if not len(rows) or not np.isfinite(table).all():
         return None
-    least = _PART * max(map(abs, factors))
+    factors = np.linalg.lstsq(table, right, _SHOWN)[0]
+    if not np.abs(table @ factors - right).max() < _PART:
+        return None
+    least = _PART * np.abs(factors).max()
     return [k for k, factor in zip(rows, factors) if abs(factor) > least]
-
-
-def _whole(conditions: Conditions, i: int) -> tuple[int, ...]:
-    """The unknowns that move together with i: the parts of a quaternion."""
-    for k in conditions.quaternions:
-        if k <= i < k + 4:
-            return (k, k + 1, k + 2, k + 3)
-    return (i,)
 
 
 def _rows(interface: Interface) -> list[tuple[str, str, Anchor]]:

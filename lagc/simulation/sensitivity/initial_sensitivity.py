@@ -71,9 +71,9 @@ class _Consistent:
         self.point, self.system, self.d = point, point.system, direction
         self.given, self.guesses = given, guesses
         base = self._search(0.0)
-        self.weights, self.size = np.array(base.weights), 1.0
+        self.weights, self.size = np.array(base.space.scaling), 1.0
         if direction.state is not None:
-            self.size = abs(point.x[direction.state]) or base.weights[direction.state]
+            self.size = abs(point.x[direction.state]) or base.space.scaling[direction.state]
             self._demand_the_same(base)
         elif direction.parameter is not None:
             fields = [*self.system.interface.parameters, *self.system.interface.inputs]
@@ -193,7 +193,7 @@ class _Consistent:
 
 
 def _moving(search: Consistency) -> list[int]:
-    return [i for i, moves in enumerate(search.free) if moves]
+    return [i for i, moves in enumerate(search.space.free) if moves == 1]
 
 
 def _extrapolated(values: Callable[[float], Array], longest: float) -> tuple[Array, Array]:

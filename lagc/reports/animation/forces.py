@@ -1,0 +1,140 @@
+"""Forces along a run as arrows: weights, loads and reactions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from lagc.base.records import dataclass
+from lagc.diagnostics.faults import Refused
+from lagc.reports.animation.arrays import Array, values
+from lagc.reports.animation.frames import Frames
+from lagc.reports.animation.scene import Scene
+from lagc.reports.animation.surfaces import Row
+from lagc.semantics.model import Force
+
+Evaluate = Callable[[Sequence[str], Array, Array], list[Array]]  # of texts at times and states
+
+MOST_WEIGHTS = 40  # bodies
+MOST_ROWS = 12  # reactions of one constraint
+MOST_JOINTS = 12
+MOST_BODIES = 12
+LEAST = 1e-8  # of the kinetic energy over the size of the scene: a smaller force is rounding
+WITHOUT_FORCE = ("Gear", "RackAndPinion", "Distance", "Weld")
+
+
+@dataclass(frozen=True, slots=True)
+class Arrow:
+    """A force v (3, n) at p (3, n) over the frames. `kind`: weight, load or reaction."""
+
+    name: str
+    kind: str
+    p: Array
+    v: Array
+
+
+def arrows(scene: Scene, frames: Frames, evaluate: Evaluate | None = None) -> list[Arrow]:
+    """Return the forces of a run; reactions only if `evaluate` gives the values of expressions."""
+    found = [*_weights(scene, frames), *_loads(scene, frames)]
+    if evaluate is not None:
+        found += _reactions(scene, frames, evaluate)
+    return found
+
+
+def _weights(scene: Scene, frames: Frames) -> Iterator[Arrow]:
+    gravity = scene.sample.gravity
+    if gravity is not None and len(scene.bodies) <= MOST_WEIGHTS:
+        for body in scene.bodies:
+            weight = np.repeat((body.mass * gravity)[:, None], len(frames.t), 1)
+            yield Arrow(f"weight of {body.name}", "weight", frames.p[body.place], weight)
+
+
+def _loads(scene: Scene, frames: Frames) -> Iterator[Arrow]:
+    given, n = frames.given, len(frames.t)
+    for force in scene.model.actions:
+        if isinstance(force, Force) and force.at is not None:
+            v = values(force.vector, given, n)
+            if np.isfinite(v).all():
+                yield Arrow(force.name, "load", values(force.at, given, n), v)
+
+
+def reaction_texts(scene: Scene) -> dict[str, tuple[str, str]]:
+    """Return the expressions of the reactions that can be drawn: text -> what it acts on (row, joint or
+    body) and its label or name."""
+    model, found = scene.model, {}
+    joints = {joint.name for joint in model.joints}
+    for contact in model.contacts:
+        if contact.unit == "m" and not contact.normals and contact.label in scene.rows.known:
+            found[f"reaction({contact.name}){contact.label.removeprefix(contact.name)}"] = (
+                "row",
+                contact.label,
+            )
+    for c in model.constraints:
+        if c.name in joints or c.actuator:
+            continue
+        for label, unit in [*zip(c.labels, c.units)][:MOST_ROWS]:
+            if unit == "m" and label in scene.rows.known:
+                found[f"reaction({c.name}){label.removeprefix(c.name)}"] = ("row", label)
+    if len(model.joints) <= MOST_JOINTS:
+        for j in model.joints:
+            if j.kind not in WITHOUT_FORCE and scene.place_of(j.name, "joint") is not None:
+                found[f"reaction({j.name}).force"] = ("joint", j.name)
+    ends = {end for joint in model.joints for end in joint.between}
+    if len(model.bodies) <= MOST_BODIES:
+        for body in model.bodies:
+            if body.frame is None and body.name not in ends:
+                found[f"reaction({body.name})"] = ("body", body.name)
+    return found
+
+
+def _reactions(scene: Scene, frames: Frames, evaluate: Evaluate) -> Iterator[Arrow]:
+    texts = reaction_texts(scene)
+    least, drawn = _least_force(scene, frames), set[int]()
+    for (kind, name), value in _evaluated(texts, frames, evaluate):
+        if kind == "row":
+            acting = [*_of_row(scene, frames, scene.rows.known[name], value)]
+            drawn |= {i for i, _ in acting}
+        else:
+            i = scene.place_of(name, kind)
+            first = None if i is None else scene.sample.first[i]
+            # the reaction of a body is the sum of those of its constraints, which have arrows
+            acting = [] if i is None or first in drawn else [(i, value.T)]
+        for i, v in acting:
+            if np.isfinite(v).any() and np.nanmax(np.abs(v)) > least:
+                yield Arrow(name, "reaction", frames.p[i], v)
+
+
+def _evaluated(
+    texts: dict[str, tuple[str, str]], frames: Frames, evaluate: Evaluate
+) -> list[tuple[tuple[str, str], Array]]:
+    """Return what each reaction acts on, with its values. Reactions of joints and bodies are left out if one
+    of them is not known, as where an inertia changes."""
+    rows = {text: acts for text, acts in texts.items() if acts[0] == "row"}
+    for asked in (texts, rows):
+        try:
+            return [*zip(asked.values(), evaluate([*asked], frames.t, frames.x))] if asked else []
+        except Refused:
+            continue
+    return []
+
+
+def _of_row(scene: Scene, frames: Frames, row: Row, multiplier: Array) -> Iterator[tuple[int, Array]]:
+    """Yield the places and the forces of a constraint or contact: along the normal of its plane, or along the
+    line of its two places on each that moves."""
+    if row.kind == "plane":
+        yield row.places[0], np.outer(row.n, multiplier * row.slope)
+    elif row.kind == "distance":
+        a, b = row.places
+        line = frames.p[b] - frames.p[a]
+        with np.errstate(all="ignore"):
+            v = line / np.linalg.norm(line, axis=0) * multiplier * row.slope
+        yield from ((i, force) for i, force in ((a, -v), (b, v)) if scene.sample.moves(i))
+
+
+def _least_force(scene: Scene, frames: Frames) -> float:
+    system = frames.run.system
+    some = range(0, len(frames.t), max(1, len(frames.t) // 40))
+    kinetic: list[Any] = [system.energies(float(frames.t[k]), frames.x[k].tolist())[0] for k in some]
+    return LEAST * max(filter(np.isfinite, map(float, kinetic)), default=0.0) / scene.scale

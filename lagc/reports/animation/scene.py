@@ -1,0 +1,149 @@
+"""The scene of a model: all that is drawn of it, inferred from the resolved model itself.
+
+The inference reads no formula.  It evaluates places, distances, constraints and energies at configurations
+that are drawn at random, and keeps what is the same at all of them: a distance that never changes is a rod, a
+residual that is affine in a place is a plane, a root in an energy that equals a distance is a spring.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from lagc.base.records import dataclass
+from lagc.reports.animation.arrays import Array, values
+from lagc.reports.animation.links import Distances, Link, arms, rods, springs
+from lagc.reports.animation.places import Place, Sample, Solid
+from lagc.reports.animation.shapes import find_shapes
+from lagc.reports.animation.surfaces import Row, Rows, radii_at_contact, read_rows
+from lagc.semantics.model import Model
+from lagc.simulation.solution import Solution
+
+FAR = 0.25  # a mechanism of less than this part of its travel is followed
+
+
+@dataclass(slots=True)
+class Scene:
+    """Places, bodies, links, surfaces and springs of a model, in m. `first`, `low`, `high`, `scale`, `size`,
+    `up`, `normal` and `gravity` as in `Sample`; `feet` are fixed places that hold something, `hinges` moving
+    ones that two solids share; `travels`: the camera follows the heaviest body."""
+
+    sample: Sample
+    rows: Rows
+    links: list[Link]
+    springs: list[Link]
+    feet: list[int]
+    hinges: list[int]
+    travels: bool
+
+    @property
+    def model(self) -> Model:
+        return self.sample.model
+
+    @property
+    def places(self) -> list[Place]:
+        return self.sample.places
+
+    @property
+    def bodies(self) -> list[Solid]:
+        return self.sample.solids
+
+    @property
+    def surfaces(self) -> list[Row]:
+        return self.rows.surfaces
+
+    @property
+    def normal(self) -> Array | None:
+        return self.sample.normal
+
+    @property
+    def up(self) -> Array:
+        return self.sample.up
+
+    @property
+    def size(self) -> float:
+        return self.sample.size
+
+    @property
+    def scale(self) -> float:
+        return self.sample.scale
+
+    def place_of(self, name: str, *kinds: str) -> int | None:
+        """Return the index of a place by its name, and its kind if some are given."""
+        places = enumerate(self.places)
+        return next((i for i, p in places if p.name == name and (not kinds or p.kind in kinds)), None)
+
+    def as_data(self) -> dict[str, Any]:
+        """Return the scene as plain data, for one's own drawing."""
+        s = self.sample
+        return {
+            "scale": s.scale, "size": s.size, "low": s.low.tolist(), "high": s.high.tolist(),
+            "up": s.up.tolist(), "normal": _listed(s.normal), "gravity": _listed(s.gravity),
+            "feet": self.feet, "hinges": self.hinges, "travels": self.travels,
+            "places": [{"name": p.name, "kind": p.kind, "same": s.first[i]} for i, p in enumerate(s.places)],
+            "bodies": [{"name": b.name, "place": b.place, "mass": b.mass, "shape": b.shape,
+                        "line": self.model.bodies[b.place].span.line} for b in s.solids],
+            "links": [link.as_data() for link in self.links],
+            "springs": [link.as_data() for link in self.springs],
+            "surfaces": [row.as_data() for row in self.surfaces], "pins": self.rows.pins,
+        }  # fmt: skip
+
+
+def _listed(x: Array | None) -> list[float] | None:
+    return None if x is None else [float(value) for value in x]
+
+
+def infer(model: Model, run: Solution) -> Scene:
+    """Return the scene of a model, with the sizes that it has in this run."""
+    sample = Sample(model, run)
+    distances = Distances(sample)
+    links = rods(sample, distances)
+    rows = read_rows(sample, distances)
+    links += rows.links
+    links += arms(sample, links)
+    elastic = springs(sample, distances)
+    joined = [*links, *elastic]
+    feet = _feet(sample, joined)
+    extended = sample.size > 1.05 * 0.02 * sample.scale  # more than a single particle
+    travels = not feet and not rows.pins and extended and sample.size < FAR * sample.scale
+    if not travels:
+        sample.size = max(sample.size, 0.6 * sample.scale)
+    radii: dict[int, float] = {}
+    for i, radius in radii_at_contact(sample, rows):
+        radii[i] = min(radii.get(i, radius), radius)
+    find_shapes(sample, links, radii)
+    held: dict[int, int] = {}
+    for body in sample.solids:
+        for i, _ in body.attached:
+            held[i] = held.get(i, 0) + 1
+    hinges = [i for i, count in held.items() if count > 1 and sample.moves(i)]
+    drawn = [link for link in links if not _is_covered(sample, link)]
+    return Scene(sample, rows, drawn, elastic, feet, hinges, travels)
+
+
+def _feet(sample: Sample, joined: Sequence[Link]) -> list[int]:
+    """Return the fixed places that hold something. If nothing holds a mechanism, it may travel far."""
+    held = {x for link in joined for x in (link.a, link.b)}
+    held |= {i for body in sample.solids for i, _ in body.attached}
+    held |= {sample.first[i] for i, place in enumerate(sample.places) if place.kind == "joint"}
+    placed = {sample.first[body.place] for body in sample.solids}
+    return sorted(i for i in held if not sample.moves(i) and i not in placed)
+
+
+def _is_covered(sample: Sample, link: Link) -> bool:
+    """Return whether a figure hides a link: a spoke of a hull, a rod inside of a disc."""
+    by_place = {body.place: body.shape for body in sample.solids}
+    for i in (link.a, link.b):
+        shape = by_place.get(i, {})
+        if link.kind == "spoke" and shape.get("kind") in ("hull", "rod") and i == link.body:
+            return True
+        is_round = shape.get("kind") in ("cylinder", "sphere") and shape["true"]
+        if link.kind == "rod" and is_round and link.length <= 1.001 * shape["r"]:
+            return True
+    return False
+
+
+def axis_of(scene: Scene, k: int, given: Any, size: int) -> Array | None:
+    """Return the axis of joint k over states, (3, size)."""
+    axis = scene.model.joints[k].axis
+    return None if axis is None else values(axis, given, size)

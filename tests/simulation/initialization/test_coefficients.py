@@ -1,0 +1,323 @@
+"""Starts of linear equations of very different coefficients: exact arithmetic tells what is right."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from fractions import Fraction
+
+import pytest
+
+from lagc.simulation.initialization.solver import Conditions, Consistency
+from tests.simulation.initialization.twins import Twins, program_of
+
+ACCEPTED = 1e-9  # scaled residual at which a start is taken: see `lagc.kernels.language.tolerances`
+Row = tuple[dict[int, float], float]  # coefficients by unknown, and the value of their sum
+
+
+def exact(row: Row, y: Sequence[float]) -> tuple[Fraction, Fraction]:
+    """What the row misses at y, and the sum of the sizes of its terms."""
+    terms = [Fraction(a) * Fraction(y[j]) for j, a in row[0].items()] + [-Fraction(row[1])]
+    return abs(sum(terms)), sum(map(abs, terms))
+
+
+def conditions(rows: Sequence[Row], n: int) -> Conditions:
+    """The rows and their rates, in n coordinates of one unit and their rates of another."""
+    ends, columns, slopes = list[int](), list[int](), list[float]()
+    for first in (0, n):
+        for coefficients, _ in rows:
+            columns += [first + j for j in coefficients]
+            slopes += coefficients.values()
+            ends.append(len(columns))
+
+    def evaluate(t: float, x: Sequence[float]) -> tuple[list[float], list[float], list[float]]:
+        c, sizes = list[float](), list[float]()
+        for first in (0, n):
+            for coefficients, value in rows:
+                terms = [a * x[first + j] for j, a in coefficients.items()]
+                terms.append(0.0 if first else -value)
+                c.append(sum(terms))
+                sizes.append(sum(map(abs, terms)))
+        return c, list(slopes), sizes
+
+    return Conditions(n, n, (), [0] * n + [1] * n, (), ends, columns, evaluate, lambda: ([], [1.0, 1.0]))
+
+
+def chain(dice: random.Random, n: int) -> tuple[list[Row], list[float], list[int]]:
+    """Rows that each bring one unstated unknown, the guess and the levels.  Rows are of any size, the terms
+    of one within six decades."""
+    levels = [dice.choice((0, 1)) if j else 1 for j in range(n)]
+    guess = [dice.choice((1, -1)) * 10 ** dice.uniform(-2, 2) if level else 0.0 for level in levels]
+    rows, known = list[Row](), [j for j in range(n) if levels[j]]
+    for j in (j for j in range(n) if not levels[j]):
+        size = 10 ** dice.uniform(-50, 50)
+        own = {k: dice.uniform(-1, 1) * 10 ** dice.uniform(-6, 0) * (size / guess[k])
+               for k in dice.sample(known, min(2, len(known)))}  # fmt: skip
+        rows.append(({**own, j: size * 10 ** dice.uniform(-4, 4)}, dice.choice((0.0, size))))
+    return rows, guess, levels
+
+
+@pytest.mark.full
+def test_unstated_values_meet_equations_of_any_scale() -> None:
+    """Nothing stated moves, however large or small the coefficient of what is zero so far."""
+    dice = random.Random(5)
+    for _ in range(300):
+        n = dice.randint(2, 6)
+        rows, guess, levels = chain(dice, n)
+        rates = [a * 10 ** dice.uniform(-3, 3) for a in guess]
+        search = Consistency(conditions(rows, n), 0.0, [*guess, *rates], [*levels, *levels])
+        assert search.run() == 0, rows
+        for row in rows:
+            missed, size = exact(row, search.y[:n])
+            assert missed <= ACCEPTED * size, (row, search.y)
+            missed, size = exact((row[0], 0.0), search.y[n:])
+            assert missed <= ACCEPTED * size, (row, search.y)
+        for j, level in enumerate(levels):
+            assert not level or (search.y[j] == guess[j] and search.y[n + j] == rates[j])
+
+
+@pytest.mark.full
+def test_contradicting_equations_of_any_scale_have_no_start() -> None:
+    """A row said twice, the second time with another value: by its terms, or a thousandth of them."""
+    dice = random.Random(6)
+    refused = 0
+    for _ in range(300):
+        n = dice.randint(2, 6)
+        rows, guess, levels = chain(dice, n)
+        if not rows:
+            continue
+        coefficients, value = dice.choice(rows)
+        size = max(abs(a * guess[j]) for j, a in coefficients.items()) + abs(value)
+        rows.append((coefficients, value + size * dice.choice((1.0, -1.0, 1e-3))))
+        search = Consistency(conditions(rows, n), 0.0, [*guess, *[0.0] * n], [*levels, *[0] * n])
+        assert search.run() != 0, (rows, guess)
+        refused += 1
+    assert refused > 200
+
+
+def grown(dice: random.Random, n: int, span: float) -> tuple[list[Row], list[float], list[int]]:
+    """Chains and trees: each row ties an unstated unknown to others, by coefficients of up to `span` decades
+    either way.  Unknowns and rows are in any order."""
+    names = dice.sample(range(n), n)
+    levels, guess, rows = [1] * n, [0.0] * n, list[Row]()
+    for k, j in enumerate(names):
+        if k == 0 or dice.random() < 0.25:
+            guess[j] = dice.choice((1, -1)) * 10 ** dice.uniform(-2, 2)
+        else:
+            levels[j] = 0
+            own = [*dice.sample(names[:k], min(k, dice.choice((1, 1, 1, 2)))), j]
+            rows.append(({i: dice.choice((1, -1)) * 10 ** dice.uniform(-span, span) for i in own}, 0.0))
+    return rows, guess, levels
+
+
+def solved(rows: Sequence[Row], stated: Sequence[float]) -> list[Fraction] | None:
+    """The last unknown of each row by those before; None where this is not well determined in doubles."""
+    found = [Fraction(a) for a in stated]
+    for coefficients, _ in rows:
+        *others, last = coefficients
+        terms = [Fraction(coefficients[j]) * found[j] for j in others]
+        found[last] = -sum(terms) / Fraction(coefficients[last])
+        within = [abs(a) for a in (*terms, found[last])]
+        if not (Fraction(10) ** -250 < min(within) and max(within) < Fraction(10) ** 250):
+            return None
+        if abs(sum(terms)) < sum(map(abs, terms)) / 1000:
+            return None
+    return found
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("span", [1, 2, 3, 4])
+def test_chains_and_trees_are_met(span: int) -> None:
+    """Positions and rates are as exact arithmetic has them, and nothing stated moves."""
+    dice = random.Random(span)
+    tried = 0
+    while tried < 40:
+        n = dice.randint(2, 7)
+        rows, guess, levels = grown(dice, n, span)
+        rates = [dice.uniform(1, 2) * a for a in guess]
+        true, moving = solved(rows, guess), solved(rows, rates)
+        if true is None or moving is None or not rows:
+            continue
+        tried += 1
+        search = Consistency(
+            conditions(dice.sample(rows, len(rows)), n), 0.0, [*guess, *rates], [*levels] * 2
+        )
+        assert search.run() == 0, (rows, guess, rates)
+        for j, exactly in enumerate((*true, *moving)):
+            if levels[j % n]:
+                assert search.y[j] == (*guess, *rates)[j], (rows, guess, rates)
+            assert abs(Fraction(search.y[j]) - exactly) <= abs(exactly) / 10**11, (rows, guess, rates)
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("span", [1, 2, 3, 4])
+def test_contradicting_chains_have_no_start(span: int) -> None:
+    """All is fixed at the ends of a chain, and differs by a thousandth from what its rows make of it."""
+    dice = random.Random(span)
+    tried = 0
+    while tried < 20:
+        n = dice.randint(3, 6)
+        rows, guess, levels = grown(dice, n, span)
+        true = solved(rows, guess)
+        if true is None or not rows:
+            continue
+        tried += 1
+        last = list(rows[-1][0])[-1]
+        guess[last] = float(true[last]) * dice.choice((0.999, 1.001, -1.0, 1e3))
+        held = [4 if level or j == last else 0 for j, level in enumerate(levels)]
+        search = Consistency(conditions(rows, n), 0.0, [*guess, *[0.0] * n], [*held, *[0] * n])
+        assert search.run() != 0, (rows, guess)
+
+
+def tangled(dice: random.Random, n: int, span: float) -> tuple[list[Row], list[float], list[int]]:
+    """Rows between any unknowns, many of them in rings: coefficients of any size, or of sizes that the terms
+    share, or 1 but for one of each row."""
+    levels = [1, *(int(dice.random() < 0.3) for _ in range(n - 2)), 0]
+    guess = [dice.choice((1, -1)) * 10 ** dice.uniform(-2, 2) if level else 0.0 for level in levels]
+    sizes = [abs(a) or 10 ** dice.uniform(-span / 2, span / 2) for a in guess]
+    kind, ring, rows = dice.randrange(4), dice.sample(range(n), n), list[Row]()
+    for k in range(dice.randint(1, n - sum(levels)) if kind == 3 else n - sum(levels)):
+        own = {ring[k], ring[(k + 1) % n], *dice.choices(range(n), k=dice.choice((0, 0, 1)))}
+        if kind == 3:
+            own = set(dice.sample(range(n), dice.choice((2, 2, 3))))
+        row, size = dict[int, float](), 10 ** dice.uniform(-span / 2, span / 2)
+        one = dice.choice(sorted(own))
+        for j in dice.sample(sorted(own), len(own)):
+            wide = 10 ** dice.uniform(-span, span)
+            shared = dice.uniform(0.5, 2) * size / sizes[j]
+            row[j] = dice.choice((1, -1)) * (wide, shared, wide if j == one else 1.0, wide)[kind]
+        rows.append((row, 0.0))
+    return rows, guess, levels
+
+
+def eliminated(rows: Sequence[Row], stated: Sequence[float], levels: Sequence[int]) -> list[Fraction] | None:
+    """What nobody stated, 0 where the rows leave it open; None where they depend on each other there, or ask
+    for numbers beyond doubles."""
+    free = [j for j, level in enumerate(levels) if not level]
+    table = [[Fraction(a.get(j, 0)) for j in free] for a, _ in rows]
+    for line, (a, value) in zip(table, rows):
+        line.append(Fraction(value) - sum(Fraction(a[j]) * Fraction(stated[j]) for j in a if levels[j]))
+    found = [Fraction(a) for a in stated]
+    for i, line in enumerate(table):
+        k = next((k for k, a in enumerate(line[:-1]) if a), None)
+        if k is None:
+            return None
+        table[i] = line = [a / line[k] for a in line]
+        for r, other in enumerate(table):
+            if r != i and other[k]:
+                table[r] = [b - other[k] * a for a, b in zip(line, other)]
+    for line in table:
+        found[free[next(k for k, a in enumerate(line) if a)]] = line[-1]
+    terms = [abs(Fraction(a) * found[j]) for row, _ in rows for j, a in row.items() if found[j]]
+    within = [*terms, *(abs(a) for a in found if a)]
+    return found if Fraction(10) ** -250 < min(within) and max(within) < Fraction(10) ** 250 else None
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("span", [1, 2, 3, 4])
+def test_rings_are_met(span: int) -> None:
+    """Each row is met by its own terms, and nothing stated moves: what others have to be tells a size only
+    where all rows are seen together."""
+    dice = random.Random(span)
+    tried = 0
+    while tried < 60:
+        n = dice.randint(3, 7)
+        rows, guess, levels = tangled(dice, n, span)
+        rates = [dice.uniform(1, 2) * a for a in guess]
+        if not rows or eliminated(rows, guess, levels) is None or eliminated(rows, rates, levels) is None:
+            continue
+        tried += 1
+        search = Consistency(conditions(rows, n), 0.0, [*guess, *rates], [*levels] * 2)
+        assert search.run() == 0, (rows, guess, rates)
+        for row in rows:
+            for y in (search.y[:n], search.y[n:]):
+                missed, size = exact(row, y)
+                assert missed <= ACCEPTED * size, (row, y)
+        for j, level in enumerate(levels):
+            assert not level or (search.y[j], search.y[n + j]) == (guess[j], rates[j]), (rows, guess, rates)
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("span", [1, 2, 3, 4])
+def test_contradicting_rings_have_no_start(span: int) -> None:
+    """One unknown of a ring is fixed beside what the others make of it: what is called a start is one."""
+    dice = random.Random(span)
+    tried = refused = 0
+    while tried < 40:
+        n = dice.randint(3, 6)
+        rows, guess, levels = tangled(dice, n, span)
+        true = eliminated(rows, guess, levels) if len(rows) == n - sum(levels) else None
+        free = [j for j, level in enumerate(levels) if not level]
+        if true is None or not free:
+            continue
+        tried += 1
+        at = dice.choice(free)
+        guess[at] = float(true[at]) * dice.choice((0.999, 1.001, -1.0, 1e3))
+        held = [4 if level or j == at else 0 for j, level in enumerate(levels)]
+        search = Consistency(conditions(rows, n), 0.0, [*guess, *[0.0] * n], [*held, *[0] * n])
+        if search.run() != 0:
+            refused += 1
+            continue
+        for row in rows:
+            missed, size = exact(row, search.y[:n])
+            assert missed <= ACCEPTED * size, (row, search.y)
+    assert refused > 20
+
+
+MODEL = """\
+model M
+  coordinate Length x(start = {x} [m], rate = 3 [m/s]), y, z(start = 2 [m]);
+  body b = Particle(mass = 1, at = {{x, y, z}});
+  constraint r: x = {k}*y{more};
+end M;
+"""
+
+
+@pytest.mark.sample(0, 3)
+@pytest.mark.parametrize("k", ["1e6", "1e9", "1e12", "1e-15"])
+def test_a_large_coefficient_is_met_by_c_and_python(k: str) -> None:
+    twins = Twins(program_of(MODEL.format(x=1, k=k, more="")))
+    found = twins.by_python(0.0, twins.guess, twins.interface.start_levels)
+    assert repr(found) == repr(twins.by_c(0.0, twins.guess, None))
+    assert found[0] == 0
+    x, y, _, vx, vy, _ = found[2]
+    assert (x, vx) == (1.0, 3.0)
+    assert abs(x - float(k) * y) <= 1e-15 and abs(vx - float(k) * vy) <= 3e-15
+
+
+@pytest.mark.sample(0, 3)
+@pytest.mark.parametrize("k", ["1e3", "1e4", "1e5", "1e6"])
+def test_a_chain_there_and_back_is_met_by_c_and_python(k: str) -> None:
+    """x = k y, y = z/k: z is x."""
+    rows = f";\n  constraint s: y = 1/{k}*w;\n  coordinate Length w;\n"
+    rows += "  body c = Particle(mass = 1, at = {w, 0, 0})"
+    twins = Twins(program_of(MODEL.format(x=1, k=k, more=rows)))
+    found = twins.by_python(0.0, twins.guess, twins.interface.start_levels)
+    assert repr(found) == repr(twins.by_c(0.0, twins.guess, None))
+    start = dict(zip((*twins.interface.q_names, *twins.interface.v_names), found[2]))
+    assert (start["x"], start["der(x)"]) == (1.0, 3.0)
+    assert (start["w"], start["der(w)"]) == pytest.approx((1.0, 3.0), rel=1e-14)
+
+
+@pytest.mark.sample(0, 2)
+@pytest.mark.parametrize("k", ["30", "1e3", "3e7"])
+def test_a_ring_is_met_by_c_and_python(k: str) -> None:
+    """x = k y, y = z/k + u, z = x + w, w = 2 k u: of rings whose last places alone tell w and u."""
+    rows = f";\n  constraint s: y = 1/{k}*w + u;\n  constraint t: w = x + v;\n  constraint o: v = 2*{k}*u;\n"
+    rows += "  coordinate Length w, u, v;\n  body c = Particle(mass = 1, at = {w, u, v})"
+    twins = Twins(program_of(MODEL.format(x=1, k=k, more=rows)))
+    found = twins.by_python(0.0, twins.guess, twins.interface.start_levels)
+    assert repr(found) == repr(twins.by_c(0.0, twins.guess, None))
+    start = dict(zip((*twins.interface.q_names, *twins.interface.v_names), found[2]))
+    assert (found[0], start["x"], start["der(x)"]) == (0, 1.0, 3.0)
+    assert (start["w"], start["der(w)"]) == pytest.approx((1.0, 3.0), rel=1e-14)
+    assert abs(start["v"]) <= 1e-15
+
+
+@pytest.mark.sample(0, 2)
+@pytest.mark.parametrize("k", ["1e3", "1e6", "1e9", "1e10"])
+def test_a_large_coefficient_hides_no_contradiction(k: str) -> None:
+    twins = Twins(program_of(MODEL.format(x=1, k=k, more=f";\n  constraint s: x = 2 [m] + {k}*y")))
+    found = twins.by_python(0.0, twins.guess, twins.interface.start_levels)
+    assert repr(found) == repr(twins.by_c(0.0, twins.guess, None))
+    assert found[0] != 0
