@@ -1,4 +1,4 @@
-"""Contacts written by hand, and what the message of the run advises: the line in it runs, with the same motion."""
+"""Contacts written by hand: the line that the message of the run advises runs, with the same motion."""
 
 from __future__ import annotations
 
