@@ -172,12 +172,13 @@ def _at_event(system: System, run: Trajectory) -> str:
         return _endless(system, run, k - first)
     if run.status == CHATTERING and interface.drives(k) and not _accumulates(run):
         return (f"{interface.relations[k]}, and the forces on both sides drive the motion back to it: the "
-                "state sticks there, as with dry friction. Use a smooth law, such as tanh(v/v0) instead of "
-                "sign(v), or a constraint")  # fmt: skip
+                "state sticks there, as with dry friction. Write it in the constraint that bears the load, "
+                "`constraint floor: z >= 0 [m] (friction = 0.3, at = b);`, or use a smooth law, such as "
+                "tanh(v/v0) instead of sign(v)")  # fmt: skip
     what = event_names(system, k if run.status == CHATTERING else run.events[-1][1])[0]
     return (f"`{what}` occurs again and again in ever shorter intervals, as with bounces that accumulate: "
-            "end the run before by a `when` clause with `terminate`, and continue with the contact as a "
-            "constraint")  # fmt: skip
+            "write the contact as a constraint in place of the clause, `constraint floor: z >= 0 [m] "
+            "(restitution = 0.8);`, or end the run before by `terminate`")  # fmt: skip
 
 
 def _paradox(system: System, run: Trajectory) -> str:
