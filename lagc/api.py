@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from lagc.compiler.artifact import Artifact
     from lagc.lowering.program import Interface, Program
     from lagc.mechanics.formulation.equations import EquationsOfMotion
+    from lagc.reports.derivation.derivation import Derivation
     from lagc.reports.equations.script import Matrices
     from lagc.semantics.model import Model
     from lagc.semantics.scenes.choice import Inputs
@@ -106,6 +107,10 @@ class ModelFile:
             None if outputs is None else words("outputs", outputs),
         )  # fmt: skip
         return CompiledModel(Compilation(self.source, choice), backend)
+
+    def derivation(self, language: str = "en", *, full: bool = False) -> Derivation:
+        """Return the worked solution of the first scene; see `CompiledModel.derivation`."""
+        return self.compile().derivation(language, full=full)
 
     def check(self) -> list[Fault]:
         """Return the errors and warnings of the text, for all its models and scenes.
@@ -418,6 +423,16 @@ class CompiledModel(Differentiable, Measurable, Comparable):
                               remedy="give it to `compile(parameters=...)`")  # fmt: skip
                 raise Refused([fault])
         return {**self._given, **more}
+
+    def derivation(self, language: str = "en", *, full: bool = False) -> Derivation:
+        """Return the worked solution: from the declarations to the equations, as a person writes it.
+
+        It shows itself in a notebook; `markdown`, `latex` and `html` are its text.  language: "en", "fr" or
+        "de".  full: write all terms of long formulas.  Raises ValueError for another language."""
+        from lagc.reports.derivation.derivation import derivation_of
+
+        with self.compilation.lock:
+            return derivation_of(self.equations, language, full)
 
     def _repr_latex_(self) -> str:
         from lagc.reports.equations.latex import equations_latex

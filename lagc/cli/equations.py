@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 
 from lagc.cli.options import add_general_options, add_model_options, choice_of
-from lagc.cli.output import DONE, print_faults, print_json, say, show
+from lagc.cli.output import DONE, Usage, print_faults, print_json, say, show
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -18,6 +18,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--format", choices=("text", "latex", "sympy"), default="text", help="the format of the equations"
     )
+    about = (
+        "the form: divided by common factors, as derived, solved for the accelerations, the entries of M, h, "
+    )
+    about += "Q and G, or Hamilton's equations"
+    forms = ("divided", "undivided", "solved", "matrix", "hamilton")
+    parser.add_argument("--form", choices=forms, default="divided", help=about)
     parser.add_argument("--full", action="store_true", help="print every term, also of large models")
     add_general_options(parser)
 
@@ -26,16 +32,20 @@ def run(options: argparse.Namespace) -> int:
     from lagc.compiler import pipeline
     from lagc.host import model_library
     from lagc.host.budgets import stage
+    from lagc.reports.equations.forms import NoForm
     from lagc.reports.equations.write import write
 
     equations = pipeline.equations(model_library.read(options.file), choice_of(options))
     with stage("writing the equations", pipeline.PER_PAIR * len(equations.v) ** 2):
-        text = write(equations, options.format, options.full)
+        try:
+            text = write(equations, options.format, options.full, options.form)
+        except NoForm as reason:
+            raise Usage(str(reason)) from None
     if options.json:
         model = equations.model
         print_json({"status": "ok", "model": model.name, "scene": model.scene,
                     "effects": [e.name for e in model.effects if e.used],
-                    "format": options.format, "equations": text})  # fmt: skip
+                    "format": options.format, "form": options.form, "equations": text})  # fmt: skip
         return DONE
     if equations.warnings and not options.quiet:
         print_faults(equations.warnings, color=False if options.no_color else None)

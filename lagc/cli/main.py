@@ -34,6 +34,7 @@ COMMANDS = {
     "fmt": "format model files",
     "explain": "explain what was derived from a model",
     "equations": "print the equations of motion",
+    "derive": "write the worked solution, from the declarations to the equations",
     "sim": "compile and simulate a model",
     "cost": "measure what accuracy costs in time",
     "compare": "run scenes side by side",
@@ -53,7 +54,7 @@ VERBS = {
     **dict.fromkeys(("lint", "validate", "verify", "test"), "check"), "format": "fmt",
     **dict.fromkeys(("init", "create"), "new"),
     **dict.fromkeys(("list", "ls", "library", "models"), "new --list"),
-    **dict.fromkeys(("eq", "latex", "derive"), "equations"), "describe": "explain", "info": "explain",
+    **dict.fromkeys(("eq", "latex"), "equations"), "describe": "explain", "info": "explain",
     **dict.fromkeys(("linearise", "modes", "eigenvalues", "equilibrium"), "linearize"),
     "clean": "cache --clear",
 }  # fmt: skip

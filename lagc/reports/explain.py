@@ -61,7 +61,7 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
         "degrees_of_freedom": analysis.degrees_of_freedom - idle,
         "positional_freedom": analysis.positional_freedom - idle,
         "more_at_start": analysis.more_at_start,
-        "actions": [_action(c) for c in equations.contributions],
+        "actions": [_action(equations, c, written if whole else None) for c in equations.contributions],
         "cyclic": [name for name in analysis.cyclic if name not in interface.dropped],
         "conserved": [
             {
@@ -114,8 +114,15 @@ def _joint(joint: Joint) -> Facts:
     }
 
 
-def _action(c: Contribution) -> Facts:
-    return {"name": c.name, "kind": c.kind, "effect": c.effect, "conservative": c.conservative}
+def _action(equations: EquationsOfMotion, c: Contribution, written: Expressions | None) -> Facts:
+    """The kind of an action; `written`, also its generalized force on each speed, Q_j, whose virtual power is
+    the sum of Q_j times the virtual speeds."""
+    facts = {"name": c.name, "kind": c.kind, "effect": c.effect, "conservative": c.conservative}
+    if written is None:
+        return facts
+    forces = {equations.v_names[j]: written.text(x) for j, x in sorted(c.forces.items()) if not x.is_zero}
+    power = " + ".join([f"({force})*virtual({name})" for name, force in forces.items()]) or "0"
+    return {**facts, "generalized_forces": forces, "virtual_power": power}
 
 
 def _seems(seems: Seems) -> Facts:
@@ -354,7 +361,9 @@ def _constraint_line(fact: Facts) -> str:
 
 
 def _action_line(fact: Facts) -> str:
-    return f"{fact['name']}: {fact['kind']}{', conservative' if fact['conservative'] else ''}"
+    forces = [f"Q of {name} = {text}" for name, text in fact.get("generalized_forces", {}).items()]
+    kind = f"{fact['kind']}{', conservative' if fact['conservative'] else ''}"
+    return f"{fact['name']}: {'; '.join([kind, *forces])}"
 
 
 def _conserved_line(fact: Facts) -> str:

@@ -200,12 +200,13 @@ class Body:
 
 @dataclass(frozen=True, slots=True)
 class Potential:
-    """`energy` V(q, t), as in T - V."""
+    """`energy` V(q, t), as in T - V; of a gravity also its strength g and its direction, a unit vector."""
 
     name: str
     energy: Node
     span: Span
     effect: str | None = None
+    gravity: tuple[Node, Vector] | None = None
 
 
 @dataclass(frozen=True, slots=True)

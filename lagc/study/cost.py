@@ -23,7 +23,7 @@ from lagc.study.probe import Array, Failed, Late, Probe, Setting, Shot
 TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
 ROUNDS = 9  # at least, in which all settings are timed in turn
 LEFT = 0.15  # of the budget, for nearby parameters at least
-LONGEST = 2.0  # budgets after which a run ends that goes on
+LONGEST = 2.0  # of what is left of the budget, after which a run ends that goes on
 CLOCK = 0.2  # of the budget, for which rounds go on
 LEAST_TIME = 2e-3  # s of one measurement: shorter runs are repeated
 REFERENCES = ((1e-22, 1e-20), (1e-20, 1e-18), (1e-18, 1e-16), (1e-16, 1e-15))
@@ -214,7 +214,6 @@ def study(
     try:
         tell(*at)
         plain = make("double", ())
-        plain.deadline = began + LONGEST * budget
         plain.look = lambda: progress(*at)
         try:
             exact = make("quad", ())
@@ -225,6 +224,7 @@ def study(
         if exact is not None:
             exact.look = plain.look
         left = max(budget - (perf_counter() - began), 0.2 * budget)
+        plain.deadline = perf_counter() + LONGEST * left
         found.reference = refer(exact, plain, times, sizes, 0.3 * left)
         if found.reference.shot.ended:
             found.notes.append(

@@ -119,6 +119,16 @@ def test_a_bound_whose_speed_jumps_drives_at_once() -> None:
     assert run.final["der(x)"] == pytest.approx(5.0, rel=1e-12)
 
 
+def test_a_new_speed_is_shared_by_the_clutch() -> None:
+    """A clause `when` gives the hub -1 rad/s: the clutch gives both (2 (-1) + 3 1)/5 rad/s."""
+    clause = "when time >= 0.25 [s] then reinit(der(hub), -1 [rad/s]); end when;"
+    text = WHEELS.replace("constraint stop: hub <= 1 [rad] (restitution = 0.5);", clause)
+    run = lagc.loads(text).compile(backend="numpy").simulate()
+    event = next(event for event in run.events if event.contact == "clutch")
+    assert (event.kind, event.t) == ("impact", 0.25) and event.impulse == pytest.approx(2.4, rel=1e-12)
+    assert run.final["der(hub)"] == pytest.approx(0.2, rel=1e-12) == run.final["der(sprocket)"]
+
+
 @pytest.mark.full
 @pytest.mark.parametrize("seed", range(3))
 def test_clutches_in_a_train_never_slip_back_and_keep_momentum(seed: int) -> None:

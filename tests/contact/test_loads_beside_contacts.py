@@ -11,7 +11,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lagc
-from lagc.diagnostics.faults import Refused
+from lagc.compiler import pipeline
+from lagc.diagnostics.faults import Refused, Source
 
 BACKENDS = ["numpy", pytest.param("c", marks=pytest.mark.full)]
 G = 9.81
@@ -65,6 +66,19 @@ def test_a_wheel_with_rolling_resistance(law: str, backend: str) -> None:
     assert run.final["x"] == pytest.approx(known[0], abs=1e-8)
     assert run.final["der(x)"] == pytest.approx(known[1], abs=1e-8)
     assert run.final["N"] == pytest.approx(98.1, rel=1e-12) and not run.events
+
+
+@pytest.mark.parametrize("reaction", ["floor", "line"])
+def test_no_table_of_the_c_is_empty(reaction: str) -> None:
+    """C has no empty tables; the load depends on the contact alone, or on the constraint alone."""
+    text = WHEEL.replace("LAW", f"abs(reaction({reaction}))").replace(
+        "output", "constraint line: y = 0; output"
+    )
+    text = text.replace("coordinate Angle", "coordinate Length y; coordinate Angle").replace(
+        "{x, 0,", "{x, y,"
+    )
+    program = pipeline.delivered(pipeline.Compilation(Source("wheel", text), pipeline.Choice()), False)
+    assert not any("[] = {}" in code for code in pipeline.render(program, "c").values())
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

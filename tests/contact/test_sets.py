@@ -243,7 +243,9 @@ end Chair;"""
 @pytest.mark.full
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize(("angle", "slides"), [(29.0, False), (30.9, False), (31.0, True)])
-def test_a_chair_on_a_slope_begins_by_static_friction(backend: str, angle: float, slides: bool) -> None:
+def test_a_chair_let_go_on_a_slope_begins_by_static_friction(
+    backend: str, angle: float, slides: bool
+) -> None:
     """It rests up to atan 0.6 = 30.96 deg, and slides with g (sin b - 0.5 cos b) beyond."""
     b = math.radians(angle)
     run = _compiled(CHAIR, backend).simulate(1.0, parameters={"b": b})

@@ -287,10 +287,12 @@ def test_a_law_of_slip_by_stribeck(relation: str) -> None:
 
 
 def test_without_friction_nothing_changes() -> None:
-    """The equations are those of the constraint; friction is no row of them."""
+    """The equations are those of the constraint; friction is no row of them, and its forces cost more."""
     plain = _model("constraint rail: y = 0;").compile(backend="numpy")
     rough = _model("constraint rail: y = 0 (friction = 0.1, slip = der(x));").compile(backend="numpy")
     assert rough.interface.row_labels == plain.interface.row_labels == ("rail",)
+    free, rubs = (model.program.functions["rhs"].cost for model in (plain, rough))
+    assert free == rubs == plain.interface.operations < rough.interface.operations
     assert not plain.interface.contacts and rough.interface.contacts[0].normals == 1
 
 

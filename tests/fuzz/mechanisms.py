@@ -148,7 +148,7 @@ class _Mechanism:
                 run += ["--start", f"der({own})={chance.choice(VALUES)}"]
         own = sorted(set(re.findall(r"\b[A-Za-z_]+\d+\b", text)) - {"m2", "s2"})
         if not run and chance.random() < 0.1:
-            given = dict(zip(own, chance.sample(NASTY, len(own))))
+            given = dict(zip(own, chance.sample([n for n in NASTY if n != "field"], len(own))))
             text = re.sub(r"\b[A-Za-z_]+\d+\b", lambda name: given.get(name[0], name[0]), text)
         return Case(text, run=tuple(run))
 

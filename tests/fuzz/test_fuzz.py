@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import random
+import re
 import shutil
 import signal
 import string
@@ -21,7 +22,7 @@ from lagc.diagnostics.faults import Refused, Source
 from lagc.simulation.backends import compile as compiled
 from tests.fuzz import workers
 from tests.fuzz.__main__ import KINDS, Trials, main
-from tests.fuzz.commands import Said, complaint
+from tests.fuzz.commands import Said, call, complaint
 from tests.fuzz.disturbed import same
 from tests.fuzz.finds import minimised
 from tests.fuzz.grammar import rules
@@ -31,7 +32,7 @@ from tests.fuzz.mutations import library, mutated
 from tests.fuzz.statements import spliced
 
 COUNT = int(os.environ.get("LAGC_FUZZ", "8"))  # texts of each kind
-SLOW = {"models": 2, "guided": 2}  # of which there are that many times fewer
+SLOW = {"models": 2, "mechanisms": 4, "guided": 2}  # of which there are that many times fewer
 CORPUS = sorted((Path(__file__).parent / "corpus").glob("*.lag"))
 UNUSED = {"annotation"}  # are read, and not yet of the language
 
@@ -68,8 +69,14 @@ def test_what_was_found_once_is_mended(path: Path, trials: Trials) -> None:
     assert trials.stumbles(Case(path.read_text(encoding="utf-8")), 0) == []
 
 
-@pytest.mark.sample(3, 12)
-@pytest.mark.parametrize("seed", range(200))
+@pytest.mark.sample(4, 20)
+@pytest.mark.parametrize("seed", range(100))
+def test_a_mechanism_is_checked(seed: int) -> None:
+    assert complaint(("check", "-"), call("check", "-", stdin=mechanism(seed).text)) is None
+
+
+@pytest.mark.sample(0, 8)
+@pytest.mark.parametrize("seed", range(100))
 def test_a_mechanism_passes_through_all_commands(seed: int, trials: Trials) -> None:
     assert trials.stumbles(mechanism(seed), seed) == []
 
@@ -141,10 +148,9 @@ def test_most_models_are_sound(make: Callable[[int], Case]) -> None:
 def test_models_use_the_whole_grammar_and_mechanisms_all_texts() -> None:
     used = rules(model(seed).text for seed in range(400))
     assert {rule for rule, count in used.items() if not count} <= UNUSED
-    whole = "".join(mechanism(seed).text for seed in range(400))
+    whole = "".join(mechanism(seed).text for seed in range(1000))
     for text in (*RULES["placed"], *RULES["carried"], *RULES["parts"], *RULES["actions"]):
-        beginning, _, _ = text.partition("#" if "#" in text else "<")
-        assert beginning in whole
+        assert re.split("[#<\n]", text)[0] in whole
 
 
 def _spin() -> None:

@@ -251,8 +251,8 @@ def test_what_is_just_multiplied_out_is_written(name: str, monkeypatch: pytest.M
     equations = derived(f"classic/{name}")
     expected = write(equations)
     algebra = ShortAlgebra(formulas.nonnegative(equations))
-    collector = formulas.collector_of(equations, algebra)
-    formulas.everything(equations, collector, formulas.motion_polynomials(equations, algebra))
+    collector = formulas.collector_of(formulas.SymbolKinds(equations), algebra)
+    formulas.everything(equations, collector, formulas.divided(equations, collector))
     spent = algebra.spent
     monkeypatch.setattr(formulas, "ShortAlgebra", lambda known, _: ShortAlgebra(known, limit=spent))
     assert write(equations) == expected

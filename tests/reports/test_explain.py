@@ -183,3 +183,11 @@ def test_long_expressions_are_written_by_their_rule_or_whole(capsys: pytest.Capt
     assert value(whole["kinetic"]["K2"]) == pytest.approx(kinetic)
     assert value(whole["potential"]) == pytest.approx(potential)
     assert value(whole["conserved"][0]["expression"]) == pytest.approx(kinetic + potential)
+
+
+def test_actions_tell_their_generalized_forces() -> None:
+    equations = derived("course/wheel_explicit")
+    facts = explanation(equations, optimize(equations, work=False))
+    found = {action["name"]: action["generalized_forces"] for action in facts["actions"]}
+    assert found == {"field": {"der(y)": "-m*g"}, "P": {"der(x)": "-k*x"}, "drive": {"der(theta)": "C"}}
+    assert facts["actions"][1]["virtual_power"] == "(-k*x)*virtual(der(x))"

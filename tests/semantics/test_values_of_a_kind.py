@@ -1,4 +1,4 @@
-"""Values that no quantity of a kind has: a fraction for an Integer, an impossible inertia, a second `time`."""
+"""Values that no quantity of a kind has: a fraction for an Integer, an impossible inertia, `time` twice."""
 
 from __future__ import annotations
 

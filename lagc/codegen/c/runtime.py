@@ -193,9 +193,11 @@ def _annotated(line: str, note: str) -> list[str]:
 
 
 def _table(name: str, values: Sequence[Any], real: Arithmetic) -> str:
+    """Return the declaration of a table. C has no empty ones: a loop of no turn gets a zero."""
     if name in ("bounds", "derived_bounds"):
         rows = ",\n    ".join(f"{{{real.bound(low)}, {real.bound(high)}}}" for low, high in values)
         return f"static const lagc_real lagc_{name}[][2] = {{\n    {rows}\n}};\n"
+    values = values or (0,)
     rows = ",\n    ".join(", ".join(map(str, values[k : k + 16])) for k in range(0, len(values), 16))
     inner = f"\n    {rows}\n" if "\n" in rows else rows
     return f"static const int lagc_{name}[] = {{{inner}}};\n"

@@ -11,14 +11,7 @@ from math import fabs, inf
 from lagc.kernels.arguments import bad_parameter
 from lagc.kernels.arithmetic.quaternions import normalise, square_at
 from lagc.kernels.initialization.gauss_newton import distance, draw_back, newton, relax, tidy
-from lagc.kernels.initialization.residuals import (
-    SLIGHT,
-    mark_roundoff,
-    relative_residual,
-    row_begin,
-    set_sizes,
-    start_residual,
-)
+from lagc.kernels.initialization.residuals import SLIGHT, mark_roundoff, row_begin, set_sizes, start_residual
 from lagc.kernels.initialization.workspace import FIXED, UNSTATED, StartWork
 from lagc.kernels.language.vocabulary import *
 
@@ -29,24 +22,31 @@ NEAR = 8.0  # scaled distance from the guess: a solution within it ends the sear
 PULL_STEPS = 20  # steps towards the guess
 
 
-def mark_open(first: int, end: int, w: StartWork) -> None:
-    """Set w.reached: the unknowns of equations that are not met, and of what shares an unknown with those."""
+def find_part(first: int, end: int, stage: int, w: StartWork) -> int:
+    """Move to the front of w.rows[first..end-1] the equations that share unknowns, directly or through
+    others, with the first of them; set w.reached for these unknowns; return the end of this part."""
     for i in range(NU):
         w.reached[i] = 0
-    for r in range(first, end):
-        w.open[r] = 0 if relative_residual(w.rows[r], w) <= ACCEPTED else 1
+    stop = first
     changed = True
     while changed:
         changed = False
-        for r in range(first, end):
-            for k in range(row_begin(w.rows[r]), ends[w.rows[r]]):
-                j = w.column[k]
-                if w.open[r] == 1 and w.reached[j] == 0 and w.levels[j] < FIXED:
-                    w.reached[j] = 1
-                    changed = True
-                if w.open[r] == 0 and w.reached[j] == 1:
-                    w.open[r] = 1
-                    changed = True
+        begin = stop
+        for r in range(begin, end):
+            row = w.rows[r]
+            shares = stop == first
+            for k in range(row_begin(row), ends[row]):
+                shares = shares or w.reached[w.column[k]] == 1
+            if shares:
+                w.rows[r] = w.rows[stop]
+                w.rows[stop] = row
+                stop += 1
+                changed = True
+                for k in range(row_begin(row), ends[row]):  # values that never move share nothing
+                    j = w.column[k]
+                    if w.levels[j] < FIXED and w.stage[j] >= stage:
+                        w.reached[j] = 1
+    return stop
 
 
 def select_columns(stage: int, last: int, level: int, w: StartWork) -> bool:
@@ -81,15 +81,15 @@ def begin_at(k: int, w: StartWork) -> None:
             normalise(w.y)
 
 
-def solve_stages(p: Params, t: Real, stage: int, last: int, level: int, w: StartWork) -> bool:
-    """Meet the equations of these stages by unknowns of the same stages that are stated no more firmly than
-    `level`, from the guess and from points beside it; else leave w.y. Parts of the equations that are met do
-    not begin again, and their stated values do not give way."""
-    first = w.stage_begin[stage]
-    end = w.stage_begin[last + 1]
-    if level == UNSTATED:
-        for i in range(NU):
-            w.reached[i] = 1
+def solve_part(
+    p: Params, t: Real, first: int, end: int, stage: int, last: int, level: int, w: StartWork
+) -> bool:
+    """Meet w.rows[first..end-1] by the reached unknowns of these stages that are stated no more firmly than
+    `level`, from the guess and from points beside it; else leave w.y."""
+    if level > UNSTATED:  # a part that is met by less stays as it is
+        start_residual(p, t, w.y, first, end, True, w)
+        if w.worst <= ACCEPTED:
+            return True
     if not select_columns(stage, last, level, w) and level > UNSTATED:
         return False
     if stage > 0:
@@ -118,10 +118,8 @@ def solve_stages(p: Params, t: Real, stage: int, last: int, level: int, w: Start
             if nearest <= NEAR or level > UNSTATED:
                 break
         else:
-            if k == 0:  # parts that are met stay as they are from now on
+            if k == 0:
                 w.ended[:] = w.y
-                mark_open(first, end, w)
-                select_columns(stage, last, level, w)
             if w.column_count == 0 or (k >= BESIDE and fabs(w.worst - failed) <= ALIKE * failed):
                 break
             failed = w.worst if w.worst < inf else 0.0
@@ -134,9 +132,25 @@ def solve_stages(p: Params, t: Real, stage: int, last: int, level: int, w: Start
     return True
 
 
+def solve_stages(p: Params, t: Real, stage: int, last: int, level: int, w: StartWork) -> bool:
+    """Meet the equations of these stages, each part that shares no unknown with others by itself; return
+    whether all are met."""
+    end = w.stage_begin[last + 1]
+    first = w.stage_begin[stage]
+    found = True
+    while first < end:
+        stop = find_part(first, end, stage, w)
+        if not solve_part(p, t, first, stop, stage, last, level, w):
+            found = False
+            w.last[:] = w.ended
+        first = stop
+    return found
+
+
 def reach_start(p: Params, t: Real, w: StartWork) -> Status:
     """Move w.y from the guess to consistent initial conditions: positions, then speeds, then all together."""
     w.y[:] = w.guess
+    w.last[:] = w.guess
     found = False
     for level in range(UNSTATED, FIXED):
         if not found:
@@ -147,7 +161,7 @@ def reach_start(p: Params, t: Real, w: StartWork) -> Status:
             if not found:
                 found = solve_stages(p, t, 1, 2, level, w) or solve_stages(p, t, 0, 2, level, w)
     if not found:
-        w.y[:] = w.ended
+        w.y[:] = w.last
     start_residual(p, t, w.y, 0, w.stage_begin[3], True, w)
     return OK if found else INCONSISTENT
 

@@ -168,7 +168,7 @@ def fill(first: int, end: int, w: StartWork) -> None:
             row[j] = 0.0
         for k in range(row_begin(i), ends[i]):
             at = w.column_of[w.column[k]]
-            if at >= 0 and w.roundoff[k] == 0:
+            if at >= 0 and w.J[k] != 0.0 and w.roundoff[k] == 0:  # a scale is 0 where nothing depends
                 row[at] = w.J[k] * w.step_scaling[w.column[k]] / w.row_scaling[i]
         w.first_column[r - first] = begin if begin < stop else 0
         w.end_column[r - first] = stop

@@ -26,7 +26,7 @@ class StartWork:
     stage: IVec[NU]  # in which an unknown is found: 0 positions, 1 speeds, 2 unstated speeds without inertia
     scaling: Vec[NU]  # the size of each unknown
     unit_size: Vec[NU]  # by number of the unit
-    reached: IVec[NU]  # 1: of a part of the equations that is not met yet
+    reached: IVec[NU]  # 1: of the part of the equations that is solved
     ordered: IVec[NU]  # all unknowns, coupled ones side by side
     columns: IVec[NU]  # the unknowns of the matrix
     column_count: int
@@ -35,6 +35,7 @@ class StartWork:
     trial: Vec[NU]
     begun: Vec[NU]
     ended: Vec[NU]  # where the attempt from the guess ended
+    last: Vec[NU]  # the same of the last part that was not met
     best: Vec[NU]
     before: Vec[NU]
     step: Vec[NU]
@@ -44,7 +45,6 @@ class StartWork:
     asked: IVec[NE]  # 1: this equation counts
     rows: IVec[NE]
     stage_begin: IVec[FOUR]  # in rows
-    open: IVec[NE]  # 1: in a part that is not met yet
     # Residuals, their Jacobian by rows, and the sizes of their terms.
     c: Vec[NE]
     J: Vec[NJ]

@@ -52,14 +52,18 @@ class Collector:
         return {a: k for k, a in enumerate(self.trailing)}
 
     def cancel(self, p: Polynomial) -> Polynomial:
-        """Return `p` without the number and the parameters that all terms share; most terms of its first
-        acceleration get a positive sign."""
-        if not p:
-            return p
-        c, common, _ = self.algebra.content(p)
-        factor = {a: e for a, e in common if a in self.cancelled}
-        inverse = {tuple(sorted((a, -e) for a, e in factor.items())): 1 / (abs(c) * self._sign(p))}
+        """Return `p` without its `common_factor`."""
+        inverse = {tuple([(a, -e) for a, e in m]): 1 / c for m, c in self.common_factor(p).items()}
         return self.algebra.multiply(inverse, p)
+
+    def common_factor(self, p: Polynomial) -> Polynomial:
+        """Return the number and the parameters that all terms share, as one term; without it, most terms of
+        the first acceleration are positive. It is 1 for zero."""
+        if not p:
+            return {(): Fraction(1)}
+        c, common, _ = self.algebra.content(p)
+        shared = tuple(sorted([(a, e) for a, e in common if a in self.cancelled]))
+        return {shared: abs(c) * self._sign(p)}
 
     def _sign(self, p: Polynomial) -> int:
         heads = {a for m in p for a, e in m if e == 1 and a in self._first}

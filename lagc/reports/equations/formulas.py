@@ -5,11 +5,12 @@ Each equation is the derived one up to a factor that is a number or a product of
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property
 from math import inf
+from typing import TypeAlias
 
 from lagc.base.records import dataclass, replace
 from lagc.mechanics.formulation.equations import EquationsOfMotion
@@ -88,7 +89,8 @@ class SharedAlgebra(NamingAlgebra):
 class Formula:
     """`left` = `right`. The kinds are shared, kinematic, motion, position, velocity, event, and those of laws
     of contacts (see `modes.Law`); `label` names the origin. At an event, `left` takes the value `right` when
-    the `condition` of a clause becomes true; clauses have numbers."""
+    the `condition` of a clause becomes true; clauses have numbers. An equation of motion is `left` times
+    its `factor`."""
 
     kind: str
     label: str
@@ -96,28 +98,37 @@ class Formula:
     right: Sum
     condition: Sum | None = None
     clause: int = 0
+    factor: Sum | None = None
 
 
 ZERO = Sum(())
+LETTER = "letter"  # the kind of symbols that a form of the equations brings
 WORK, PER_ENTRY = 60_000, 100  # products, and for each entry of M
 MOST_WORK = 1_000_000  # some seconds
 
 
-def formulas(equations: EquationsOfMotion, laws: Sequence[Law] = ()) -> Formulas:
+Motion: TypeAlias = "Callable[[EquationsOfMotion, Collector], list[Formula]]"  # a form of the equations
+
+
+def formulas(
+    equations: EquationsOfMotion, laws: Sequence[Law] = (), motion: Motion | None = None
+) -> Formulas:
     """Return the formulas of `equations`, multiplied out, or with shared parts s1, s2, ... if that is too
-    long."""
+    long. `motion` gives the equations of motion, by default those that are divided by common factors."""
+    kinds = (ShortAlgebra, TurningAlgebra) if motion is None else (TurningAlgebra,)  # of an inverse of M
+    motion = motion or divided
     known = nonnegative(equations)
     work = min(WORK + PER_ENTRY * len(equations.v) ** 2, MOST_WORK)
-    for kind in (ShortAlgebra, TurningAlgebra):
+    for kind in kinds:
         algebra = kind(known, work)
         with suppress(TooLarge):
             collector = collector_of(SymbolKinds(equations), algebra)
-            found = everything(equations, collector, motion_polynomials(equations, algebra), laws)
+            found = everything(equations, collector, motion(equations, collector), laws)
             algebra.rest()
             return with_long_sums(equations, collector, found)
     naming = NamingAlgebra(equations.graph, shared(_roots(equations, laws)), known)
     collector = collector_of(SymbolKinds(equations), naming)
-    found = everything(equations, collector, motion_polynomials(equations, naming), laws)
+    found = everything(equations, collector, motion(equations, collector), laws)
     return Formulas(collector, found, naming.definitions)
 
 
@@ -155,18 +166,34 @@ class Formulas:
 
 
 def everything(
-    equations: EquationsOfMotion, collector: Collector, motion: Sequence[Polynomial], laws: Sequence[Law] = ()
+    equations: EquationsOfMotion, collector: Collector, motion: Sequence[Formula], laws: Sequence[Law] = ()
 ) -> list[Formula]:
-    """All formulas, with those of `motion`, a polynomial a speed that vanishes."""
+    """All formulas, with those of `motion`."""
     return [
         *_kinematic(equations, collector),
-        *[
-            Formula("motion", name, collector.collect(collector.cancel(p)), ZERO)
-            for name, p in zip(equations.v_names, motion)
-        ],
+        *motion,
         *_rows(equations, collector),
         *_laws(equations, collector, laws),
         *_events(equations, collector),
+    ]
+
+
+def divided(
+    equations: EquationsOfMotion, collector: Collector, found: Sequence[Polynomial] | None = None
+) -> list[Formula]:
+    """Return the equations of motion without common factors; `found` is a polynomial a speed that
+    vanishes."""
+    if found is None:
+        found = motion_polynomials(equations, collector.algebra)
+    return [
+        Formula(
+            "motion",
+            name,
+            collector.collect(collector.cancel(p)),
+            ZERO,
+            factor=collector.collect(collector.common_factor(p)),
+        )
+        for name, p in zip(equations.v_names, found)
     ]
 
 

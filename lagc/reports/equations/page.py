@@ -15,13 +15,16 @@ from lagc.reports.algebra.expansion import TooLarge
 from lagc.reports.algebra.polynomials import NotFinite, Polynomial
 from lagc.reports.algebra.trigonometric_identities import ShortAlgebra
 from lagc.reports.equations.formulas import (
+    LETTER,
     ZERO,
     Formula,
     Formulas,
+    Motion,
     SharedAlgebra,
     SymbolKinds,
     collector_of,
     conditions,
+    divided,
     everything,
     formulas,
     nonnegative,
@@ -32,7 +35,7 @@ from lagc.reports.equations.formulas import (
 )
 from lagc.reports.equations.modes import Law
 from lagc.reports.names import Name, Names, names, taken
-from lagc.reports.patterns.formula_trees import Former, Line, indices
+from lagc.reports.patterns.formula_trees import Former, Line, Total, indices
 from lagc.reports.patterns.index_rules import ruled, summed
 from lagc.reports.patterns.recursion import arrays, residuals
 from lagc.symbolic.graph import Node
@@ -43,31 +46,35 @@ LOCAL = 30  # terms of what is not long, as where only neighbours act on each ot
 ONE, ALL, EACH = 20_000, 2_000_000, 1_000  # products: at most for one of them, for all, or for each
 SHORT = 8  # terms and series of such an equation
 KINDS = (
-    "shared", "kinematic", "motion", "position", "velocity", "closed", "contact", "complement", "bound",
-    "stick", "slip", "impact", "poisson", "event",
+    "shared", "kinematic", "momentum", "entry", "motion", "position", "velocity", "closed", "contact",
+    "complement", "bound", "stick", "slip", "impact", "poisson", "event",
 )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Page:
-    """`ruled`: lines and terms that follow a rule are written once."""
+    """`ruled`: lines and terms that follow a rule are written once. Otherwise `factors` has the factor by
+    which each equation of motion was divided."""
 
     lines: tuple[Line, ...]
     names: Names
     ruled: bool
     taken: set[str]  # what counters are not called
+    factors: tuple[Total, ...] = ()
 
     def by_kind(self) -> list[tuple[str, list[Line]]]:
         kinds = [(kind, [x for x in self.lines if x.kind == kind]) for kind in KINDS]
         return [(kind, lines) for kind, lines in kinds if lines]
 
 
-def page(equations: EquationsOfMotion, full: bool = True, laws: Sequence[Law] = ()) -> Page:
-    """Return the lines of all equations and `laws`, in `full` or by their rules if they are many. Raises
-    Refused (LAG0590) if a number is not finite."""
+def page(
+    equations: EquationsOfMotion, full: bool = True, laws: Sequence[Law] = (), motion: Motion | None = None
+) -> Page:
+    """Return the lines of all equations and `laws`, in `full` or by their rules if they are many; in another
+    form, which `motion` makes, always in full. Raises Refused (LAG0590) if a number is not finite."""
     try:
-        if full or max(len(equations.v), len(equations.rows)) <= MOST:
-            return _plain(equations, laws)
+        if full or motion or max(len(equations.v), len(equations.rows)) <= MOST:
+            return _plain(equations, laws, motion)
         return _by_rule(equations, laws)
     except NotFinite:
         message = "a factor in the equations of motion is not a finite number"
@@ -75,12 +82,14 @@ def page(equations: EquationsOfMotion, full: bool = True, laws: Sequence[Law] = 
         raise Refused([Fault("LAG0590", message, remedy=remedy)]) from None
 
 
-def _plain(equations: EquationsOfMotion, laws: Sequence[Law]) -> Page:
-    found, shown = formulas(equations, laws), _shown(equations)
+def _plain(equations: EquationsOfMotion, laws: Sequence[Law], motion: Motion | None) -> Page:
+    found, shown = formulas(equations, laws, motion), _shown(equations)
     letter = _letter(equations)
     for number, node in enumerate(found.named, 1):
         shown[node] = Name(f"{letter}{number}", f"{letter}{number}")
-    return Page(tuple(_lines(found, shown)), shown, False, set())
+    former = Former(found.collector, shown)
+    factors = tuple([former.total(x.factor) for x in found.found if x.factor is not None])
+    return Page(tuple(_lines(found, shown)), shown, False, set(), factors)
 
 
 def _by_rule(equations: EquationsOfMotion, laws: Sequence[Law]) -> Page:
@@ -128,7 +137,7 @@ def _in_sums(equations: EquationsOfMotion, motion: Sequence[Node], laws: Sequenc
         algebra.limit = min(algebra.spent + ONE, limit)
         every.append(tidy(equations, algebra, algebra.polynomials([node])[0]))
     algebra.limit = limit
-    found = everything(equations, collector, every, laws)
+    found = everything(equations, collector, divided(equations, collector, every), laws)
     algebra.rest()
     return with_long_sums(equations, collector, found)
 
@@ -149,7 +158,7 @@ def _in_parts(equations: EquationsOfMotion, motion: Sequence[Node], laws: Sequen
     roots = [*equations.qdot, *motion, *conditions(equations, laws)]
     algebra = SharedAlgebra(equations.graph, shared(roots), nonnegative(equations))
     collector = collector_of(SymbolKinds(equations), algebra)
-    found = everything(equations, collector, algebra.polynomials(motion), laws)
+    found = everything(equations, collector, divided(equations, collector, algebra.polynomials(motion)), laws)
     return Formulas(collector, found, algebra.definitions)
 
 
@@ -159,7 +168,8 @@ def _shown(equations: EquationsOfMotion) -> Names:
     for q in equations.q:
         name = shown[q]
         shown[rate_of(equations, q)] = Name(name.base, name.full, 1)
-    return shown
+    letters = [x for x in equations.graph.nodes if x.op == "symbol" and x.record.kind == LETTER]
+    return shown | {x: Name(x.record.owner, x.record.owner, x.record.order) for x in letters}
 
 
 def _letter(equations: EquationsOfMotion) -> str:

@@ -12,6 +12,7 @@ from lagc.base.records import dataclass
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.reports.algebra.expansion import TABLE
 from lagc.reports.algebra.polynomials import Exponent
+from lagc.reports.equations.formulas import LETTER
 from lagc.reports.equations.modes import IMPACTS
 from lagc.reports.equations.page import Page
 from lagc.reports.equations.plain_text import TextWriter
@@ -28,6 +29,7 @@ from lagc.reports.patterns.formula_trees import (
     indices,
 )
 from lagc.reports.patterns.index_rules import ruled
+from lagc.symbolic.graph import Node
 from lagc.symbolic.operators import TRUTHS, spelling
 
 RULED = {"sum", "range", "parts"}  # what scripts of rules use besides
@@ -73,12 +75,13 @@ def _body(found: Page, writer: ScriptWriter, modes: Sequence[Titled]) -> list[st
     if found.ruled and shared:
         lines += ["parts = [", *[writer.equation(line) for line in shared], "]"]
     else:
-        lines += [f"{line.label} = {writer.total(line.right)}" for line in shared]
+        named = [line for line in found.lines if line.kind == "entry"]
+    lines += [f"{line.label} = {writer.total(line.right)}" for line in [*shared, *named]]
     lines.append("equations = [")
     lines += [
         writer.equation(line)
         for line in found.lines
-        if line.kind not in ("shared", "contact", "event", *LAWS, *IMPACTS)
+        if line.kind not in ("shared", "entry", "contact", "event", *LAWS, *IMPACTS)
     ]
     lines.append("]")
     gaps = [line for line in found.lines if line.kind == "contact"]
@@ -173,7 +176,7 @@ def _together(names: list[str]) -> list[str]:
 
 def _variables(equations: EquationsOfMotion, found: Page) -> dict[str, str]:
     """Name that is shown, where arrays are written without indices, -> Python identifier."""
-    shared = {line.label for line in found.lines if line.kind == "shared"}
+    shared = {line.label for line in found.lines if line.kind in ("shared", "entry")}
     taken = {"t", "sympy", "equations", "equation"} | (RULED if found.ruled else shared)
     taken |= {"events", "event"} if equations.whens else set()
     taken |= {"gaps", "laws", "law", "modes", "mode", "impacts"} if equations.contacts else set()
@@ -206,6 +209,8 @@ def _declared(equations: EquationsOfMotion, names: Names) -> list[Declared]:
     moving += [(v, unit, "") for v, unit in zip(equations.v, equations.v_units) if v.record.order == 0]
     moving += [(row.multiplier, "", f"multiplier of {row.label}") for row in equations.rows]
     moving += [(node, "", about) for node, _, about in forces_of_contacts(equations)]
+    moving += [(node, "", "") for node in names if isinstance(node, Node) and node.record.kind == LETTER
+               and node.record.component and not node.record.order]  # fmt: skip
     found += [(node, "Function", unit, description) for node, unit, description in moving]
     return [
         (names[node].base, how, unit, ", ".join([x for x in (_source(names[node]), description) if x]))

@@ -25,7 +25,9 @@ from lagc.symbolic.walk import reachable
 
 TITLES = {
     "shared": "shared parts",
+    "entry": "definitions",
     "kinematic": "kinematics",
+    "momentum": "momenta",
     "motion": "equations of motion",
     "position": "constraints on positions",
     "velocity": "constraints on velocities",
@@ -37,9 +39,17 @@ TITLES = {
 }
 
 
-def write(equations: EquationsOfMotion, format: str = "text", full: bool = True) -> str:
-    """The equations in `format`: text, latex or sympy.  Not in `full`, many are written by their rules."""
-    found = [(mode.title, page(mode.equations, full, mode.laws)) for mode in modes(equations)]
+def write(
+    equations: EquationsOfMotion, format: str = "text", full: bool = True, form: str = "divided"
+) -> str:
+    """The equations in `format`: text, latex or sympy.  Not in `full`, many are written by their rules. The
+    forms are "divided" and those of `forms`. Raises NoForm."""
+    motion = None
+    if form != "divided":
+        from lagc.reports.equations.forms import FORMS
+
+        motion = FORMS[form]
+    found = [(mode.title, page(mode.equations, full, mode.laws, motion)) for mode in modes(equations)]
     if format == "latex":
         from lagc.reports.equations.latex import write_latex
 

@@ -291,7 +291,8 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
             assert isinstance(body, objects.Body)
             total = total - body.mass * g * dot(direction, body.position)
             _note_field(context, entry, other, direction)
-    entry.objects.append(objects.Potential(entry.path, total, entry.span, entry.effect))
+    field = objects.Potential(entry.path, total, entry.span, entry.effect, (g, direction))
+    entry.objects.append(field)
     return Reference(entry)
 
 

