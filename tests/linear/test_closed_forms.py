@@ -87,10 +87,7 @@ def test_where_energy_is_least_a_motion_stays(energy: str, more: str, verdict: s
 
 
 @pytest.mark.sample(1)
-@pytest.mark.parametrize(
-    ("product", "verdict"),
-    [("0.7", "stable: energy is least there"), ("p", "neutral")],
-)
+@pytest.mark.parametrize(("product", "verdict"), [("0.7", "stable: energy is least there"), ("p", "neutral")])
 def test_an_inertia_with_products_that_is_surely_positive_is_as_good_as_one_without(
     product: str, verdict: str
 ) -> None:
