@@ -88,9 +88,10 @@ def estimate_errors(g: Goal, scales: Vec[NQUANTITY], method: int, underway: bool
         noise = 0.0
         if i < NQ + NV:
             group = v.run.sizes[scaling_group[i]]
-            noise = LEAST_COMPARED * group
             if NC > 0 or NCON > 0:
                 noise = PROJECTED_NOISE * group
+            else:
+                noise = LEAST_COMPARED * group
         size = v.terms[i] if v.terms[i] > largest else largest
         if 0.1 * noise > size:
             size = 0.1 * noise

@@ -88,7 +88,7 @@ def result(found: Derivation) -> list[str]:
 
 
 def squeezed(line: str) -> str:
-    return re.sub(r"\s+", " ", line).strip()
+    return re.sub(r"[\s&]+", " ", line).strip()
 
 
 def written(equations: EquationsOfMotion) -> Sequence[str]:

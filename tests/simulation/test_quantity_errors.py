@@ -170,6 +170,8 @@ def test_each_quantity_has_the_accuracy_or_is_named(name: str, accuracy: float) 
     if accuracy >= finest:
         assert run.status == "ok", run.message
     if run.status == "ok":
+        small = " ".join([note for note in run.notes if "the accuracy of the own range" in note])
+        errors = {name: error for name, error in errors.items() if f"`{name}`" not in small}
         assert all(error <= accuracy for error in errors.values()), errors
         assert run.estimated is not None and max(errors.values()) <= 1.5 * run.estimated + 1e-12
     else:

@@ -270,7 +270,7 @@ ENTRIES: dict[str, Entry] = {
         "`constraint c: a >= b (restitution = e);` bounds an expression of coordinates, parameters and "
         "time. The restitution is from 0 to 1. Friction has a coefficient from 0, and a `slip` or a place "
         "`at`; that of a `Revolute` joint a `radius`.",
-        _body("constraint c: der(x) <= 0;"),
+        _body("constraint c: 1 [m] <= 0;"),
         _body("constraint c: x <= 0;"),
     ),
     "LAG0301": Entry(

@@ -76,7 +76,7 @@ def _body(found: Page, writer: ScriptWriter, modes: Sequence[Titled]) -> list[st
         lines += ["parts = [", *[writer.equation(line) for line in shared], "]"]
     else:
         named = [line for line in found.lines if line.kind == "entry"]
-    lines += [f"{line.label} = {writer.total(line.right)}" for line in [*shared, *named]]
+        lines += [f"{line.label} = {writer.total(line.right)}" for line in [*shared, *named]]
     lines.append("equations = [")
     lines += [
         writer.equation(line)
