@@ -60,11 +60,13 @@ def test_a_block_rocks_with_the_times_and_the_ratio_of_housner(backend: str) -> 
 
 
 def test_a_block_stops_rocking_and_stands() -> None:
-    """160 impacts until they are lower than 1e-10 of its size; `rests` is early by the flights left."""
+    """160 impacts until they are lower than 1e-10 of its size, with the times of Housner; the later ones, up to
+    1e-10 of the height of its first fall, hide in the round-off of the gaps. `rests` is early by the flights
+    left."""
     run, exact = _block("c", scene="all", accuracy=1e-8), _impacts(0.1)
     hits = [event.t for event in run.events if event.kind == "impact"][:-2]
     assert run.status == "ok" and len(hits) > 150
-    assert hits == pytest.approx(exact[: len(hits)], abs=2e-9)
+    assert hits[:160] == pytest.approx(exact[:160], abs=2e-9)
     rests = [event.t for event in run.events if event.kind == "rests"]
     assert exact[len(hits)] - 1e-4 < rests[0] < exact[-1]
     assert run.final["E"] == pytest.approx(G * 0.5 * math.cos(ALPHA), rel=1e-9)
