@@ -94,5 +94,6 @@ def test_the_program_calls_every_public_function(tmp_path: Path) -> None:
     assert public <= called | {
         "four_bar_measures",
         "four_bar_check",
-        "four_bar_status_text", "four_bar_verified",
+        "four_bar_status_text",
+        "four_bar_verified",
     }  # numbers and texts
