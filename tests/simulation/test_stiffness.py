@@ -24,12 +24,14 @@ def integrated(text: str, stop: float, backend: str = "c", **given: Any) -> Any:
 @pytest.mark.parametrize("text, rate", [(DAMPED, 1e6), (PAIR, 1e4)], ids=["decay", "ringing"])
 @pytest.mark.parametrize("method, bound", [("dop853", 6.1), ("dopri5", 3.25)])
 def test_steps_at_the_border_of_stability(text: str, rate: float, method: str, bound: float) -> None:
-    """The steps are as long as the largest eigenvalue of the equations allows, whatever the tolerance."""
-    stop = 4e4 / rate
-    for rtol in (1e-4, 1e-7):
+    """The steps are as long as the largest eigenvalue of the equations allows, whatever the tolerance. Where it
+    is complex, single tests of a thousand steps miss it: about half of them find it."""
+    stop, found, tests = 4e4 / rate, 0, 0
+    for rtol in (1e-4, 1e-5, 1e-6, 1e-7):
         run = integrated(text, stop, method=method, rtol=rtol)
         assert run.steps == pytest.approx(stop * rate / bound, rel=0.4)
-        assert run.stiff >= 0.6 * (run.steps // 1000) > 1
+        found, tests = found + run.stiff, tests + run.steps // 1000
+    assert found >= (0.6 if text == DAMPED else 0.4) * tests > 1
 
 
 @pytest.mark.parametrize("method", ["dop853", "dopri5"])
