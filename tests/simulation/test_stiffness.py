@@ -24,8 +24,8 @@ def integrated(text: str, stop: float, backend: str = "c", **given: Any) -> Any:
 @pytest.mark.parametrize("text, rate", [(DAMPED, 1e6), (PAIR, 1e4)], ids=["decay", "ringing"])
 @pytest.mark.parametrize("method, bound", [("dop853", 6.1), ("dopri5", 3.25)])
 def test_steps_at_the_border_of_stability(text: str, rate: float, method: str, bound: float) -> None:
-    """The steps are as long as the largest eigenvalue of the equations allows, whatever the tolerance. Where it
-    is complex, single tests of a thousand steps miss it: about half of them find it."""
+    """The steps are as long as the largest eigenvalue of the equations allows, whatever the tolerance. Where
+    it is complex, single tests of a thousand steps miss it: about half of them find it."""
     stop, found, tests = 4e4 / rate, 0, 0
     for rtol in (1e-4, 1e-5, 1e-6, 1e-7):
         run = integrated(text, stop, method=method, rtol=rtol)
