@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import inf
+from math import inf, tau
 from sys import float_info
 from typing import TYPE_CHECKING
 
@@ -96,7 +96,8 @@ def spaced_verdict(system: System, found: Verdict, asked: float, scales: Mapping
     for i, name in enumerate(interface.q_names if run.states else ()):
         size = max(abs(x[i]) for x in run.states)
         least = ULP * size / scales.get(name, 1.0)
-        if interface.state_units[i] == "rad" and least > asked and _depends(system, run, i):
+        turns = interface.state_units[i] == "rad" and size > tau
+        if turns and least > asked and _depends(system, run, i):
             broken = found.status == "failed" and run.status not in (OK, REDUNDANT)
             before = f"{found.message}; " if broken else ""
             message = (f"{before}`{name}` is {size:g} rad, where the spacing of numbers is "

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from math import isfinite
 from pathlib import Path
 
 import pytest
@@ -33,8 +34,8 @@ CLOSE = 1e-11  # of the largest term: sums of tens of terms of which each is rou
 @pytest.mark.parametrize("name", CASES)
 def test_formulas_are_the_expressions_and_terms_the_equations(name: str) -> None:
     equations, found = derived(name), solution(name)
-    tried = states(equations, found)
-    assert tried
+    tried = [at for at in states(equations, found, 6) if all(map(isfinite, residuals(equations, at)))][:2]
+    assert tried  # at others, a speed is above that of light
     for at in tried:
         wrong = [written.about for written in found.written if not gap(written, at) < CLOSE]
         assert not wrong
