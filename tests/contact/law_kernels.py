@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 
 from lagc.codegen.kernel_compiler.c import CPrinter
-from lagc.codegen.kernel_compiler.linker import DERIVED, SPELLED, chosen
+from lagc.codegen.kernel_compiler.compiler import definitions
+from lagc.codegen.kernel_compiler.library import library
 from lagc.codegen.kernel_compiler.real_types import DOUBLE
-from lagc.codegen.kernel_compiler.shipped import parts
 from lagc.codegen.python.functions import ARITHMETIC
 from lagc.codegen.python.runtime import numbers
+from lagc.codegen.sizes import DERIVED, SPELLED
 
 OPEN, SLIPS, STICKS = 0, 1, 2
 ONE, FOUND, NONE, SEVERAL, FAILED = range(5)
@@ -33,40 +34,41 @@ class Kernels:
         own = {"NCON": contacts, "NSLIP": slips, "NPOISSON": 1}
         derived = ("NCROW", "NDELASSUS", "NDIRECT", "NLAW", "NLAWS")
         own.update({name: DERIVED[name](own) for name in derived})
-        flags = {flag: flag in own for part in parts() for flag in _flags(part)}
+        self.flags = {flag: flag in own for flag in definitions().sizes}
         self.sizes = {**own, "TWO": 2}
-        self.use = chosen(parts(), flags, ROOTS)
-        ((_, members),) = self.use.records
+        (record,) = library("double").chosen(ROOTS, self.flags).records
+        members = record.members
         self.members = [(n, tuple(kind)) for n, kind, *_ in members if n.startswith(("law_", "impact_"))]
 
     def python(self) -> dict[str, Any]:
         """Return the kernels in Python, with `make`, which returns a workspace."""
         space: dict[str, Any] = {**self.sizes, "make": lambda: _Fields(self.members, self.sizes)}
-        text = [ARITHMETIC, numbers(self.use.names), *(leaf["python"] for _, leaf in self.use.functions)]
+        use = library("python").chosen(ROOTS, self.flags)
+        text = [ARITHMETIC, numbers(use.constants), *(part.text for part in use.functions)]
         exec("\n".join(text), space)
         return space
 
     def c(self, folder: Path) -> dict[str, Any]:
         """Return the kernels compiled by gcc, likewise."""
-        printer = CPrinter(DOUBLE, SPELLED, {})
+        printer, use = CPrinter(DOUBLE, SPELLED, {}), library("double").chosen(ROOTS, self.flags)
         numbers = {"NCON": self.sizes["NCON"], "NSLIP": self.sizes["NSLIP"]}
-        numbers.update({p["name"]: p["value"] for p in self.use.numbers})
+        numbers.update({part.name: part.text for part in use.constants})
         text = ["#include <math.h>", "#include <stddef.h>"]
         text += [f"#define LAGC_{name} {value}" for name, value in numbers.items()]
         text += ["typedef struct {"]
         text += [f"    {printer.declared(kind, name)};" for name, kind in self.members]
-        text += ["} lagc_work;", *(leaf["c"] for _, leaf in self.use.functions)]
+        text += ["} lagc_work;", *(part.text for part in use.functions)]
         text += [f"int {n}(lagc_work *w);\nint {n}(lagc_work *w) {{ return lagc_{n}(w); }}" for n in ROOTS]
         (folder / "law.c").write_text("\n".join(text) + "\n")
         words = ["gcc", *FLAGS, "-fPIC", "-shared", "law.c", "-o", "law.so", "-lm"]
         done = subprocess.run(words, cwd=folder, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
-        library = ctypes.CDLL(str(folder / "law.so"))
+        compiled = ctypes.CDLL(str(folder / "law.so"))
         fields = [(n, _ctype(kind, self.sizes)) for n, kind in self.members]
         work = type("Work", (ctypes.Structure,), {"_fields_": fields})
 
         def call(name: str) -> Any:
-            return lambda w: getattr(library, name)(ctypes.byref(w))
+            return lambda w: getattr(compiled, name)(ctypes.byref(w))
 
         return {"make": work, **{name: call(name) for name in ROOTS}}
 
@@ -81,16 +83,6 @@ class _Fields:
         for name, kind in members:
             zero: Any = 0.0 if kind[0] in ("Real", "Vec") else 0
             setattr(self, name, [zero] * sizes[kind[1]] if len(kind) > 1 else zero)
-
-
-def _flags(part: Any) -> set[str]:
-    if part["kind"] == "record":
-        return {flag for member in part["members"] for flag, _ in member[2]}
-    return _tree_flags(part["tree"]) if part["kind"] == "function" else set()
-
-
-def _tree_flags(tree: Any) -> set[str]:
-    return {tree[0]} | _tree_flags(tree[1]) | _tree_flags(tree[2]) if isinstance(tree, list) else set()
 
 
 KERNELS = Kernels(8, 16)
