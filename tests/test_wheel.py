@@ -88,6 +88,7 @@ def test_nothing_is_left_behind(installed: Path) -> None:
         "syntax/tables.json",
         "codegen/kernel_compiler/kernels.json",
         "models/classic/kepler.lag",
+        "messages/syntax.md",
     ):
         assert (installed / "lagc" / name).is_file()
     for path in (ROOT / "lagc").rglob("*"):

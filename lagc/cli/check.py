@@ -79,9 +79,10 @@ def look_at(name: str, options: argparse.Namespace) -> Checked:
 def explain(code: str) -> int:
     """Print the explanation of an error code."""
     from lagc.diagnostics.catalogue import entries
+    from lagc.host.model_library import messages_folder
 
     code = code.upper()
-    entry = entries().get(code)
+    entry = entries(messages_folder()).get(code)
     if entry is None:
         raise Usage(f"there is no error code `{code}`")
     show(f"{code}: {entry.title}\n\n{entry.explanation}\n")
