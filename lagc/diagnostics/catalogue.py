@@ -1,8 +1,8 @@
 """The catalogue of faults: the meaning of each code, with a wrong and a right example.
 
-The pages of `docs/reference/messages` have a section for each code: its title, a paragraph, and after `wrong:`
-and `right:` two complete models, which tests run.  The first gives the code, the second is accepted.  There
-are none if the fault does not come from the text of a model.
+The pages of `docs/reference/messages` have a section for each code: its title, a paragraph, and after
+`wrong:` and `right:` two complete models, which tests run.  The first gives the code, the second is accepted.
+There are none if the fault does not come from the text of a model.
 """
 
 from __future__ import annotations

@@ -29,8 +29,7 @@ def references_folder() -> str:
 
 
 def messages_folder() -> str:
-    """Return the folder of the explanations of messages: in the documents of a checkout, inside the package if
-    installed."""
+    """Return the folder of the catalogue: in the documents of a checkout, inside the package if installed."""
     return _data_folder("messages", os.path.join("docs", "reference", "messages"))
 
 

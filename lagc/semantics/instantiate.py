@@ -6,8 +6,7 @@ from collections.abc import Iterable
 
 from lagc.base.records import dataclass, replace
 from lagc.diagnostics.faults import Span
-from lagc.diagnostics.foreign_words import MODELS, TYPES, remedy_of_word
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.diagnostics.suggest import did_you_mean, remedy_of_word
 from lagc.semantics.context import Context
 from lagc.semantics.names.namespace import Namespace
 from lagc.semantics.names.scope import (
@@ -335,7 +334,7 @@ class Builder:
             found, where = space.find(d.type.path, d.type.span, "model or type")
         except Wrong as wrong:
             name = d.type.path[-1]
-            remedy = remedy_of_word(MODELS, name) or remedy_of_word(TYPES, name) or wrong.fault.remedy
+            remedy = remedy_of_word("models", name) or remedy_of_word("types", name) or wrong.fault.remedy
             remedy = remedy or did_you_mean(name, ELEMENTS)
             remedy = remedy or f"declare it, `model {name} ... end {name};`, or import its file"
             raise Wrong(wrong.fault.code, wrong.fault.message, wrong.fault.span, remedy) from None

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from itertools import islice, product
 
-from lagc.diagnostics.foreign_words import UNIT_PREFIXES, UNIT_VALUES, unit_symbol
+from lagc.diagnostics.suggest import foreign, unit_symbol
 from lagc.semantics.units import BROKEN, SYMBOLS, Dimension, UnknownUnit, unit
 
 _SIGNS = str.maketrans({**dict.fromkeys("·⋅×∙•", "."), "−": "-", "⁻": "-", "º": "°", "μ": "u", "^": ""})
@@ -23,7 +23,7 @@ def unit_remedy(text: str, wanted: Dimension | None = None) -> str | None:
     """Return the remedy for a text that is not a unit, or None."""
     if BROKEN.search(text):
         return "raise a pure number to that power: `k*(x/(1 [m]))^1.5`, with k in newtons"
-    value = UNIT_VALUES.get(text.strip())
+    value = foreign("unit_values").get(text.strip())
     if value is not None:
         known = f"write it in a unit of the language: 1 {text.strip()} is `{value}`"
         return value if "`" in value else known
@@ -67,7 +67,7 @@ def _meanings(word: str) -> Iterator[str]:
         yield word
     plain = word.lower()
     yield unit_symbol(word)
-    for prefix, short in UNIT_PREFIXES.items():
+    for prefix, short in foreign("unit_prefixes").items():
         if plain.startswith(prefix):
             yield short + unit_symbol(plain.removeprefix(prefix))
     yield from (symbol for symbol in (*_COMMON, *SYMBOLS) if symbol.lower() in (plain, plain.rstrip("s")))

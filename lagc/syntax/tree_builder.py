@@ -272,12 +272,11 @@ class Excludes(Requires):
 
 def _misspelt_keyword(made: tree.TypeName) -> list[Fault]:
     """Report `bod b = Particle(...);`, since an instance of a model has no value."""
-    from lagc.diagnostics.foreign_words import KEYWORDS, TYPES, remedy_of_word
-    from lagc.diagnostics.suggest import closest
+    from lagc.diagnostics.suggest import closest, foreign, remedy_of_word
     from lagc.syntax.lalr_tables import tables
 
     word = made.path[-1]
-    remedy = remedy_of_word(KEYWORDS, word)
+    remedy = remedy_of_word("keywords", word)
     if remedy is not None:
         message = f"`{word}` is not a keyword of the language"
         return [Fault("LAG0118", message, made.span, remedy=remedy)]
@@ -285,7 +284,7 @@ def _misspelt_keyword(made: tree.TypeName) -> list[Fault]:
         message = f"the arguments of a `{word}` follow its name in parentheses"
         remedy = f"write `body b = {word}(...);`, or `{word} b(...);`"
         return [Fault("LAG0119", message, made.span, remedy=remedy)]
-    if word in _TYPES_TOO or word in TYPES:
+    if word in _TYPES_TOO or word in foreign("types"):
         return []
     keywords = tables().keywords
     near = word.lower() if word.lower() in keywords else closest(word, keywords)

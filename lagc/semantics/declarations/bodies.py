@@ -7,8 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from lagc.diagnostics.faults import Fault, Span
-from lagc.diagnostics.foreign_words import MODELS, remedy_of_word
-from lagc.diagnostics.suggest import did_you_mean, moments
+from lagc.diagnostics.suggest import did_you_mean, moments, remedy_of_word
 from lagc.semantics import model as objects
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.attributes import given_scalar
@@ -62,7 +61,7 @@ def declare_body(context: Context, entry: Entry) -> Value:
     name = call.function.name if isinstance(call.function, tree.Name) else ""
     if name not in _PARAMETERS:
         look_at_arguments(context, call, entry.environment)
-        remedy = did_you_mean(name, _PARAMETERS) or remedy_of_word(MODELS, name)
+        remedy = did_you_mean(name, _PARAMETERS) or remedy_of_word("models", name)
         raise Wrong("LAG0221", NO_BODY, call.function.span, remedy)
     given = _arguments(context, entry, call, name)
     if name == "Solid" and "frame" not in given:

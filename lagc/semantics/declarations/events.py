@@ -7,8 +7,7 @@ from collections.abc import Callable
 
 from lagc.base.records import dataclass, field
 from lagc.diagnostics.faults import Source
-from lagc.diagnostics.foreign_words import ACTIONS, remedy_of_word
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.diagnostics.suggest import did_you_mean, remedy_of_word
 from lagc.semantics import model as objects
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.discrete import number_of, truth_symbol
@@ -115,14 +114,14 @@ Action = Callable[[Context, tree.Statement, Environment, _Found], None]
 def _action(statement: tree.Statement) -> Action:
     action = statement.action
     if statement.value is not None or not isinstance(action, tree.Call):
-        remedy = remedy_of_word(ACTIONS, action.span.text) or f"the actions are {_USES}"
+        remedy = remedy_of_word("actions", action.span.text) or f"the actions are {_USES}"
         if statement.value is not None:
             value = re.sub(r"\bpre\((\w+)\)", r"\1", statement.value.span.text)
             remedy = f"write `reinit({action.span.text}, {value})`"
         raise Wrong("LAG0227", "a `when` clause contains actions, not equations", statement.span, remedy)
     name = action.function.name if isinstance(action.function, tree.Name) else action.function.span.text
     if name not in _ACTIONS:
-        remedy = remedy_of_word(ACTIONS, name) or did_you_mean(name, _ACTIONS) or f"the actions are {_USES}"
+        remedy = remedy_of_word("actions", name) or did_you_mean(name, _ACTIONS) or f"the actions are {_USES}"
         raise Wrong("LAG0227", f"`{name}` is not an action of `when`", action.function.span, remedy)
     return _ACTIONS[name]
 

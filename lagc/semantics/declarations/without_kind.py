@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from lagc.diagnostics.foreign_words import TYPES as FOREIGN_TYPES
+from lagc.diagnostics.suggest import foreign
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Entry, Scalar, Value, flat
 from lagc.semantics.names.undeclared import dimension_of
@@ -27,7 +27,7 @@ _LONGEST = 80
 
 def quantity_of(path: tuple[str, ...]) -> str | None:
     """Return the quantity type that `Length`, `length`, `SI.Position` or `float` means, or None."""
-    name = FOREIGN_TYPES.get(path[-1], path[-1])
+    name = foreign("types").get(path[-1], path[-1])
     return name if name in TYPES else None
 
 

@@ -13,8 +13,7 @@ import math
 from heapq import heappop, heappush
 
 from lagc.diagnostics.faults import Span
-from lagc.diagnostics.foreign_words import AS_JOINT
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.diagnostics.suggest import AS_JOINT, did_you_mean
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.placeholders import placeholder_value
 from lagc.semantics.joints.kinds import ABOUT_Z, ABOUT_Z_AND_X, ANY_TURN, ENDS, KINDS, Condition, Pair

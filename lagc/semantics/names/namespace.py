@@ -13,8 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TypeAlias
 
 from lagc.diagnostics.faults import Refused, Source, Span
-from lagc.diagnostics.foreign_words import LIBRARIES, NO_LIBRARY
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.diagnostics.suggest import did_you_mean, foreign
 from lagc.host.model_library import (
     LARGEST_DATA,
     Outside,
@@ -391,8 +390,8 @@ class Importer:
     def nothing(self, declaration: tree.Import) -> Wrong:
         names = declaration.path
         remedy = f"looked for {_candidates(names)} in: {', '.join(shown(r) or '.' for r in self.roots)}"
-        if names[0] in LIBRARIES:
-            remedy = NO_LIBRARY
+        if names[0] in foreign("libraries"):
+            remedy = foreign("libraries")[names[0]]
         return Wrong(
             "LAG0216",
             f"`{'.'.join(names)}` cannot be imported: no file declares it",

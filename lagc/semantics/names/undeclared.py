@@ -6,8 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from lagc.diagnostics.foreign_words import NAMES, foreign_call, looks_like_unit, remedy_of_word, unit_symbol
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.diagnostics.suggest import did_you_mean, foreign_call, looks_like_unit, remedy_of_word, unit_symbol
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Entry, Environment, Instance, flat
 from lagc.semantics.refusals import Poisoned, Wrong
@@ -60,7 +59,7 @@ def remedy(context: Context, e: tree.Name, environment: Environment) -> str:
         or _unit_factor(e)
         or _strength(e.name, instance)
         or rate_remedy(e.name, instance)
-        or remedy_of_word(NAMES, e.name)
+        or remedy_of_word("names", e.name)
         or foreign_call(e.name)
         or did_you_mean(e.name, known)
         or remedy_of_reaction(e, instance)

@@ -5,8 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import partial
 
-from lagc.diagnostics.foreign_words import CALLS, foreign_call, keeps_argument, remedy_of_surplus
-from lagc.diagnostics.suggest import did_you_mean, meant_argument
+from lagc.diagnostics.suggest import (
+    did_you_mean,
+    foreign,
+    foreign_call,
+    keeps_argument,
+    meant_argument,
+    remedy_of_surplus,
+)
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Entry, Environment, Scalar, Value, expect, flat
 from lagc.semantics.refusals import Poisoned, Wrong
@@ -279,7 +285,7 @@ def _enter(context: Context, e: tree.Call, function: tree.FunctionDeclaration) -
 def _unknown(name: str, e: tree.Call, environment: Environment) -> Wrong:
     span = e.function.span
     if name in RESERVED:
-        return Wrong("LAG0220", f"`{name}` is not yet supported", span, CALLS[name])
+        return Wrong("LAG0220", f"`{name}` is not yet supported", span, foreign("calls")[name])
     if name in environment.instance.unused:
         return Wrong("LAG0214", f"`{name}` {environment.instance.unused[name]}", span)
     if name in ("Particle", "Solid", "Gravity"):

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from lagc.base.records import replace
-from lagc.diagnostics import foreign_words as words
 from lagc.diagnostics.faults import Span
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.diagnostics.suggest import did_you_mean, foreign, remedy_of_word
 from lagc.semantics.context import Context
 from lagc.semantics.names.namespace import Declared, Namespace
 from lagc.semantics.names.scope import Environment, Instance, Value, expect, flat
@@ -114,9 +113,9 @@ def type_of(name: tree.TypeName | None, space: Namespace, depth: int = 0) -> Qua
         if name.path[0] in TYPES:
             return TYPES[name.path[0]]
         known = [*TYPES, *space.known()]
-        remedy = words.remedy_of_word(words.TYPES, name.path[0]) or did_you_mean(name.path[0], known)
+        remedy = remedy_of_word("types", name.path[0]) or did_you_mean(name.path[0], known)
         raise Wrong("LAG0203", f"there is no type `{name.path[0]}`", name.span, remedy)
-    built_in = words.TYPES.get(name.path[-1], name.path[-1])
+    built_in = foreign("types").get(name.path[-1], name.path[-1])
     if declared is None and built_in in TYPES:
         message = f"there is no type `{'.'.join(name.path)}`"
         remedy = f"the types of quantities are built in: write `{built_in}`"

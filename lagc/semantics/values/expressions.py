@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from lagc.diagnostics.faults import Span
-from lagc.diagnostics.foreign_words import NAMES, foreign_call, remedy_of_word
+from lagc.diagnostics.suggest import foreign_call, remedy_of_word
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Array, Environment, Scalar, Text, Truth, Value, flat, kind, shape
 from lagc.semantics.refusals import Poisoned, Wrong
@@ -122,7 +122,7 @@ def _member(context: Context, e: tree.Member, environment: Environment) -> Value
     if constant is not None:
         return constant
     path = dotted(e) or ("",)
-    remedy = f"write `{path[-1]}`" if path[-1] in CONSTANTS else remedy_of_word(NAMES, path[-1])
+    remedy = f"write `{path[-1]}`" if path[-1] in CONSTANTS else remedy_of_word("names", path[-1])
     remedy = remedy or foreign_call(path[-1])
     unused = path[0] in environment.instance.unused
     if remedy is not None and not unused and find(context, path[0], environment, e.span) is None:

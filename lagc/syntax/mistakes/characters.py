@@ -7,7 +7,7 @@ import unicodedata
 from collections.abc import Callable
 
 from lagc.diagnostics.faults import Fault, Source, Span
-from lagc.diagnostics.foreign_words import CHARACTERS, GREEK, LATEX, SIGNS, fill_template, remedy_of
+from lagc.diagnostics.suggest import fill_template, foreign, remedy_of
 from lagc.syntax.tokens import STRING, SYMBOL, WORD, Lexed, Token
 
 _LATEX = re.compile(r"\\([A-Za-z]+)((?:\{[^{}\n]*(?:\{[^{}\n]*\}[^{}\n]*)*\})*)")
@@ -21,15 +21,15 @@ def foreign_word(source: Source, word: str, start: int) -> Fault:
     """Return the fault of a name with other letters than those of the language."""
     exponent = _EXPONENT.search(source.text, start, start + len(word))
     base = word if exponent is None else word[: exponent.start() - start]
-    spelled = "".join(GREEK.get(character, character) for character in base)
+    spelled = "".join(foreign("greek").get(character, character) for character in base)
     plain = unicodedata.normalize("NFKD", spelled)
     plain = "".join(c for c in plain if not unicodedata.combining(c))
     good = plain.isascii() and plain.isidentifier()
     remedy = f"write `{plain}`" if good else None
     if exponent is not None and (good or not plain):
         remedy = _raised(source, plain, exponent)
-    elif word in CHARACTERS:
-        remedy = remedy_of(CHARACTERS[word])
+    elif word in foreign("characters"):
+        remedy = remedy_of(foreign("characters")[word])
     message = f"`{word}` is not a name; names consist of the letters A-Z and a-z, digits and `_`"
     return Fault("LAG0101", message, Span(source, start, start + len(word)), remedy=remedy)
 
@@ -41,8 +41,8 @@ def foreign_character(source: Source, lexed: Lexed, start: int) -> int:
     end = explained(source, lexed, start) if explained is not None else None
     if end is not None:
         return end
-    meant = SIGNS.get(character)
-    entry = CHARACTERS.get(character) if meant is None else meant
+    meant = foreign("signs").get(character)
+    entry = foreign("characters").get(character) if meant is None else meant
     _report(source, lexed, start, start + 1, None if entry is None else remedy_of(entry))
     if meant is not None:
         lexed.tokens.append(Token(SYMBOL, meant, start, start + 1))
@@ -66,7 +66,7 @@ def _comment(source: Source, lexed: Lexed, start: int) -> int | None:
         lexed.tokens.append(Token(SYMBOL, "%", start, start + 1))
         return start + 1
     defined = _DEFINE.match(source.text, start)
-    remedy = f"write `constant Real {defined[1]} = {defined[2]};`" if defined else CHARACTERS["#"]
+    remedy = f"write `constant Real {defined[1]} = {defined[2]};`" if defined else foreign("characters")["#"]
     _report(source, lexed, start, start + 1, remedy)
     newline = source.text.find("\n", start)
     return len(source.text) if newline < 0 else newline
@@ -98,7 +98,7 @@ def _latex(source: Source, lexed: Lexed, start: int) -> int | None:
     found = _LATEX.match(source.text, start)
     if found is None:
         return None
-    name, template = found[1], LATEX.get(found[1])
+    name, template = found[1], foreign("latex").get(found[1])
     if template is None or "{" not in template:
         end = found.end(1)
         return _report(source, lexed, start, end, remedy_of(name if template is None else template))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from lagc.diagnostics.faults import Fault
-from lagc.diagnostics.foreign_words import OPERATORS
+from lagc.diagnostics.suggest import foreign
 from lagc.syntax.mistakes.context import Explained, Repair, Where, token_of
 from lagc.syntax.tokens import END, NUMBER, SYMBOL, WORD, Token
 
@@ -25,7 +25,7 @@ FUNCTIONS = frozenset({
 
 def foreign_operator(w: Where) -> Explained | None:
     text = w.token.text
-    if w.token.kind != SYMBOL or text not in OPERATORS:
+    if w.token.kind != SYMBOL or text not in foreign("operators"):
         return None
     message = f"`{text}` is not an operator of the language"
     special = _bars(w) if text in ("|", "||") else _assignment(w) if text[-1] == "=" else None
@@ -36,7 +36,7 @@ def foreign_operator(w: Where) -> Explained | None:
     if text == "...":
         remedy = "leave it out: a declaration ends with `;`, and may have several lines"
         return Explained(Fault("LAG0117", message, w.span(w.token), remedy=remedy), w.replace())
-    ours = OPERATORS[text]
+    ours = foreign("operators")[text]
     return Explained(Fault("LAG0117", message, w.span(w.token), remedy=f"write `{ours}`"), w.replace(ours))
 
 

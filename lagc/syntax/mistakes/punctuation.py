@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 
 from lagc.diagnostics.faults import Fault, Source, Span
-from lagc.diagnostics.foreign_words import looks_like_unit, unit_symbol
+from lagc.diagnostics.suggest import looks_like_unit, unit_symbol
 from lagc.syntax.lexer import tokenise
 from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
 from lagc.syntax.mistakes.operators import FUNCTIONS
