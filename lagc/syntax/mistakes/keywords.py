@@ -7,8 +7,8 @@ from itertools import pairwise
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.diagnostics.suggest import AS_JOINT, closest, foreign, remedy_of_word
-from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
-from lagc.syntax.tokens import END, NUMBER, STRING, SYMBOL, UNIT, WORD
+from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD
+from lagc.syntax.mistakes import HEADERS, Explained, Repair, Where, token_of
 
 
 def first_word(w: Where) -> Explained | None:
