@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
     unseen = [stage for stage in STAGES if stage in left]
     wrong = [f for f in faults if f.severity == "error"]
     if options.json or options.format == "json":
-        from lagc.diagnostics.report import as_json
+        from lagc.diagnostics.faults import as_json
 
         print_json({"status": "refused" if wrong else "ok", "faults": as_json(faults), "unseen": unseen})
     elif faults:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-from lagc.diagnostics.report import as_json
+from lagc.diagnostics.faults import as_json
 from lagc.lowering.program import Field, Interface, Program
 from lagc.mechanics.analysis.analysis import RowKind, Seems, analyse
 from lagc.mechanics.formulation.equations import Contribution, EquationsOfMotion, StartValue, WhenEquations

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from lagc.base.records import dataclass, replace
-from lagc.diagnostics.faults import Span
+from lagc.diagnostics.faults import Span, Wrong
 from lagc.diagnostics.suggest import did_you_mean, remedy_of_word
 from lagc.semantics.context import Context
 from lagc.semantics.names.namespace import Namespace
@@ -26,7 +26,6 @@ from lagc.semantics.names.scope import (
     outermost_first,
     subscripts,
 )
-from lagc.semantics.refusals import Wrong
 from lagc.semantics.units import NONE
 from lagc.semantics.values.evaluate import integer, integers
 from lagc.semantics.values.members import MOST_NAMED
@@ -269,7 +268,7 @@ class Builder:
 
     def _coordinates(self, joint: Entry, destination: Destination) -> None:
         """Enter the coordinates of a joint as members: `knee.angle`."""
-        from lagc.semantics.joints.coordinates import coordinates_of
+        from lagc.semantics.joints.linkage import coordinates_of
 
         self.context.has_joints = True
         joint.inner = coordinates_of(joint, self.instance)
@@ -382,7 +381,7 @@ class Builder:
 
 
 def _is_quantity(d: tree.Instance) -> bool:
-    from lagc.semantics.declarations.without_kind import quantity_of  # where there is a fault
+    from lagc.semantics.names.undeclared import quantity_of  # where there is a fault
 
     return quantity_of(d.type.path) is not None
 

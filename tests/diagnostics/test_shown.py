@@ -8,8 +8,7 @@ import pytest
 
 from lagc.compiler.checking import check
 from lagc.compiler.pipeline import Choice
-from lagc.diagnostics.faults import Fault, Source, Span
-from lagc.diagnostics.report import as_json, report
+from lagc.diagnostics.faults import Fault, Source, Span, as_json, report
 from lagc.diagnostics.suggest import closest, did_you_mean, foreign_call
 
 
