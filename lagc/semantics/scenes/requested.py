@@ -1,4 +1,4 @@
-"""Requests of a run: the settings of a scene, the outputs to record, and expressions over the finished run."""
+"""Requests of a run: the settings of a scene, the outputs to record, expressions over the finished run."""
 
 from __future__ import annotations
 
