@@ -244,20 +244,14 @@ class Context:
         if entry.state == "poisoned":
             raise Poisoned
         if entry.state == "running":
-            raise Wrong(
-                "LAG0205",
-                f"`{entry.path}` depends on itself",
-                span,
-                related=((entry.span, "declared here"),),
-                remedy="break the circle: one of these declarations must not depend on the others",
-            )
+            message = f"`{entry.path}` depends on itself"
+            remedy = "break the circle: one of these declarations must not depend on the others"
+            related = ((entry.span, "declared here"),)
+            raise Wrong("LAG0205", message, span, remedy, related)
         if len(self.chain) >= DEEPEST_CHAIN:
-            raise Wrong(
-                "LAG0218",
-                f"a chain of more than {DEEPEST_CHAIN} declarations depend on one another",
-                span,
-                "put each declaration before those that depend on it",
-            )
+            message = f"a chain of more than {DEEPEST_CHAIN} declarations depend on one another"
+            remedy = "put each declaration before those that depend on it"
+            raise Wrong("LAG0218", message, span, remedy)
         entry.state = "running"
         self.chain.append(entry)
         try:

@@ -120,12 +120,9 @@ class Builder:
         elif isinstance(d, tree.When):
             self.context.whens.append((d, destination.environment, destination.effect))
         elif isinstance(d, tree.Start | tree.Simulate):
-            raise Wrong(
-                "LAG0221",
-                "this is only allowed in a scene",
-                d.span,
-                "write it between `scene name uses ...` and `end name;`",
-            )
+            message = "this is only allowed in a scene"
+            remedy = "write it between `scene name uses ...` and `end name;`"
+            raise Wrong("LAG0221", message, d.span, remedy)
 
     def _excluded(self, d: tree.Declaration) -> str | None:
         for name in getattr(d, "unless", ()):
@@ -280,12 +277,9 @@ class Builder:
         space = entry.environment.space
         if len(d.type.path) == 1 and d.type.path[0] in ELEMENTS and space.lookup(d.type.path[0]) is None:
             if source.dimensions:
-                raise Wrong(
-                    "LAG0221",
-                    f"an array of `{d.type.path[0]}` cannot be declared this way",
-                    source.span,
-                    "write `body b[i] = ...;` in a loop",
-                )
+                message = f"an array of `{d.type.path[0]}` cannot be declared this way"
+                remedy = "write `body b[i] = ...;` in a loop"
+                raise Wrong("LAG0221", message, source.span, remedy)
             entry.kind = "gravity" if d.type.path[0] == "Gravity" else "body"
             destination.items.append(entry)
             return
@@ -302,11 +296,8 @@ class Builder:
         own = modifiers_of(source.arguments, entry.environment)
         for modifier in reversed(entry.modifiers):  # the outermost last, because the last goes first
             if modifier.argument.value is not None:
-                raise Wrong(
-                    "LAG0209",
-                    f"`{entry.name}` is an instance of a model and has no value",
-                    modifier.argument.span,
-                )
+                message = f"`{entry.name}` is an instance of a model and has no value"
+                raise Wrong("LAG0209", message, modifier.argument.span)
             for name, given in modifiers_of(modifier.argument.arguments, modifier.environment).items():
                 own[name] = [*given, *own.get(name, [])]
         sizes = [integer(self.context, s, entry.environment, "a size") for s in source.dimensions]
@@ -340,12 +331,9 @@ class Builder:
         if not isinstance(found, tree.ModelDeclaration):
             raise Wrong("LAG0204", f"`{'.'.join(d.type.path)}` is not a model", d.type.span)
         if found.partial:
-            raise Wrong(
-                "LAG0211",
-                f"`{found.name}` is partial; it can only be extended",
-                d.type.span,
-                related=((found.name_span, "declared here"),),
-            )
+            message = f"`{found.name}` is partial; it can only be extended"
+            related = ((found.name_span, "declared here"),)
+            raise Wrong("LAG0211", message, d.type.span, related=related)
         return found, where
 
     def _nested(

@@ -6,7 +6,7 @@ from lagc.base.records import replace
 from lagc.diagnostics.faults import Span, Wrong
 from lagc.semantics import model as objects
 from lagc.semantics.context import BIT, LATE, VELOCITY, Context
-from lagc.semantics.declarations.attributes import no_rates
+from lagc.semantics.declarations.attributes import no_modifiers, no_rates
 from lagc.semantics.model import Body, Frame
 from lagc.semantics.names.scope import (
     Array,
@@ -123,16 +123,6 @@ def _written(entry: Entry) -> tree.Construct:
     return entry.source
 
 
-def no_modifiers(entry: Entry) -> None:
-    for modifier in entry.modifiers:
-        raise Wrong(
-            "LAG0209",
-            f"the {entry.kind} `{entry.name}` cannot be changed from outside",
-            modifier.argument.span,
-            "change the parameters in its declaration",
-        )
-
-
 def timely(context: Context, node: Node, span: Span, what: str) -> None:
     if context.clock.mask(node) & LATE:
         raise Wrong(
@@ -189,12 +179,9 @@ def _energy_like(context: Context, entry: Entry, meant: Dimension) -> tuple[Node
 def declare_potential(context: Context, entry: Entry) -> Value:
     node, span = _energy_like(context, entry, ENERGY)
     if context.clock.mask(node) & VELOCITY:
-        raise Wrong(
-            "LAG0313",
-            "a potential must not depend on a rate",
-            span,
-            "write a term of the Lagrangian with rates as `lagrangian L = ...;`",
-        )
+        message = "a potential must not depend on a rate"
+        remedy = "write a term of the Lagrangian with rates as `lagrangian L = ...;`"
+        raise Wrong("LAG0313", message, span, remedy)
     entry.objects.append(objects.Potential(entry.path, node, entry.span, entry.effect))
     return Reference(entry)
 
@@ -288,12 +275,9 @@ def _where_applied(
     at = place.value.position if isinstance(place.value, Body) else None
     if body is None or source.body is None:
         if source.reaction is not None:
-            raise Wrong(
-                "LAG0221",
-                "`from` is only allowed for a torque, or for a force `on` a body",
-                source.reaction.span,
-                "write `on body at point from other`, or declare the opposite force separately",
-            )
+            message = "`from` is only allowed for a torque, or for a force `on` a body"
+            remedy = "write `on body at point from other`, or declare the opposite force separately"
+            raise Wrong("LAG0221", message, source.reaction.span, remedy)
         is_body, at = at is not None, at or vector_of(place.value, place.span, "a point")[0]
         return velocity_of(context, place, None), at, is_body
     velocity = material_velocity(context, Argument(body, source.body.span), place)

@@ -287,6 +287,13 @@ def _leaves(value: Value) -> list[Value]:
     return [leaf for element in value.elements for leaf in _leaves(element)]
 
 
+def no_modifiers(entry: Entry) -> None:
+    for modifier in entry.modifiers:
+        message = f"the {entry.kind} `{entry.name}` cannot be changed from outside"
+        remedy = "change the parameters in its declaration"
+        raise Wrong("LAG0209", message, modifier.argument.span, remedy)
+
+
 def no_rates(context: Context, node: Node, span: Span, what: str) -> None:
     """Raise Wrong if `node` depends on a rate or a speed."""
     if context.clock.mask(node) & VELOCITY:
@@ -382,12 +389,9 @@ def check_bounds(
         )
         shown = f" [{unit_text}]" if unit_text else ""
         bound = quantity.attributes["min" if value < bounds[0] else "max"].argument.span
-        raise Wrong(
-            "LAG0308",
-            f"`{name}` = {number_text(value)}{shown} is {side} {number_text(limit)}{shown}",
-            span,
-            related=((bound, "declared here"),),
-        )
+        message = f"`{name}` = {number_text(value)}{shown} is {side} {number_text(limit)}{shown}"
+        related = ((bound, "declared here"),)
+        raise Wrong("LAG0308", message, span, related=related)
 
 
 def look_at_all(context: Context, entry: Entry, attributes: dict[str, Modifier]) -> None:

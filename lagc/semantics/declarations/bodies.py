@@ -10,7 +10,7 @@ from lagc.diagnostics.faults import Fault, Poisoned, Span, Wrong
 from lagc.diagnostics.suggest import did_you_mean, moments, remedy_of_word
 from lagc.semantics import model as objects
 from lagc.semantics.context import LATE, VELOCITY, Context
-from lagc.semantics.declarations.attributes import given_scalar
+from lagc.semantics.declarations.attributes import given_scalar, no_modifiers
 from lagc.semantics.names.scope import (
     Array,
     Entry,
@@ -48,13 +48,7 @@ _PARAMETERS = {"Particle": (("mass", "at"), 2), "Solid": (("mass", "inertia", "f
 
 def declare_body(context: Context, entry: Entry) -> Value:
     """Declare a particle or a solid.  Raises Wrong."""
-    for modifier in entry.modifiers:
-        raise Wrong(
-            "LAG0209",
-            f"the body `{entry.name}` cannot be changed from outside",
-            modifier.argument.span,
-            "change the parameters in its declaration",
-        )
+    no_modifiers(entry)
     call = _call_of(entry)
     name = call.function.name if isinstance(call.function, tree.Name) else ""
     if name not in _PARAMETERS:
@@ -119,13 +113,12 @@ def _placed(
         return position, frame
     if not is_constant(context, [*position, *(x for row in frame.axes for x in row)] if frame else position):
         joint = linkage.placing[entry].entry
-        raise Wrong(
-            "LAG0234",
-            f"`{entry.path}` moves by coordinates of its own, and the joint `{joint.path}` places it too",
-            entry.span,
-            "draw the body in one configuration; its joints bring the coordinates",
-            ((joint.span, "the joint"),),
+        message = (
+            f"`{entry.path}` moves by coordinates of its own, and the joint `{joint.path}` places it too"
         )
+        remedy = "draw the body in one configuration; its joints bring the coordinates"
+        related = ((joint.span, "the joint"),)
+        raise Wrong("LAG0234", message, entry.span, remedy, related)
     pose = linkage.pose(entry)
     context.poses[entry.path] = pose.attached
     return pose.attached(position), frame and turned_by(context, pose.frame, frame.axes)
@@ -246,12 +239,11 @@ def _check_matrix(diagonal: Sequence[Node], others: Sequence[Node], span: Span) 
     values = [mean + 2.0 * size * math.cos(turn + k * math.tau / 3.0) for k in (1, 2, 0)]  # rising
     if values[2] > (values[0] + values[1]) * (1 + 1e-9):
         shown = ", ".join([f"{value:.4g}" for value in values])
-        raise Wrong(
-            "LAG0308",
+        message = (
             f"no body has this inertia matrix: its principal moments are {shown} kg.m2, and each must be "
-            "non-negative and at most the sum of the two others",
-            span,
+            "non-negative and at most the sum of the two others"
         )
+        raise Wrong("LAG0308", message, span)
 
 
 def declare_gravity(context: Context, entry: Entry) -> Value:

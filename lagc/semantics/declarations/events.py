@@ -224,24 +224,20 @@ def _condition(context: Context, written: tree.Expression, environment: Environm
     mask = context.clock.mask
     moving = (MOVING | LATE) & ~BIT["discrete"]
     if any(node.op == "eq" and mask(node) & moving for node in reachable([value.node])):
-        raise Wrong(
-            "LAG0227",
-            "`==` holds only for an instant, which is never detected",
-            written.span,
-            "write `<` or `>`: the time of the crossing is located",
-        )
+        message = "`==` holds only for an instant, which is never detected"
+        remedy = "write `<` or `>`: the time of the crossing is located"
+        raise Wrong("LAG0227", message, written.span, remedy)
     return value.node
 
 
 def _early(context: Context, node: Node, written: tree.Expression, what: str) -> None:
     if context.clock.mask(node) & LATE:
-        raise Wrong(
-            "LAG0219",
+        message = (
             f"{what} depends on an acceleration, a reaction or an energy of the run, which are only known "
-            "after the equations are solved",
-            written.span,
-            "compare it in the condition of the clause instead: `when reaction(c) > 5 [N] then ...`",
+            "after the equations are solved"
         )
+        remedy = "compare it in the condition of the clause instead: `when reaction(c) > 5 [N] then ...`"
+        raise Wrong("LAG0219", message, written.span, remedy)
 
 
 Action = Callable[[Context, tree.Statement, Environment, _Found], None]
@@ -307,12 +303,9 @@ def _reinit(context: Context, statement: tree.Statement, environment: Environmen
     states = [] if isinstance(value, Truth) else flat(value, target.span, "the first argument of `reinit`")
     kinds = ("coordinate", "rate", "speed", "discrete")
     if not states or any(s.node.op != "symbol" or s.node.record.kind not in kinds for s in states):
-        raise Wrong(
-            "LAG0228",
-            "`reinit` sets a coordinate, its rate, a declared speed or a discrete variable",
-            target.span,
-            _not_a_state(target, states),
-        )
+        message = "`reinit` sets a coordinate, its rate, a declared speed or a discrete variable"
+        remedy = _not_a_state(target, states)
+        raise Wrong("LAG0228", message, target.span, remedy)
     dimension = states[0].dimension or NONE
     new = evaluate_as(context, written, environment, dimension)
     values = flat(new, written.span, "a new value")

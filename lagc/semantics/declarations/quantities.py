@@ -94,12 +94,9 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
         context.report(wrong)
         meant = None
     if entry.kind == "structural" and meant and meant.name != "Integer" and declaration.type is not None:
-        raise Wrong(
-            "LAG0221",
-            "a structural parameter must be an `Integer`",
-            declaration.type.span,
-            "write `structural Integer`, or `parameter` for a quantity",
-        )
+        message = "a structural parameter must be an `Integer`"
+        remedy = "write `structural Integer`, or `parameter` for a quantity"
+        raise Wrong("LAG0221", message, declaration.type.span, remedy)
     sizes = [integer(context, size, entry.environment, "a size") for size in source.dimensions]
     attributes = attributes_of(context, entry, _ATTRIBUTES[entry.kind])
     try:
@@ -160,12 +157,9 @@ def _fixed(context: Context, quantity: Quantity) -> Value:
         name = quantity.name(subscript)
         span = value_span(context, quantity, subscript)
         if scalar is None:
-            raise Wrong(
-                "LAG0210",
-                f"the {_SAID.get(entry.kind, entry.kind)} `{name}` has no value",
-                entry.span,
-                "write `= value`" + (" or set it with `-p`" if entry.kind == "structural" else ""),
-            )
+            message = f"the {_SAID.get(entry.kind, entry.kind)} `{name}` has no value"
+            remedy = "write `= value`" + (" or set it with `-p`" if entry.kind == "structural" else "")
+            raise Wrong("LAG0210", message, entry.span, remedy)
         check_constant(context, scalar.node, span, f"`{name}`")
         if entry.kind == "structural":
             number = scalar.node.value
@@ -328,12 +322,9 @@ def _speed(context: Context, quantity: Quantity) -> Value:
     entry, graph = quantity.entry, context.graph
     modifier = written_value(entry)
     if modifier is None:
-        raise Wrong(
-            "LAG0210",
-            f"the speed `{entry.path}` needs a value",
-            entry.span,
-            "define it by rates: `= der(x) + ...`",
-        )
+        message = f"the speed `{entry.path}` needs a value"
+        remedy = "define it by rates: `= der(x) + ...`"
+        raise Wrong("LAG0210", message, entry.span, remedy)
     values = elements(context, modifier, quantity.sizes, quantity.type.dimension, f"`{entry.path}`")
     at_start, stated = starts(context, quantity, "start", quantity.type.dimension, quantity.name)
     holds = fixed(context, quantity.attributes, "fixed", quantity.sizes, len(values))
@@ -341,11 +332,8 @@ def _speed(context: Context, quantity: Quantity) -> Value:
     found: list[Scalar] = []
     for k, (subscript, scalar) in enumerate(zip(quantity.subscripts, values)):
         if context.clock.mask(scalar.node) & LATE:
-            raise Wrong(
-                "LAG0219",
-                "a speed must not depend on an acceleration or a reaction",
-                value_span(context, quantity),
-            )
+            message = "a speed must not depend on an acceleration or a reaction"
+            raise Wrong("LAG0219", message, value_span(context, quantity))
         name = quantity.name(subscript)
         symbol = graph.symbol("speed", name)
         context.clock.set_rate(symbol, graph.leaf(symbol.record.derivative))
@@ -503,11 +491,8 @@ def _unit(context: Context, entry: Entry, start: list[Node]) -> tuple[Node, Node
     if square.is_const:
         length = math.sqrt(square.value)
         if length < _SMALLEST:
-            raise Wrong(
-                "LAG0309",
-                f"the initial value of `{entry.path}` is zero; a quaternion needs a norm above zero",
-                entry.span,
-            )
+            message = f"the initial value of `{entry.path}` is zero; a quaternion needs a norm above zero"
+            raise Wrong("LAG0309", message, entry.span)
         if length == 1.0:
             return (w, x, y, z)
     norm = context.graph.sqrt(square)

@@ -393,12 +393,8 @@ class Importer:
         remedy = f"looked for {_candidates(names)} in: {', '.join(shown(r) or '.' for r in self.roots)}"
         if names[0] in foreign("libraries"):
             remedy = foreign("libraries")[names[0]]
-        return Wrong(
-            "LAG0216",
-            f"`{'.'.join(names)}` cannot be imported: no file declares it",
-            declaration.span,
-            remedy=remedy,
-        )
+        message = f"`{'.'.join(names)}` cannot be imported: no file declares it"
+        return Wrong("LAG0216", message, declaration.span, remedy)
 
     def _read(self, asked: str, span: Span) -> Namespace:
         path = os.path.realpath(asked)

@@ -58,11 +58,8 @@ def choose_model(
     if inner:  # in packages
         return choose_model(file, space, inner[-1])
     if models:
-        raise Wrong(
-            "LAG0211",
-            f"`{models[-1].name}` is partial, and the file has no other model",
-            models[-1].name_span,
-        )
+        message = f"`{models[-1].name}` is partial, and the file has no other model"
+        raise Wrong("LAG0211", message, models[-1].name_span)
     start = Span(file.source, 0, min(1, len(file.source.text)))
     raise Wrong("LAG0215", "the file has no model", start, "write `model Name ... end Name;`")
 
@@ -178,12 +175,9 @@ def read_rest(context: Context, setting: Setting, environment: Environment) -> d
 
 
 def _typed(type_name: tree.TypeName) -> None:
-    raise Wrong(
-        "LAG0221",
-        "a scene only changes values; the type is declared in the model",
-        type_name.span,
-        "leave out the type",
-    )
+    message = "a scene only changes values; the type is declared in the model"
+    remedy = "leave out the type"
+    raise Wrong("LAG0221", message, type_name.span, remedy)
 
 
 def _is_plain(declarator: tree.Declarator) -> bool:

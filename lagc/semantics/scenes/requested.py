@@ -65,12 +65,9 @@ class Settings:
         if name is None:
             raise Wrong("LAG0209", "an argument of `simulate` needs a name: `stop = 20`", argument.span)
         if name not in _SETTINGS or value is None:
-            raise Wrong(
-                "LAG0209",
-                f"`simulate` has no argument `{name}`",
-                argument.name_span or argument.span,
-                meant_argument(name, _SETTINGS) or f"it has {', '.join(_SETTINGS)}",
-            )
+            message = f"`simulate` has no argument `{name}`"
+            remedy = meant_argument(name, _SETTINGS) or f"it has {', '.join(_SETTINGS)}"
+            raise Wrong("LAG0209", message, argument.name_span or argument.span, remedy)
         if name in self._given:
             related = ((self._given[name].span, "first here"),)
             raise Wrong("LAG0209", f"`{name}` is given twice", argument.span, related=related)

@@ -33,13 +33,10 @@ def constant_of(
     """Return the value of a `constant` of a file or a package.  Raises Wrong."""
     declarator = next(d for d in declared.declarators if d.name == name)
     if declared.kind != "constant":
-        raise Wrong(
-            "LAG0221",
-            f"`{name}` is a {declared.kind} outside of a model",
-            span,
-            related=((declarator.name_span, "declared here"),),
-            remedy="declare it in a model, or as a `constant`",
-        )
+        message = f"`{name}` is a {declared.kind} outside of a model"
+        remedy = "declare it in a model, or as a `constant`"
+        related = ((declarator.name_span, "declared here"),)
+        raise Wrong("LAG0221", message, span, remedy, related)
     if declared.type is None:
         message = f"`constant` needs a type and a name; there is only `{name}`"
         remedy = f"write `constant Real {declarator.span.text};`, or a type such as `Mass`"
@@ -275,12 +272,9 @@ def _parameter(argument: tree.Argument, position: int, parameters: tuple[str, ..
     if argument.name not in parameters or argument.name == "*":
         known = [p for p in parameters if p != "*"]
         listed = f"it takes {', '.join(f'`{p}`' for p in known)}" if known else None
-        raise Wrong(
-            "LAG0209",
-            f"{who} has no argument `{argument.name}`",
-            argument.name_span or argument.span,
-            meant_argument(argument.name, known) or listed,
-        )
+        message = f"{who} has no argument `{argument.name}`"
+        remedy = meant_argument(argument.name, known) or listed
+        raise Wrong("LAG0209", message, argument.name_span or argument.span, remedy)
     return argument.name
 
 
@@ -303,12 +297,9 @@ def _declared(
         if entry is not None:
             if isinstance(entry.source, tree.FunctionDeclaration):
                 return entry.source, entry.environment
-            raise Wrong(
-                "LAG0221",
-                f"`{path[0]}` is a {entry.kind}, not a function",
-                function.span,
-                related=((entry.span, "declared here"),),
-            )
+            message = f"`{path[0]}` is a {entry.kind}, not a function"
+            related = ((entry.span, "declared here"),)
+            raise Wrong("LAG0221", message, function.span, related=related)
         declared = environment.space.lookup(path[0])
         if declared is None:
             return None
@@ -404,12 +395,8 @@ def _enter(context: Context, e: tree.Call, function: tree.FunctionDeclaration) -
     if len(context.callers) > DEEPEST:
         context.callers.pop()
         context.all_calls = MOST_CALLS + 1  # stop further calls, which would not end either
-        raise Wrong(
-            "LAG0225",
-            f"`{function.name}` calls itself, or functions are nested deeper than {DEEPEST}",
-            e.span,
-            related=related,
-        )
+        message = f"`{function.name}` calls itself, or functions are nested deeper than {DEEPEST}"
+        raise Wrong("LAG0225", message, e.span, related=related)
     if context.all_calls > MOST_CALLS:
         context.callers.pop()
         message = f"the model calls functions more than {MOST_CALLS} times"
@@ -423,12 +410,9 @@ def _unknown(name: str, e: tree.Call, environment: Environment) -> Wrong:
     if name in environment.instance.unused:
         return Wrong("LAG0214", f"`{name}` {environment.instance.unused[name]}", span)
     if name in ("Particle", "Solid", "Gravity"):
-        return Wrong(
-            "LAG0221",
-            f"`{name}` is only allowed as the whole value of a declaration",
-            span,
-            f"write `body b = {name}(...);`" if name != "Gravity" else "write `Gravity field;`",
-        )
+        message = f"`{name}` is only allowed as the whole value of a declaration"
+        remedy = f"write `body b = {name}(...);`" if name != "Gravity" else "write `Gravity field;`"
+        return Wrong("LAG0221", message, span, remedy)
     functions = [n for n, entry in environment.instance.entries.items() if entry.kind == "function"]
     return Wrong(
         "LAG0201",

@@ -181,12 +181,9 @@ def _quotient(e: tree.Binary, left: Value, right: Value) -> Value:
 
 def _power(e: tree.Binary, left: Value, right: Value) -> Value:
     if not isinstance(left, Scalar) or not isinstance(right, Scalar):
-        raise Wrong(
-            "LAG0306",
-            "`^` takes numbers",
-            e.span,
-            "write the square of a vector as `dot(a, a)` or `norm(a)^2`",
-        )
+        message = "`^` takes numbers"
+        remedy = "write the square of a vector as `dot(a, a)` or `norm(a)^2`"
+        raise Wrong("LAG0306", message, e.span, remedy)
     if right.dimension not in (None, NONE):
         message = f"an exponent must be a pure number; this is {describe(right.dimension)}"
         raise Wrong("LAG0305", message, e.right.span)
@@ -276,12 +273,9 @@ def _quantity(
     except UnknownUnit as unknown:
         from lagc.semantics.values.unit_hints import spelling_remedy  # where there is a fault
 
-        raise Wrong(
-            "LAG0304",
-            unknown.reason,
-            e.unit.span,
-            remedy=_AN_ELEMENT if _is_number(e, environment) else spelling_remedy(e.unit.text, wanted),
-        ) from None
+        message = unknown.reason
+        remedy = _AN_ELEMENT if _is_number(e, environment) else spelling_remedy(e.unit.text, wanted)
+        raise Wrong("LAG0304", message, e.unit.span, remedy) from None
     value = evaluate(context, e.value, environment)
 
     def converted(value: Value) -> Value:
@@ -313,12 +307,8 @@ def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
         return found
     instance = environment.instance
     if e.name in instance.unused:
-        raise Wrong(
-            "LAG0214",
-            f"`{e.name}` {instance.unused[e.name]}",
-            e.span,
-            remedy="move this into the same effect, or use that effect in the scene",
-        )
+        line = "move this into the same effect, or use that effect in the scene"
+        raise Wrong("LAG0214", f"`{e.name}` {instance.unused[e.name]}", e.span, line)
     from lagc.semantics.names.undeclared import remedy, remedy_of_reaction  # where there is a fault
 
     function = written(e.name)
@@ -501,13 +491,10 @@ def _one_dimension(elements: Sequence[Value], written: Sequence[tree.Expression]
             continue
         assert value.dimension is not None
         here, there = describe(value.dimension), describe(first[0])
-        raise Wrong(
-            "LAG0301",
-            f"the elements have different dimensions: {there} and {here}",
-            expression.span,
-            unit_remedy(expression, first[0]),
-            related=((first[1].span, there),),
-        )
+        message = f"the elements have different dimensions: {there} and {here}"
+        remedy = unit_remedy(expression, first[0])
+        related = ((first[1].span, there),)
+        raise Wrong("LAG0301", message, expression.span, remedy, related)
 
 
 _AN_ELEMENT = "to take an element of a vector, put it in parentheses: `({3, 1, 2})[i]`"

@@ -38,12 +38,9 @@ def derivative(context: Context, node: Node, span: Span) -> Node:
     """Return d(node)/dt.  Raises Wrong if it is unknown."""
     mask = context.clock.mask(node)
     if mask & BIT["input"]:
-        raise Wrong(
-            "LAG0311",
-            "the time derivative of an input is not known",
-            span,
-            "write it as an expression of `time` instead of an input",
-        )
+        message = "the time derivative of an input is not known"
+        remedy = "write it as an expression of `time` instead of an input"
+        raise Wrong("LAG0311", message, span, remedy)
     if mask & LATE:
         what = "an acceleration, a reaction or an energy of the run"
         raise Wrong("LAG0219", f"the time derivative of {what} is not known", span)
@@ -108,13 +105,10 @@ def material_velocity(context: Context, of: Argument, at: Argument) -> vectors.V
         arm = vectors.sub(place, body.position)
         return vectors.add(body.velocity, vectors.cross(body.frame.spin, arm))
     if place != body.position:
-        raise Wrong(
-            "LAG0221",
-            f"`{body.name}` is a particle and is not at this point",
-            at.span,
-            f"write `at {body.name}`, or declare it as a `Solid`",
-            ((body.span, "declared here"),),
-        )
+        message = f"`{body.name}` is a particle and is not at this point"
+        remedy = f"write `at {body.name}`, or declare it as a `Solid`"
+        related = ((body.span, "declared here"),)
+        raise Wrong("LAG0221", message, at.span, remedy, related)
     return body.velocity
 
 
