@@ -8,7 +8,7 @@ from operator import index
 from typing import Any, SupportsFloat
 
 from lagc.base.records import dataclass, field
-from lagc.base.text import FINEST, MOST_POINTS
+from lagc.base.text import FINEST, MOST_POINTS, Given, Quantity
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.diagnostics.suggest import did_you_mean, in_hertz, is_many_radians, many_radians
 from lagc.kernels import IMPLICIT, METHODS, SERIES
@@ -145,17 +145,6 @@ class Request:
         if not isfinite(stop * n):
             return [*(k * (stop / n) for k in range(n)), stop]
         return [*(stop * k / n for k in range(n)), stop]
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """A number with its unit; None: an SI unit, or none."""
-
-    value: float
-    unit: str | None = None
-
-
-Given = Mapping[str, float | Quantity]
 
 
 _COLUMN = r"""(?i)([^"]+\.csv)(?::([^"]+))?"""

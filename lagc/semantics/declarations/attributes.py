@@ -28,7 +28,6 @@ from lagc.semantics.units import Dimension, QuantityType, UnknownUnit, unit
 from lagc.semantics.values.evaluate import evaluate, evaluate_as
 from lagc.semantics.values.functions import over_time
 from lagc.semantics.values.unit_hints import is_bare
-from lagc.symbolic.expression_text import number as number_text
 from lagc.symbolic.graph import Node
 from lagc.syntax import tree
 
@@ -384,6 +383,8 @@ def check_bounds(
     quantity: Quantity, name: str, value: float, bounds: tuple[float, float], span: Span, unit_text: str
 ) -> None:
     if not bounds[0] <= value <= bounds[1]:
+        from lagc.symbolic.expression_text import number as number_text  # where there is a fault
+
         side, limit = (
             ("below its minimum", bounds[0]) if value < bounds[0] else ("above its maximum", bounds[1])
         )
