@@ -415,6 +415,22 @@ class Release:
     pushed: float
 
 
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A figure that is drawn. It is carried by the body `body`, or stands at a place ("") or between several:
+    `points`. `kind` is Ball, Box, Cylinder, Ring, Plane, Line or Coil; `axis` is a unit vector in world axes;
+    `sizes` are lengths in parameters, in the order of the arguments."""
+
+    name: str
+    kind: str
+    body: str
+    points: tuple[Vector, ...]
+    axis: Vector | None
+    sizes: tuple[Node, ...]
+    span: Span
+    effect: str | None = None
+
+
 ModelObject: TypeAlias = (
     Parameter
     | Input
@@ -432,6 +448,7 @@ ModelObject: TypeAlias = (
     | Limit
     | Joint
     | Release
+    | Figure
 )
 
 
@@ -469,6 +486,7 @@ class Model:
     discretes: tuple[Discrete, ...] = ()  # the last are the modes of contacts
     contacts: tuple[Contact, ...] = ()
     tables: tuple[Table, ...] = ()
+    figures: tuple[Figure, ...] = ()
     limits: tuple[Limit, ...] = ()  # of computed parameters
     scales: dict[str, float] = field(default_factory=dict)  # of quantities that are declared with one
     built_in: tuple[str, ...] = ()  # parameters that a run cannot change: structural, or dependent on others
