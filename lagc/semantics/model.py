@@ -17,6 +17,7 @@ and whole-system quantities, filled in by `mechanics`; outputs only:
 
 energy          energy()             also kinetic() and potential()
 power           power(F)             of an action
+generalized_force                    of an action (`owner`) along the rate of a coordinate (`component`)
 momentum        momentum(theta)      of a coordinate; momentum().x in total
 angular_momentum  angular_momentum().x   in total, about the origin
 
