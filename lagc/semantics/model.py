@@ -388,7 +388,8 @@ class Output:
 class Joint:
     """A joint between two bodies ("world") or two joints. An open one brings `coordinates`, a closing one
     `equations`. `at` is its place in world axes, `axis` its axis; of a `Distance`, `at` and `to` are its
-    ends. None: it has none."""
+    ends. `about` is the point of the second body about which the moment of its reaction is taken. None: it
+    has none."""
 
     name: str
     kind: str
@@ -399,6 +400,7 @@ class Joint:
     at: Vector | None = None
     axis: Vector | None = None
     to: Vector | None = None
+    about: Vector | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -75,6 +75,23 @@ def test_eulers_law_of_each_body(name: str) -> None:
     euler(model_library.read(name).text, LINKS[name], {})
 
 
+SLIDE = """model Slide
+  body block = Solid(mass = 1 [kg], inertia = {0.1, 0.2, 0.3} [kg.m2], com = {0.3, 0.2, 0.1} [m]);
+  body arm = Solid(mass = 2 [kg], inertia = {0.2, 0.1, 0.2} [kg.m2], com = {0.3, 0.7, 0.1} [m]);
+  body far = Solid(mass = 1 [kg], inertia = {0.1, 0.2, 0.3} [kg.m2], com = {0.8, 0.7, 0.4} [m]);
+  joint rail = Prismatic(world, block, axis = world.x, slide(rate = 2 [m/s]));
+  joint pivot = Universal(block, arm, axis = world.z, at = {0.3, 0.4, 0.1} [m], along = world.x,
+    angle1(rate = 4 [rad/s]));
+  joint tube = Cylindrical(arm, far, axis = world.y, at = {0.6, 0.7, 0.1} [m], angle(rate = 5 [rad/s]));
+end Slide;
+"""
+
+
+def test_eulers_law_of_open_joints() -> None:
+    """A slide without a point, a cross whose axes turn, a tube that slides."""
+    euler(SLIDE, {"block": "+rail -pivot", "arm": "+pivot -tube", "far": "+tube"}, {})
+
+
 def test_eulers_law_where_a_loop_closes_on_a_line() -> None:
     """The point of the second body moves along the line: the moment is about where it is now."""
     links = {"arm": "+bearing -knuckle", "tube": "+knuckle +sleeve"}

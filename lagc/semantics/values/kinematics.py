@@ -11,6 +11,7 @@ from lagc.semantics.model import (
     Discrete,
     Force,
     Frame,
+    Joint,
     Lagrangian,
     Orientation,
     Potential,
@@ -285,22 +286,13 @@ def _torsor(context: Context, span: Span, of: Argument, at: Argument) -> Value:
         whole = reaction if isinstance(reaction, Wrench) else None
         force, _ = vector_of(whole.force if whole else reaction, of.span, "a reaction")
         moment = vector_of(whole.moment, of.span, "a moment")[0] if whole else (zero, zero, zero)
-        centre = of.value.position if isinstance(of.value, Body) else _place_of_joint(context, entry)
+        places = [x.about for x in entry.objects if isinstance(x, Joint)] if entry is not None else []
+        centre = of.value.position if isinstance(of.value, Body) else places[0] or place
     else:
         message = f"`torsor` takes a joint, a body, a force or a torque; this is {kind(of.value)}"
         raise Wrong("LAG0221", message, of.span)
     moment = add(moment, cross(vectors.sub(centre, place), force))
     return Wrench(vector_value(force, FORCE), vector_value(moment, ENERGY))
-
-
-def _place_of_joint(context: Context, entry: Entry | None) -> Vector:
-    """Return the point of the second body about which the moment of a joint is taken."""
-    from lagc.semantics.joints.linkage import linkage_of  # where there are joints
-
-    assert entry is not None
-    linkage = linkage_of(context, entry)
-    joint = linkage.joints[entry]
-    return linkage.pose(joint.ends[1]).attached(joint.point("at"))
 
 
 @TABLE.enter("reaction", "of")
