@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
     unseen = [stage for stage in STAGES if stage in left]
     wrong = [f for f in faults if f.severity == "error"]
     if options.json or options.format == "json":
-        from lagc.diagnostics.report import as_json
+        from lagc.diagnostics.faults import as_json
 
         print_json({"status": "refused" if wrong else "ok", "faults": as_json(faults), "unseen": unseen})
     elif faults:
@@ -79,9 +79,10 @@ def look_at(name: str, options: argparse.Namespace) -> Checked:
 def explain(code: str) -> int:
     """Print the explanation of an error code."""
     from lagc.diagnostics.catalogue import entries
+    from lagc.host.model_library import messages_folder
 
     code = code.upper()
-    entry = entries().get(code)
+    entry = entries(messages_folder()).get(code)
     if entry is None:
         raise Usage(f"there is no error code `{code}`")
     show(f"{code}: {entry.title}\n\n{entry.explanation}\n")

@@ -145,8 +145,7 @@ def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
             model = hold_contacts(model, choice.contact_modes)
         if choice.outputs is None:
             return model
-        from lagc.semantics.declarations.probes import PROBE
-        from lagc.semantics.scenes.asked import asked_for
+        from lagc.semantics.scenes.requested import PROBE, asked_for
 
         return asked_for(model, (*choice.outputs, *(o.name for o in model.outputs if PROBE in o.name)))
 
@@ -157,13 +156,13 @@ def _in_si(name: str, given: float | Quantity) -> float:
         return float(given)
     if given.unit is None:
         return given.value
-    from lagc.semantics.unit_spellings import unit_remedy
     from lagc.semantics.units import UnknownUnit, unit
+    from lagc.semantics.values.unit_hints import spelling_remedy
 
     try:
         return unit(given.unit).to_si(given.value)
     except UnknownUnit as error:
-        fault = Fault("LAG0605", f"`{name}`: {error.reason}", remedy=unit_remedy(error.text))
+        fault = Fault("LAG0605", f"`{name}`: {error.reason}", remedy=spelling_remedy(error.text))
         raise Refused([fault]) from None
 
 

@@ -6,13 +6,13 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-from lagc.diagnostics.report import as_json
+from lagc.diagnostics.faults import as_json
 from lagc.lowering.program import Field, Interface, Program
 from lagc.mechanics.analysis.analysis import RowKind, Seems, analyse
 from lagc.mechanics.formulation.equations import Contribution, EquationsOfMotion, StartValue, WhenEquations
 from lagc.reports.equations.write import Expressions
 from lagc.reports.names import ranged, where
-from lagc.semantics.joints.kinds import KINDS
+from lagc.semantics.joints import KINDS
 from lagc.semantics.model import UNSTATED, Contact, Joint, Lagrangian
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from lagc.base.records import dataclass, replace
-from lagc.diagnostics.faults import Span
-from lagc.diagnostics.foreign_words import MODELS, TYPES, remedy_of_word
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.diagnostics.faults import Span, Wrong
+from lagc.diagnostics.suggest import did_you_mean, remedy_of_word
 from lagc.semantics.context import Context
 from lagc.semantics.names.namespace import Namespace
 from lagc.semantics.names.scope import (
@@ -27,7 +26,6 @@ from lagc.semantics.names.scope import (
     outermost_first,
     subscripts,
 )
-from lagc.semantics.refusals import Wrong
 from lagc.semantics.units import NONE
 from lagc.semantics.values.evaluate import integer, integers
 from lagc.semantics.values.members import MOST_NAMED
@@ -270,7 +268,7 @@ class Builder:
 
     def _coordinates(self, joint: Entry, destination: Destination) -> None:
         """Enter the coordinates of a joint as members: `knee.angle`."""
-        from lagc.semantics.joints.coordinates import coordinates_of
+        from lagc.semantics.joints.linkage import coordinates_of
 
         self.context.has_joints = True
         joint.inner = coordinates_of(joint, self.instance)
@@ -335,7 +333,7 @@ class Builder:
             found, where = space.find(d.type.path, d.type.span, "model or type")
         except Wrong as wrong:
             name = d.type.path[-1]
-            remedy = remedy_of_word(MODELS, name) or remedy_of_word(TYPES, name) or wrong.fault.remedy
+            remedy = remedy_of_word("models", name) or remedy_of_word("types", name) or wrong.fault.remedy
             remedy = remedy or did_you_mean(name, ELEMENTS)
             remedy = remedy or f"declare it, `model {name} ... end {name};`, or import its file"
             raise Wrong(wrong.fault.code, wrong.fault.message, wrong.fault.span, remedy) from None
@@ -383,7 +381,7 @@ class Builder:
 
 
 def _is_quantity(d: tree.Instance) -> bool:
-    from lagc.semantics.declarations.without_kind import quantity_of  # where there is a fault
+    from lagc.semantics.names.undeclared import quantity_of  # where there is a fault
 
     return quantity_of(d.type.path) is not None
 

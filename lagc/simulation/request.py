@@ -323,13 +323,13 @@ def si(name: str, number: float | Quantity, unit: str, faults: list[Fault]) -> f
     elif number.unit is None:
         value = number.value
     else:
-        from lagc.semantics.unit_spellings import unit_remedy
         from lagc.semantics.units import UnknownUnit, to_si
+        from lagc.semantics.values.unit_hints import spelling_remedy
 
         try:
             value = to_si(number.value, number.unit, unit)
         except UnknownUnit as error:
-            faults.append(Fault("LAG0605", f"`{name}`: {error.reason}", remedy=unit_remedy(error.text)))
+            faults.append(Fault("LAG0605", f"`{name}`: {error.reason}", remedy=spelling_remedy(error.text)))
             return None
     if not isfinite(value):
         faults.append(Fault("LAG0602", f"`{name}` must be a finite number, not {value:g}"))

@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable, Sequence
 
 from lagc.base.records import dataclass
-from lagc.diagnostics.faults import Span
+from lagc.diagnostics.faults import Span, Wrong
 from lagc.diagnostics.suggest import meant_argument
-from lagc.semantics.context import Context, Given
+from lagc.semantics.context import LATE, MOVING, VELOCITY, Context, Given
 from lagc.semantics.model import DECLARED, FIXED, RUN, SCENE, UNSTATED, Statement
 from lagc.semantics.names.scope import (
     LONGEST_SHOWN,
@@ -24,11 +24,9 @@ from lagc.semantics.names.scope import (
     shape,
     subscripts,
 )
-from lagc.semantics.refusals import Wrong
-from lagc.semantics.time_derivatives import LATE, MOVING, VELOCITY
 from lagc.semantics.units import Dimension, QuantityType, UnknownUnit, unit
 from lagc.semantics.values.evaluate import evaluate, evaluate_as
-from lagc.semantics.values.interpolation_tables import over_time
+from lagc.semantics.values.functions import over_time
 from lagc.semantics.values.unit_hints import is_bare
 from lagc.symbolic.expression_text import number as number_text
 from lagc.symbolic.graph import Node
@@ -76,7 +74,7 @@ def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[
 def _typed(entry: Entry, argument: tree.Argument) -> str | None:
     """Return a remedy for the attribute `unit` of Modelica."""
     if argument.name == "unit" and isinstance(argument.value, tree.String):
-        from lagc.semantics.declarations.without_kind import typed  # where there is a fault
+        from lagc.semantics.names.undeclared import typed  # where there is a fault
 
         name = typed(argument.value.value)
         return name and f"the type gives the unit: write `{entry.kind} {name} {entry.name}`"

@@ -6,11 +6,10 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from lagc.diagnostics.faults import Fault, Span
-from lagc.diagnostics.foreign_words import MODELS, remedy_of_word
-from lagc.diagnostics.suggest import did_you_mean, moments
+from lagc.diagnostics.faults import Fault, Poisoned, Span, Wrong
+from lagc.diagnostics.suggest import did_you_mean, moments, remedy_of_word
 from lagc.semantics import model as objects
-from lagc.semantics.context import Context
+from lagc.semantics.context import LATE, VELOCITY, Context
 from lagc.semantics.declarations.attributes import given_scalar
 from lagc.semantics.names.scope import (
     Array,
@@ -26,13 +25,11 @@ from lagc.semantics.names.scope import (
     vector_of,
     vector_value,
 )
-from lagc.semantics.refusals import Poisoned, Wrong
-from lagc.semantics.time_derivatives import LATE, VELOCITY
 from lagc.semantics.units import KG, NONE, M, S, dimension, over
-from lagc.semantics.values.builtin_functions import Argument
 from lagc.semantics.values.calls import look_at_arguments, match
 from lagc.semantics.values.evaluate import each, evaluate, evaluate_as
 from lagc.semantics.values.frame_vectors import unit_vector
+from lagc.semantics.values.functions import Argument
 from lagc.semantics.values.kinematics import turned_by, velocity_of
 from lagc.semantics.values.unit_hints import is_bare
 from lagc.symbolic.graph import Node
@@ -62,7 +59,7 @@ def declare_body(context: Context, entry: Entry) -> Value:
     name = call.function.name if isinstance(call.function, tree.Name) else ""
     if name not in _PARAMETERS:
         look_at_arguments(context, call, entry.environment)
-        remedy = did_you_mean(name, _PARAMETERS) or remedy_of_word(MODELS, name)
+        remedy = did_you_mean(name, _PARAMETERS) or remedy_of_word("models", name)
         raise Wrong("LAG0221", NO_BODY, call.function.span, remedy)
     given = _arguments(context, entry, call, name)
     if name == "Solid" and "frame" not in given:
@@ -80,7 +77,7 @@ def declare_body(context: Context, entry: Entry) -> Value:
         position, frame = _placed(context, entry, position, frame)
         place = Argument(vector_value(position, M), place.span)
     if entry.path in context.released:
-        from lagc.semantics.declarations.releases import release_frame, release_place
+        from lagc.semantics.joints.linkage import release_frame, release_place
 
         position = release_place(context, entry, position)
         frame = frame and release_frame(context, entry, frame)
@@ -331,7 +328,7 @@ def released(context: Context, entry: Entry, symbol: Node, unit: str) -> list[ob
     """Return the release of a parameter, if an output asks for its reaction."""
     if symbol.record.owner not in context.released:
         return []
-    from lagc.semantics.declarations.releases import release_parameter
+    from lagc.semantics.joints.linkage import release_parameter
 
     return release_parameter(context, entry, symbol, unit)
 

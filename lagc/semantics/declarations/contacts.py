@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import inf
 
+from lagc.diagnostics.faults import Wrong
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as objects
-from lagc.semantics.context import Context
+from lagc.semantics.context import BIT, MOVING, VELOCITY, Context
 from lagc.semantics.declarations.actions import declare_constraint, no_modifiers, residuals, timely
 from lagc.semantics.names.scope import (
     Array,
@@ -25,12 +26,10 @@ from lagc.semantics.names.scope import (
     scalar_of,
     vector_value,
 )
-from lagc.semantics.refusals import Wrong
-from lagc.semantics.time_derivatives import BIT, MOVING, VELOCITY
 from lagc.semantics.units import NONE, Dimension, describe, dimension, over, si_text, times
 from lagc.semantics.units import unit as unit_of
-from lagc.semantics.values.builtin_functions import Argument
 from lagc.semantics.values.evaluate import all_values, evaluate, evaluate_as
+from lagc.semantics.values.functions import Argument
 from lagc.semantics.values.kinematics import SPEED, velocity_of
 from lagc.semantics.values.unit_hints import expect_of
 from lagc.symbolic.graph import Node

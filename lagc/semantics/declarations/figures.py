@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from lagc.diagnostics.faults import Wrong
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as objects
-from lagc.semantics.context import Context
+from lagc.semantics.context import MOVING, Context
 from lagc.semantics.declarations.actions import no_modifiers, timely
 from lagc.semantics.declarations.attributes import no_rates
 from lagc.semantics.names.scope import Array, Entry, Reference, Value, expect, flat, kind, vector_of
-from lagc.semantics.refusals import Wrong
-from lagc.semantics.time_derivatives import MOVING
 from lagc.semantics.units import NONE, M
-from lagc.semantics.values.builtin_functions import Argument
 from lagc.semantics.values.calls import match
 from lagc.semantics.values.evaluate import each, evaluate_as
 from lagc.semantics.values.frame_vectors import unit_vector
+from lagc.semantics.values.functions import Argument
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector
 from lagc.syntax import tree

@@ -7,10 +7,9 @@ import operator
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
-from lagc.diagnostics.faults import Span
+from lagc.diagnostics.faults import Poisoned, Span, Wrong
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Array, Environment, Scalar, Value, kind
-from lagc.semantics.refusals import Poisoned, Wrong
 from lagc.semantics.units import NONE, Dimension
 from lagc.semantics.values.unit_hints import is_bare
 from lagc.syntax import tree

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from lagc.diagnostics.faults import Span
-from lagc.semantics.context import Context
+from lagc.diagnostics.faults import Span, Wrong
+from lagc.semantics.context import BIT, LATE, VELOCITY, Context
 from lagc.semantics.model import (
     Body,
     Constraint,
@@ -30,8 +30,6 @@ from lagc.semantics.names.scope import (
     vector_of,
     vector_value,
 )
-from lagc.semantics.refusals import Wrong
-from lagc.semantics.time_derivatives import BIT, LATE, VELOCITY
 from lagc.semantics.units import (
     ENERGY,
     FORCE,
@@ -47,8 +45,8 @@ from lagc.semantics.units import (
     times,
 )
 from lagc.semantics.units import unit as unit_of
-from lagc.semantics.values.builtin_functions import Argument, Table, angle_of_turn
 from lagc.semantics.values.frame_vectors import direction, in_frame, is_constant, known_in_frame
+from lagc.semantics.values.functions import Argument, Table, angle_of_turn
 from lagc.symbolic import vectors
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix, Vector, add, cross, matmul, matvec, scale, transpose

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from lagc.diagnostics.faults import Wrong
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context
 from lagc.semantics.model import Body, Frame, Orientation
@@ -18,7 +19,6 @@ from lagc.semantics.names.scope import (
     kind,
     vector_value,
 )
-from lagc.semantics.refusals import Wrong
 from lagc.semantics.units import KG, NONE, M, S, over
 from lagc.syntax import tree
 
