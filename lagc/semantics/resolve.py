@@ -165,9 +165,10 @@ def _empty(declaration: tree.ModelDeclaration) -> str:
 
 
 def _evaluate(context: Context, instance: Instance) -> list[objects.ModelObject]:
-    """Return the objects of every declaration, in order."""
+    """Return the objects of every declaration, in order; figures come last, so that no other expression
+    depends on what is drawn."""
     found: list[objects.ModelObject] = []
-    for entry in instance.in_order():
+    for entry in sorted(instance.in_order(), key=lambda entry: entry.kind == "draw"):
         if context.attempt(context.value, entry, entry.span):
             found.extend(entry.objects)
     return found
@@ -308,6 +309,7 @@ def _model(
         ),
         contacts=_of(found, objects.Contact),
         tables=tuple(context.curves.values()),
+        figures=_of(found, objects.Figure),
         outputs=_of(found, objects.Output),
         effects=effects,
         scenes=setting.names,
@@ -350,6 +352,12 @@ def _joint(context: Context, entry: Entry) -> Value:
     return declare_joint(context, entry)
 
 
+def _figure(context: Context, entry: Entry) -> Value:
+    from lagc.semantics.declarations.figures import declare_figure  # where there are some
+
+    return declare_figure(context, entry)
+
+
 def _constraint(context: Context, entry: Entry) -> Value:
     assert isinstance(entry.source, tree.Constraint)
     two_sided = entry.source.relation == "="
@@ -369,7 +377,7 @@ DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
     "frame": declare_frame, "point": declare_point, "body": declare_body, "gravity": declare_gravity,
     "potential": declare_potential, "kinetic": declare_free_term, "lagrangian": declare_free_term,
     "dissipation": declare_dissipation, "force": declare_load, "torque": declare_load,
-    "constraint": _constraint, "joint": _joint, "placeholder": _placeholder,
+    "constraint": _constraint, "joint": _joint, "placeholder": _placeholder, "draw": _figure,
 }  # fmt: skip
 
 

@@ -79,22 +79,23 @@ def _friction(context: Context, joint: Joint, a: Pose, b: Pose, closes: bool) ->
 
 def _said(joint: Joint, coordinates: tuple[str, ...], equations: int) -> objects.Joint:
     ends = ["world" if end is None else end.path for end in joint.ends]
-    place = (None, None, None) if joint.name in _OF_JOINTS else _place(joint, bool(coordinates))
+    place = (None,) * 4 if joint.name in _OF_JOINTS else _place(joint, bool(coordinates))
     return objects.Joint(
         joint.entry.path, joint.name, (ends[0], ends[1]), coordinates, equations, joint.entry.span, *place
     )
 
 
-def _place(joint: Joint, is_open: bool) -> tuple[Vector | None, Vector | None, Vector | None]:
-    """Return the place of a joint, its axis and the other end of a `Distance`, in world axes. The point of an
-    open joint moves with the second body, that of one that closes a loop with the first."""
+def _place(joint: Joint, is_open: bool) -> tuple[Vector | None, ...]:
+    """Return the place of a joint, its axis, the other end of a `Distance` and the point of its moment, in
+    world axes. The point of an open joint moves with the second body, that of one that closes a loop with the
+    first."""
     linkage = linkage_of(joint.context, joint.entry)
     a, b = (linkage.pose(end) for end in joint.ends)
     far = joint.name == "Distance"
     pose = a if far or not is_open else b
     at = pose.attached(joint.point("at")) if "at" in joint.written else b.now
     axis = a.along(joint.direction("axis")) if "axis" in joint.written else None
-    return at, axis, b.attached(joint.point("to")) if far else None
+    return at, axis, b.attached(joint.point("to")) if far else None, b.attached(joint.point("at"))
 
 
 def _refuse_coordinate(context: Context, entry: Entry, inner: Entry) -> None:

@@ -37,6 +37,13 @@ class Pair:
         )
         return {**dict.fromkeys(self.slides.values(), "Length"), **turned}
 
+    @property
+    def torsor(self) -> str:
+        """The force and the moment that the pair can transmit without friction, in its axes x, y, z."""
+        force = ", ".join(["0" if axis in self.slides else letter for axis, letter in zip("xyz", "XYZ")])
+        moment = ("L, M, N", "L, M, 0", "0, M, 0", "0, 0, 0")[self.turns]
+        return f"{force} | {moment if not self.helical else 'L, M, -Z*pitch/(2*pi)'}"
+
 
 @dataclass(frozen=True, slots=True)
 class Condition:
@@ -45,6 +52,7 @@ class Condition:
     parameters: tuple[str, ...]
     required: int
     ties: str = "body"
+    torsor: str = ""
     coordinates: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -64,8 +72,8 @@ KINDS: dict[str, Pair | Condition] = {
     "LineOnPlane": Pair(_AXIS, 5, _XY, ABOUT_Z_AND_X, ("angle", "tilt")),
     "PointOnLine": Pair(_AXIS, 4, _SLIDE, ANY_TURN),
     "Free": Pair(_POINT, 2, {"x": "x", "y": "y", "z": "z"}, ANY_TURN),
-    "Distance": Condition((*ENDS, "at", "to"), 4),
-    "Rolling": Condition((*ENDS, "normal", "at", "radius", "axis", "along"), 5),
+    "Distance": Condition((*ENDS, "at", "to"), 4, torsor="X, 0, 0 | 0, 0, 0"),
+    "Rolling": Condition((*ENDS, "normal", "at", "radius", "axis", "along"), 5, torsor="X, Y, Z | 0, 0, 0"),
     "Gear": Condition((*ENDS, "ratio"), 3, "joint"),
     "RackAndPinion": Condition((*ENDS, "radius"), 3, "joint"),
 }
