@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from lagc.base.text import number, seconds, size
+from lagc.base.run_options import RUN_OPTIONS
+from lagc.base.text import number, seconds, size, whole
 from lagc.cli.output import Usage
 
 if TYPE_CHECKING:
@@ -141,6 +142,25 @@ def _names(word: str | None) -> tuple[str, ...] | None:
 def add_plot_option(parser: argparse.ArgumentParser, about: str) -> None:
     """`--plot [FILE]`: None without it, "" without a file."""
     parser.add_argument("--plot", metavar="FILE", nargs="?", const="", help=about)
+
+
+def add_run_options(parser: argparse.ArgumentParser, *names: str) -> None:
+    for option in map(RUN_OPTIONS.__getitem__, names):
+        parser.add_argument(option.of_command, metavar=option.form, help=option.about)
+
+
+def run_numbers(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the numbers that control a run, by name.  Raises Usage if a word is none."""
+    found: dict[str, Any] = {}
+    for name, option in RUN_OPTIONS.items():
+        word = getattr(options, name)
+        if option.whole and word is not None:
+            found[name] = whole(word)
+            if found[name] is None:
+                raise Usage(f"`{option.of_command} {word}` is not a whole number")
+        else:
+            found[name] = quantity(word, option.unit, option.of_command)
+    return found
 
 
 def add_backend_option(parser: argparse.ArgumentParser) -> None:

@@ -12,7 +12,6 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from lagc.base.records import replace
-from lagc.base.text import whole
 from lagc.cli.deliver import deliver, spare
 from lagc.cli.options import (
     add_backend_option,
@@ -20,11 +19,12 @@ from lagc.cli.options import (
     add_list_option,
     add_model_options,
     add_outputs_option,
+    add_run_options,
     add_start_option,
     choice_of,
     limits_of,
     quantities,
-    quantity,
+    run_numbers,
     split,
 )
 from lagc.cli.output import Unwritten, Usage
@@ -42,32 +42,15 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_outputs_option(parser)
     about = "where to search for the initial value of a coordinate or speed, which it leaves unstated"
     add_list_option(parser, "--guess", "guesses", "NAME=VALUE[UNIT]", about)
-    parser.add_argument(
-        "--stop",
-        metavar="T",
-        help="the end time in s or with a unit: 20, '5[min]'; default: that of the scene, or 10 s",
-    )
+    add_run_options(parser, "stop")
     parser.add_argument(
         "--until", metavar="CONDITION", action="append", help="end when this becomes true, e.g. 'x > 3 [m]'"
     )
-    parser.add_argument(
-        "--accuracy", metavar="A", help="the global relative error of each quantity; default: 1e-6"
-    )
+    add_run_options(parser, "accuracy")
     about = "what the accuracy of a coordinate, speed or output is relative to, instead of its range"
     add_list_option(parser, "--scale", "scales", "NAME=VALUE[UNIT]", about)
     parser.add_argument("--method", choices=METHODS, help="by hand: the integration method")
-    parser.add_argument("--rtol", metavar="R", help="by hand: the relative tolerance of a step")
-    parser.add_argument(
-        "--atol", metavar="A", help="by hand: the absolute tolerance of a step, for every state; default: 0"
-    )
-    parser.add_argument("--step", metavar="DT", help="by hand: a fixed step size in s, instead of tolerances")
-    parser.add_argument(
-        "--max-step", metavar="DT", help="the longest step in s; default: chosen for the accuracy"
-    )
-    parser.add_argument(
-        "--every", metavar="DT", help="record a point every DT (by dense output; the steps do not change)"
-    )
-    parser.add_argument("--points", metavar="N", help="record N points; default: 501")
+    add_run_options(parser, "rtol", "atol", "step", "max_step", "every", "points")
     about = "derivatives of the motion by parameters and initial values, e.g. 'l,m,start(theta)'"
     add_list_option(parser, "--sensitivity", "sensitivity", "NAMES", about)
     about = (
@@ -202,24 +185,5 @@ def request_of(options: argparse.Namespace) -> Request:
     """The request without initial values.  Raises Usage if a word is not a number."""
     from lagc.simulation.request import Request
 
-    return Request(
-        stop=quantity(options.stop, "s", "--stop"),
-        accuracy=quantity(options.accuracy, "", "--accuracy"),
-        method=options.method,
-        rtol=quantity(options.rtol, "", "--rtol"),
-        atol=quantity(options.atol, "", "--atol"),
-        step=quantity(options.step, "s", "--step"),
-        every=quantity(options.every, "s", "--every"),
-        points=_whole(options.points, "--points"),
-        max_step=quantity(options.max_step, "s", "--max-step"),
-        sensitivity=tuple([name for word in options.sensitivity for name in split(word)]),
-    )
-
-
-def _whole(word: str | None, option: str) -> int | None:
-    if word is None:
-        return None
-    found = whole(word)
-    if found is None:
-        raise Usage(f"`{option} {word}` is not a whole number")
-    return found
+    sensitivity = tuple([name for word in options.sensitivity for name in split(word)])
+    return Request(method=options.method, sensitivity=sensitivity, **run_numbers(options))

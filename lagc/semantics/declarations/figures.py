@@ -8,8 +8,8 @@ from lagc.diagnostics.faults import Wrong
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as objects
 from lagc.semantics.context import MOVING, Context
-from lagc.semantics.declarations.actions import no_modifiers, timely
-from lagc.semantics.declarations.attributes import no_rates
+from lagc.semantics.declarations.actions import timely
+from lagc.semantics.declarations.attributes import no_modifiers, no_rates
 from lagc.semantics.names.scope import Array, Entry, Reference, Value, expect, flat, kind, vector_of
 from lagc.semantics.units import NONE, M
 from lagc.semantics.values.calls import match
