@@ -109,8 +109,8 @@ def _no_rest(module: dict[str, Any]) -> None:
 def _no_law(module: dict[str, Any]) -> None:
     """Contacts that touch stay closed in the modes in which they are listed."""
 
-    def keep(w: Any) -> int:
-        w.law_p[:] = [0.0] * len(w.law_p)
+    def keep(law: Any) -> int:
+        law.p[:] = [0.0] * len(law.p)
         return 0
 
     module["set_law"] = keep

@@ -40,7 +40,8 @@ static void lagc_fn_copy_state(const lagc_state *s, lagc_state *kept)
     *kept = *s;
 }
 """
-PUBLIC_RECORDS = ("TangentWork", "Work", "Options", "State", "StartWork", "Goal", "Report", "Verification")
+PUBLIC_RECORDS = ("ContactLaw", "ImpactWork", "TangentWork", "Work", "Options", "State", "StartWork", "Goal",
+                  "Report", "Verification")  # fmt: skip
 _OBSERVE = """\
 static void lagc_fn_observe(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *y, lagc_work *w)
 {
@@ -76,7 +77,9 @@ class Runtime:
     def types(self) -> str:
         """Return enumerations and structs for the header."""
         records = self._records()
-        found = [self._enumeration("Status"), records["Work"], self._enumeration("Method")]
+        found = [self._enumeration("Status")]
+        found += [records[name] for name in ("ContactLaw", "ImpactWork") if name in records]
+        found += [records["Work"], self._enumeration("Method")]
         found += [records["Options"], _codes(codes(self.parts, "language/records")), records["State"]]
         found += [records[name] for name in ("Goal", "Report", "Verification") if self.complete]
         found += [records["TangentWork"]] if self.program.interface.follows else []

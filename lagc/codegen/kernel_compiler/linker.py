@@ -30,8 +30,7 @@ DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NGRADIENTS": lambda n: (n["NCON"] + n["NSLIP"]) * n["NV"],
     "NRESPONSES": lambda n: (n["NCON"] + n["NSLIP"]) * (n["NV"] + n["NC"]),
     "NDELASSUS": lambda n: (n["NCON"] + n["NSLIP"]) * (n["NCON"] + n["NSLIP"]),
-    "NDIRECT": lambda n: n["NCON"] * 2, "NLAW": lambda n: n["NCON"] * 2 + n["NSLIP"],
-    "NLAWS": lambda n: (n["NCON"] * 2 + n["NSLIP"]) * (n["NCON"] * 2 + n["NSLIP"]),
+    "NDIRECT": lambda n: n["NCON"] * 2,
 }  # fmt: skip
 Part = Mapping[str, Any]  # see `library`
 
@@ -99,10 +98,15 @@ def chosen(
                 leaves[name] = without(leaves[name], left_out)
             wanted += [call for call in leaves[name]["calls"] if call in known]
     names = {name for leaf in leaves.values() for name in (*leaf["uses"], *leaf["calls"])} | leaves.keys()
-    records = {name for leaf in leaves.values() for name in leaf["records"]}
+    used = {name for leaf in leaves.values() for name in leaf["records"]}
+    records = list[tuple[Part, tuple[Sequence[Any], ...]]]()
+    for part in reversed(parts):  # a record stands before those that have it as a member
+        if part["kind"] == "record" and part["name"] in used:
+            records.insert(0, (part, members(part, flags)))
+            used |= {kind[1] for _, kind, *_ in records[0][1] if kind[0] == "Record"}
     return Chosen(
         tuple([(known[name], leaves[name]) for name in known if name in leaves]),
-        tuple([(p, members(p, flags)) for p in parts if p["kind"] == "record" and p["name"] in records]),
+        tuple(records),
         tuple([p for p in parts if p["kind"] not in ("file", "record", "function") and p["name"] in names]),
         frozenset(names),
     )

@@ -306,12 +306,15 @@ class _Arrays(ast.NodeVisitor):
     def __init__(self, types: Types):
         self.types, self.found = types, Counter[str]()
 
-    def kind(self, node: ast.expr) -> str:
-        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
-            owner = self.types.parameters.get(node.value.id, ("",))
+    def kind(self, node: ast.expr) -> Type:
+        """Return the type of a record, or of a member of one."""
+        if isinstance(node, ast.Name):
+            return self.types.parameters.get(node.id, ("",))
+        if isinstance(node, ast.Attribute):
+            owner = self.kind(node.value)
             if owner[0] == "Record":
-                return self.types.known.members(owner[1])[node.attr][0]
-        return ""
+                return self.types.known.members(owner[1])[node.attr]
+        return ("",)
 
     def visit_For(self, node: ast.For) -> None:
         self.visit(node.iter)
@@ -319,11 +322,11 @@ class _Arrays(ast.NodeVisitor):
             self.visit(statement)
 
     def visit_Attribute(self, node: ast.Attribute) -> None:
-        if self.kind(node) in ("Vec", "IVec", "Mat"):
+        if self.kind(node)[0] in ("Vec", "IVec", "Mat"):
             self.found[ast.unparse(node)] += 1
 
     def visit_Subscript(self, node: ast.Subscript) -> None:
-        if self.kind(node.value) == "Mat" and isinstance(node.slice, ast.Constant):
+        if self.kind(node.value)[0] == "Mat" and isinstance(node.slice, ast.Constant):
             self.found[ast.unparse(node)] += 1
         else:
             self.generic_visit(node)

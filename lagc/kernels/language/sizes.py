@@ -86,8 +86,6 @@ class NDELASSUS(metaclass=SizeType): ...  # NCROW NCROW
 class NDIRECT(metaclass=SizeType): ...  # 2 NCON
 class NNORMALEFFECTS(metaclass=SizeType): ...  # NNORMAL NCROW
 class NNORMALROWS(metaclass=SizeType): ...  # NNORMAL NKNOWN
-class NLAW(metaclass=SizeType): ...  # NCROW + NCON: unknowns of given contact modes, with slip angles
-class NLAWS(metaclass=SizeType): ...  # NLAW NLAW
 
 
 # The same for every model.
