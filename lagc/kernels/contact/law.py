@@ -459,8 +459,8 @@ def restore_solution(law: ContactLaw) -> None:
 
 
 def read_modes(law: ContactLaw) -> None:
-    """Set law.mode and the directions of slip by u, as forces of dependent rows are not unique. What counts
-    as zero becomes zero."""
+    """Set law.mode and the directions of slip by u, as forces of dependent rows are not unique. Values that
+    count as zero become zero."""
     zero = zero_rate(law, largest_force(law))
     for i in range(law.count):
         # The gap opens, or its rate is zero; then the slip has a direction, or it sticks.
