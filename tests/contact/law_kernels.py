@@ -32,7 +32,7 @@ class Kernels:
     """The kernels for at most `contacts` contacts with `slips` slip rows in all."""
 
     def __init__(self, contacts: int, slips: int):
-        own = {"NCON": contacts, "NSLIP": slips, "NPOISSON": 1}
+        own = {"NCON": contacts, "NSLIP": slips, "NSPACE": slips // 2, "NPOISSON": 1, "NBESIDE": 1}
         derived = ("NCROW", "NDELASSUS", "NDIRECT")
         own.update({name: DERIVED[name](own) for name in derived})
         flags = {flag: flag in own for part in parts() for flag in _flags(part)}

@@ -98,7 +98,7 @@ def _no_events(module: dict[str, Any]) -> None:
 
 def _no_seat(module: dict[str, Any]) -> None:
     """Contacts that touch are not put on gap = 0."""
-    module["seat"] = lambda p, t, x, sizes, w: OK
+    module["seat"] = lambda p, t, x, w: OK
 
 
 def _no_rest(module: dict[str, Any]) -> None:

@@ -185,7 +185,8 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     relations, free = len(interface.relations), len(interface.relations) - interface.timed_relations
     loaded, pushed = len(interface.loading_rows), len(interface.pushed_contacts)
     normals = sum(c.normals for c in interface.contacts)
-    known = nv + interface.nc + sum(1 + c.slips for c in interface.contacts)
+    rows = sum(1 + c.slips for c in interface.contacts)
+    known = nv + interface.nc + rows
     own = {
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NINT": nq + nv + interface.nz,
         "NDISC": len(interface.discretes), "NC": interface.nc, "NH": interface.nh,
@@ -211,7 +212,8 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NSPACE": sum(c.slips == 2 for c in interface.contacts),
         "NTWO": sum(c.normals > 0 for c in interface.contacts),
         "NNORMAL": normals, "NNORMALROWS": normals * known,
-        "NNORMALEFFECTS": normals * sum(1 + c.slips for c in interface.contacts),
+        "NNORMALEFFECTS": normals * rows,
+        "NBESIDE": max(rows - 1, 0), "NPLAIN": relations - rows,
         "NPOISSON": sum(c.poisson for c in interface.contacts),
         "NLEAP": len(interface.whens) + len(interface.contacts),
         "NBOX": 2 * (1 + nq + nv) + len(interface.discretes),

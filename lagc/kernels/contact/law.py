@@ -110,16 +110,17 @@ def list_unknowns(law: ContactLaw, turning: bool) -> None:
             law.contact[n] = i
             law.unknown[n] = law.first[i]
             n += 1
-        if is_sticking(law.mode[i]):
-            for k in range(law.slips[i]):
+        if NSLIP > 0:
+            if is_sticking(law.mode[i]):
+                for k in range(law.slips[i]):
+                    law.contact[n] = i
+                    law.unknown[n] = law.first[i] + 1 + k
+                    n += 1
+            elif law.turns[i] > 0 and turning:
+                law.turning = True
                 law.contact[n] = i
-                law.unknown[n] = law.first[i] + 1 + k
+                law.unknown[n] = law.rows
                 n += 1
-        elif law.turns[i] > 0 and turning:
-            law.turning = True
-            law.contact[n] = i
-            law.unknown[n] = law.rows
-            n += 1
     law.unknowns = n
 
 
@@ -131,33 +132,37 @@ def across(law: ContactLaw, i: int, k: int) -> Real:
 def effect(law: ContactLaw, unknown: int, j: int) -> Real:
     """Return the derivative of u_j by a scaled unknown: of a normal force with the friction that follows it,
     W_jn - mu d W_jt, and of a slip angle, -mu p_n W_jt across d."""
-    i = law.contact[unknown]
     row = law.unknown[unknown]
-    first = law.first[i]
-    start = j * law.rows
-    if row == law.rows:
-        value = 0.0
-        for k in range(law.slips[i]):
-            value += across(law, i, k) * law.W[start + first + 1 + k]
-        return -law.mu[i] * fabs(law.p[first]) * value
-    value = law.W[start + row]
-    if row == first and law.mode[i] == CONTACT_SLIPS and law.mu[i] > 0.0:
-        grip = law.mu[i] * float(law.sign[i])
-        for k in range(law.slips[i]):
-            value -= grip * law.direction[2 * i + k] * law.W[start + first + 1 + k]
+    value = 0.0
+    if NSPACE > 0:
+        if row == law.rows:
+            own = law.contact[unknown]
+            normal = law.first[own]
+            for k in range(law.slips[own]):
+                value += across(law, own, k) * law.W[j * law.rows + normal + 1 + k]
+            return -law.mu[own] * fabs(law.p[normal]) * value
+    value = law.W[j * law.rows + row]
+    if NSLIP > 0:
+        i = law.contact[unknown]
+        first = law.first[i]
+        if row == first and law.mode[i] == CONTACT_SLIPS and law.mu[i] > 0.0:
+            grip = law.mu[i] * float(law.sign[i])
+            for k in range(law.slips[i]):
+                value -= grip * law.direction[2 * i + k] * law.W[j * law.rows + first + 1 + k]
     return law.scale[row] * value
 
 
 def slip_forces(law: ContactLaw) -> None:
     """Set p_t of contacts that slip."""
-    for i in range(law.count):
-        first = law.first[i]
-        if not is_sticking(law.mode[i]):
-            for k in range(law.slips[i]):
-                law.p[first + 1 + k] = 0.0
-                if law.mu[i] > 0.0 and law.p[first] != 0.0:
-                    grip = law.mu[i] * float(law.sign[i]) * law.p[first]
-                    law.p[first + 1 + k] = -grip * law.direction[2 * i + k]
+    if NSLIP > 0:
+        for i in range(law.count):
+            first = law.first[i]
+            if not is_sticking(law.mode[i]):
+                for k in range(law.slips[i]):
+                    law.p[first + 1 + k] = 0.0
+                    if law.mu[i] > 0.0 and law.p[first] != 0.0:
+                        grip = law.mu[i] * float(law.sign[i]) * law.p[first]
+                        law.p[first + 1 + k] = -grip * law.direction[2 * i + k]
 
 
 def relative_motion(law: ContactLaw) -> None:
@@ -174,14 +179,14 @@ def assemble_law(law: ContactLaw) -> None:
     do not move and, of a slip angle, c . (u_t + du_t) - (d . u_t) dangle = 0 with c across d."""
     n = law.unknowns
     for e in range(n):
-        i = law.contact[e]
         row = law.unknown[e]
-        first = law.first[i]
         if row < law.rows:
             for k in range(n):
                 law.matrix[e * n + k] = law.row_scale[row] * effect(law, k, row)
             law.right[e] = -law.row_scale[row] * law.u[row]
-        else:
+        elif NSPACE > 0:
+            i = law.contact[e]
+            first = law.first[i]
             scale = law.row_scale[first + 1]
             for k in range(n):
                 law.matrix[e * n + k] = scale * (
@@ -272,26 +277,29 @@ def least_norm_change(law: ContactLaw) -> bool:
     return True
 
 
+def turn_slip(law: ContactLaw, i: int, angle: Real) -> None:
+    """Turn the slip direction of a contact by an angle, at most a radian."""
+    part_of = angle
+    if fabs(angle) > 1.0:
+        part_of = 1.0 if angle > 0.0 else -1.0
+    one = law.direction[2 * i] + part_of * across(law, i, 0)
+    other = law.direction[2 * i + 1] + part_of * across(law, i, 1)
+    length = sqrt(one * one + other * other)
+    law.direction[2 * i] = one / length
+    law.direction[2 * i + 1] = other / length
+
+
 def take_step(law: ContactLaw) -> Real:
-    """Add law.step to the unknowns; return the largest change of a slip angle. Angles change by at most a
-    radian."""
+    """Add law.step to the unknowns; return the largest change of a slip angle."""
     turned = 0.0
     for e in range(law.unknowns):
-        i = law.contact[e]
         row = law.unknown[e]
         if row < law.rows:
             law.p[row] += law.scale[row] * law.step[e]
-        else:
-            angle = law.step[e]
-            if fabs(angle) > turned:
-                turned = fabs(angle)
-            if fabs(angle) > 1.0:
-                angle = 1.0 if angle > 0.0 else -1.0
-            one = law.direction[2 * i] + angle * across(law, i, 0)
-            other = law.direction[2 * i + 1] + angle * across(law, i, 1)
-            length = sqrt(one * one + other * other)
-            law.direction[2 * i] = one / length
-            law.direction[2 * i + 1] = other / length
+        elif NSPACE > 0:
+            if fabs(law.step[e]) > turned:
+                turned = fabs(law.step[e])
+            turn_slip(law, law.contact[e], law.step[e])
     return turned
 
 
@@ -334,13 +342,14 @@ def solve_modes(law: ContactLaw) -> bool:
     # The equations are linear for given directions: these forces first, then the angles with them.
     list_unknowns(law, False)
     turned = correct_unknowns(law)
-    list_unknowns(law, True)
-    if turned == 0.0 and law.turning:
-        turned = inf
-        for turn in range(MOST_TURNS):
-            turned = correct_unknowns(law)
-            if turned <= TURNED:
-                break
+    if NSPACE > 0:
+        list_unknowns(law, True)
+        if turned == 0.0 and law.turning:
+            turned = inf
+            for turn in range(MOST_TURNS):
+                turned = correct_unknowns(law)
+                if turned <= TURNED:
+                    break
     for e in range(law.unknowns):
         if law.unknown[e] < law.rows:
             law.u[law.unknown[e]] = 0.0
@@ -419,19 +428,20 @@ def is_admissible(law: ContactLaw) -> bool:
         if law.two_sided[i] == 0 and normal < law.least[i] / law.scale[first] - LAW_ZERO * force:
             return False
         # Along the slip: a force in the cone, or one that opposes the slip.
-        if has_friction(law, i) and law.mode[i] != CONTACT_OPEN:
-            if is_sticking(law.mode[i]):
-                if slip_force(law, i) > law.mu[i] * fabs(normal) + LAW_ZERO * force:
+        if NSLIP > 0:
+            if has_friction(law, i) and law.mode[i] != CONTACT_OPEN:
+                if is_sticking(law.mode[i]):
+                    if slip_force(law, i) > law.mu[i] * fabs(normal) + LAW_ZERO * force:
+                        return False
+                    continue
+                if float(law.sign[i]) * normal < -LAW_ZERO * force:
                     return False
-                continue
-            if float(law.sign[i]) * normal < -LAW_ZERO * force:
-                return False
-            along = 0.0
-            for k in range(law.slips[i]):
-                row = first + 1 + k
-                along += law.direction[2 * i + k] * law.row_scale[row] * law.u[row]
-            if law.slides[i] == 0 and along < -zero_u:
-                return False
+                along = 0.0
+                for k in range(law.slips[i]):
+                    row = first + 1 + k
+                    along += law.direction[2 * i + k] * law.row_scale[row] * law.u[row]
+                if law.slides[i] == 0 and along < -zero_u:
+                    return False
     return True
 
 
@@ -471,15 +481,16 @@ def read_modes(law: ContactLaw) -> None:
         law.turns[i] = 0
         law.sign[i] = -1 if law.p[first] < 0.0 and law.two_sided[i] > 0 else 1
         sticks = False
-        if law.slips[i] > 0 and law.slides[i] == 0:
-            rate = slip_rate(law, i)
-            sticks = rate <= zero and has_friction(law, i)
-            for k in range(law.slips[i]):
-                row = first + 1 + k
-                if rate > zero:
-                    law.direction[2 * i + k] = law.row_scale[row] * law.u[row] / rate
-                elif sticks and not opens:
-                    law.u[row] = 0.0
+        if NSLIP > 0:
+            if law.slips[i] > 0 and law.slides[i] == 0:
+                rate = slip_rate(law, i)
+                sticks = rate <= zero and has_friction(law, i)
+                for k in range(law.slips[i]):
+                    row = first + 1 + k
+                    if rate > zero:
+                        law.direction[2 * i + k] = law.row_scale[row] * law.u[row] / rate
+                    elif sticks and not opens:
+                        law.u[row] = 0.0
         if opens and not law.least[i] > 0.0:
             law.mode[i] = CONTACT_OPEN
         elif opens:

@@ -125,8 +125,9 @@ def linearize_law(law: ContactLaw) -> Real:
             law.contact[first + k] = i
             if not has_friction(law, i):
                 set_force_row(law, first + k, 0.0)
-        if has_friction(law, i):
-            set_slip_rows(law, i)
+        if NSLIP > 0:
+            if has_friction(law, i):
+                set_slip_rows(law, i)
     total = 0.0
     for j in range(law.rows):
         total += law.right[j] * law.right[j]
@@ -302,7 +303,8 @@ def enumerate_modes(law: ContactLaw) -> int:
         # Directions of slip in space begin against the forces that would hold these contacts.
         for i in range(law.count):
             choose(law, i, law.choice[i])
-        guess_directions(law)
+        if NSPACE > 0:
+            guess_directions(law)
         if meets_law(law):
             if found == LAW_NONE or not differs(law, True):
                 found = LAW_ONE if found == LAW_NONE else found
@@ -370,23 +372,37 @@ def holds_as_before(law: ContactLaw) -> bool:
     return meets_law(law)
 
 
+def choose_alone(law: ContactLaw) -> int:
+    """Return the result of the law of one contact without friction: it is closed if it pushes then."""
+    law.mode[0] = CONTACT_SLIPS
+    if not meets_law(law):
+        law.mode[0] = LEAST_SLIPS if law.least[0] > 0.0 else CONTACT_OPEN
+        if not meets_law(law):
+            law.culprit = 0
+            return LAW_NONE
+    read_modes(law)
+    return LAW_ONE
+
+
 def search_modes(law: ContactLaw) -> int:
     """Return the result of `set_law` for given law.slides and law.mu."""
-    # Without friction the motion is unique: what is found first is the only one.
-    if is_convex(law):
-        if holds_as_before(law) or search_by_newton(law):
+    if NBESIDE > 0 or NLOADS > 0:
+        # Without friction the motion is unique: what is found first is the only one.
+        convex = is_convex(law)
+        if convex and (holds_as_before(law) or search_by_newton(law)):
             read_modes(law)
             return LAW_ONE
-    enumerable = is_enumerable(law)
-    if enumerable:
-        found = enumerate_modes(law)
-        if found != LAW_NONE or not is_spatial(law):
-            return found
-    # Slip directions in space may have more than one solution in the same modes.
-    if (not enumerable and holds_as_before(law)) or search_by_newton(law):
-        read_modes(law)
-        return LAW_FOUND
-    return LAW_NONE if enumerable else LAW_FAILED
+        enumerable = is_enumerable(law)
+        if enumerable:
+            found = enumerate_modes(law)
+            if found != LAW_NONE or not is_spatial(law):
+                return found
+        # Slip directions in space may have more than one solution in the same modes.
+        if not convex and ((not enumerable and holds_as_before(law)) or search_by_newton(law)):
+            read_modes(law)
+            return LAW_FOUND
+        return LAW_NONE if enumerable else LAW_FAILED
+    return choose_alone(law)
 
 
 def start_slips(law: ContactLaw) -> bool:

@@ -322,7 +322,7 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
     list_contacts(True, w)
     if w.law.count > 0:
         list_contacts(False, w)
-        status = seat(p, s.t, s.x, s.sizes, w)
+        status = seat(p, s.t, s.x, w)
         if not failed(status) and w.contacts_go_on:
             status = keep_closed(p, s, w)
         if failed(status):

@@ -177,9 +177,10 @@ def set_margins(w: Work) -> None:
         w.force_margins[i] = w.contact_forces[contact_first[i]]
         if NSLIP > 0:
             w.cone_margins[i] = cone_margin(i, w) if w.law.mode[n] == CONTACT_STICKS else 0.0
-    for n in range(w.law.count):
-        if w.law.shared[n] > 0 and w.law.block[n] == n:
-            set_margins_of_block(n, w)
+    if NBESIDE > 0:
+        for n in range(w.law.count):
+            if w.law.shared[n] > 0 and w.law.block[n] == n:
+                set_margins_of_block(n, w)
 
 
 def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
@@ -199,10 +200,11 @@ def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
     for r in range(w.law.rows):
         row = w.touching_rows[r]
         w.contact_forces[row] = w.law.p[r]
-    for e in range(w.law.unknowns):
-        row = w.law.unknown[e]
-        if w.law.lack[w.law.contact[e]] > 0.0:
-            w.contact_forces[w.touching_rows[row]] = w.law.scale[row] * w.law.share[e]
+    if NBESIDE > 0:
+        for e in range(w.law.unknowns):
+            row = w.law.unknown[e]
+            if w.law.lack[w.law.contact[e]] > 0.0:
+                w.contact_forces[w.touching_rows[row]] = w.law.scale[row] * w.law.share[e]
     set_margins(w)
     for r in range(w.law.rows):
         row = w.touching_rows[r]
@@ -322,7 +324,8 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
         if not solve_touching(w):
             w.culprit = w.touching[w.law.culprit]
             return PARADOX
-    bear_load(w)
+    if NBESIDE > 0:
+        bear_load(w)
     take_forces(p, t, x, xdot, lam, w)
     return OK
 
@@ -361,24 +364,31 @@ def set_gaps(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
 
 
 def largest_gap(w: Work) -> Real:
-    """Return the largest distance of a listed contact from touching, over the size of its gap."""
+    """Return the largest distance of a listed contact from touching, by the scale of its row."""
     worst = 0.0
     for n in range(w.law.count):
-        own = fabs(w.contact_gaps[w.touching[n]]) / (w.contact_sizes[w.touching[n]] + TINY)
+        own = w.law.row_scale[w.law.first[n]] * fabs(w.contact_gaps[w.touching[n]])
         if not own <= worst:
             worst = own
     return worst
 
 
-def seat(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> Status:
+def are_seated(w: Work) -> bool:
+    """Return whether the gaps of all listed contacts are zero."""
+    for n in range(w.law.count):
+        if w.contact_gaps[w.touching[n]] != 0.0:
+            return False
+    return True
+
+
+def seat(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     """Move the coordinates so that the gaps of the listed contacts are zero, by Newton's method with the
     shortest displacements in the metric of the mass matrix."""
-    fn_contact_sizes(p, t, x, sizes, w.contact_sizes)
     set_gaps(p, t, x, w)
-    before = largest_gap(w)
     for n in range(MOST_SEATINGS):
-        if before == 0.0:
+        if are_seated(w):
             break
+        # The law of displacements: W p + gap = 0 moves each coordinate by X p.
         fn_contact_rows_on(p, t, x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
         status = respond(p, t, x, w)
         if failed(status):
@@ -388,14 +398,13 @@ def seat(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> Status:
             w.law.terms[w.law.first[k]] = 0.0
         solve_frozen(w.law)
         # Steps go on while they make the largest gap smaller; the last one that does not is taken back.
+        before = largest_gap(w)
         w.x_contact[:] = x
         displace_contacts(p, t, x, w)
         set_gaps(p, t, x, w)
-        now = largest_gap(w)
-        if not now < before:
+        if not largest_gap(w) < before:
             x[:] = w.x_contact
             break
-        before = now
     return OK
 
 
@@ -420,7 +429,7 @@ def put_on_constraints(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Wo
     if failed(status) or not find_touching(x, w):
         return status
     list_contacts(False, w)
-    status = seat(p, t, x, sizes, w)
+    status = seat(p, t, x, w)
     if failed(status):
         return status
     list_contacts(True, w)

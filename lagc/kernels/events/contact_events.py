@@ -173,12 +173,13 @@ def pass_hits(p: Params, s: State, direction: Real, w: Work) -> Status:
         s.changed[k] = 0
     if NWHEN > 0:
         s.acts = 0
-    if others_cross(w):
-        status = change_modes(p, s, direction, w)
-        if failed(status):
-            return status
-        w.modes[:] = s.modes
-        jumps = bounds_jump(p, s, w)
+    if NPLAIN > 0:
+        if others_cross(w):
+            status = change_modes(p, s, direction, w)
+            if failed(status):
+                return status
+            w.modes[:] = s.modes
+            jumps = bounds_jump(p, s, w)
     return settle_event(p, s, direction, jumps, w)
 
 
@@ -202,7 +203,11 @@ def pass_event(p: Params, s: State, direction: Real, w: Work) -> Status:
     w.modes_before[:] = s.modes
     if NWHEN > 0:
         save_state(s, w)
-    status = pass_hits(p, s, direction, w) if take_hits(s, w) else pass_relations(p, s, direction, w)
+    status = OK
+    if take_hits(s, w):
+        status = pass_hits(p, s, direction, w)
+    elif NPLAIN > 0:
+        status = pass_relations(p, s, direction, w)
     if NWHEN > 0:
         if failed(status) and status != TERMINATED:
             restore_state(s, w)

@@ -237,7 +237,6 @@ class Work:
         contact_bias: Vec[NCROW]  # accelerations of the rows where those of the speeds are 0
         contact_gaps: Vec[NCON]
         contact_indicators: Vec[NMODE]
-        contact_sizes: Vec[NCON]  # change of each gap over the sizes of the states
         contact_approach: Vec[NCON]  # speed before an impact
         contact_responses: Vec[NRESPONSES]  # accelerations and multipliers for a unit of each listed row
         contact_rhs: Vec[NR]
