@@ -128,8 +128,8 @@ def is_at_lower_edge(k: int, w: Work) -> bool:
 
 
 def leave_zero(direction: Real, w: Work) -> bool:
-    """Give indicators at zero, or at the lower edge of their modes, the modes that they move to, and mark them
-    in w.crossed. Return whether there are any."""
+    """Give indicators at zero, or at the lower edge of their modes, the modes that they move to, and mark
+    them in w.crossed. Return whether there are any."""
     found = False
     for k in range(NMODE):
         ahead = sign_of(w.indicator_rates[k] * direction)
