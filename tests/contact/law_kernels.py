@@ -133,14 +133,14 @@ def in_python() -> dict[str, Any]:
 
 def fill(w: Any, W: Any, b: Any, slips: Sequence[int], mu: Sequence[float], **more: Any) -> None:
     """Put a problem into a workspace. `more`: static, moves, direction, two_sided, restitution, poisson,
-    mode, by contact."""
+    mode, unit, by contact."""
     n, m = len(slips), len(b)
     assert m == n + sum(slips)
     law = w.law
     law.count, law.rows = n, m
     first = 0
     for i in range(n):
-        law.unit[i] = 0
+        law.unit[i] = more["unit"][i] if "unit" in more else 0
         law.first[i], law.slips[i], law.friction[i] = first, slips[i], mu[i]
         law.static_friction[i] = more["static"][i] if "static" in more else mu[i]
         law.sign[i] = 1
