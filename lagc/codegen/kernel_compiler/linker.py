@@ -98,15 +98,10 @@ def chosen(
                 leaves[name] = without(leaves[name], left_out)
             wanted += [call for call in leaves[name]["calls"] if call in known]
     names = {name for leaf in leaves.values() for name in (*leaf["uses"], *leaf["calls"])} | leaves.keys()
-    used = {name for leaf in leaves.values() for name in leaf["records"]}
-    records = list[tuple[Part, tuple[Sequence[Any], ...]]]()
-    for part in reversed(parts):  # a record stands before those that have it as a member
-        if part["kind"] == "record" and part["name"] in used:
-            records.insert(0, (part, members(part, flags)))
-            used |= {kind[1] for _, kind, *_ in records[0][1] if kind[0] == "Record"}
+    records = within(parts, flags, {name for leaf in leaves.values() for name in leaf["records"]})
     return Chosen(
         tuple([(known[name], leaves[name]) for name in known if name in leaves]),
-        tuple(records),
+        tuple([(p, members(p, flags)) for p in parts if p["kind"] == "record" and p["name"] in records]),
         tuple([p for p in parts if p["kind"] not in ("file", "record", "function") and p["name"] in names]),
         frozenset(names),
     )
@@ -160,6 +155,18 @@ def _cut(text: str, numbers: Sequence[str]) -> str:
 def members(record: Part, flags: Mapping[str, bool]) -> tuple[Sequence[Any], ...]:
     """Return the members that a record has: name, type, flags, comments before and beside."""
     return tuple([m for m in record["members"] if all(flags[name] == value for name, value in m[2])])
+
+
+def within(parts: Sequence[Part], flags: Mapping[str, bool], names: Iterable[str]) -> frozenset[str]:
+    """Return these records and the records that they contain."""
+    known = {part["name"]: part for part in parts if part["kind"] == "record"}
+    found, wanted = set[str](), list(names)
+    while wanted:
+        name = wanted.pop()
+        if name not in found:
+            found.add(name)
+            wanted += [kind[1] for _, kind, *_ in members(known[name], flags) if kind[0] == "Record"]
+    return frozenset(found)
 
 
 def codes(parts: Iterable[Part], file: str) -> list[Part]:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.mechanics.balance.energy import Energies
-from lagc.mechanics.balance.generalized_forces import Acting
+from lagc.mechanics.balance.generalized_forces import Acting, force_along
 from lagc.mechanics.formulation.equations import OutputEquation
 from lagc.mechanics.formulation.euler_lagrange import FreeTerms
 from lagc.mechanics.formulation.mass_matrix import Moving
 from lagc.mechanics.formulation.states import States, rate_symbols
-from lagc.semantics.model import Body, Output
+from lagc.semantics.model import Body, Coordinate, Output
 from lagc.symbolic.derivative import gradient, seeds, tangent
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import QUANTITIES, Symbol
@@ -100,6 +100,11 @@ class Quantities:
             return self.known[asked.kind]
         if asked.kind == "power":
             return next(x.contribution.power for x in self.acting if x.contribution.name == asked.owner)
+        if asked.kind == "generalized_force":
+            action = next(x for x in self.states.model.actions if x.name == asked.owner)
+            moved = next(c for c in self.states.model.coordinates if c.name == asked.component)
+            assert isinstance(moved, Coordinate)
+            return force_along(self.states, action, moved)
         if asked.owner:
             return self._generalized(asked)
         total = self._linear() if asked.kind == "momentum" else self._angular()
