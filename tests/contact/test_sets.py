@@ -226,8 +226,8 @@ def test_random_bodies_rest_where_some_forces_hold_them(space: bool, seed: int, 
 
 @pytest.mark.parametrize("moment", [0.0, -1.5])
 def test_shares_along_gaps_in_m_and_in_rad_do_not_depend_on_units(moment: float) -> None:
-    """A beam on two feet and on a stop of its angle, which push it by 10 N in all and turn it by `moment`: the
-    same forces where lengths are in mm, and equal ones of the feet where the stop is not needed."""
+    """A beam on two feet and on a stop of its angle, which push it by 10 N and turn it by `moment`: the same
+    forces where lengths are in mm, and equal ones of the feet where the stop is not needed."""
     found = []
     for unit in (1.0, 1000.0):  # gaps of this many in a m
         rows = np.array([[unit, 0.3 * unit], [unit, -0.3 * unit], [0.0, 1.0]])
