@@ -12,7 +12,7 @@ from collections.abc import Callable
 from lagc.diagnostics.faults import Fault, Span
 from lagc.syntax.lalr import MOST_FAULTS, Machine
 from lagc.syntax.lexer import END, SYMBOL, WORD, Token
-from lagc.syntax.mistakes import Explained, Repair, Where, keywords, signs
+from lagc.syntax.mistakes import Explained, Repair, Where, explained, keywords, signs
 
 MOST_RECOVERIES = 200
 
@@ -220,10 +220,10 @@ def _anything_else(w: Where) -> Explained:
     if not w.inside:
         message = f"{w.shown} does not begin a declaration"
         begins = "begin with a keyword (`parameter`, `body`, ...) or the name of a model"
-        return Explained(Fault("LAG0110", message, w.span(w.token), remedy=begins))
+        return explained("LAG0110", message, w.span(w.token), begins)
     remedy = "a `;` or an operator may be missing" if w.accepts("SEMICOLON") else None
     message = f"{w.shown} cannot stand after `{w.before.text}`"
-    return Explained(Fault("LAG0110", message, w.span(w.token), remedy=remedy))
+    return explained("LAG0110", message, w.span(w.token), remedy)
 
 
 _TABLE: tuple[Callable[[Where], Explained | None], ...] = (

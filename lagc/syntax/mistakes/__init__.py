@@ -27,6 +27,17 @@ class Explained:
     repair: Repair | None = None
 
 
+def explained(
+    code: str,
+    message: str,
+    span: Span,
+    remedy: str | None = None,
+    repair: Repair | None = None,
+    related: tuple[tuple[Span, str], ...] = (),
+) -> Explained:
+    return Explained(Fault(code, message, span, related, remedy), repair)
+
+
 class Where:
     """The place of a mistake: an unexpected token in the declaration that begins with token number
     `begin`."""
