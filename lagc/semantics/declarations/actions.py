@@ -18,9 +18,9 @@ from lagc.semantics.names.scope import (
     Reference,
     Scalar,
     Value,
-    expect,
     kind,
     scalar_of,
+    vector_in,
     vector_of,
     vector_value,
 )
@@ -102,8 +102,7 @@ def declare_placeholder(context: Context, entry: Entry) -> Value:
         index = tree.Index(written, (written,) * len(modifier.index), written.span)
         value = element(context, value, list(modifier.index), index)
     if source.kind == "point":
-        vector, dimension = vector_of(value, written.span, "a point")
-        expect(dimension, M, written.span, "a point")
+        vector = vector_in(M, value, written.span, "a point")
         for node in vector:
             no_rates(context, node, written.span, "a point")
         return vector_value(vector, M)
@@ -156,8 +155,7 @@ def declare_frame(context: Context, entry: Entry) -> Value:
 def declare_point(context: Context, entry: Entry) -> Value:
     source = _written(entry)
     value = evaluate_as(context, source.value, entry.environment, M)
-    vector, found = vector_of(value, source.value.span, "a point")
-    expect(found, M, source.value.span, "a point")
+    vector = vector_in(M, value, source.value.span, "a point")
     for node in vector:
         no_rates(context, node, source.value.span, "a point")
         timely(context, node, source.value.span, "a point")

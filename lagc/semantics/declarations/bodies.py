@@ -21,7 +21,8 @@ from lagc.semantics.names.scope import (
     expect,
     flat,
     kind,
-    scalar_of,
+    scalar_in,
+    vector_in,
     vector_of,
     vector_value,
 )
@@ -153,16 +154,14 @@ def _arguments(context: Context, entry: Entry, call: tree.Call, name: str) -> di
 
 
 def _mass(_: Context, given: Argument) -> Node:
-    scalar = scalar_of(given.value, given.span, "`mass`")
-    expect(scalar.dimension, KG, given.span, "`mass`")
-    if scalar.node.is_const and scalar.node.value < 0:
+    mass = scalar_in(KG, given.value, given.span, "`mass`")
+    if mass.is_const and mass.value < 0:
         raise Wrong("LAG0308", "a mass must not be negative", given.span)
-    return scalar.node
+    return mass
 
 
 def _place(context: Context, given: Argument) -> Vector:
-    vector, found = vector_of(given.value, given.span, "the position of a body")
-    expect(found, M, given.span, "the position of a body")
+    vector = vector_in(M, given.value, given.span, "the position of a body")
     for node in vector:
         if context.clock.mask(node) & (LATE | VELOCITY):
             raise Wrong("LAG0313", "the position of a body must not depend on a rate", given.span)
@@ -270,8 +269,7 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
             remedy = f"for gravity along the negative axis write `direction = -world.{written.text[-1]}`"
             message = "a direction must be a vector {x, y, z}; this is a text"
             raise Wrong("LAG0306", message, given.span, remedy)
-        vector, found = vector_of(written, given.span, "a direction")
-        expect(found, NONE, given.span, "a direction")
+        vector = vector_in(NONE, written, given.span, "a direction")
         direction = unit_vector(context, vector, given.span)
     if strength is not None and direction == (graph.zero, graph.zero, graph.const(-1.0)):
         _look_at_sign(context, entry, strength)
@@ -342,35 +340,21 @@ def _of_vector(written: tree.Expression) -> str:
 def _strength(context: Context, entry: Entry, written: tree.Expression | None) -> Node:
     name = f"{entry.path}.g"
     given = context.give(context.parameters, name)
-    value: Scalar
     if given is not None:
-        value = given_scalar(context, given, GRAVITY, f"`{name}`")
+        value = given_scalar(context, given, GRAVITY, f"`{name}`").node
     elif written is not None:
         found = evaluate_as(context, written, entry.environment, GRAVITY)
         if isinstance(found, Array):
             remedy = _of_vector(written)
             raise Wrong("LAG0307", "`g` must be a number; this is a vector", written.span, remedy)
-        value = scalar_of(found, written.span, "`g`")
-        expect(value.dimension, GRAVITY, written.span, "`g`")
+        value = scalar_in(GRAVITY, found, written.span, "`g`")
     else:
-        value = Scalar(context.graph.const(STANDARD), GRAVITY)
-    if not value.node.is_const:
-        return value.node
+        value = context.graph.const(STANDARD)
+    if not value.is_const:
+        return value
     symbol = context.graph.symbol("parameter", name)
     entry.objects += released(context, entry, symbol, "m/s2")
-    number = value.node.value
-    assert isinstance(number, float)
-    entry.objects.append(
-        objects.Parameter(
-            name,
-            symbol,
-            "m/s2",
-            "m/s2",
-            number,
-            float("-inf"),
-            float("inf"),
-            entry.span,
-            "acceleration of gravity",
-        )
-    )
+    bounds, about = (-math.inf, math.inf), "acceleration of gravity"
+    parameter = objects.Parameter(name, symbol, "m/s2", "m/s2", value.value, *bounds, entry.span, about)
+    entry.objects.append(parameter)
     return symbol

@@ -10,7 +10,7 @@ from lagc.semantics import model as objects
 from lagc.semantics.context import MOVING, Context
 from lagc.semantics.declarations.actions import timely
 from lagc.semantics.declarations.attributes import no_modifiers, no_rates
-from lagc.semantics.names.scope import Array, Entry, Reference, Value, expect, flat, kind, vector_of
+from lagc.semantics.names.scope import Array, Entry, Reference, Value, expect, flat, kind, vector_in
 from lagc.semantics.units import NONE, M
 from lagc.semantics.values.calls import match
 from lagc.semantics.values.evaluate import each, evaluate_as
@@ -89,8 +89,7 @@ def _place(context: Context, name: str, on: Argument) -> tuple[str, tuple[Vector
 
 
 def _point(context: Context, given: Argument) -> Vector:
-    vector, found = vector_of(given.value, given.span, "a point")
-    expect(found, M, given.span, "a point")
+    vector = vector_in(M, given.value, given.span, "a point")
     for node in vector:
         no_rates(context, node, given.span, "a point")
         timely(context, node, given.span, "a point")
@@ -98,8 +97,7 @@ def _point(context: Context, given: Argument) -> Vector:
 
 
 def _axis(context: Context, given: Argument) -> Vector:
-    vector, found = vector_of(given.value, given.span, "an axis")
-    expect(found, NONE, given.span, "an axis")
+    vector = vector_in(NONE, given.value, given.span, "an axis")
     for node in vector:
         no_rates(context, node, given.span, "an axis")
         timely(context, node, given.span, "an axis")

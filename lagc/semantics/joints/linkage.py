@@ -40,8 +40,8 @@ from lagc.semantics.names.scope import (
     Part,
     Scalar,
     Value,
-    expect,
-    scalar_of,
+    scalar_in,
+    vector_in,
     vector_of,
 )
 from lagc.semantics.units import NONE, Dimension, M
@@ -99,23 +99,20 @@ class Joint:
         if name not in self.written:
             zero = self.context.graph.zero
             return (zero, zero, zero)
-        vector, found = vector_of(self._value(name, M), self.span(name), f"`{name}`")
-        expect(found, M, self.span(name), f"`{name}`")
+        vector = vector_in(M, self._value(name, M), self.span(name), f"`{name}`")
         self._drawn(name, vector)
         return vector
 
     def direction(self, name: str) -> Vector:
         """Return a drawn unit vector."""
-        vector, found = vector_of(self._value(name, NONE), self.span(name), f"`{name}`")
-        expect(found, NONE, self.span(name), f"`{name}`")
+        vector = vector_in(NONE, self._value(name, NONE), self.span(name), f"`{name}`")
         self._drawn(name, vector)
         return unit_vector(self.context, vector, self.span(name))
 
     def number(self, name: str, meant: Dimension) -> Node:
-        scalar = scalar_of(self._value(name, meant), self.span(name), f"`{name}`")
-        expect(scalar.dimension, meant, self.span(name), f"`{name}`")
-        self._drawn(name, (scalar.node,))
-        return scalar.node
+        node = scalar_in(meant, self._value(name, meant), self.span(name), f"`{name}`")
+        self._drawn(name, (node,))
+        return node
 
     def axes(self) -> dict[str, Vector]:
         """Return the directions x, y, z of the joint; those of the world if it has no axis."""

@@ -333,6 +333,21 @@ def expect(
         raise Wrong("LAG0302", message, span, _to_fit(wanted, dimension, span))
 
 
+def scalar_in(dimension: Dimension, value: Value, span: Span, what: str) -> Node:
+    """Return the node of a number of this dimension.  Raises Wrong."""
+    scalar = scalar_of(value, span, what)
+    expect(scalar.dimension, dimension, span, what)
+    return scalar.node
+
+
+def vector_in(dimension: Dimension, value: Value, span: Span, what: str, role: str | None = None) -> Vector:
+    """Return the components of a vector of this dimension; `role` is its name if the dimension is another.
+    Raises Wrong."""
+    vector, found = vector_of(value, span, what)
+    expect(found, dimension, span, role or what)
+    return vector
+
+
 def _to_fit(wanted: Dimension, found: Dimension, span: Span | None) -> str:
     """Return a remedy for a value of dimension `found`."""
     unit = f"[{si_text(wanted)}]"

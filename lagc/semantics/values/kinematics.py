@@ -24,9 +24,9 @@ from lagc.semantics.names.scope import (
     Scalar,
     Value,
     Wrench,
-    expect,
     kind,
     scalar_of,
+    vector_in,
     vector_of,
     vector_value,
 )
@@ -92,15 +92,13 @@ def _attached(context: Context, span: Span, body: Argument, drawn: Argument) -> 
     if pose is None:
         remedy = "of a body with a frame F write the point itself: `position(b) + s*F.x`"
         raise Wrong("LAG0221", "`attached` takes a body that a joint places", body.span, remedy)
-    place, found = vector_of(drawn.value, drawn.span, "a point")
-    expect(found, M, drawn.span, "a point")
+    place = vector_in(M, drawn.value, drawn.span, "a point")
     return vector_value(pose(place), M)
 
 
 @TABLE.enter("position", "of")
 def _position(context: Context, span: Span, of: Argument) -> Value:
-    vector, found = vector_of(of.value, of.span, "the argument of `position`")
-    expect(found, M, of.span, "a position")
+    vector = vector_in(M, of.value, of.span, "the argument of `position`", "a position")
     return vector_value(vector, M)
 
 
@@ -111,8 +109,7 @@ def velocity_of(context: Context, of: Argument, at: Argument | None) -> vectors.
         return material_velocity(context, of, at)
     if isinstance(of.value, Body):
         return of.value.velocity
-    vector, found = vector_of(of.value, of.span, "the argument of `velocity`")
-    expect(found, M, of.span, "a position")
+    vector = vector_in(M, of.value, of.span, "the argument of `velocity`", "a position")
     x, y, z = (derivative(context, node, of.span) for node in vector)
     return (x, y, z)
 
@@ -124,8 +121,7 @@ def material_velocity(context: Context, of: Argument, at: Argument) -> vectors.V
     if not isinstance(body, Body):
         has = ", which has no place" if isinstance(body, Frame) else ""
         raise Wrong("LAG0221", f"`at` needs a body; this is {kind(body)}{has}", of.span)
-    place, there = vector_of(at.value, at.span, "a point")
-    expect(there, M, at.span, "a point")
+    place = vector_in(M, at.value, at.span, "a point")
     if body.frame is not None:
         arm = vectors.sub(place, body.position)
         return vectors.add(body.velocity, vectors.cross(body.frame.spin, arm))
@@ -261,8 +257,7 @@ def _generalized_force(context: Context, span: Span, of: Argument, along: Argume
 @TABLE.enter("torsor", "of", "at")
 def _torsor(context: Context, span: Span, of: Argument, at: Argument) -> Value:
     """Return the force of a joint, a body's constraints or a load, with its moment about a point."""
-    place, found = vector_of(at.value, at.span, "the point of a torsor")
-    expect(found, M, at.span, "the point of a torsor")
+    place = vector_in(M, at.value, at.span, "the point of a torsor")
     entry = of.value.entry if isinstance(of.value, Reference) else None
     load = entry.objects[0] if entry is not None and entry.objects else None
     zero = context.graph.zero

@@ -72,6 +72,13 @@ class Where:
         """Whether the token begins a new line."""
         return "\n" in self.source.text[self.before.end : self.token.start] or self.token.kind == END
 
+    def last_of_declaration(self) -> int:
+        """Return the number of the token before the next `;`, or the last one of the text."""
+        last = self.position
+        while self.tokens[last + 1].text != ";" and self.tokens[last + 1].kind != END:
+            last += 1
+        return last
+
     def replace(self, *texts: str) -> Repair:
         return Repair(self.position, 1, self._tokens(texts))
 

@@ -98,9 +98,7 @@ def conditional_component(w: Where) -> Explained | None:
     """Explain `Gravity field if air;`."""
     if w.token.text != "if" or not w.inside or w.new_line() or not w.accepts("SEMICOLON"):
         return None
-    last = w.position
-    while w.tokens[last + 1].text != ";" and w.tokens[last + 1].kind != END:
-        last += 1
+    last = w.last_of_declaration()
     name = w.tokens[last].text if last == w.position + 1 and w.tokens[last].kind == WORD else "option"
     declared = w.span(w.first, w.before).text
     message = "an optional part of a model is an effect, which a scene uses"
@@ -145,9 +143,7 @@ def without_kind(w: Where) -> Explained | None:
     """Explain `Real[m] x(start = 1);`."""
     if w.first.text != "Real" or w.token.kind != UNIT or w.position != w.begin + 1:
         return None
-    last = w.position
-    while w.tokens[last + 1].text != ";" and w.tokens[last + 1].kind != END:
-        last += 1
+    last = w.last_of_declaration()
     declared = w.span(w.first, w.tokens[last])
     kind = "output" if "der" in declared.text else "parameter" if "=" in declared.text else "coordinate"
     kind = "coordinate" if "start" in declared.text else kind
@@ -214,7 +210,7 @@ def missing_word(w: Where) -> Explained | None:
         return Explained(_loop_fault(w), w.insert("loop"))
     if w.first.text == "for" and w.accepts("IN"):
         message = "an `in` is missing: `for i in 1:n loop ... end for;`"
-        repair = w.replace("in") if w.token.text == "=" else w.insert("in")
+        repair: Repair | None = w.replace("in") if w.token.text == "=" else w.insert("in")
         return explained("LAG0128", message, w.span(w.token), repair=repair)
     for word in ("then", "else"):
         if w.accepts(word.upper()):
@@ -305,9 +301,7 @@ def annotation_behind(w: Where) -> Explained | None:
     """Explain `parameter Mass m = 1 annotation(...);`."""
     if w.token.text != "annotation" or not w.inside or not w.accepts("SEMICOLON"):
         return None
-    last = w.position
-    while w.tokens[last + 1].text != ";" and w.tokens[last + 1].kind != END:
-        last += 1
+    last = w.last_of_declaration()
     message = "an annotation has no effect, and belongs to no declaration"
     repair = Repair(w.position, last + 1 - w.position, ())
     return explained("LAG0118", message, w.span(w.token, w.tokens[last]), "delete it", repair)
