@@ -129,14 +129,9 @@ def _resolve(
     if not context.faults and not _of(found, objects.Coordinate) and not _of(found, objects.Orientation):
         empty = _empty(declaration)
         reason = f": {empty}" if empty else ""
-        context.report(
-            Wrong(
-                "LAG0222",
-                f"the model `{declaration.name}` has no coordinates, so nothing can move{reason}",
-                declaration.name_span,
-                "set the size to 1 or more" if empty else "declare one: `coordinate Length x;`",
-            )
-        )
+        message = f"the model `{declaration.name}` has no coordinates, so nothing can move{reason}"
+        remedy = "set the size to 1 or more" if empty else "declare one: `coordinate Length x;`"
+        context.report(Wrong("LAG0222", message, declaration.name_span, remedy))
     context.refuse_faults()
     warnings = [*context.warnings.values(), *text_warnings(file)]
     if instance.effects:

@@ -124,16 +124,15 @@ def _written(entry: Entry) -> tree.Construct:
 
 def timely(context: Context, node: Node, span: Span, what: str) -> None:
     if context.clock.mask(node) & LATE:
-        raise Wrong(
-            "LAG0219",
-            f"{what} depends on an acceleration, a reaction or an energy of the run, which are "
-            "only known after the equations are solved",
-            span,
-            "for friction write `reaction(c)` of a constraint `c`, or the normal force as an expression, "
-            "such as `m*g`; use others only in outputs and in conditions of `when`"
-            if what == "a force"
-            else "use them only in outputs and in conditions of `when`",
-        )
+        late = "an acceleration, a reaction or an energy of the run"
+        message = f"{what} depends on {late}, which are only known after the equations are solved"
+        remedy = "use them only in outputs and in conditions of `when`"
+        if what == "a force":
+            remedy = (
+                "for friction write `reaction(c)` of a constraint `c`, or the normal force as an expression, "
+                "such as `m*g`; use others only in outputs and in conditions of `when`"
+            )
+        raise Wrong("LAG0219", message, span, remedy)
 
 
 def declare_frame(context: Context, entry: Entry) -> Value:
@@ -297,15 +296,11 @@ def _frame_of(value: Value, written: tree.Expression) -> Frame:
         return value
     if isinstance(value, Body) and value.frame is not None:
         return value.frame
-    raise Wrong(
-        "LAG0221",
-        f"a torque acts on a solid or a frame; this is {kind(value)}"
-        + (" without a frame" if isinstance(value, Body) else ""),
-        written.span,
-        "write `body b = Solid(mass = m, inertia = {I1, I2, I3}, frame = F, com = P);`"
-        if isinstance(value, Body)
-        else None,
-    )
+    message, remedy = f"a torque acts on a solid or a frame; this is {kind(value)}", None
+    if isinstance(value, Body):
+        message += " without a frame"
+        remedy = "write `body b = Solid(mass = m, inertia = {I1, I2, I3}, frame = F, com = P);`"
+    raise Wrong("LAG0221", message, written.span, remedy)
 
 
 def declare_constraint(context: Context, entry: Entry) -> Value:
@@ -313,8 +308,8 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
     source = entry.source
     assert isinstance(source, tree.Constraint)
     no_modifiers(entry)
-    by = any(argument.name == "by" for argument in source.arguments)
-    motor = _actuator(context, entry, source) if by else None
+    held = any(argument.name == "by" for argument in source.arguments)
+    motor = _actuator(context, entry, source) if held else None
     left, right = all_values(context, [source.left, source.right], entry.environment)
     differences = residuals(left, right, source)
     entry.size = None if isinstance(left, Scalar) else len(differences)
@@ -327,17 +322,11 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
             labels.append(entry.path if entry.size is None else f"{entry.path}[{k + 1}]")
             rows.append(node)
             units.append(si_text(found or NONE))
+    sides = source.left, source.right
+    by = "" if motor is None else motor.path
     entry.objects.append(
         objects.Constraint(
-            entry.path,
-            tuple(labels),
-            tuple(rows),
-            tuple(units),
-            entry.span,
-            source.left,
-            source.right,
-            entry.effect,
-            "" if motor is None else motor.path,
+            entry.path, tuple(labels), tuple(rows), tuple(units), entry.span, *sides, entry.effect, by
         )
     )
     if motor is not None and len(labels) != 1:
@@ -376,32 +365,20 @@ def residuals(
     if isinstance(left, Scalar) and isinstance(right, Scalar):
         pairs = [(left, right)]
     elif isinstance(left, Array) and isinstance(right, Array) and len(left.elements) == len(right.elements):
-        pairs = []
-        for a, b in zip(left.elements, right.elements):
-            pairs.append(
-                (
-                    scalar_of(a, source.left.span, "a component"),
-                    scalar_of(b, source.right.span, "a component"),
-                )
-            )
+        what, components = "a component", zip(left.elements, right.elements)
+        one, other = source.left.span, source.right.span
+        pairs = [(scalar_of(a, one, what), scalar_of(b, other, what)) for a, b in components]
     else:
         message = f"the two sides have different shapes: {kind(left)} and {kind(right)}"
         raise Wrong("LAG0306", message, source.relation_span, _zeros(left, right))
     found: list[tuple[Node, Dimension | None]] = []
     for a, b in pairs:
         if a.dimension is not None and b.dimension is not None and a.dimension != b.dimension:
-            one, other = describe(a.dimension), describe(b.dimension)
-            message = f"the two sides have different dimensions: {one} and {other}"
-            raise Wrong(
-                "LAG0301",
-                message,
-                source.relation_span,
-                unit_remedy(source.left, b.dimension) or unit_remedy(source.right, a.dimension),
-                related=(
-                    (source.left.span, describe(a.dimension)),
-                    (source.right.span, describe(b.dimension)),
-                ),
-            )
+            first, second = describe(a.dimension), describe(b.dimension)
+            message = f"the two sides have different dimensions: {first} and {second}"
+            remedy = unit_remedy(source.left, b.dimension) or unit_remedy(source.right, a.dimension)
+            related = ((source.left.span, first), (source.right.span, second))
+            raise Wrong("LAG0301", message, source.relation_span, remedy, related)
         found.append((a.node - b.node, a.dimension or b.dimension))
     return found
 

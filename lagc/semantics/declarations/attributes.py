@@ -314,8 +314,14 @@ class Quantity:
         return self.entry.member(subscript)
 
     @property
-    def description(self) -> str:
-        return self.source.description or ""
+    def units(self) -> tuple[str, str]:
+        """Return the SI unit, and the one that is displayed."""
+        return self.type.unit, self.display
+
+    @property
+    def about(self) -> tuple[Span, str]:
+        """Return the place and the description."""
+        return self.entry.span, self.source.description or ""
 
     @property
     def subscripts(self) -> list[tuple[int, ...]]:

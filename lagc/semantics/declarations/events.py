@@ -49,12 +49,7 @@ def declare_discrete(context: Context, quantity: Quantity) -> Value:
         name = quantity.name(subscript)
         symbol = graph.symbol("discrete", name)
         context.clock.set_rate(symbol, graph.zero)
-        entry.objects.append(
-            objects.Discrete(
-                name, symbol, quantity.type.unit, quantity.display, start, boolean, entry.span,
-                quantity.description,
-            )
-        )  # fmt: skip
+        entry.objects.append(objects.Discrete(name, symbol, *quantity.units, start, boolean, *quantity.about))
         found.append(_truth(graph, symbol) if boolean else Scalar(symbol, quantity.type.dimension))
     return shaped(found, quantity.sizes)
 

@@ -197,19 +197,11 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
             check_bounds(quantity, name, value, bounds, span, quantity.type.unit)
         symbol = context.graph.symbol("parameter", name)
         entry.objects += released(context, entry, symbol, quantity.type.unit)
-        entry.objects.append(
-            objects.Parameter(
-                name,
-                symbol,
-                quantity.type.unit,
-                quantity.display,
-                value,
-                *bounds,
-                entry.span,
-                quantity.description,
-                quantity.type.name == "Integer",
-            )
+        is_integer = quantity.type.name == "Integer"
+        parameter = objects.Parameter(
+            name, symbol, *quantity.units, value, *bounds, *quantity.about, is_integer
         )
+        entry.objects.append(parameter)
         found.append(Scalar(symbol, quantity.type.dimension))
     return shaped(found, quantity.sizes)
 
@@ -229,9 +221,7 @@ def _input(context: Context, quantity: Quantity) -> Value:
         default = 0.0 if scalar is None else scalar.node.value
         check_bounds(quantity, name, default, bounds, value_span(context, quantity, subscript), unit)
         symbol = context.graph.symbol("input", name)
-        entry.objects.append(
-            objects.Input(name, symbol, unit, default, *bounds, entry.span, quantity.description)
-        )
+        entry.objects.append(objects.Input(name, symbol, unit, default, *bounds, *quantity.about))
         found.append(Scalar(symbol, quantity.type.dimension))
     return shaped(found, quantity.sizes)
 
@@ -242,8 +232,7 @@ def _followed(context: Context, quantity: Quantity, name: str, node: Node) -> ob
         message = "an input must not depend on an acceleration or a reaction"
         raise Wrong("LAG0219", message, value_span(context, quantity))
     context.built_in.append(name)
-    kind = quantity.type
-    return objects.Output(name, node, kind.unit, quantity.display, quantity.entry.span, quantity.description)
+    return objects.Output(name, node, *quantity.units, *quantity.about)
 
 
 def starts(
@@ -298,20 +287,10 @@ def _coordinate(context: Context, quantity: Quantity) -> Value:
         speed = graph.leaf(symbol.record.derivative)
         context.clock.set_rate(symbol, speed)
         context.clock.set_rate(speed, graph.leaf(speed.record.derivative))
+        stated = start_stated[k], rate_stated[k]
         entry.objects.append(
             objects.Coordinate(
-                name,
-                symbol,
-                speed,
-                quantity.type.unit,
-                quantity.display,
-                start,
-                rate,
-                start_stated[k],
-                rate_stated[k],
-                entry.span,
-                quantity.description,
-                entry.effect,
+                name, symbol, speed, *quantity.units, start, rate, *stated, *quantity.about, entry.effect
             )
         )
         found.append(Scalar(symbol, dimension))
@@ -337,17 +316,11 @@ def _speed(context: Context, quantity: Quantity) -> Value:
         name = quantity.name(subscript)
         symbol = graph.symbol("speed", name)
         context.clock.set_rate(symbol, graph.leaf(symbol.record.derivative))
-        speed = objects.Speed(
-            name,
-            symbol,
-            scalar.node,
-            quantity.type.unit,
-            entry.span,
-            quantity.description,
-            at_start[k] if stated[k].level != objects.UNSTATED or "guess" in quantity.attributes else None,
-            fixed_if(stated[k], holds[k]),
+        known = stated[k].level != objects.UNSTATED or "guess" in quantity.attributes
+        initial = at_start[k] if known else None, fixed_if(stated[k], holds[k])
+        entry.objects.append(
+            objects.Speed(name, symbol, scalar.node, quantity.type.unit, *quantity.about, *initial)
         )
-        entry.objects.append(speed)
         found.append(Scalar(symbol, quantity.type.dimension))
     return shaped(found, quantity.sizes)
 
@@ -374,16 +347,8 @@ def _output(context: Context, quantity: Quantity) -> Value:
         raise Wrong("LAG0306", message, expression.span)
     keep_scale(context, quantity, map(quantity.name, subscripts(sizes, entry.span)))
     for subscript, scalar in zip(subscripts(sizes, entry.span), scalars):
-        entry.objects.append(
-            objects.Output(
-                quantity.name(subscript),
-                scalar.node,
-                quantity.type.unit,
-                quantity.display,
-                entry.span,
-                quantity.description,
-            )
-        )
+        name = quantity.name(subscript)
+        entry.objects.append(objects.Output(name, scalar.node, *quantity.units, *quantity.about))
     return value
 
 
@@ -410,38 +375,16 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
     a, b, c = (graph.symbol("rate", name, axis) for axis in "xyz")
     set_quaternion_rate(context.clock, (w, x, y, z), (a, b, c))
     one, zero = graph.one, graph.zero
-    start, start_stated = _numbers(
-        context,
-        entry,
-        attributes,
-        (one, zero, zero, zero),
-        NONE,
-        "start",
-        [symbol.record.name for symbol in (w, x, y, z)],
-    )
-    turning, rate_stated = _numbers(
-        context,
-        entry,
-        attributes,
-        (zero, zero, zero),
-        over(NONE, S),
-        "rate",
-        [rate.record.name for rate in (a, b, c)],
-    )
+    names, rates = ([symbol.record.name for symbol in part] for part in ((w, x, y, z), (a, b, c)))
+    identity, still = (one, zero, zero, zero), (zero, zero, zero)
+    start, start_stated = _numbers(context, entry, attributes, identity, NONE, "start", names)
+    turning, rate_stated = _numbers(context, entry, attributes, still, over(NONE, S), "rate", rates)
     whole = [max(start_stated, key=lambda s: s.level)]  # one statement for all four components
     whole, rate_stated = with_fixed(context, attributes, [], whole, rate_stated)
-    orientation = Orientation(
-        name,
-        (w, x, y, z),
-        (a, b, c),
-        _unit(context, entry, start),
-        (turning[0], turning[1], turning[2]),
-        whole[0],
-        (rate_stated[0], rate_stated[1], rate_stated[2]),
-        entry.span,
-        source.description or "",
-        entry.effect,
-    )
+    rate = turning[0], turning[1], turning[2]
+    initial = _unit(context, entry, start), rate, whole[0], (rate_stated[0], rate_stated[1], rate_stated[2])
+    about = entry.span, source.description or "", entry.effect
+    orientation = Orientation(name, (w, x, y, z), (a, b, c), *initial, *about)
     entry.objects.append(orientation)
     return orientation
 
