@@ -119,14 +119,9 @@ def _unit(source: Source, lexed: Lexed, start: int) -> int:
         found = _UNIT_START.match(source.text, start)
         assert found is not None  # it begins with the bracket
         end = start + len(found.group().rstrip())
-        lexed.faults.append(
-            Fault(
-                "LAG0104",
-                "this unit is not closed",
-                Span(source, start, end),
-                remedy=f"write `{source.text[start:end]}]`" if end > start + 1 else "close it with `]`",
-            )
-        )
+        message = "this unit is not closed"
+        remedy = f"write `{source.text[start:end]}]`" if end > start + 1 else "close it with `]`"
+        lexed.faults.append(Fault("LAG0104", message, Span(source, start, end), remedy=remedy))
         lexed.tokens.append(Token(UNIT, source.text[start:end] + "]", start, end))
         return end
     lexed.tokens.append(Token(UNIT, found.group(), start, found.end()))

@@ -204,9 +204,6 @@ def _instead(condition: tree.Condition, container: str) -> str:
 
 def _dotted(declarator: tree.Declarator) -> Fault:
     """Report `parameter a.l = 2;` outside of a scene."""
-    return Fault(
-        "LAG0134",
-        "a declared name contains no `.`; a part of an instance is declared in its model",
-        declarator.name_span,
-        remedy=f"set its value at the instance, `Model a({declarator.name} = ...)`, or in a scene",
-    )
+    message = "a declared name contains no `.`; a part of an instance is declared in its model"
+    remedy = f"set its value at the instance, `Model a({declarator.name} = ...)`, or in a scene"
+    return Fault("LAG0134", message, declarator.name_span, remedy=remedy)

@@ -282,14 +282,9 @@ class Builder:
         if isinstance(left, tree.Call) and isinstance(left.function, tree.Name):
             name = left.function
             return tree.Argument(name.name, name.span, value, span, each is not None, left.arguments)
-        self.faults.append(
-            Fault(
-                "LAG0123",
-                "what stands before the `=` of an argument is a name",
-                left.span,
-                remedy="write `name = value`, or `==` to compare",
-            )
-        )
+        message = "what stands before the `=` of an argument is a name"
+        remedy = "write `name = value`, or `==` to compare"
+        self.faults.append(Fault("LAG0123", message, left.span, remedy=remedy))
         return tree.Argument(None, None, value or left, span)
 
     def subscripts(self, c: Children, span: Span) -> tuple[tree.Expression, ...]:

@@ -305,13 +305,9 @@ def _note_field(context: Context, entry: Entry, body: Entry, direction: Vector) 
 
 
 def _twice(first: Entry, entry: Entry, body: Entry) -> Fault:
-    return Fault(
-        "LAG0229",
-        f"`{first.path}` and `{entry.path}` both act on `{body.path}` in the same direction",
-        entry.span,
-        remedy="gravity acts on all bodies, including those of instances: remove one of the two",
-        severity="warning",
-    )
+    message = f"`{first.path}` and `{entry.path}` both act on `{body.path}` in the same direction"
+    remedy = "gravity acts on all bodies, including those of instances: remove one of the two"
+    return Fault("LAG0229", message, entry.span, remedy=remedy, severity="warning")
 
 
 def released(context: Context, entry: Entry, symbol: Node, unit: str) -> list[objects.ModelObject]:

@@ -67,14 +67,9 @@ class Namespace:
         first = self.names.get(declaration.name)
         if first is not None:
             place = first.span if isinstance(first, tree.Quantities) else first.name_span
-            self.importer.report(
-                Wrong(
-                    "LAG0202",
-                    f"`{declaration.name}` is declared twice",
-                    declaration.name_span,
-                    related=((place, "first here"),),
-                )
-            )
+            message = f"`{declaration.name}` is declared twice"
+            related = ((place, "first here"),)
+            self.importer.report(Wrong("LAG0202", message, declaration.name_span, related=related))
             return
         self.names[declaration.name] = declaration
 
