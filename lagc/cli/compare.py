@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from copy import copy
 from typing import TYPE_CHECKING, TypeVar
 
-from lagc.cli.deliver import kept, spare
+from lagc.cli.deliver import spare, write_or_keep
 from lagc.cli.options import (
     add_backend_option,
     add_general_options,
@@ -60,12 +60,12 @@ def run(options: argparse.Namespace) -> int:
     stop = Request(stop=stop).completed(models[0].interface.simulate).stop
     parameters = [_parameters(model) for model in models]
     given = choices[0].parameters
-    own = [model.without(()).bind(_own(given, parameters, k)) for k, model in enumerate(models)]
+    own = [model.without(()).bind(_known_values(given, parameters, k)) for k, model in enumerate(models)]
     states = [model.state_names for model in models]
     runs: list[Run] = []
     try:
         for k, model in enumerate(own):
-            given_starts = _own(starts, states, k)
+            given_starts = _known_values(starts, states, k)
             run = model.simulate(stop, accuracy=accuracy, points=options.points, starts=given_starts)
             runs.append(run)
             if run.interrupted:
@@ -81,7 +81,7 @@ def run(options: argparse.Namespace) -> int:
         from lagc.reports.plots.compare import draw
         from lagc.reports.plots.plot import save
 
-        path = kept(options.plot, lambda name: save(draw(found), name), (OSError, ValueError))
+        path = write_or_keep(options.plot, lambda name: save(draw(found), name), (OSError, ValueError))
         written = path == options.plot
         if path is not None:
             say(f"written to {path}", options.quiet or options.json)
@@ -109,7 +109,7 @@ def _parameters(model: CompiledModel) -> list[str]:
     return [*(f.name for f in fields), *artifact.built_in]
 
 
-def _own(given: Mapping[str, T], known: Sequence[Sequence[str]], k: int) -> dict[str, T]:
+def _known_values(given: Mapping[str, T], known: Sequence[Sequence[str]], k: int) -> dict[str, T]:
     """The given values that model k has; also those that none has, so that it refuses them."""
     others = {name for names in known for name in names}
     return {name: value for name, value in given.items() if name in known[k] or name not in others}

@@ -43,7 +43,7 @@ def deliver(
         drawn = not picture or _draw(found, picture, options, others or {})
         film = animation_of(found.system.interface, options.animate) if begun and found.times else ""
         drawn = (not film or _animate(found, film, options, others or {})) and drawn
-    with beside(options.output):
+    with output_beside(options.output):
         _print(found, options, more or {})
     if options.plot == "" and begun and not picture:
         from lagc.reports.plots.plot import show as show_picture
@@ -59,7 +59,7 @@ def deliver(
     return FAILED if found.status == "failed" else DONE
 
 
-def beside(path: str | None) -> AbstractContextManager[object]:
+def output_beside(path: str | None) -> AbstractContextManager[object]:
     """A block whose output goes to standard error if the file `path` is standard output."""
     return redirect_stdout(sys.stderr) if path and output(path) == 1 else nullcontext()
 
@@ -77,7 +77,7 @@ def _save(found: Run, options: argparse.Namespace) -> bool:
     from lagc.simulation.formats import CannotSave
 
     wanted: str = options.output
-    path = kept(wanted, lambda name: found.save(name, units=options.units), (CannotSave, OSError))
+    path = write_or_keep(wanted, lambda name: found.save(name, units=options.units), (CannotSave, OSError))
     if path is not None:
         say(f"{len(found)} points written to {path}", options.quiet or options.json)
     return path == wanted
@@ -87,7 +87,7 @@ def _draw(found: Run, wanted: str, options: argparse.Namespace, others: Mapping[
     from lagc.reports.plots.plot import plot
 
     drawing = drawing_of(found, options, others)
-    path = kept(
+    path = write_or_keep(
         wanted, lambda name: plot(found, path=name, drawing=drawing), (OSError, ValueError, ArithmeticError)
     )
     if path is not None:
@@ -109,13 +109,15 @@ def drawing_of(found: Run, options: argparse.Namespace, others: Mapping[str, Run
 
 
 def _animate(found: Run, wanted: str, options: argparse.Namespace, others: Mapping[str, Run]) -> bool:
-    path = kept(wanted, lambda name: found.animate(name, overlay=others), (OSError, ValueError), ".html")
+    path = write_or_keep(
+        wanted, lambda name: found.animate(name, overlay=others), (OSError, ValueError), ".html"
+    )
     if path is not None:
         say(f"animation written to {path}", options.quiet or options.json)
     return path == wanted
 
 
-def kept(
+def write_or_keep(
     path: str, write: Callable[[str], object], refused: tuple[type[Exception], ...], usual: str = ".csv"
 ) -> str | None:
     """Let `write` make the file `path` and return its name. It may raise `refused`, or ImportError where a

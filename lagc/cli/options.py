@@ -114,7 +114,7 @@ def choice_of(options: argparse.Namespace) -> Choice:
             raise Usage(f"`--input {word}` is not of the form name=value")
         if name in parameters or name in inputs:
             raise Usage(f"`{name}` is given twice")
-        if _valued(said) is None:
+        if _value_of(said) is None:
             inputs[name] = expression(said)
         else:
             parameters.update(quantities([word], "--input"))
@@ -181,7 +181,7 @@ def assignments(words: list[str], option: str) -> dict[str, tuple[float, str | N
     for word in words:
         name, _, quantity = word.partition("=")
         name = name.strip(_SPACES)
-        value = _valued(quantity)
+        value = _value_of(quantity)
         if not name or value is None or any(space in name for space in _SPACES):
             like = f"{name if name and not quantity else 'x'}=0.1[m]"
             raise Usage(
@@ -193,7 +193,7 @@ def assignments(words: list[str], option: str) -> dict[str, tuple[float, str | N
     return found
 
 
-def _valued(word: str) -> tuple[float, str | None] | None:
+def _value_of(word: str) -> tuple[float, str | None] | None:
     """Parse `value` or `value[unit]`; None if the word has another form."""
     digits, bracket, rest = word.strip(_SPACES).partition("[")
     value = number(digits.rstrip(_SPACES))
@@ -215,7 +215,7 @@ def quantity(word: str | None, unit: str, option: str) -> float | None:
     None for None."""
     if word is None:
         return None
-    found = _valued(word)
+    found = _value_of(word)
     if found is None:
         raise Usage(f"`{option} {word}` is not a number" + (", or a number with a [unit]" if unit else ""))
     value, given = found

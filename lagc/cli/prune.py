@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 SHARE = 0.5  # of the accuracy, for the error of the run; the rest is for what is left out
 
 
-def pruned(
+def prune(
     model: CompiledModel, request: Request, starts: Mapping[str, Any], guesses: Mapping[str, Any], quiet: bool
 ) -> tuple[CompiledModel, Request, str, dict[str, object]]:
     """Return the model without these effects, the request for it, a note, and the object `pruned` of the

@@ -116,11 +116,11 @@ def run(options: argparse.Namespace) -> int:
     more: dict[str, object] = {}
     note = ""
     if options.prune:
-        from lagc.cli.prune import pruned
+        from lagc.cli.prune import prune
 
         bound_starts(model.interface, given)
         quiet = options.quiet or options.json
-        model, request, note, more["pruned"] = pruned(model, request, given, guesses, quiet)
+        model, request, note, more["pruned"] = prune(model, request, given, guesses, quiet)
         given = {name: value for name, value in given.items() if name in model.state_names}
         guesses = {name: value for name, value in guesses.items() if name in model.state_names}
         own = {f.name for f in (*model.interface.parameters, *model.interface.inputs, *model.artifact.unused)}

@@ -93,10 +93,10 @@ class Builder:
 
     def _register(self, body: Iterable[tree.Declaration], destination: Destination) -> None:
         for declaration in body:
-            self.context.attempt(self._one, declaration, destination)
+            self.context.attempt(self._register_one, declaration, destination)
 
-    def _one(self, d: tree.Declaration, destination: Destination) -> None:
-        excluded = self._excluded(d)
+    def _register_one(self, d: tree.Declaration, destination: Destination) -> None:
+        excluded = self._excluding_effect(d)
         if excluded is not None:
             for name in names_of(d):
                 self.instance.unused.setdefault(name, f"is left out because the effect `{excluded}` is used")
@@ -124,7 +124,7 @@ class Builder:
             remedy = "write it between `scene name uses ...` and `end name;`"
             raise Wrong("LAG0221", message, d.span, remedy)
 
-    def _excluded(self, d: tree.Declaration) -> str | None:
+    def _excluding_effect(self, d: tree.Declaration) -> str | None:
         for name in getattr(d, "unless", ()):
             if self._uses(name.name):
                 return str(name.name)
@@ -242,7 +242,7 @@ class Builder:
             inner = replace(destination, environment=destination.environment.bind({d.variable: value}))
             first = len(self.deferred)
             for declaration in d.body:
-                self._one(declaration, inner)
+                self._register_one(declaration, inner)
             jobs, self.deferred[first:] = self.deferred[first:], []
             for job in jobs:
                 self._unfold(*job)
@@ -302,7 +302,7 @@ class Builder:
                 own[name] = [*given, *own.get(name, [])]
         sizes = [integer(self.context, s, entry.environment, "a size") for s in source.dimensions]
         if not sizes:
-            part = self._nested(found, where, entry.path + ".", own, destination)
+            part = self._nested_instance(found, where, entry.path + ".", own, destination)
             entry.state, entry.value = "done", part
             return
         entry.elements = {}
@@ -316,7 +316,7 @@ class Builder:
             }
             element.state, element.value = (
                 "done",
-                self._nested(found, where, element.path + ".", chosen, destination),
+                self._nested_instance(found, where, element.path + ".", chosen, destination),
             )
 
     def _model_of(self, d: tree.Instance, space: Namespace) -> tuple[tree.ModelDeclaration, Namespace]:
@@ -336,7 +336,7 @@ class Builder:
             raise Wrong("LAG0211", message, d.type.span, related=related)
         return found, where
 
-    def _nested(
+    def _nested_instance(
         self,
         model: tree.ModelDeclaration,
         space: Namespace,

@@ -22,7 +22,7 @@ from lagc.semantics.declarations.actions import (
     declare_potential,
 )
 from lagc.semantics.declarations.bodies import declare_body, declare_gravity
-from lagc.semantics.declarations.events import ending, when_clause
+from lagc.semantics.declarations.events import ending_clause, when_clause
 from lagc.semantics.declarations.quantities import declare_quantity
 from lagc.semantics.instantiate import Builder
 from lagc.semantics.names.namespace import Importer, Namespace
@@ -108,7 +108,7 @@ def _resolve(
         read_command(context, parameters, starts)
         read_inputs(context, inputs or {}, environment)
         if until is not None:
-            context.whens.append((ending(context, until), environment, None))
+            context.whens.append((ending_clause(context, until), environment, None))
         Builder(context, instance, {}).build(declaration, where)
         context.conditions[:0] = instance.conditions
         simulate = read_rest(context, setting, environment)
@@ -190,13 +190,13 @@ def _whens(context: Context) -> list[objects.When]:
     """Return the event clauses in order; clauses whose condition is constant are left out."""
     found: list[objects.When] = []
 
-    def one(written: tree.When, environment: Environment, effect: str | None) -> None:
+    def add_clause(written: tree.When, environment: Environment, effect: str | None) -> None:
         clause = when_clause(context, written, environment, effect)
         if context.clock.mask(clause.condition) & (MOVING | LATE):
             found.append(clause)
 
     for given in context.whens:
-        context.attempt(one, *given)
+        context.attempt(add_clause, *given)
     return found
 
 

@@ -38,20 +38,20 @@ class Block:
     height: int
 
     @property
-    def closing(self) -> str:
+    def end_name(self) -> str:
         """Return the name that its `end` needs."""
         return self.word.text if self.word.text in ("for", "when") else self.name.text
 
     @property
     def shown(self) -> str:
         word = self.word.text
-        return f"this `{word}`" if self.closing == word else f"{word} `{self.closing}`"
+        return f"this `{word}`" if self.end_name == word else f"{word} `{self.end_name}`"
 
     def fault(self, code: str, message: str, span: Span) -> Fault:
         """Return a fault of its `end`, with the place where the block begins."""
-        last = self.word if self.closing == self.word.text else self.name
+        last = self.word if self.end_name == self.word.text else self.name
         opened = Span(span.source, self.word.start, max(self.word.end, last.end))
-        return Fault(code, message, span, ((opened, "opened here"),), f"write `end {self.closing};`")
+        return Fault(code, message, span, ((opened, "opened here"),), f"write `end {self.end_name};`")
 
 
 class Machine:
@@ -230,15 +230,15 @@ class Machine:
         if not self.blocks:
             return True
         block = self.blocks[-1]
-        if name.kind == WORD and name.text != block.closing:
-            if any(outer.closing == name.text for outer in self.blocks[:-1]):
+        if name.kind == WORD and name.text != block.end_name:
+            if any(outer.end_name == name.text for outer in self.blocks[:-1]):
                 self.insert_end(block)
                 return False
-            if block.closing != "when" and self.recoveries < MOST_FAULTS and self._ends_further_on(block):
+            if block.end_name != "when" and self.recoveries < MOST_FAULTS and self._ends_further_on(block):
                 self._leave_end_out(block, name)
                 return False
             self.report(self._wrong_end(block, name), self.tokens[self.position])
-            self.tokens[self.position + 1] = Token(WORD, block.closing, name.start, name.end)
+            self.tokens[self.position + 1] = Token(WORD, block.end_name, name.start, name.end)
         self.last_closed = self.blocks.pop()
         return True
 
@@ -258,7 +258,7 @@ class Machine:
         return True
 
     def _ends_further_on(self, block: Block) -> bool:
-        last = self._last_ends.get(block.closing)
+        last = self._last_ends.get(block.end_name)
         return last is not None and len(self.tokens) - last >= self.position + 2
 
     def _leave_end_out(self, block: Block, name: Token) -> None:
@@ -288,7 +288,7 @@ class Machine:
         self.report(block.fault("LAG0112", message, Span(self.source, at.start, at.end)), block.word)
         self.tokens[self.position : self.position] = [
             Token(WORD, "end", at.start, at.start),
-            Token(WORD, block.closing, at.start, at.start),
+            Token(WORD, block.end_name, at.start, at.start),
             Token(SYMBOL, ";", at.start, at.start),
         ]
 

@@ -41,7 +41,7 @@ class Tables:
 @cache
 def tables() -> Tables:
     grammar = grammar_text()
-    shipped = _shipped(grammar)
+    shipped = _load_shipped(grammar)
     if shipped is not None:
         return shipped
     name = store.key(_LAYOUT, grammar, sys.version)
@@ -71,7 +71,7 @@ def packed() -> str:
     return json.dumps([store.key(_LAYOUT, grammar), *_build(grammar)], separators=(",", ":"))
 
 
-def _shipped(grammar: str) -> Tables | None:
+def _load_shipped(grammar: str) -> Tables | None:
     import json
 
     try:

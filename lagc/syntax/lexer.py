@@ -98,7 +98,7 @@ def tokenise(source: Source) -> Lexed:
         elif kind == "comment":
             lexed.comments.append(Token("comment", found.group(), position, end))
         elif kind == "unclosed":
-            end = _unclosed(source, lexed, found.group(), position)
+            end = _end_unclosed(source, lexed, found.group(), position)
         elif kind == "odd":
             end = end if found.group() in _BLANKS else _foreign_character(source, lexed, position)
         else:
@@ -128,7 +128,7 @@ def _unit(source: Source, lexed: Lexed, start: int) -> int:
     return found.end()
 
 
-def _unclosed(source: Source, lexed: Lexed, opening: str, start: int) -> int:
+def _end_unclosed(source: Source, lexed: Lexed, opening: str, start: int) -> int:
     """Report an unclosed comment, which ends with the file, or text, which ends with its line."""
     text = source.text
     if opening == "/*":
@@ -166,7 +166,7 @@ def _foreign_word(source: Source, word: str, start: int) -> Fault:
     good = plain.isascii() and plain.isidentifier()
     remedy = f"write `{plain}`" if good else None
     if exponent is not None and (good or not plain):
-        remedy = _raised(source, plain, exponent)
+        remedy = _power_remedy(source, plain, exponent)
     elif word in foreign("characters"):
         remedy = remedy_of(foreign("characters")[word])
     message = f"`{word}` is not a name; names consist of the letters A-Z and a-z, digits and `_`"
@@ -257,10 +257,10 @@ def _degrees(source: Source, lexed: Lexed, start: int) -> int | None:
 def _power(source: Source, lexed: Lexed, start: int) -> int | None:
     """Explain `s⁻²`."""
     found = _EXPONENT.match(source.text, start)
-    return found and _report(source, lexed, start, found.end(), _raised(source, "", found))
+    return found and _report(source, lexed, start, found.end(), _power_remedy(source, "", found))
 
 
-def _raised(source: Source, base: str, exponent: re.Match[str]) -> str:
+def _power_remedy(source: Source, base: str, exponent: re.Match[str]) -> str:
     """Return a remedy for `x²` and `sin²(x)`."""
     import unicodedata
 

@@ -65,13 +65,13 @@ class Recovery:
         if top.text == "end" and "SEMICOLON" not in machine.tables.actions[machine.states[-1]]:
             span = Span(machine.source, top.start, top.end)
             machine.report(block.fault("LAG0113", "`end` needs the name of its block", span), top)
-            machine.tokens.insert(machine.position, Token(WORD, block.closing, at, at))
+            machine.tokens.insert(machine.position, Token(WORD, block.end_name, at, at))
             return True
         before = machine.values[-2]
-        if type(before) is not Token or before.text != "end" or top.text != block.closing:
+        if type(before) is not Token or before.text != "end" or top.text != block.end_name:
             return False
         span = Span(machine.source, top.end, top.end)
-        remedy = f"write `end {block.closing};`"
+        remedy = f"write `end {block.end_name};`"
         machine.report(Fault("LAG0111", "a `;` is missing", span, (), remedy), before)
         machine.tokens.insert(machine.position, Token(SYMBOL, ";", at, at))
         return True
@@ -246,7 +246,7 @@ _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     signs.decimal_comma,
     signs.comma_between_starts,
     signs.power_of_function,
-    signs.chained,
+    signs.chained_comparison,
     signs.semicolon_too_many,
     keywords.missing_end_word,
     keywords.stray_end,

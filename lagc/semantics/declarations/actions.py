@@ -116,13 +116,13 @@ def declare_placeholder(context: Context, entry: Entry) -> Value:
 _LOADS = (objects.Force, objects.Torque)
 
 
-def _written(entry: Entry) -> tree.Construct:
+def _construct_of(entry: Entry) -> tree.Construct:
     assert isinstance(entry.source, tree.Construct)
     no_modifiers(entry)
     return entry.source
 
 
-def timely(context: Context, node: Node, span: Span, what: str) -> None:
+def refuse_late(context: Context, node: Node, span: Span, what: str) -> None:
     if context.clock.mask(node) & LATE:
         late = "an acceleration, a reaction or an energy of the run"
         message = f"{what} depends on {late}, which are only known after the equations are solved"
@@ -136,7 +136,7 @@ def timely(context: Context, node: Node, span: Span, what: str) -> None:
 
 
 def declare_frame(context: Context, entry: Entry) -> Value:
-    source = _written(entry)
+    source = _construct_of(entry)
     value = evaluate(context, source.value, entry.environment)
     if not isinstance(value, Frame):
         raise Wrong(
@@ -145,31 +145,31 @@ def declare_frame(context: Context, entry: Entry) -> Value:
     for row in value.axes:
         for node in row:
             no_rates(context, node, source.value.span, "a frame")
-            timely(context, node, source.value.span, "a frame")
+            refuse_late(context, node, source.value.span, "a frame")
     frame = replace(value, name=entry.path, span=entry.span, effect=entry.effect)
     entry.objects.append(frame)
     return frame
 
 
 def declare_point(context: Context, entry: Entry) -> Value:
-    source = _written(entry)
+    source = _construct_of(entry)
     value = evaluate_as(context, source.value, entry.environment, M)
     vector = vector_in(M, value, source.value.span, "a point")
     for node in vector:
         no_rates(context, node, source.value.span, "a point")
-        timely(context, node, source.value.span, "a point")
+        refuse_late(context, node, source.value.span, "a point")
     entry.objects.append(objects.Point(entry.path, vector, entry.span, entry.effect))
     return vector_value(vector, M)
 
 
 def _energy_like(context: Context, entry: Entry, meant: Dimension) -> tuple[Node, Span]:
-    source = _written(entry)
+    source = _construct_of(entry)
     span = source.value.span
     scalar = scalar_of(
         evaluate_as(context, source.value, entry.environment, meant), span, f"the {entry.kind} `{entry.name}`"
     )
     expect_of(source.value, scalar.dimension, meant, f"the {entry.kind} `{entry.name}`", describe(meant))
-    timely(context, scalar.node, span, f"a {entry.kind}")
+    refuse_late(context, scalar.node, span, f"a {entry.kind}")
     return scalar.node, span
 
 
@@ -204,7 +204,7 @@ def declare_dissipation(context: Context, entry: Entry) -> Value:
 
 def _of_rate(context: Context, entry: Entry) -> str | None:
     """Return a remedy for a dissipation that is a force, `c*der(x)`, and not half its power."""
-    value = _written(entry).value
+    value = _construct_of(entry).value
     if not isinstance(value, tree.Binary) or value.op != "*" or not value.right.span.text.startswith("der("):
         return None
     from lagc.semantics.names.undeclared import dimension_of  # where there is a fault
@@ -241,7 +241,7 @@ def declare_load(context: Context, entry: Entry) -> Value:
         expect_of(source.value, found, meant, f"the {source.kind} `{entry.name}`", named)
         for node in vector:
             if context.clock.mask(node) & LATE & ~BIT["multiplier"]:
-                timely(context, node, source.value.span, f"a {source.kind}")
+                refuse_late(context, node, source.value.span, f"a {source.kind}")
         return vector
 
     if is_force:
@@ -317,7 +317,7 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
     rows: list[Node] = []
     units: list[str] = []
     for k, (node, found) in enumerate(differences):
-        timely(context, node, source.left.span.to(source.right.span), "a constraint")
+        refuse_late(context, node, source.left.span.to(source.right.span), "a constraint")
         if not node.is_zero:
             labels.append(entry.path if entry.size is None else f"{entry.path}[{k + 1}]")
             rows.append(node)
@@ -398,7 +398,7 @@ def condition(
     left, right = all_values(context, [written.left, written.right], environment)
     found: list[objects.InitialCondition] = []
     for node, _ in residuals(left, right, written):
-        timely(context, node, written.left.span.to(written.right.span), "an initial condition")
+        refuse_late(context, node, written.left.span.to(written.right.span), "an initial condition")
         if not node.is_zero:
             found.append(objects.InitialCondition(node, written.span))
     return found

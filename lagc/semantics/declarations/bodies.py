@@ -69,7 +69,7 @@ def declare_body(context: Context, entry: Entry) -> Value:
     mass, position = found["mass"], found.get("com") or found["at"]
     frame, inertia = found.get("frame"), found.get("inertia")
     if context.has_joints:
-        position, frame = _placed(context, entry, position, frame)
+        position, frame = _place_by_joints(context, entry, position, frame)
         place = Argument(vector_value(position, M), place.span)
     if entry.path in context.released:
         from lagc.semantics.joints.linkage import release_frame, release_place
@@ -100,7 +100,7 @@ def _drawn_frame(context: Context, entry: Entry, call: tree.Call) -> Argument:
     raise Wrong("LAG0210", "`Solid` needs the argument `frame`, or a joint that places it", call.span, remedy)
 
 
-def _placed(
+def _place_by_joints(
     context: Context, entry: Entry, position: Vector, frame: objects.Frame | None
 ) -> tuple[Vector, objects.Frame | None]:
     """Return the position and the frame of a body that joints may place.  Raises Wrong."""
@@ -109,7 +109,7 @@ def _placed(
 
     linkage = linkage_of(context, entry)
     if entry in linkage.roots:
-        context.poses[entry.path] = lambda drawn: linkage.pose(entry).attached(drawn)
+        context.poses[entry.path] = lambda drawn: linkage.pose(entry).place_of(drawn)
     if entry not in linkage.placing:
         return position, frame
     if not is_constant(context, [*position, *(x for row in frame.axes for x in row)] if frame else position):
@@ -121,8 +121,8 @@ def _placed(
         related = ((joint.span, "the joint"),)
         raise Wrong("LAG0234", message, entry.span, remedy, related)
     pose = linkage.pose(entry)
-    context.poses[entry.path] = pose.attached
-    return pose.attached(position), frame and turned_by(context, pose.frame, frame.axes)
+    context.poses[entry.path] = pose.place_of
+    return pose.place_of(position), frame and turned_by(context, pose.frame, frame.axes)
 
 
 def _call_of(entry: Entry) -> tree.Call:
@@ -144,13 +144,13 @@ def _arguments(context: Context, entry: Entry, call: tree.Call, name: str) -> di
     parameters, required = _PARAMETERS[name]
     written = dict(zip(parameters, match(context, call, parameters, required, f"`{name}`")))
 
-    def one(parameter: str) -> tuple[str, Argument]:
+    def argument_of(parameter: str) -> tuple[str, Argument]:
         expression = written[parameter]
         assert expression is not None
         value = evaluate_as(context, expression, entry.environment, _DIMENSIONS[parameter])
         return parameter, Argument(value, expression.span)
 
-    return dict(each(context, one, [p for p in parameters if written[p] is not None]))
+    return dict(each(context, argument_of, [p for p in parameters if written[p] is not None]))
 
 
 def _mass(_: Context, given: Argument) -> Node:
@@ -310,7 +310,7 @@ def _twice(first: Entry, entry: Entry, body: Entry) -> Fault:
     return Fault("LAG0229", message, entry.span, remedy=remedy, severity="warning")
 
 
-def released(context: Context, entry: Entry, symbol: Node, unit: str) -> list[objects.ModelObject]:
+def releases_of(context: Context, entry: Entry, symbol: Node, unit: str) -> list[objects.ModelObject]:
     """Return the release of a parameter, if an output asks for its reaction."""
     if symbol.record.owner not in context.released:
         return []
@@ -349,7 +349,7 @@ def _strength(context: Context, entry: Entry, written: tree.Expression | None) -
     if not value.is_const:
         return value
     symbol = context.graph.symbol("parameter", name)
-    entry.objects += released(context, entry, symbol, "m/s2")
+    entry.objects += releases_of(context, entry, symbol, "m/s2")
     bounds, about = (-math.inf, math.inf), "acceleration of gravity"
     parameter = objects.Parameter(name, symbol, "m/s2", "m/s2", value.value, *bounds, entry.span, about)
     entry.objects.append(parameter)

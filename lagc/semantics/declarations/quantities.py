@@ -10,13 +10,13 @@ from lagc.semantics import model as objects
 from lagc.semantics.context import LATE, Context, set_quaternion_rate
 from lagc.semantics.declarations.attributes import (
     Quantity,
+    array_of,
     attributes_of,
     bounds_of,
     check_bounds,
     check_constant,
-    declared,
     elements,
-    fixed,
+    fixed_flags,
     fixed_if,
     from_outside,
     given_elements,
@@ -26,13 +26,13 @@ from lagc.semantics.declarations.attributes import (
     look_at_all,
     no_value,
     own_part,
-    shaped,
+    statement_of,
     value_span,
     values_of,
     with_fixed,
     written_value,
 )
-from lagc.semantics.declarations.bodies import released
+from lagc.semantics.declarations.bodies import releases_of
 from lagc.semantics.declarations.events import BOOLEAN, declare_discrete, is_boolean
 from lagc.semantics.model import Orientation, Statement
 from lagc.semantics.names.scope import (
@@ -124,7 +124,7 @@ def _stand_in(context: Context, entry: Entry, sizes: list[int], dimension: Dimen
         for _ in range({"coordinate": 2, "speed": 1}.get(entry.kind, 0)):
             context.clock.set_rate(top, graph.leaf(top.record.derivative))
             top = graph.leaf(top.record.derivative)
-    return shaped(found, sizes)
+    return array_of(found, sizes)
 
 
 def _display(context: Context, meant: QuantityType, attributes: dict[str, Modifier]) -> str:
@@ -148,7 +148,7 @@ def _display(context: Context, meant: QuantityType, attributes: dict[str, Modifi
 # -- the kinds -----------------------------------------------------------------------------------
 
 
-def _fixed(context: Context, quantity: Quantity) -> Value:
+def _constant(context: Context, quantity: Quantity) -> Value:
     """Declare constants and structural integers, whose values are known at compile time."""
     entry = quantity.entry
     bounds = bounds_of(context, quantity)
@@ -169,7 +169,7 @@ def _fixed(context: Context, quantity: Quantity) -> Value:
             check_bounds(quantity, name, number, bounds, span, "")
             context.built_in.append(name)
         found.append(scalar)
-    return shaped(found, quantity.sizes)
+    return array_of(found, quantity.sizes)
 
 
 def _parameter(context: Context, quantity: Quantity) -> Value:
@@ -196,14 +196,14 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
                 whole(value, span, f"the parameter `{name}`")
             check_bounds(quantity, name, value, bounds, span, quantity.type.unit)
         symbol = context.graph.symbol("parameter", name)
-        entry.objects += released(context, entry, symbol, quantity.type.unit)
+        entry.objects += releases_of(context, entry, symbol, quantity.type.unit)
         is_integer = quantity.type.name == "Integer"
         parameter = objects.Parameter(
             name, symbol, *quantity.units, value, *bounds, *quantity.about, is_integer
         )
         entry.objects.append(parameter)
         found.append(Scalar(symbol, quantity.type.dimension))
-    return shaped(found, quantity.sizes)
+    return array_of(found, quantity.sizes)
 
 
 def _input(context: Context, quantity: Quantity) -> Value:
@@ -213,7 +213,7 @@ def _input(context: Context, quantity: Quantity) -> Value:
     for subscript, scalar in zip(quantity.subscripts, values_of(context, quantity)):
         name, unit = quantity.name(subscript), quantity.type.unit
         if scalar is not None and not scalar.node.is_const:
-            output = _followed(context, quantity, name, scalar.node)
+            output = _output_of_input(context, quantity, name, scalar.node)
             if name in context.taken or entry.path in context.taken or not entry.modifiers:
                 entry.objects.append(output)  # else it is an expression of the model that contains this one
             found.append(Scalar(scalar.node, quantity.type.dimension))
@@ -223,10 +223,10 @@ def _input(context: Context, quantity: Quantity) -> Value:
         symbol = context.graph.symbol("input", name)
         entry.objects.append(objects.Input(name, symbol, unit, default, *bounds, *quantity.about))
         found.append(Scalar(symbol, quantity.type.dimension))
-    return shaped(found, quantity.sizes)
+    return array_of(found, quantity.sizes)
 
 
-def _followed(context: Context, quantity: Quantity, name: str, node: Node) -> objects.Output:
+def _output_of_input(context: Context, quantity: Quantity, name: str, node: Node) -> objects.Output:
     """Return the output that records an input given by an expression."""
     if context.clock.mask(node) & LATE:
         message = "an input must not depend on an acceleration or a reaction"
@@ -248,7 +248,7 @@ def starts(
     zero = Scalar(context.graph.zero, None)
     count = len(quantity.subscripts)
     what = f"the {attribute} of `{quantity.entry.path}`"
-    stated = [declared(quantity.entry, modifier)] * count
+    stated = [statement_of(quantity.entry, modifier)] * count
     modifier = guess or modifier
     found = (
         [zero] * count if modifier is None else elements(context, modifier, quantity.sizes, dimension, what)
@@ -294,7 +294,7 @@ def _coordinate(context: Context, quantity: Quantity) -> Value:
             )
         )
         found.append(Scalar(symbol, dimension))
-    return shaped(found, quantity.sizes)
+    return array_of(found, quantity.sizes)
 
 
 def _speed(context: Context, quantity: Quantity) -> Value:
@@ -306,7 +306,7 @@ def _speed(context: Context, quantity: Quantity) -> Value:
         raise Wrong("LAG0210", message, entry.span, remedy)
     values = elements(context, modifier, quantity.sizes, quantity.type.dimension, f"`{entry.path}`")
     at_start, stated = starts(context, quantity, "start", quantity.type.dimension, quantity.name)
-    holds = fixed(context, quantity.attributes, "fixed", quantity.sizes, len(values))
+    holds = fixed_flags(context, quantity.attributes, "fixed", quantity.sizes, len(values))
     keep_scale(context, quantity, map(quantity.name, quantity.subscripts))
     found: list[Scalar] = []
     for k, (subscript, scalar) in enumerate(zip(quantity.subscripts, values)):
@@ -322,7 +322,7 @@ def _speed(context: Context, quantity: Quantity) -> Value:
             objects.Speed(name, symbol, scalar.node, quantity.type.unit, *quantity.about, *initial)
         )
         found.append(Scalar(symbol, quantity.type.dimension))
-    return shaped(found, quantity.sizes)
+    return array_of(found, quantity.sizes)
 
 
 def _output(context: Context, quantity: Quantity) -> Value:
@@ -353,7 +353,7 @@ def _output(context: Context, quantity: Quantity) -> Value:
 
 
 _DECLARE: dict[str, Callable[[Context, Quantity], Value]] = {
-    "constant": _fixed, "structural": _fixed, "parameter": _parameter, "input": _input,
+    "constant": _constant, "structural": _constant, "parameter": _parameter, "input": _input,
     "coordinate": _coordinate, "speed": _speed, "discrete": declare_discrete, "output": _output,
 }  # fmt: skip
 
@@ -401,7 +401,7 @@ def _numbers(
     """Return the initial value of each of `names`, and its statement.  Raises Wrong."""
     what = f"the {attribute} of `{entry.path}`"
     modifier = attributes.get(attribute)
-    found, stated = list(default), [declared(entry, modifier)] * len(default)
+    found, stated = list(default), [statement_of(entry, modifier)] * len(default)
     modifier = guess_instead(attributes, attribute) or modifier
     whole = context.give(context.starts, entry.path if attribute == "start" else f"{entry.path}.rate")
     if whole is not None and whole.expression is not None and whole.environment is not None:

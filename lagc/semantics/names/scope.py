@@ -143,7 +143,7 @@ Extended: TypeAlias = dict[int, list[tuple[tree.ModelDeclaration, Modifiers]]]
 def modifiers_of(arguments: Iterable[tree.Argument], environment: Environment) -> Modifiers:
     """Return the arguments of an instance or of `extends`, by name.  Raises Wrong."""
     found: Modifiers = {}
-    for argument in map(_named, arguments):
+    for argument in map(_as_modification, arguments):
         if argument.name is None:
             raise Wrong("LAG0209", "an argument of a model needs a name: `name = value`", argument.span)
         if argument.name in found:
@@ -152,7 +152,7 @@ def modifiers_of(arguments: Iterable[tree.Argument], environment: Environment) -
     return found
 
 
-def _named(argument: tree.Argument) -> tree.Argument:
+def _as_modification(argument: tree.Argument) -> tree.Argument:
     """Return `a(m = 5)`, which parses as a call, as a modification of the members of `a`."""
     call = argument.value
     if argument.name is None and isinstance(call, tree.Call) and isinstance(call.function, tree.Name):

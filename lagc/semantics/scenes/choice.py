@@ -148,7 +148,7 @@ def read_values(context: Context, setting: Setting, environment: Environment) ->
     for d in setting.scene.body if setting.scene else ():
         if isinstance(d, tree.Quantities):
             if d.type is not None:
-                context.attempt(_typed, d.type)
+                context.attempt(_refuse_type, d.type)
             for declarator in d.declarators:
                 if _is_plain(declarator):
                     context.attempt(_parameter, context, declarator, environment)
@@ -169,7 +169,7 @@ def read_rest(context: Context, setting: Setting, environment: Environment) -> d
     return settings.numbers()
 
 
-def _typed(type_name: tree.TypeName) -> None:
+def _refuse_type(type_name: tree.TypeName) -> None:
     message = "a scene only changes values; the type is declared in the model"
     remedy = "leave out the type"
     raise Wrong("LAG0221", message, type_name.span, remedy)

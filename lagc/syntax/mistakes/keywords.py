@@ -165,7 +165,12 @@ def if_statement(w: Where) -> Explained | None:
 
 def missing_end_word(w: Where) -> Explained | None:
     """Explain `room;` instead of `end room;`."""
-    if w.token.text != ";" or w.position - w.begin != 1 or w.block is None or w.first.text != w.block.closing:
+    if (
+        w.token.text != ";"
+        or w.position - w.begin != 1
+        or w.block is None
+        or w.first.text != w.block.end_name
+    ):
         return None
     message = f"an `end` is missing before `{w.first.text}`"
     fault = w.block.fault("LAG0112", message, w.span(w.first))

@@ -63,7 +63,7 @@ def _bars(w: Where) -> Special | None:
 
 def _assignment(w: Where) -> Special | None:
     """Explain `n := 2` in a `when` clause, and `n += 1`."""
-    text, in_when = w.token.text, w.block is not None and w.block.closing == "when"
+    text, in_when = w.token.text, w.block is not None and w.block.end_name == "when"
     if text in ("!=", "~=") or (text == ":=" and not in_when):
         return None
     left = w.source.text[: w.token.start].replace("then", ";").rpartition(";")[2].strip()
@@ -156,7 +156,7 @@ def equation_for_comparison(w: Where) -> Explained | None:
     return explained("LAG0116", message, w.span(w.token), "write `==`", w.replace("=="))
 
 
-def chained(w: Where) -> Explained | None:
+def chained_comparison(w: Where) -> Explained | None:
     if w.token.text == "^":
         message = "`a^b^c` is ambiguous"
         return explained("LAG0126", message, w.span(w.token), "write `a^(b^c)` or `(a^b)^c`")
@@ -361,8 +361,8 @@ def brackets(w: Where) -> Explained | None:
             if w.first.text in ("model", "package", "effect", "scene") or not w.inside:
                 message, remedy = "a block ends with `end name;`", None
                 if w.block is not None and text == "}":
-                    remedy = f"write `end {w.block.closing};`"
-                    repair = w.replace("end", w.block.closing, ";")
+                    remedy = f"write `end {w.block.end_name};`"
+                    repair = w.replace("end", w.block.end_name, ";")
                     return explained("LAG0114", message, w.span(w.token), remedy, repair)
             else:
                 message, remedy = f"no bracket is open for this `{text}`", "delete it"
