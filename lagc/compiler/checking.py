@@ -95,7 +95,7 @@ def _faults(
 ) -> dict[tuple[object, ...], Fault]:
     """The faults of one choice by code and place, warnings first. Adds the names of its parameters and inputs
     to `known`, and the number of stages that it reached to `reached`."""
-    from lagc.mechanics.lint.unmoved import unmoved
+    from lagc.mechanics.lint.loads import unmoved
     from lagc.simulation.request import angle_warnings
 
     faults: Sequence[Fault]

@@ -12,7 +12,7 @@ from lagc.diagnostics.catalogue.mechanics import ENTRIES
 from lagc.diagnostics.faults import Refused, Source
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.mechanics.lint.unmoved import unmoved
+from lagc.mechanics.lint.loads import unmoved
 from lagc.semantics.resolve import resolve
 from lagc.syntax.parse import parse
 from tests.invariants import verify

@@ -100,22 +100,12 @@ ENTRIES: dict[str, Entry] = {
         _on_particle("  parameter Length a = 1 [m], b = 1 [m];\n  constraint c: a = b;\n"),
         _on_particle("  parameter Length a = 1 [m];\n  constraint c: x = a;\n"),
     ),
-    "LAG0411": Entry(
-        "a force at a point that belongs to no body",
-        "This is a warning. `force F at P` acts with the velocity of the geometric point P. The contact "
-        "point of a rolling disc, or the point where something slides along a rod, is a different "
-        "material point at each time, and that point has another velocity. `on body at P` means the "
-        "material point of the body, and includes the torque about its center of mass. A body of mass 0 "
-        "at P means the geometric point.",
-        _on_disc("  force F = 1 [N]*world.x at G - R*world.z;\n"),
-        _on_disc("  force F = 1 [N]*world.x on disc at G - R*world.z;\n"),
-    ),
     "LAG0412": Entry(
         "a friction force that can add energy",
         "This is a warning. The power of a force depends on the velocity of the point it acts on. The "
-        "force may oppose one velocity and act on a point with another one; a torque between two bodies "
-        "may act on one of them only; or a dissipation may decrease when the rates grow. Let the force "
-        "oppose the velocity of the point that it acts on.",
+        "force may oppose one velocity, `velocity(...)` in its expression, and act on a point with another "
+        "one; a torque between two bodies may act on one of them only. Let the force oppose the velocity of "
+        "the point that it acts on.",
         _on_disc("  force F = -2 [kg/s]*velocity(disc) on disc at G - R*world.z;\n"),
         _on_disc("  force F = -2 [kg/s]*velocity(disc, at = G - R*world.z) on disc at G - R*world.z;\n"),
     ),
@@ -180,10 +170,9 @@ ENTRIES: dict[str, Entry] = {
         _on_particle("  constraint one: der(x) = 0;\n  output Force f = reaction(one);\n"),
     ),
     "LAG0429": Entry(
-        "a coordinate that nothing moves",
-        "No force, energy or constraint acts on this coordinate, nothing is coupled to it by inertia, and it "
-        "has no initial rate, so it keeps its initial value. A force or an effect such as gravity may be "
-        "missing. There is no warning for a coordinate of a body that moves otherwise.",
+        "a system that nothing moves",
+        "No force, energy, constraint or initial rate sets any coordinate in motion: all keep their initial "
+        "values. A force or an effect such as gravity may be missing.",
         "model M\n  coordinate Length x;\n  body p = Particle(mass = 1 [kg], at = {x, 0, 0});\nend M;\n",
         "model M\n  coordinate Length x(rate = 1 [m/s]);\n"
         "  body p = Particle(mass = 1 [kg], at = {x, 0, 0});\nend M;\n",
@@ -198,16 +187,6 @@ ENTRIES: dict[str, Entry] = {
             "  force F = {0, -0.1*reaction(again), 0} at p;\n"
         ),
         _on_particle("  constraint rail: x = 0;\n  force F = {0, -0.1*reaction(rail), 0} at p;\n"),
-    ),
-    "LAG0432": Entry(
-        "a slip that is no velocity along the surface",
-        "This is a warning. The friction of a contact with `slip` is the coefficient times the push along "
-        "the gradient of the gap, and acts along the gradient of the slip. So the gap is a distance, the "
-        "slip a velocity along the surface, and two slips are perpendicular to each other. A slip with a "
-        "factor has a friction with this factor. With `at` in place of `slip` all this follows from the "
-        "place.",
-        _on_particle("  constraint slope: y >= 0.5*x (friction = 0.3, slip = der(x));\n"),
-        _on_particle("  constraint slope: y >= 0.5*x (friction = 0.3, at = p);\n"),
     ),
     "LAG0433": Entry(
         "friction along a slip that constraints hold",

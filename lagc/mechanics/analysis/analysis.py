@@ -88,7 +88,6 @@ class Analysis:
     cyclic: tuple[str, ...]
     conserved: tuple[Conserved, ...]
     constraints: tuple[RowKind, ...]
-    integrable_combinations: int  # relations between positions that rows bring only in combination
     dropped: tuple[str, ...]
     seems: Seems
     not_examined: tuple[str, ...]  # what would have been too much work, or met no consistent state
@@ -127,7 +126,6 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
         cyclic=tuple(cyclic),
         conserved=tuple(conserved),
         constraints=tuple(_kinds(equations, integrable)),
-        integrable_combinations=integrable.combinations,
         dropped=equations.dropped,
         seems=Seems(
             cyclic=tuple([name for name, proved in cyclic.items() if not proved]),

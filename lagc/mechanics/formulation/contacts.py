@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.mechanics.formulation.equations import ContactRow, SlipRow
+from lagc.mechanics.formulation.equations import ContactRow, Law, Level, Row, SlipRow
 from lagc.mechanics.formulation.jacobian import gradients
 from lagc.mechanics.formulation.slips import along_surface
 from lagc.mechanics.formulation.states import States
@@ -57,6 +57,15 @@ def _is_linear(states: States, jacobian: Mapping[int, Node]) -> bool:
 def _without_gap(row: ContactRow) -> ContactRow:
     zero = row.gap.graph.zero
     return replace(row, gap=zero, rate=zero, jacobian={}, bias=zero)
+
+
+def held(contact: ContactRow) -> Row:
+    """Return the row of a contact that touches."""
+    return Row(
+        contact.label, contact.contact.name, Level.POSITION, Law.PERFECT,
+        contact.multiplier, contact.gap, contact.rate, contact.jacobian, -contact.bias, contact.contact.unit,
+        False, True, contact.contact.span,
+    )  # fmt: skip
 
 
 def with_normals(contacts: Sequence[ContactRow], nodes: Sequence[Node]) -> tuple[ContactRow, ...]:

@@ -13,7 +13,7 @@ from lagc.base.records import dataclass
 from lagc.mechanics.formulation.equations import Row, SlipRow
 from lagc.mechanics.formulation.states import States
 from lagc.mechanics.numeric.cancellation import VANISHES, magnitudes
-from lagc.mechanics.numeric.dense_linear import Span, dimension, least_norm
+from lagc.mechanics.numeric.linear_algebra import Span, dimension, least_norm
 from lagc.mechanics.numeric.samples import Chance, samples, unit_sizes
 from lagc.semantics.model import UNSTATED
 from lagc.symbolic.derivative import gradient

@@ -18,9 +18,9 @@ from lagc.mechanics.formulation.equations import Row
 from lagc.mechanics.formulation.states import States
 from lagc.mechanics.identities.constraint_manifold import onto
 from lagc.mechanics.numeric.cancellation import VANISHES
-from lagc.mechanics.numeric.dense_linear import RIGHT, Echelon
 from lagc.mechanics.numeric.samples import samples
 from lagc.mechanics.redundancy.row_reduction import Reduced, tables
+from lagc.symbolic.finite_field import RIGHT, Echelon
 from lagc.symbolic.graph import Node
 from lagc.symbolic.operators import CHOICE, CORNER, STEP, smooth_as
 from lagc.symbolic.walk import reachable, symbols

@@ -12,8 +12,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
-from lagc.mechanics.numeric.dense_linear import dimension, least_norm
-from lagc.mechanics.numeric.dense_linear import dot as product
+from lagc.mechanics.numeric.linear_algebra import dimension, least_norm
+from lagc.mechanics.numeric.linear_algebra import dot as product
 from lagc.mechanics.numeric.samples import samples
 from lagc.reports.algebra.expansion import TooLarge
 from lagc.reports.algebra.polynomials import NotFinite
