@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.mechanics.balance.energy import energies
-from lagc.mechanics.balance.generalized_forces import Acting, act
+from lagc.mechanics.balance.energy import Acting, act, energies
 from lagc.mechanics.balance.outputs import of_motion, output_equations
 from lagc.mechanics.formulation.constraints import Classified, classify
 from lagc.mechanics.formulation.contacts import contact_rows, with_normals
@@ -24,7 +23,7 @@ from lagc.symbolic.operators import CORNER, STEP, smooth_as
 from lagc.symbolic.walk import depends, symbols
 
 if TYPE_CHECKING:
-    from lagc.mechanics.redundancy.redundancy import Dropped
+    from lagc.mechanics.redundancy import Dropped
 
 _RELATIONS = smooth_as(STEP, CORNER)
 _OF_MOTION = ("acceleration", "multiplier", *QUANTITIES)
@@ -124,7 +123,7 @@ def _constrained(states: States) -> tuple[list[Classified], list[Dropped], tuple
     if not found:
         return [], [], ()
     from lagc.mechanics.lint.degenerate_constraints import refuse_degenerate
-    from lagc.mechanics.redundancy.redundancy import drop_idle, drop_redundant  # loaded where there are rows
+    from lagc.mechanics.redundancy import drop_idle, drop_redundant  # loaded where there are rows
 
     rows, idle = drop_idle(states, found)
     warnings = refuse_degenerate(states, rows)
@@ -162,7 +161,7 @@ def _refuse_reactions(
         message = f"`{servo.actuator}` holds `{servo.name}`, beside {rough[0].title}"
         faults.append(Fault("LAG0431", message, servo.span, remedy=rough[0].otherwise))
     if rough and classified:
-        from lagc.mechanics.redundancy.redundancy import dependent_rows  # loaded where there are rows
+        from lagc.mechanics.redundancy import dependent_rows  # loaded where there are rows
 
         rows = [x.row for x in classified]
         shared |= {rows[k].label for x in dependent_rows(states, rows) for k in (x.row, *x.others)}
@@ -180,7 +179,7 @@ def _shared(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:
     """Warnings of reactions that are one of many."""
     if not dropped:
         return ()
-    from lagc.mechanics.redundancy.redundancy import shared_reactions
+    from lagc.mechanics.redundancy import shared_reactions
 
     return shared_reactions(states, dropped)
 

@@ -15,15 +15,14 @@ from lagc.mechanics.analysis.integrability import Integrable, integrable_rows, r
 from lagc.mechanics.analysis.mobility import Mobility, mobility
 from lagc.mechanics.balance.energy import WHOLE
 from lagc.mechanics.balance.outputs import Quantities, momenta
-from lagc.mechanics.formulation.equations import EquationsOfMotion, Row
+from lagc.mechanics.formulation.equations import EquationsOfMotion, Row, triples
 from lagc.mechanics.formulation.euler_lagrange import free_terms, with_rates
 from lagc.mechanics.formulation.inertia import moving_parts
-from lagc.mechanics.formulation.mass_matrix import triples
 from lagc.mechanics.formulation.states import States, build_states
 from lagc.mechanics.identities.constraint_manifold import Consistent, onto, walk
+from lagc.mechanics.identities.samples import samples
 from lagc.mechanics.identities.sampling_domains import LARGEST, along, anywhere, far_away, on_rows
 from lagc.mechanics.identities.zero_test import ZeroTest
-from lagc.mechanics.numeric.samples import samples
 from lagc.semantics.model import Coordinate, Lagrangian, Potential
 from lagc.symbolic.derivative import gradient, tangent
 from lagc.symbolic.graph import Node

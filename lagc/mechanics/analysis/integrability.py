@@ -18,8 +18,7 @@ from lagc.base.records import dataclass, field
 from lagc.mechanics.formulation.equations import Row
 from lagc.mechanics.formulation.states import States, quaternion_rate, rate_symbols
 from lagc.mechanics.identities.sampling_domains import on_rows
-from lagc.mechanics.identities.zero_test import ZeroTest
-from lagc.mechanics.numeric.piecewise_branches import spelt_out
+from lagc.mechanics.identities.zero_test import ZeroTest, spelt_out
 from lagc.semantics.model import Coordinate
 from lagc.symbolic.derivative import gradient, seeds, tangent
 from lagc.symbolic.finite_field import Echelon, Entries, P, Point, Undefined

@@ -20,9 +20,8 @@ from lagc.mechanics.formulation.contacts import held
 from lagc.mechanics.formulation.equations import ContactRow, Row
 from lagc.mechanics.formulation.states import States
 from lagc.mechanics.identities.constraint_manifold import jacobian, onto, scales
-from lagc.mechanics.numeric import linear_algebra
-from lagc.mechanics.numeric.cancellation import VANISHES, magnitudes
-from lagc.mechanics.numeric.samples import samples
+from lagc.mechanics.identities.linear_algebra import Span as Spanned
+from lagc.mechanics.identities.samples import VANISHES, magnitudes, samples
 from lagc.semantics.model import Force, Torque
 from lagc.symbolic.derivative import gradient
 from lagc.symbolic.graph import Node
@@ -32,7 +31,7 @@ from lagc.symbolic.walk import depends, symbols
 Load = Force | Torque
 Array: TypeAlias = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
 
-LARGEST = 60  # speeds and constraints of which forms are made
+LARGEST = 60  # speeds and constraints; forms of more are not made
 _MOST = 40  # loads that are looked at
 _STATES = 2
 _SLOW = 1e-2  # of random speeds
@@ -137,7 +136,7 @@ def _states(states: States, rows: Sequence[Row]) -> list[_State]:
     linear, found = [row for row in rows if row.linear], []
     for state in map(onto(states, rows), drawn):
         if state is not None:
-            held = linear_algebra.Span(jacobian(linear, sizes, state)) if linear else None
+            held = Spanned(jacobian(linear, sizes, state)) if linear else None
             free = np.eye(n) if held is None else np.array(held.null_space()).reshape(-1, n)
             found.append(_State(state, np.array(sizes)[:, None] * free.T))
     return found
@@ -225,7 +224,7 @@ def slips_held(states: States, rows: Sequence[Row], contacts: Sequence[ContactRo
         if not contact.slips or not columns.issuperset(j for slip in contact.slips for j in slip.jacobian):
             continue
         linear, found = [row for row in touching if row.linear], _states(states, touching)
-        spans = [linear_algebra.Span(jacobian(linear, sizes, state.values)) for state in found]
+        spans = [Spanned(jacobian(linear, sizes, state.values)) for state in found]
         slips = [np.array(jacobian(contact.slips, sizes, state.values)) for state in found]
         parts = [np.array([span.remainder(row) for row in own.tolist()]) for span, own in zip(spans, slips)]
         sizes_of = zip(parts, slips)

@@ -86,7 +86,9 @@ def unmoved(equations: EquationsOfMotion) -> list[Fault]:
     names = ", ".join(f"`{c.name}`" for c in model.coordinates[:6])
     names += ", ..." if len(model.coordinates) > 6 else ""
     where = f" in the scene `{model.scene}`" if len(model.scenes) > 1 else ""
-    message = f"nothing moves {names}{where}: no force, energy, constraint or initial rate does"
+    it, has = ("it", "it has") if len(model.coordinates) == 1 else ("them", "they have")
+    message = f"nothing moves {names}{where}: no force, energy or constraint acts on {it}, and {has} no "
+    message += "initial rate"
     rate = f"{model.coordinates[0].name.partition('[')[0]}(rate = 1)"
     remedy = f"write a force, an energy, `Gravity field;`, or an initial rate such as `{rate}`"
     return [Fault("LAG0429", message, model.coordinates[0].span, remedy=remedy, severity="warning")]

@@ -19,7 +19,7 @@ from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Span
 from lagc.mechanics.formulation.equations import WhenEquations
 from lagc.mechanics.formulation.states import States
-from lagc.mechanics.numeric.cancellation import magnitudes
+from lagc.mechanics.identities.samples import magnitudes
 from lagc.semantics.model import Lagrangian, Potential, When
 from lagc.symbolic.derivative import gradient
 from lagc.symbolic.enclosures import extended, intervals
