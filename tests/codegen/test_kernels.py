@@ -24,6 +24,7 @@ from lagc.codegen.kernel_compiler.real_types import DOUBLE
 from lagc.codegen.kernel_compiler.shipped import parts, sources
 from lagc.codegen.kernel_compiler.type_check import Signature
 from lagc.codegen.python.functions import ARITHMETIC
+from lagc.codegen.python.runtime import kernels
 
 HEAD = "from lagc.kernels.language.words import *\n"
 
@@ -243,6 +244,81 @@ def test_c_and_python_mean_the_same(straight: bool, tmp_path: Path) -> None:
             library_.parted(ctypes.c_double(x), n, pair)
             for names in (space, plain):
                 assert _same(list(pair), list(names["parted"](x, n))), (x, n, *pair)
+
+
+NESTED = '''
+@struct
+class Law:
+    """A part of a workspace."""
+
+    forces: Vec[NX]
+    count: int
+    if NC > 0:
+        largest: Real
+
+
+@struct
+class Shop:
+    total: Real
+    if STRAIGHT:
+        law: Law
+
+
+def push(law: Law, by: Real) -> None:
+    """Raise all forces."""
+    for i in range(NX):
+        law.forces[i] += by
+    law.count += 1
+
+
+def worked(shop: Shop, x: Vec[NX]) -> Real:
+    law = shop.law
+    law.forces[:] = x
+    push(law, 0.5)
+    push(shop.law, 0.25)
+    if NC > 0:
+        law.largest = law.forces[0]
+        for i in range(NX):
+            if law.forces[i] > shop.law.largest:
+                law.largest = law.forces[i]
+        shop.total += law.largest
+    for i in range(NX):
+        shop.total += law.forces[i] * shop.law.forces[i]
+    return shop.total * float(law.count)
+
+'''
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not there")
+def test_records_within_records_mean_the_same(tmp_path: Path) -> None:
+    """A name for the record inside, it as an argument, and its members by the whole path are one record."""
+    found = library(NESTED)
+    flags = {"STRAIGHT": True, "NC": True, "NZ": False}
+    use = chosen(found.parts, flags, ["worked"])
+    assert [part["name"] for part, _ in use.records] == ["Law", "Shop"]
+    text = "#define LAGC_NX 3\n#include <string.h>\n"
+    text += "typedef struct { double forces[3]; int count; double largest; } lagc_law;\n"
+    text += "typedef struct { double total; lagc_law law; } lagc_shop;\n"
+    text += "\n".join(leaf["c"] for _, leaf in use.functions)
+    text += "double worked(const double *x) { lagc_shop s; memset(&s, 0, sizeof s);"
+    text += " return lagc_worked(&s, x); }\n"
+    (tmp_path / "a.c").write_text(text)
+    words = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off", "-fPIC", "-shared"]
+    done = subprocess.run([*words, "a.c", "-o", "a.so"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    compiled = ctypes.CDLL(str(tmp_path / "a.so")).worked
+    compiled.restype = ctypes.c_double
+    space: dict[str, Any] = {"NX": 3, "NC": 1, "STRAIGHT": True}
+    exec(ARITHMETIC + "\n".join(kernels(use)), space)
+    x = [0.1, -3.0, 2.5]
+    law = [v + 0.75 for v in x]
+    value = (max(law) + sum(v * v for v in law)) * 2.0
+    results = [compiled((ctypes.c_double * 3)(*x)), space["worked"](space["Shop"](), x)]
+    assert results[0] == results[1] == pytest.approx(value, rel=1e-15)
+    without = chosen(found.parts, {**flags, "STRAIGHT": False}, ["push"])
+    assert [part["name"] for part, _ in without.records] == ["Law"]
+    with pytest.raises(KeyError, match="Shop has no law"):
+        chosen(found.parts, {**flags, "STRAIGHT": False}, ["worked"])
 
 
 def _number(chance: random.Random) -> float:

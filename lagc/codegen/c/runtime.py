@@ -23,6 +23,7 @@ from lagc.codegen.kernel_compiler.linker import (
     methods_of,
     sizes_of,
     tables_of,
+    within,
 )
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.kernel_compiler.shipped import Parts, parts
@@ -75,8 +76,9 @@ class Runtime:
 
     def types(self) -> str:
         """Return enumerations and structs for the header."""
-        records = self._records()
-        found = [self._enumeration("Status"), records["Work"], self._enumeration("Method")]
+        records, public = self._records(), self._public()
+        inner = [text for name, text in records.items() if name in public and name not in PUBLIC_RECORDS]
+        found = [self._enumeration("Status"), *inner, records["Work"], self._enumeration("Method")]
         found += [records["Options"], _codes(codes(self.parts, "language/records")), records["State"]]
         found += [records[name] for name in ("Goal", "Report", "Verification") if self.complete]
         found += [records["TangentWork"]] if self.program.interface.follows else []
@@ -109,7 +111,8 @@ class Runtime:
         own = [n for n in self.sizes if n in used and n not in self.public and n not in SPELLED]
         found = ["".join(f"#define LAGC_{n} {self.sizes[n]}\n" for n in own), _work(self.program)]
         found += [_table(name, values[name], self.real) for name in values if name in names]
-        found += [text for name, text in self._records().items() if name not in PUBLIC_RECORDS]
+        public = self._public()
+        found += [text for name, text in self._records().items() if name not in public]
         if "fn_convolve" in names:
             found.append(convolution(self.sizes["NLANE"], self.sizes["NSQUARE"], self.real))
         found += [_OBSERVE] if "fn_observe" in names else []
@@ -122,6 +125,11 @@ class Runtime:
         found += [f"size_t lagc_{n}_size(void) {{ return sizeof(lagc_{n}); }}\n" for n in sized]
         found += [_status_text(self.program.interface)] if self.complete else []
         return [part for part in found if part]
+
+    def _public(self) -> frozenset[str]:
+        """Return the records of the header: those that callers hold, and those inside of them."""
+        flags = flags_of(self.program.interface, self.complete)
+        return within(self.parts, flags, PUBLIC_RECORDS)
 
     def _records(self) -> dict[str, str]:
         """Return the struct of each record; C has no arrays of size 0, so these get size 1."""

@@ -83,7 +83,8 @@ class CPrinter:
 
     def spelled(self, text: str) -> str:
         """Write members of records in comments as in C: w->rank."""
-        records = [n for n, kind in self.now.parameters.items() if kind[0] == "Record"]
+        named = {**self.now.parameters, **self.now.locals}
+        records = [n for n, kind in named.items() if kind[0] == "Record" and not self.is_held(n)]
         return re.sub(rf"\b({'|'.join(records)})\.(?=[a-z])", r"\1->", text) if records else text
 
     def local(self, name: str) -> str:
@@ -173,12 +174,12 @@ class CPrinter:
         declare = self.places[name] is node
         if isinstance(value, ast.Call) and identifier(value.func) in MADE:
             out += [f"{indent}{self.local(name)};"] if declare else []
-        elif kind[0] == "Record":
+        elif kind[0] == "Record" and isinstance(value, ast.Call):
             out += [f"{indent}{self.local(name)};"] if declare else []
             for member, inner in self.now.known.members(kind[1]).items():
                 out.append(f"{indent}{name}.{member} = {'0.0' if inner == REAL else '0'};")
         else:
-            text = self.given(value, kind)
+            text = self.passed(value, kind)
             out.append(f"{indent}{self.local(name) if declare else name} = {text};")
 
     def copy(self, target: ast.Subscript, value: ast.expr, indent: str, out: list[str]) -> None:
@@ -215,8 +216,18 @@ class CPrinter:
         )
 
     def is_own(self, node: ast.expr) -> bool:
-        """Return whether a name is a local record or struct of parameters, not a pointer to one."""
-        return isinstance(node, ast.Name) and node.id in self.now.locals and node.id not in self.now.roots
+        """Return whether an expression is a local record or struct of parameters, not a pointer to one."""
+        return isinstance(node, ast.Name) and self.is_held(node.id)
+
+    def is_held(self, name: str) -> bool:
+        return name in self.now.locals and name not in self.now.roots
+
+    def passed(self, node: ast.expr, wanted: Type) -> str:
+        """Return an argument, or the value of a local: of a record its address."""
+        is_struct = wanted[0] in ("Record", "Params") and (
+            isinstance(node, ast.Attribute) or self.is_own(node)
+        )
+        return ("&" if is_struct else "") + self.given(node, wanted)
 
     def branch(self, node: ast.If, indent: str, out: list[str]) -> None:
         """Print a chain of tests, with braces for all blocks if one needs them."""
@@ -363,10 +374,7 @@ class CPrinter:
         if callee is None:
             spelled = self.real.call.format(name)
             return f"{spelled}({', '.join(self.given(a, REAL) for a in args)})", ATOM
-        parts = []
-        for a, kind in zip(args, callee.parameters):
-            address = kind[0] in ("Record", "Params") and (isinstance(a, ast.Attribute) or self.is_own(a))
-            parts.append(("&" if address else "") + self.given(a, kind))
+        parts = [self.passed(a, kind) for a, kind in zip(args, callee.parameters)]
         return f"lagc_{name}({', '.join(parts)})", ATOM
 
 

@@ -99,7 +99,7 @@ def chosen(
                 leaves[name] = without(leaves[name], left_out)
             wanted += [call for call in leaves[name]["calls"] if call in known]
     names = {name for leaf in leaves.values() for name in (*leaf["uses"], *leaf["calls"])} | leaves.keys()
-    records = {name for leaf in leaves.values() for name in leaf["records"]}
+    records = within(parts, flags, {name for leaf in leaves.values() for name in leaf["records"]})
     return Chosen(
         tuple([(known[name], leaves[name]) for name in known if name in leaves]),
         tuple([(p, members(p, flags)) for p in parts if p["kind"] == "record" and p["name"] in records]),
@@ -156,6 +156,18 @@ def _cut(text: str, numbers: Sequence[str]) -> str:
 def members(record: Part, flags: Mapping[str, bool]) -> tuple[Sequence[Any], ...]:
     """Return the members that a record has: name, type, flags, comments before and beside."""
     return tuple([m for m in record["members"] if all(flags[name] == value for name, value in m[2])])
+
+
+def within(parts: Sequence[Part], flags: Mapping[str, bool], names: Iterable[str]) -> frozenset[str]:
+    """Return these records and the records that they contain."""
+    known = {part["name"]: part for part in parts if part["kind"] == "record"}
+    found, wanted = set[str](), list(names)
+    while wanted:
+        name = wanted.pop()
+        if name not in found:
+            found.add(name)
+            wanted += [kind[1] for _, kind, *_ in members(known[name], flags) if kind[0] == "Record"]
+    return frozenset(found)
 
 
 def codes(parts: Iterable[Part], file: str) -> list[Part]:

@@ -51,8 +51,10 @@ def function(types: Types, short: Mapping[str, Short]) -> str:
         inner = ["    " + line if line else "" for line in doc[1:]]
         lines += [f'    """{doc[0]}' + ('"""' if not inner else ""), *inner[:-1]]
         lines += [inner[-1] + '"""'] if inner else []
+    count = len(_record_names(types, body))
+    _block(body[:count], "    ", lines) if count else None
     lines += ["    " + line for line in hoisted]
-    _block(body, "    ", lines)
+    _block(body[count:], "    ", lines)
     return "\n".join(lines) + "\n"
 
 
@@ -286,10 +288,24 @@ def _simple(node: ast.expr) -> bool:
     return plain or (isinstance(node, ast.UnaryOp) and _simple(node.operand))
 
 
+def _record_names(types: Types, body: list[ast.stmt]) -> list[str]:
+    """Return the names of records of records that the first statements give."""
+    found = list[str]()
+    for node in body:
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Attribute()) if (
+                types.locals[name][0] == "Record" and types.assigned[name] == 1
+            ):
+                found.append(name)
+            case _:
+                break
+    return found
+
+
 def _hoisted(types: Types, body: list[ast.stmt]) -> tuple[list[str], list[ast.stmt]]:
     """Load arrays of records, and their rows with a constant index, into locals if they are used more than
     once; they are never assigned."""
-    finder = _Arrays(types)
+    finder = _Arrays(types, {*types.parameters, *_record_names(types, body)})
     for s in body:
         finder.visit(s)
     taken = {n.id for s in body for n in ast.walk(s) if isinstance(n, ast.Name)} | set(types.parameters)
@@ -303,15 +319,22 @@ def _hoisted(types: Types, body: list[ast.stmt]) -> tuple[list[str], list[ast.st
 
 
 class _Arrays(ast.NodeVisitor):
-    def __init__(self, types: Types):
-        self.types, self.found = types, Counter[str]()
+    """Counts the uses of arrays of the records `roots`, and of the records that these contain."""
+
+    def __init__(self, types: Types, roots: set[str]):
+        self.types, self.roots, self.found = types, roots, Counter[str]()
 
     def kind(self, node: ast.expr) -> str:
-        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
-            owner = self.types.parameters.get(node.value.id, ("",))
+        return self.record_or_array(node)[0] if isinstance(node, ast.Attribute) else ""
+
+    def record_or_array(self, node: ast.expr) -> Type:
+        if isinstance(node, ast.Name) and node.id in self.roots:
+            return {**self.types.locals, **self.types.parameters}[node.id]
+        if isinstance(node, ast.Attribute):
+            owner = self.record_or_array(node.value)
             if owner[0] == "Record":
-                return self.types.known.members(owner[1])[node.attr][0]
-        return ""
+                return self.types.known.members(owner[1])[node.attr]
+        return ("",)
 
     def visit_For(self, node: ast.For) -> None:
         self.visit(node.iter)

@@ -217,7 +217,7 @@ class Types:
         old = self.locals.setdefault(name, found)
         if old != found and not (old == REAL and found in WHOLE):
             raise self.fail(node, f"{name} is {old[0]} before, {found[0]} here")
-        if found[0] in (*ARRAYS, "Params") and not isinstance(value, ast.Call):
+        if found[0] in (*ARRAYS, "Params", "Record") and not isinstance(value, ast.Call):
             self.roots.setdefault(name, set()).update(roots(value))
         self.assigned[name] = self.assigned.get(name, 0) + 1
 

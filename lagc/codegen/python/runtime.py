@@ -35,11 +35,17 @@ SEARCH = ("prepare", "reach_start")  # initialization
 GIVEN = ("Options",)  # records that are not printed: `support` has them
 _COPY_STATE = """\
 def fn_copy_state(s, kept):
-    for name in State.__slots__:
-        value = getattr(s, name)
-        if isinstance(value, list):
-            value = [part[:] if isinstance(part, list) else part for part in value]
-        setattr(kept, name, value)
+    for name in s.__slots__:
+        value, place = getattr(s, name), getattr(kept, name)
+        if hasattr(value, "__slots__"):
+            fn_copy_state(value, place)
+        elif not isinstance(value, list):
+            setattr(kept, name, value)
+        elif value and isinstance(value[0], list):
+            for row, other in zip(place, value):
+                row[:] = other
+        else:
+            place[:] = value
 """
 _CONVOLVE = """\
 def fn_convolve(k, left, right, squares, sums):
