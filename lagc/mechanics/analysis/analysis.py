@@ -159,7 +159,7 @@ def _kinds(equations: EquationsOfMotion, integrable: Integrable) -> list[RowKind
             why = "whether it restricts positions was not examined"
         else:
             why = integrable.rows.get(row.label, "it restricts speeds without restricting positions")
-        proved = answer is None or integrable.proved
+        proved = answer is None or row.label not in integrable.doubtful
         found.append(
             RowKind(row.label, row.constraint, holonomic, row.time_dependent, row.linear, answer, why, proved)
         )

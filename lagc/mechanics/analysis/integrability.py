@@ -13,6 +13,7 @@ Systems*, 1991, ch. II). Where this is larger than what the rows bring, the numb
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
 
 from lagc.base.records import dataclass, field
 from lagc.mechanics.formulation.equations import Row
@@ -41,12 +42,25 @@ class Form:
 @dataclass(frozen=True, slots=True)
 class Integrable:
     """The reasons of the integrable rows by label; the number of relations between positions that they add to
-    the holonomic rows; whether all is proved; labels of rows that were not examined."""
+    the holonomic rows, and whether it is `proved`; labels of rows that were not examined, and of those that
+    may be integrable with combinations of others."""
 
     rows: dict[str, str] = field(default_factory=dict)
     relations: int = 0
     proved: bool = True
     open: tuple[str, ...] = ()
+    doubtful: frozenset[str] = frozenset()
+
+
+class _Verdict(NamedTuple):
+    """What a point tells: the reasons of the integrable rows, the rows that may be integrable with
+    combinations of others, the number of relations that the integrable rows add, and the most that all may
+    add."""
+
+    reasons: dict[str, str]
+    doubtful: set[str]
+    relations: int
+    most: int
 
 
 def rate_coefficients(states: States, forces: Mapping[int, Node]) -> dict[Node, Node]:
@@ -103,8 +117,8 @@ def integrable_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping
     units = [_exact_form(states, length) for length in lengths]
     holonomic = [_exact_form(states, row.residual) for row in rows if row.holonomic]
     test = _Closedness(forms, units, holonomic)
-    verdicts: list[tuple[dict[str, str], int, int]] = []
-    proved = True
+    verdicts: list[_Verdict] = []
+    exact = True
     points = ZeroTest(on_rows(states, [row for row in rows if row.linear], tries)).points(test.nodes)
     for placed, truths in points:
         tried = 0
@@ -113,16 +127,18 @@ def integrable_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping
                 verdicts.append(test.at(x.point, truths))
             except Undefined:
                 continue
-            proved = proved and x.met and x.point.exact and not x.point.rooted
+            exact = exact and x.met and x.point.exact and not x.point.rooted
             tried += 1
             if tried == 2:
                 break
         if not tried:
             return Integrable(open=tuple(forms))
-    common = set(verdicts[0][0]).intersection(*(reasons for reasons, _, _ in verdicts))
-    reasons = {label: why for label, why in verdicts[0][0].items() if label in common}
-    relations = min(count for _, count, _ in verdicts)
-    return Integrable(reasons, relations, proved and relations == min(most for _, _, most in verdicts))
+    common = set(forms).intersection(*(v.reasons for v in verdicts))
+    doubtful = set().union(*(v.doubtful for v in verdicts)) if exact else set(forms)
+    relations = min(v.relations for v in verdicts)
+    proved = exact and relations == min(v.most for v in verdicts)
+    reasons = {label: verdicts[0].reasons[label] for label in forms if label in common}
+    return Integrable(reasons, relations, proved, doubtful=frozenset(doubtful))
 
 
 class _Closedness:
@@ -136,20 +152,21 @@ class _Closedness:
         places |= {y for form in every for _, y in form.slopes}
         self._column = {x: k for k, x in enumerate(sorted(places, key=lambda x: x.index))}
 
-    def at(self, point: Point, truths: Mapping[Node, int]) -> tuple[dict[str, str], int, int]:
-        """Return the reasons of the integrable rows, how many relations they add, and how many combinations
-        may add at most. Raises Undefined."""
+    def at(self, point: Point, truths: Mapping[Node, int]) -> _Verdict:
+        """Return the verdict of a point. Raises Undefined."""
         self._values = {id(f): self._row(f, point, truths) for f in (*self.forms.values(), *self.exact)}
-        inside = dict(self.forms)
-        while inside:
-            motions = self._motions(self._echelon([*inside.values(), *self.exact]), point)
-            closed = {x: f for x, f in inside.items() if not self._slope(f, motions, point, truths)}
-            if len(closed) == len(inside):
-                break
+        inside = self._closed(self.forms, point, truths)
+        alike = set(inside)
+        while len(closed := self._closed(inside, point, truths)) < len(inside):
             inside = closed
         reasons = {label: self._reason(form, point, truths) for label, form in inside.items()}
         relations = self._echelon([*self.exact, *inside.values()]).rank - self._echelon(self.exact).rank
-        return reasons, relations, self._most(point, truths)
+        return _Verdict(reasons, alike - set(inside), relations, self._most(point, truths))
+
+    def _closed(self, forms: Mapping[str, Form], point: Point, truths: Mapping[Node, int]) -> dict[str, Form]:
+        """Return the forms that are closed along all of them."""
+        motions = self._motions(self._echelon([*forms.values(), *self.exact]), point)
+        return {x: form for x, form in forms.items() if not self._slope(form, motions, point, truths)}
 
     def _most(self, point: Point, truths: Mapping[Node, int]) -> int:
         """Return the dimension of the first derived system beside the exact forms."""

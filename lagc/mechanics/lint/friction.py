@@ -151,7 +151,8 @@ class _Forms:
 
     def brings(self, loads: Sequence[tuple[Load, _Velocity]], at: Sequence[_State]) -> bool:
         """Return whether the sum of the forms is negative in some direction."""
-        return any(not _is_nowhere_negative(sum(self._form(x, u, s) for x, u in loads)) for s in at)
+        forms = [np.sum([self._form(x, u, state) for x, u in loads], axis=0) for state in at]
+        return not all(map(_is_nowhere_negative, forms))
 
     def takes(self, load: Load, velocity: _Velocity, at: Sequence[_State]) -> bool:
         """Return whether the form is nowhere negative, and not zero throughout."""
