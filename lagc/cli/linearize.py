@@ -24,9 +24,9 @@ from lagc.cli.output import DONE, FAILED, UNWRITTEN, Usage, print_json, say, sho
 
 if TYPE_CHECKING:
     from lagc.api import CompiledModel
+    from lagc.base.text import Quantity
     from lagc.lowering.program import Interface
     from lagc.simulation.linearization.linear_model import Linear
-    from lagc.simulation.request import Quantity
 
 FORMATS = (".json", ".npz")
 MOST, LARGE = 8, 3  # equilibria that are shown without --verbose, in general and for large models

@@ -11,9 +11,9 @@ from lagc.base.text import number, seconds, size
 from lagc.cli.output import Usage
 
 if TYPE_CHECKING:
-    from lagc.compiler.pipeline import Choice
+    from lagc.base.text import Quantity
+    from lagc.compiler.stages import Choice
     from lagc.host.budgets import Limits
-    from lagc.simulation.request import Quantity
 
 _SPACES = " \t\n\r\f\v"
 
@@ -101,7 +101,7 @@ def add_start_option(parser: argparse.ArgumentParser) -> None:
 
 def choice_of(options: argparse.Namespace) -> Choice:
     """The choice that the options of `add_model_options` make."""
-    from lagc.compiler.pipeline import Choice
+    from lagc.compiler.stages import Choice
     from lagc.simulation.request import expression
 
     parameters = quantities(options.parameters, "-p")
@@ -185,7 +185,7 @@ def _valued(word: str) -> tuple[float, str | None] | None:
 
 def quantities(words: list[str], option: str) -> dict[str, float | Quantity]:
     """Parse words `name=value[unit]` into quantities."""
-    from lagc.simulation.request import Quantity
+    from lagc.base.text import Quantity
 
     return {name: Quantity(value, unit) for name, (value, unit) in assignments(words, option).items()}
 

@@ -13,9 +13,10 @@ from lagc.cli.output import Usage
 if TYPE_CHECKING:
     from lagc.api import CompiledModel
     from lagc.api_run import Run
-    from lagc.compiler.pipeline import Choice
+    from lagc.base.text import Quantity
+    from lagc.compiler.stages import Choice
     from lagc.lowering.program import Interface
-    from lagc.simulation.request import Quantity, Request
+    from lagc.simulation.request import Request
 
 Progress = Callable[[float], None]
 

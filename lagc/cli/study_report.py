@@ -48,11 +48,11 @@ def check_reports(paths: Iterable[str]) -> None:
 
 def deliver(
     options: argparse.Namespace, found: Any, heading: str, report: Any, picture: str, text: str, some: bool,
-    **facts: str,
+    late: bool = False, **facts: str,
 ) -> int:  # fmt: skip
     """Write the files if there are `some` results, print the result, and return the exit code.  `report` is a
     module of `lagc.reports`, whose `to_dict` with `facts` is the JSON object; `picture` names one of
-    `lagc.reports.plots`."""
+    `lagc.reports.plots`; `late`: the study has reached its own limit."""
     rest()
     quiet = options.quiet or options.json
     data = {**facts, **report.to_dict(found)}
@@ -62,7 +62,7 @@ def deliver(
     else:
         show(text)
     if not found.complete:
-        return LIMITED if reached() else INTERRUPTED
+        return LIMITED if late or reached() else INTERRUPTED
     return DONE if all(written) else UNWRITTEN
 
 

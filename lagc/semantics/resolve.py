@@ -7,10 +7,10 @@ from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 from lagc.base.records import replace
-from lagc.diagnostics.faults import Fault
+from lagc.diagnostics.faults import Fault, Wrong
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as objects
-from lagc.semantics.context import Context
+from lagc.semantics.context import LATE, MOVING, Context
 from lagc.semantics.declarations.actions import (
     condition,
     declare_constraint,
@@ -27,7 +27,6 @@ from lagc.semantics.declarations.quantities import declare_quantity
 from lagc.semantics.instantiate import Builder
 from lagc.semantics.names.namespace import Importer, Namespace
 from lagc.semantics.names.scope import Entry, Environment, Instance, Reference, Uses, Value
-from lagc.semantics.refusals import Wrong
 from lagc.semantics.scenes.choice import (
     Inputs,
     Numbers,
@@ -35,14 +34,14 @@ from lagc.semantics.scenes.choice import (
     check_effects,
     choose_model,
     choose_scene,
+    ignored_annotations,
     read_command,
     read_inputs,
     read_rest,
     read_values,
     scenes_of,
+    unused_effects,
 )
-from lagc.semantics.scenes.left_out import ignored_annotations, unused_effects
-from lagc.semantics.time_derivatives import LATE, MOVING
 from lagc.semantics.values.calls import look_at_uncalled
 from lagc.semantics.values.expressions import EVALUATORS
 from lagc.semantics.values.unit_hints import angular_hertz, whole_radians
@@ -122,7 +121,7 @@ def _resolve(
     conditions = _conditions(context)
     whens = _whens(context)
     if _of(found, objects.Discrete) or context.impulses:
-        from lagc.semantics.declarations.discrete import refuse_in_constraints  # where there are some
+        from lagc.semantics.declarations.events import refuse_in_constraints  # where there are some
 
         refuse_in_constraints(context, _of(found, objects.Constraint), conditions, _of(found, objects.Speed))
     look_at_uncalled(context, instance.in_order())
@@ -166,9 +165,10 @@ def _empty(declaration: tree.ModelDeclaration) -> str:
 
 
 def _evaluate(context: Context, instance: Instance) -> list[objects.ModelObject]:
-    """Return the objects of every declaration, in order."""
+    """Return the objects of every declaration, in order; figures come last, so that no other expression
+    depends on what is drawn."""
     found: list[objects.ModelObject] = []
-    for entry in instance.in_order():
+    for entry in sorted(instance.in_order(), key=lambda entry: entry.kind == "draw"):
         if context.attempt(context.value, entry, entry.span):
             found.extend(entry.objects)
     return found
@@ -177,7 +177,7 @@ def _evaluate(context: Context, instance: Instance) -> list[objects.ModelObject]
 def _probes(context: Context, texts: Sequence[str], environment: Environment) -> list[objects.ModelObject]:
     found: list[objects.ModelObject] = []
     for k, text in enumerate(texts):
-        from lagc.semantics.declarations.probes import parse_probe, probe_outputs  # where there are some
+        from lagc.semantics.scenes.requested import parse_probe, probe_outputs  # where there are some
 
         written = parse_probe(context, text)
         context.attempt(lambda n, w: found.extend(probe_outputs(context, n, w, environment)), k + 1, written)
@@ -309,6 +309,7 @@ def _model(
         ),
         contacts=_of(found, objects.Contact),
         tables=tuple(context.curves.values()),
+        figures=_of(found, objects.Figure),
         outputs=_of(found, objects.Output),
         effects=effects,
         scenes=setting.names,
@@ -334,13 +335,13 @@ def _instance(context: Context, entry: Entry) -> Value:
 
 
 def _without_kind(context: Context, entry: Entry) -> Value:
-    from lagc.semantics.declarations.without_kind import refuse_without_kind  # where there is a fault
+    from lagc.semantics.names.undeclared import refuse_without_kind  # where there is a fault
 
     return refuse_without_kind(context, entry)
 
 
 def _placeholder(context: Context, entry: Entry) -> Value:
-    from lagc.semantics.declarations.placeholders import declare_placeholder  # where there are some
+    from lagc.semantics.declarations.actions import declare_placeholder  # where there are some
 
     return declare_placeholder(context, entry)
 
@@ -349,6 +350,12 @@ def _joint(context: Context, entry: Entry) -> Value:
     from lagc.semantics.declarations.joints import declare_joint  # where there are some
 
     return declare_joint(context, entry)
+
+
+def _figure(context: Context, entry: Entry) -> Value:
+    from lagc.semantics.declarations.figures import declare_figure  # where there are some
+
+    return declare_figure(context, entry)
 
 
 def _constraint(context: Context, entry: Entry) -> Value:
@@ -370,7 +377,7 @@ DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
     "frame": declare_frame, "point": declare_point, "body": declare_body, "gravity": declare_gravity,
     "potential": declare_potential, "kinetic": declare_free_term, "lagrangian": declare_free_term,
     "dissipation": declare_dissipation, "force": declare_load, "torque": declare_load,
-    "constraint": _constraint, "joint": _joint, "placeholder": _placeholder,
+    "constraint": _constraint, "joint": _joint, "placeholder": _placeholder, "draw": _figure,
 }  # fmt: skip
 
 

@@ -8,7 +8,7 @@ from operator import index
 from typing import Any, SupportsFloat
 
 from lagc.base.records import dataclass, field
-from lagc.base.text import FINEST, MOST_POINTS
+from lagc.base.text import FINEST, MOST_POINTS, Given, Quantity
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.diagnostics.suggest import did_you_mean, in_hertz, is_many_radians, many_radians
 from lagc.kernels import IMPLICIT, METHODS, SERIES
@@ -145,17 +145,6 @@ class Request:
         if not isfinite(stop * n):
             return [*(k * (stop / n) for k in range(n)), stop]
         return [*(stop * k / n for k in range(n)), stop]
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """A number with its unit; None: an SI unit, or none."""
-
-    value: float
-    unit: str | None = None
-
-
-Given = Mapping[str, float | Quantity]
 
 
 _COLUMN = r"""(?i)([^"]+\.csv)(?::([^"]+))?"""
@@ -323,13 +312,13 @@ def si(name: str, number: float | Quantity, unit: str, faults: list[Fault]) -> f
     elif number.unit is None:
         value = number.value
     else:
-        from lagc.semantics.unit_spellings import unit_remedy
         from lagc.semantics.units import UnknownUnit, to_si
+        from lagc.semantics.values.unit_hints import spelling_remedy
 
         try:
             value = to_si(number.value, number.unit, unit)
         except UnknownUnit as error:
-            faults.append(Fault("LAG0605", f"`{name}`: {error.reason}", remedy=unit_remedy(error.text)))
+            faults.append(Fault("LAG0605", f"`{name}`: {error.reason}", remedy=spelling_remedy(error.text)))
             return None
     if not isfinite(value):
         faults.append(Fault("LAG0602", f"`{name}` must be a finite number, not {value:g}"))

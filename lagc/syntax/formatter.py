@@ -14,8 +14,8 @@ from math import inf
 from lagc.base.records import dataclass, field
 from lagc.diagnostics.faults import Refused, Source
 from lagc.syntax import tree
+from lagc.syntax.lexer import END, NUMBER, SYMBOL, UNIT, WORD, Lexed, Token
 from lagc.syntax.parse import read
-from lagc.syntax.tokens import END, NUMBER, SYMBOL, UNIT, WORD, Lexed, Token
 
 WIDTH = 100
 INDENT = "  "

@@ -9,7 +9,7 @@ from typing import Any
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.syntax.lalr_tables import Tables
-from lagc.syntax.tokens import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Lexed, Token
+from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Lexed, Token
 from lagc.syntax.tree_builder import Builder
 
 DEEPEST = 100  # nesting of brackets, `if`s, signs and blocks

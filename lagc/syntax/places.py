@@ -39,6 +39,7 @@ _PLACES: dict[str, frozenset[str]] = {
 }
 _IN_LOOPS = frozenset({
     "frame", "point", "body", "joint", "potential", "kinetic", "lagrangian", "dissipation",
+    "draw",
     "force", "torque", "constraint", "initial", "for", "when", "instance",
 })  # fmt: skip
 _BY_INDEX = {  # how an array outside of a loop gets a value for each element

@@ -11,9 +11,8 @@ from collections.abc import Callable
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.syntax.lalr import MOST_FAULTS, Machine
-from lagc.syntax.mistakes import keywords, operators, punctuation
-from lagc.syntax.mistakes.context import Explained, Repair, Where
-from lagc.syntax.tokens import END, SYMBOL, WORD, Token
+from lagc.syntax.lexer import END, SYMBOL, WORD, Token
+from lagc.syntax.mistakes import Explained, Repair, Where, keywords, signs
 
 MOST_RECOVERIES = 200
 
@@ -230,9 +229,9 @@ def _anything_else(w: Where) -> Explained:
 _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     keywords.solver_call,
     keywords.scene_arguments,
-    operators.python_function,
-    operators.foreign_operator,
-    punctuation.comma_in_list,
+    signs.python_function,
+    signs.foreign_operator,
+    signs.comma_in_list,
     keywords.brace_for_block,
     keywords.else_when,
     keywords.if_statement,
@@ -242,36 +241,36 @@ _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     keywords.import_as,
     keywords.annotation_behind,
     keywords.first_word,
-    operators.comparison_for_equation,
-    operators.equation_for_comparison,
-    punctuation.decimal_comma,
-    punctuation.comma_between_starts,
-    operators.power_of_function,
-    operators.chained,
-    punctuation.semicolon_too_many,
+    signs.comparison_for_equation,
+    signs.equation_for_comparison,
+    signs.decimal_comma,
+    signs.comma_between_starts,
+    signs.power_of_function,
+    signs.chained,
+    signs.semicolon_too_many,
     keywords.missing_end_word,
     keywords.stray_end,
-    punctuation.number_of_another_language,
-    punctuation.bare_unit,
-    punctuation.size_before_name,
+    signs.number_of_another_language,
+    signs.bare_unit,
+    signs.size_before_name,
     keywords.family,
     keywords.python_choice,
     keywords.conditional_component,
-    punctuation.vector_in_brackets,
-    punctuation.vector_in_parentheses,
-    punctuation.colon_for_equal,
-    punctuation.brackets,
+    signs.vector_in_brackets,
+    signs.vector_in_parentheses,
+    signs.colon_for_equal,
+    signs.brackets,
     keywords.load_target_first,
     keywords.load_target,
     keywords.loop_of_another_language,
     keywords.missing_word,
     keywords.constraint_parts,
     keywords.description_last,
-    punctuation.missing_semicolon,
-    punctuation.missing_comma,
-    punctuation.missing_operator,
-    punctuation.missing_sign,
-    punctuation.unit_behind_expression,
-    punctuation.missing_value,
+    signs.missing_semicolon,
+    signs.missing_comma,
+    signs.missing_operator,
+    signs.missing_sign,
+    signs.unit_behind_expression,
+    signs.missing_value,
     keywords.missing_name,
 )

@@ -7,11 +7,9 @@ from pathlib import Path
 import pytest
 
 from lagc.compiler.checking import check
-from lagc.compiler.pipeline import Choice
-from lagc.diagnostics.faults import Fault, Source, Span
-from lagc.diagnostics.foreign_words import foreign_call
-from lagc.diagnostics.report import as_json, report
-from lagc.diagnostics.suggest import closest, did_you_mean
+from lagc.compiler.stages import Choice
+from lagc.diagnostics.faults import Fault, Source, Span, as_json, report
+from lagc.diagnostics.suggest import closest, did_you_mean, foreign_call
 
 
 def shown(text: str, name: str = "m.lag") -> str:

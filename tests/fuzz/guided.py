@@ -13,8 +13,7 @@ from typing import Any
 
 import lagc
 from lagc.compiler import pipeline
-from lagc.diagnostics.faults import Refused, Source
-from lagc.diagnostics.report import as_json, report
+from lagc.diagnostics.faults import Refused, Source, as_json, report
 from lagc.syntax.formatter import format_source
 from tests.fuzz import workers
 from tests.fuzz.mutations import mutated

@@ -6,7 +6,7 @@ import pytest
 
 import lagc
 from lagc.compiler.checking import check
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Source
 
 BODY = "body b = Particle(mass = 1, at = {x, 0, 0}); "

@@ -26,7 +26,7 @@ from lagc.mechanics.formulation.equations import Contribution, Law, Moving
 from lagc.mechanics.formulation.euler_lagrange import FreeTerms
 from lagc.mechanics.formulation.jacobian import gradients, opposite, weighted
 from lagc.mechanics.formulation.states import States
-from lagc.semantics.model import Action, Dissipation, Force, Lagrangian, Potential, Torque
+from lagc.semantics.model import Action, Coordinate, Dissipation, Force, Lagrangian, Potential, Torque
 from lagc.symbolic.derivative import gradient, seeds, tangent
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import dot, scale
@@ -49,12 +49,9 @@ def act(states: States) -> list[Acting]:
     """Every action of the model, in its order."""
     zero, actions = states.graph.zero, states.model.actions
     stored = {k: x for k, action in enumerate(actions) if (x := _stored(states, action)) is not None}
-    loads = {k: load for k, action in enumerate(actions) if (load := _load(states, action)) is not None}
-    actuators = {c.actuator: c.labels[0] for c in states.model.constraints if c.actuator}
-    for k, load in loads.items():
-        if load.action.name in actuators:
-            factor = states.graph.symbol("multiplier", actuators[load.action.name])
-            loads[k] = load._replace(weights=[factor * weight for weight in load.weights])
+    actuators = _actuators(states)
+    written = [_load(states, action, actuators) for action in actions]
+    loads = {k: load for k, load in enumerate(written) if load is not None}
     found = dict(zip(stored, _potentials(states, [actions[k] for k in stored], list(stored.values()))))
     found.update(zip(loads, _working(states, list(loads.values()))))
     for k, action in enumerate(actions):
@@ -62,6 +59,18 @@ def act(states: States) -> list[Acting]:
             none = Contribution(action.name, "lagrangian", action.effect, {}, zero, True)
             found[k] = Acting(none, {}, zero, zero)
     return [found[k] for k in range(len(actions))]
+
+
+def force_along(states: States, action: Action, coordinate: Coordinate) -> Node:
+    """Return the generalized force of an action along the rate of a coordinate: -dV/dq, or the sum of its
+    weights times the slopes of the velocities."""
+    graph, energy = states.graph, _stored(states, action)
+    if energy is not None:
+        return -gradient(graph, {energy: graph.one}, [coordinate.symbol]).get(coordinate.symbol, graph.zero)
+    load, rate = _load(states, action, _actuators(states)), coordinate.rate_symbol
+    assert load is not None
+    slopes = gradient(graph, seeds(graph, zip(load.velocities, load.weights)), [rate])
+    return states.in_speeds([slopes.get(rate, graph.zero)])[0]
 
 
 def _stored(states: States, action: Action) -> Node | None:
@@ -113,8 +122,23 @@ class _Load(NamedTuple):
     weights: list[Node]
 
 
-def _load(states: States, action: Action) -> _Load | None:
-    """F on u, T on w, -dD/d(rate_i) on rates; None of what has a potential or is a free term."""
+def _actuators(states: States) -> dict[str, Node]:
+    """Return the multipliers of the constraints that actuators hold, by the actuators."""
+    found = {c.actuator: c.labels[0] for c in states.model.constraints if c.actuator}
+    return {name: states.graph.symbol("multiplier", label) for name, label in found.items()}
+
+
+def _load(states: States, action: Action, actuators: Mapping[str, Node]) -> _Load | None:
+    """F on u, T on w, -dD/d(rate_i) on rates; None of what has a potential or is a free term. An actuator
+    acts its multiplier times."""
+    load = _load_of_one(states, action)
+    factor = actuators.get(action.name)
+    if load is None or factor is None:
+        return load
+    return load._replace(weights=[factor * weight for weight in load.weights])
+
+
+def _load_of_one(states: States, action: Action) -> _Load | None:
     if isinstance(action, Force):
         return _Load(action, "force", list(action.velocity), states.in_speeds(action.vector))
     if isinstance(action, Torque):

@@ -14,14 +14,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.mechanics.balance.energy import Acting, Energies, act
+from lagc.mechanics.balance.energy import Acting, Energies, act, force_along
 from lagc.mechanics.formulation.constraints import classify
 from lagc.mechanics.formulation.contacts import contact_rows
 from lagc.mechanics.formulation.equations import Law, Moving, OutputEquation, triples
 from lagc.mechanics.formulation.euler_lagrange import FreeTerms, free_terms, with_rates
 from lagc.mechanics.formulation.inertia import inertial_loads, moving_parts
 from lagc.mechanics.formulation.states import States, build_states, rate_symbols
-from lagc.semantics.model import Body, Model, Output, Release
+from lagc.semantics.model import Body, Coordinate, Model, Output, Release
 from lagc.symbolic.derivative import gradient, seeds, tangent
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import QUANTITIES, Symbol
@@ -109,6 +109,11 @@ class Quantities:
             return self.known[asked.kind]
         if asked.kind == "power":
             return next(x.contribution.power for x in self.acting if x.contribution.name == asked.owner)
+        if asked.kind == "generalized_force":
+            action = next(x for x in self.states.model.actions if x.name == asked.owner)
+            moved = next(c for c in self.states.model.coordinates if c.name == asked.component)
+            assert isinstance(moved, Coordinate)
+            return force_along(self.states, action, moved)
         if asked.owner:
             return self._generalized(asked)
         total = self._linear() if asked.kind == "momentum" else self._angular()

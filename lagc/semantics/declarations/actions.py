@@ -1,17 +1,20 @@
-"""Declarations of frames, points, forces, torques, energies and constraints."""
+"""Declarations of frames, points, loads, energies and constraints, and placeholders for some of them."""
 
 from __future__ import annotations
 
 from lagc.base.records import replace
-from lagc.diagnostics.faults import Span
+from lagc.diagnostics.faults import Span, Wrong
 from lagc.semantics import model as objects
-from lagc.semantics.context import Context
-from lagc.semantics.declarations.attributes import no_rates
+from lagc.semantics.context import BIT, LATE, VELOCITY, Context
+from lagc.semantics.declarations.attributes import no_modifiers, no_rates
 from lagc.semantics.model import Body, Frame
 from lagc.semantics.names.scope import (
     Array,
     Entry,
     Environment,
+    Indexed,
+    Instance,
+    Modifier,
     Reference,
     Scalar,
     Value,
@@ -21,16 +24,95 @@ from lagc.semantics.names.scope import (
     vector_of,
     vector_value,
 )
-from lagc.semantics.refusals import Wrong
-from lagc.semantics.time_derivatives import BIT, LATE, VELOCITY
 from lagc.semantics.units import ENERGY, FORCE, NONE, POWER, Dimension, M, describe, over, si_text, times
-from lagc.semantics.values.builtin_functions import Argument
 from lagc.semantics.values.evaluate import all_values, both, each, evaluate, evaluate_as
+from lagc.semantics.values.functions import Argument
 from lagc.semantics.values.kinematics import material_velocity, velocity_of
+from lagc.semantics.values.members import element
 from lagc.semantics.values.unit_hints import expect_of, is_bare, unit_remedy
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector, sub
 from lagc.syntax import tree
+
+KINDS = ("body", "point", "frame")
+
+
+def placeholder_value(entry: Entry) -> Modifier:
+    """Return the outermost argument that gives the placeholder its value.  Raises Wrong if there is none."""
+    source = entry.source
+    assert isinstance(source, tree.Placeholder)
+    if source.kind not in KINDS:
+        message = f"the {source.kind} `{entry.name}` needs a value"
+        raise Wrong("LAG0210", message, entry.span, f"write `{source.kind} {entry.name} = ...;`")
+    for modifier in entry.modifiers:
+        if modifier.argument.value is not None:
+            return modifier
+        raise Wrong("LAG0210", f"`{entry.name}` needs a value", modifier.argument.span)
+    inner = entry.environment.instance
+    if inner.parent is not None:
+        raise _not_given(inner, inner.parent)
+    remedy = (
+        f"write `{inner.declaration.name} name({entry.name} = ...)` in a model that has this {source.kind}"
+    )
+    remedy = f"give it here, `{source.kind} {entry.name} = ...;`, or {remedy}"
+    raise Wrong("LAG0210", f"the {source.kind} `{entry.path}` is not given", entry.span, remedy)
+
+
+def _not_given(inner: Instance, parent: Instance) -> Wrong:
+    """The fault of an instance that lacks placeholders, at its own line, with all of them."""
+    instance = parent.entries[inner.path[len(parent.path) : -1].partition("[")[0]]
+    written, source = instance.declaration, instance.source
+    assert isinstance(written, tree.Instance) and isinstance(source, tree.Declarator)
+    missing = {e.span: e.source for e in inner.entries.values() if not e.modifiers}
+    lacking = [(span, s) for span, s in missing.items() if isinstance(s, tree.Placeholder)]
+    sizes = f"[{', '.join(map(_text, source.dimensions))}]" if source.dimensions else ""
+    each = "each " if sizes else ""
+    given = [_text(argument) for argument in source.arguments]
+    given += [f"{each}{s.name} = {_candidate(parent, s.kind)}" for _, s in lacking]
+    remedy = f"write `{'.'.join(written.type.path)} {source.name}{sizes}({', '.join(given)});`"
+    lacks = " and ".join(f"the {s.kind} `{s.name}`" for _, s in lacking)
+    related = tuple([(span, "declared here") for span, _ in lacking])
+    return Wrong("LAG0210", f"`{instance.path}` is not given {lacks}", instance.span, remedy, related)
+
+
+def _text(written: tree.Argument | tree.Expression) -> str:
+    return written.span.text
+
+
+def _candidate(parent: Instance, kind: str) -> str:
+    """The only thing of the model that may be meant, or dots."""
+    kinds = ("body", "point") if kind == "point" else (kind,)
+    known = [e.name for e in parent.entries.values() if e.elements is None and _kind(e) in kinds]
+    if not known and kind == "frame":
+        return "world"
+    return known[0] if len(known) == 1 else "..."
+
+
+def _kind(entry: Entry) -> str:
+    return entry.source.kind if isinstance(entry.source, tree.Placeholder) else entry.kind
+
+
+def declare_placeholder(context: Context, entry: Entry) -> Value:
+    """Return the body, point or frame that the instance gives.  Raises Wrong if it is of another kind."""
+    modifier = placeholder_value(entry)
+    source, written = entry.source, modifier.argument.value
+    assert isinstance(source, tree.Placeholder) and written is not None
+    value = evaluate_as(context, written, modifier.environment, M)
+    if isinstance(value, Indexed) and modifier.index and not modifier.argument.each:
+        index = tree.Index(written, (written,) * len(modifier.index), written.span)
+        value = element(context, value, list(modifier.index), index)
+    if source.kind == "point":
+        vector, dimension = vector_of(value, written.span, "a point")
+        expect(dimension, M, written.span, "a point")
+        for node in vector:
+            no_rates(context, node, written.span, "a point")
+        return vector_value(vector, M)
+    if not isinstance(value, Body if source.kind == "body" else Frame):
+        message = f"`{entry.name}` of `{entry.environment.instance.declaration.name}` is a {source.kind}"
+        related = ((entry.span, "declared here"),)
+        raise Wrong("LAG0209", f"{message}; this is {kind(value)}", written.span, related=related)
+    return value
+
 
 _LOADS = (objects.Force, objects.Torque)
 
@@ -39,16 +121,6 @@ def _written(entry: Entry) -> tree.Construct:
     assert isinstance(entry.source, tree.Construct)
     no_modifiers(entry)
     return entry.source
-
-
-def no_modifiers(entry: Entry) -> None:
-    for modifier in entry.modifiers:
-        raise Wrong(
-            "LAG0209",
-            f"the {entry.kind} `{entry.name}` cannot be changed from outside",
-            modifier.argument.span,
-            "change the parameters in its declaration",
-        )
 
 
 def timely(context: Context, node: Node, span: Span, what: str) -> None:
@@ -107,12 +179,9 @@ def _energy_like(context: Context, entry: Entry, meant: Dimension) -> tuple[Node
 def declare_potential(context: Context, entry: Entry) -> Value:
     node, span = _energy_like(context, entry, ENERGY)
     if context.clock.mask(node) & VELOCITY:
-        raise Wrong(
-            "LAG0313",
-            "a potential must not depend on a rate",
-            span,
-            "write a term of the Lagrangian with rates as `lagrangian L = ...;`",
-        )
+        message = "a potential must not depend on a rate"
+        remedy = "write a term of the Lagrangian with rates as `lagrangian L = ...;`"
+        raise Wrong("LAG0313", message, span, remedy)
     entry.objects.append(objects.Potential(entry.path, node, entry.span, entry.effect))
     return Reference(entry)
 
@@ -206,12 +275,9 @@ def _where_applied(
     at = place.value.position if isinstance(place.value, Body) else None
     if body is None or source.body is None:
         if source.reaction is not None:
-            raise Wrong(
-                "LAG0221",
-                "`from` is only allowed for a torque, or for a force `on` a body",
-                source.reaction.span,
-                "write `on body at point from other`, or declare the opposite force separately",
-            )
+            message = "`from` is only allowed for a torque, or for a force `on` a body"
+            remedy = "write `on body at point from other`, or declare the opposite force separately"
+            raise Wrong("LAG0221", message, source.reaction.span, remedy)
         is_body, at = at is not None, at or vector_of(place.value, place.span, "a point")[0]
         return velocity_of(context, place, None), at, is_body
     velocity = material_velocity(context, Argument(body, source.body.span), place)

@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable, Sequence
 
 from lagc.base.records import dataclass
-from lagc.diagnostics.faults import Span
+from lagc.diagnostics.faults import Span, Wrong
 from lagc.diagnostics.suggest import meant_argument
-from lagc.semantics.context import Context, Given
+from lagc.semantics.context import LATE, MOVING, VELOCITY, Context, Given
 from lagc.semantics.model import DECLARED, FIXED, RUN, SCENE, UNSTATED, Statement
 from lagc.semantics.names.scope import (
     LONGEST_SHOWN,
@@ -24,13 +24,10 @@ from lagc.semantics.names.scope import (
     shape,
     subscripts,
 )
-from lagc.semantics.refusals import Wrong
-from lagc.semantics.time_derivatives import LATE, MOVING, VELOCITY
 from lagc.semantics.units import Dimension, QuantityType, UnknownUnit, unit
 from lagc.semantics.values.evaluate import evaluate, evaluate_as
-from lagc.semantics.values.interpolation_tables import over_time
+from lagc.semantics.values.functions import over_time
 from lagc.semantics.values.unit_hints import is_bare
-from lagc.symbolic.expression_text import number as number_text
 from lagc.symbolic.graph import Node
 from lagc.syntax import tree
 
@@ -76,7 +73,7 @@ def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[
 def _typed(entry: Entry, argument: tree.Argument) -> str | None:
     """Return a remedy for the attribute `unit` of Modelica."""
     if argument.name == "unit" and isinstance(argument.value, tree.String):
-        from lagc.semantics.declarations.without_kind import typed  # where there is a fault
+        from lagc.semantics.names.undeclared import typed  # where there is a fault
 
         name = typed(argument.value.value)
         return name and f"the type gives the unit: write `{entry.kind} {name} {entry.name}`"
@@ -289,6 +286,13 @@ def _leaves(value: Value) -> list[Value]:
     return [leaf for element in value.elements for leaf in _leaves(element)]
 
 
+def no_modifiers(entry: Entry) -> None:
+    for modifier in entry.modifiers:
+        message = f"the {entry.kind} `{entry.name}` cannot be changed from outside"
+        remedy = "change the parameters in its declaration"
+        raise Wrong("LAG0209", message, modifier.argument.span, remedy)
+
+
 def no_rates(context: Context, node: Node, span: Span, what: str) -> None:
     """Raise Wrong if `node` depends on a rate or a speed."""
     if context.clock.mask(node) & VELOCITY:
@@ -379,17 +383,16 @@ def check_bounds(
     quantity: Quantity, name: str, value: float, bounds: tuple[float, float], span: Span, unit_text: str
 ) -> None:
     if not bounds[0] <= value <= bounds[1]:
+        from lagc.symbolic.expression_text import number as number_text  # where there is a fault
+
         side, limit = (
             ("below its minimum", bounds[0]) if value < bounds[0] else ("above its maximum", bounds[1])
         )
         shown = f" [{unit_text}]" if unit_text else ""
         bound = quantity.attributes["min" if value < bounds[0] else "max"].argument.span
-        raise Wrong(
-            "LAG0308",
-            f"`{name}` = {number_text(value)}{shown} is {side} {number_text(limit)}{shown}",
-            span,
-            related=((bound, "declared here"),),
-        )
+        message = f"`{name}` = {number_text(value)}{shown} is {side} {number_text(limit)}{shown}"
+        related = ((bound, "declared here"),)
+        raise Wrong("LAG0308", message, span, related=related)
 
 
 def look_at_all(context: Context, entry: Entry, attributes: dict[str, Modifier]) -> None:

@@ -6,12 +6,11 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from lagc.diagnostics.faults import Fault, Span
-from lagc.diagnostics.foreign_words import MODELS, remedy_of_word
-from lagc.diagnostics.suggest import did_you_mean, moments
+from lagc.diagnostics.faults import Fault, Poisoned, Span, Wrong
+from lagc.diagnostics.suggest import did_you_mean, moments, remedy_of_word
 from lagc.semantics import model as objects
-from lagc.semantics.context import Context
-from lagc.semantics.declarations.attributes import given_scalar
+from lagc.semantics.context import LATE, VELOCITY, Context
+from lagc.semantics.declarations.attributes import given_scalar, no_modifiers
 from lagc.semantics.names.scope import (
     Array,
     Entry,
@@ -26,13 +25,11 @@ from lagc.semantics.names.scope import (
     vector_of,
     vector_value,
 )
-from lagc.semantics.refusals import Poisoned, Wrong
-from lagc.semantics.time_derivatives import LATE, VELOCITY
 from lagc.semantics.units import KG, NONE, M, S, dimension, over
-from lagc.semantics.values.builtin_functions import Argument
 from lagc.semantics.values.calls import look_at_arguments, match
 from lagc.semantics.values.evaluate import each, evaluate, evaluate_as
 from lagc.semantics.values.frame_vectors import unit_vector
+from lagc.semantics.values.functions import Argument
 from lagc.semantics.values.kinematics import turned_by, velocity_of
 from lagc.semantics.values.unit_hints import is_bare
 from lagc.symbolic.graph import Node
@@ -51,18 +48,12 @@ _PARAMETERS = {"Particle": (("mass", "at"), 2), "Solid": (("mass", "inertia", "f
 
 def declare_body(context: Context, entry: Entry) -> Value:
     """Declare a particle or a solid.  Raises Wrong."""
-    for modifier in entry.modifiers:
-        raise Wrong(
-            "LAG0209",
-            f"the body `{entry.name}` cannot be changed from outside",
-            modifier.argument.span,
-            "change the parameters in its declaration",
-        )
+    no_modifiers(entry)
     call = _call_of(entry)
     name = call.function.name if isinstance(call.function, tree.Name) else ""
     if name not in _PARAMETERS:
         look_at_arguments(context, call, entry.environment)
-        remedy = did_you_mean(name, _PARAMETERS) or remedy_of_word(MODELS, name)
+        remedy = did_you_mean(name, _PARAMETERS) or remedy_of_word("models", name)
         raise Wrong("LAG0221", NO_BODY, call.function.span, remedy)
     given = _arguments(context, entry, call, name)
     if name == "Solid" and "frame" not in given:
@@ -80,7 +71,7 @@ def declare_body(context: Context, entry: Entry) -> Value:
         position, frame = _placed(context, entry, position, frame)
         place = Argument(vector_value(position, M), place.span)
     if entry.path in context.released:
-        from lagc.semantics.declarations.releases import release_frame, release_place
+        from lagc.semantics.joints.linkage import release_frame, release_place
 
         position = release_place(context, entry, position)
         frame = frame and release_frame(context, entry, frame)
@@ -122,13 +113,12 @@ def _placed(
         return position, frame
     if not is_constant(context, [*position, *(x for row in frame.axes for x in row)] if frame else position):
         joint = linkage.placing[entry].entry
-        raise Wrong(
-            "LAG0234",
-            f"`{entry.path}` moves by coordinates of its own, and the joint `{joint.path}` places it too",
-            entry.span,
-            "draw the body in one configuration; its joints bring the coordinates",
-            ((joint.span, "the joint"),),
+        message = (
+            f"`{entry.path}` moves by coordinates of its own, and the joint `{joint.path}` places it too"
         )
+        remedy = "draw the body in one configuration; its joints bring the coordinates"
+        related = ((joint.span, "the joint"),)
+        raise Wrong("LAG0234", message, entry.span, remedy, related)
     pose = linkage.pose(entry)
     context.poses[entry.path] = pose.attached
     return pose.attached(position), frame and turned_by(context, pose.frame, frame.axes)
@@ -249,12 +239,11 @@ def _check_matrix(diagonal: Sequence[Node], others: Sequence[Node], span: Span) 
     values = [mean + 2.0 * size * math.cos(turn + k * math.tau / 3.0) for k in (1, 2, 0)]  # rising
     if values[2] > (values[0] + values[1]) * (1 + 1e-9):
         shown = ", ".join([f"{value:.4g}" for value in values])
-        raise Wrong(
-            "LAG0308",
+        message = (
             f"no body has this inertia matrix: its principal moments are {shown} kg.m2, and each must be "
-            "non-negative and at most the sum of the two others",
-            span,
+            "non-negative and at most the sum of the two others"
         )
+        raise Wrong("LAG0308", message, span)
 
 
 def declare_gravity(context: Context, entry: Entry) -> Value:
@@ -331,7 +320,7 @@ def released(context: Context, entry: Entry, symbol: Node, unit: str) -> list[ob
     """Return the release of a parameter, if an output asks for its reaction."""
     if symbol.record.owner not in context.released:
         return []
-    from lagc.semantics.declarations.releases import release_parameter
+    from lagc.semantics.joints.linkage import release_parameter
 
     return release_parameter(context, entry, symbol, unit)
 

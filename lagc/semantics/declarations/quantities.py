@@ -1,12 +1,13 @@
-"""Declarations of constants, parameters, inputs, coordinates, speeds and outputs."""
+"""Declarations of constants, parameters, inputs, coordinates, orientations, speeds and outputs."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 
+from lagc.diagnostics.faults import Poisoned, Wrong
 from lagc.semantics import model as objects
-from lagc.semantics.context import Context
+from lagc.semantics.context import LATE, Context, set_quaternion_rate
 from lagc.semantics.declarations.attributes import (
     Quantity,
     attributes_of,
@@ -24,6 +25,7 @@ from lagc.semantics.declarations.attributes import (
     keep_scale,
     look_at_all,
     no_value,
+    own_part,
     shaped,
     value_span,
     values_of,
@@ -31,7 +33,8 @@ from lagc.semantics.declarations.attributes import (
     written_value,
 )
 from lagc.semantics.declarations.bodies import released
-from lagc.semantics.declarations.discrete import BOOLEAN, declare_discrete, is_boolean
+from lagc.semantics.declarations.events import BOOLEAN, declare_discrete, is_boolean
+from lagc.semantics.model import Orientation, Statement
 from lagc.semantics.names.scope import (
     Entry,
     Modifier,
@@ -44,10 +47,8 @@ from lagc.semantics.names.scope import (
     shape,
     subscripts,
 )
-from lagc.semantics.refusals import Poisoned, Wrong
-from lagc.semantics.time_derivatives import LATE
-from lagc.semantics.units import Dimension, QuantityType, S, UnknownUnit, over, unit
-from lagc.semantics.values.constants import type_of
+from lagc.semantics.units import NONE, Dimension, QuantityType, S, UnknownUnit, over, unit
+from lagc.semantics.values.calls import type_of
 from lagc.semantics.values.evaluate import evaluate, evaluate_as, integer, whole
 from lagc.semantics.values.unit_hints import expect_of
 from lagc.symbolic.graph import Node
@@ -77,11 +78,9 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
         and declaration.type is not None
         and declaration.type.path == ("Orientation",)
     ):
-        from lagc.semantics.declarations.orientations import declare_orientation
-
         return declare_orientation(context, entry, source)
     if declaration.type is None:
-        from lagc.semantics.declarations.without_kind import without_type  # where there is a fault
+        from lagc.semantics.names.undeclared import without_type  # where there is a fault
 
         context.report(without_type(context, entry))
         return _stand_in(context, entry, [], None)
@@ -95,12 +94,9 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
         context.report(wrong)
         meant = None
     if entry.kind == "structural" and meant and meant.name != "Integer" and declaration.type is not None:
-        raise Wrong(
-            "LAG0221",
-            "a structural parameter must be an `Integer`",
-            declaration.type.span,
-            "write `structural Integer`, or `parameter` for a quantity",
-        )
+        message = "a structural parameter must be an `Integer`"
+        remedy = "write `structural Integer`, or `parameter` for a quantity"
+        raise Wrong("LAG0221", message, declaration.type.span, remedy)
     sizes = [integer(context, size, entry.environment, "a size") for size in source.dimensions]
     attributes = attributes_of(context, entry, _ATTRIBUTES[entry.kind])
     try:
@@ -161,12 +157,9 @@ def _fixed(context: Context, quantity: Quantity) -> Value:
         name = quantity.name(subscript)
         span = value_span(context, quantity, subscript)
         if scalar is None:
-            raise Wrong(
-                "LAG0210",
-                f"the {_SAID.get(entry.kind, entry.kind)} `{name}` has no value",
-                entry.span,
-                "write `= value`" + (" or set it with `-p`" if entry.kind == "structural" else ""),
-            )
+            message = f"the {_SAID.get(entry.kind, entry.kind)} `{name}` has no value"
+            remedy = "write `= value`" + (" or set it with `-p`" if entry.kind == "structural" else "")
+            raise Wrong("LAG0210", message, entry.span, remedy)
         check_constant(context, scalar.node, span, f"`{name}`")
         if entry.kind == "structural":
             number = scalar.node.value
@@ -329,12 +322,9 @@ def _speed(context: Context, quantity: Quantity) -> Value:
     entry, graph = quantity.entry, context.graph
     modifier = written_value(entry)
     if modifier is None:
-        raise Wrong(
-            "LAG0210",
-            f"the speed `{entry.path}` needs a value",
-            entry.span,
-            "define it by rates: `= der(x) + ...`",
-        )
+        message = f"the speed `{entry.path}` needs a value"
+        remedy = "define it by rates: `= der(x) + ...`"
+        raise Wrong("LAG0210", message, entry.span, remedy)
     values = elements(context, modifier, quantity.sizes, quantity.type.dimension, f"`{entry.path}`")
     at_start, stated = starts(context, quantity, "start", quantity.type.dimension, quantity.name)
     holds = fixed(context, quantity.attributes, "fixed", quantity.sizes, len(values))
@@ -342,11 +332,8 @@ def _speed(context: Context, quantity: Quantity) -> Value:
     found: list[Scalar] = []
     for k, (subscript, scalar) in enumerate(zip(quantity.subscripts, values)):
         if context.clock.mask(scalar.node) & LATE:
-            raise Wrong(
-                "LAG0219",
-                "a speed must not depend on an acceleration or a reaction",
-                value_span(context, quantity),
-            )
+            message = "a speed must not depend on an acceleration or a reaction"
+            raise Wrong("LAG0219", message, value_span(context, quantity))
         name = quantity.name(subscript)
         symbol = graph.symbol("speed", name)
         context.clock.set_rate(symbol, graph.leaf(symbol.record.derivative))
@@ -404,3 +391,109 @@ _DECLARE: dict[str, Callable[[Context, Quantity], Value]] = {
     "constant": _fixed, "structural": _fixed, "parameter": _parameter, "input": _input,
     "coordinate": _coordinate, "speed": _speed, "discrete": declare_discrete, "output": _output,
 }  # fmt: skip
+
+
+PARTS = "wxyz"
+_SMALLEST = 1e-6  # least norm of an initial quaternion
+
+
+def declare_orientation(context: Context, entry: Entry, source: tree.Declarator) -> Value:
+    """Declare an orientation with the time derivatives q' = 1/2 q (0, rate) of its quaternion.  Raises
+    Wrong."""
+    if source.dimensions:
+        remedy = "declare the orientation in a model, and an array of instances of that model"
+        raise Wrong("LAG0221", "arrays of orientations are not supported", source.span, remedy)
+    no_value(entry)
+    attributes = attributes_of(context, entry, ("start", "guess", "rate", "fixed", "startFixed", "rateFixed"))
+    graph, name = context.graph, entry.path
+    w, x, y, z = (graph.symbol("coordinate", name, part) for part in PARTS)
+    a, b, c = (graph.symbol("rate", name, axis) for axis in "xyz")
+    set_quaternion_rate(context.clock, (w, x, y, z), (a, b, c))
+    one, zero = graph.one, graph.zero
+    start, start_stated = _numbers(
+        context,
+        entry,
+        attributes,
+        (one, zero, zero, zero),
+        NONE,
+        "start",
+        [symbol.record.name for symbol in (w, x, y, z)],
+    )
+    turning, rate_stated = _numbers(
+        context,
+        entry,
+        attributes,
+        (zero, zero, zero),
+        over(NONE, S),
+        "rate",
+        [rate.record.name for rate in (a, b, c)],
+    )
+    whole = [max(start_stated, key=lambda s: s.level)]  # one statement for all four components
+    whole, rate_stated = with_fixed(context, attributes, [], whole, rate_stated)
+    orientation = Orientation(
+        name,
+        (w, x, y, z),
+        (a, b, c),
+        _unit(context, entry, start),
+        (turning[0], turning[1], turning[2]),
+        whole[0],
+        (rate_stated[0], rate_stated[1], rate_stated[2]),
+        entry.span,
+        source.description or "",
+        entry.effect,
+    )
+    entry.objects.append(orientation)
+    return orientation
+
+
+def _numbers(
+    context: Context,
+    entry: Entry,
+    attributes: dict[str, Modifier],
+    default: tuple[Node, ...],
+    dimension: Dimension,
+    attribute: str,
+    names: list[str],
+) -> tuple[list[Node], list[Statement]]:
+    """Return the initial value of each of `names`, and its statement.  Raises Wrong."""
+    what = f"the {attribute} of `{entry.path}`"
+    modifier = attributes.get(attribute)
+    found, stated = list(default), [declared(entry, modifier)] * len(default)
+    modifier = guess_instead(attributes, attribute) or modifier
+    whole = context.give(context.starts, entry.path if attribute == "start" else f"{entry.path}.rate")
+    if whole is not None and whole.expression is not None and whole.environment is not None:
+        given = tree.Argument(None, None, whole.expression, whole.expression.span)
+        modifier = Modifier(given, whole.environment)
+        stated = [from_outside(entry, whole)] * len(default)
+    if modifier is not None and modifier.argument.value is not None:
+        expression = modifier.argument.value
+        value = evaluate_as(context, expression, modifier.environment, dimension)
+        scalars = flat(own_part(value, modifier, [len(default)], what), expression.span, what)
+        if len(scalars) != len(default):
+            written = "{w, x, y, z}" if len(default) == 4 else "{x, y, z}"
+            raise Wrong("LAG0306", f"{what} has {len(default)} elements, {written}", expression.span)
+        for scalar in scalars:
+            expect(scalar.dimension, dimension, expression.span, what)
+            check_constant(context, scalar.node, expression.span, what)
+        found = [scalar.node for scalar in scalars]
+    for k, name in enumerate(names):
+        one = context.give(context.starts, name)
+        if one is not None:
+            found[k] = given_scalar(context, one, dimension, f"the start of `{name}`").node
+            stated[k] = from_outside(entry, one)
+    return found, stated
+
+
+def _unit(context: Context, entry: Entry, start: list[Node]) -> tuple[Node, Node, Node, Node]:
+    """Return the initial value as a unit quaternion.  Raises Wrong if its norm is zero."""
+    w, x, y, z = start
+    square = w * w + x * x + y * y + z * z
+    if square.is_const:
+        length = math.sqrt(square.value)
+        if length < _SMALLEST:
+            message = f"the initial value of `{entry.path}` is zero; a quaternion needs a norm above zero"
+            raise Wrong("LAG0309", message, entry.span)
+        if length == 1.0:
+            return (w, x, y, z)
+    norm = context.graph.sqrt(square)
+    return (w / norm, x / norm, y / norm, z / norm)

@@ -12,10 +12,9 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, TypeAlias
 
 from lagc.base.records import dataclass, field
-from lagc.diagnostics.faults import Span
+from lagc.diagnostics.faults import Span, Wrong
 from lagc.semantics.model import Body, Frame, Orientation
 from lagc.semantics.names.namespace import Namespace
-from lagc.semantics.refusals import Wrong
 from lagc.semantics.units import NONE, Dimension, M, describe, over, si_text
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.vectors import Vector

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from lagc.base.records import dataclass, replace
+from lagc.diagnostics.faults import Wrong
 from lagc.semantics.names.namespace import Importer, Namespace
 from lagc.semantics.names.scope import DEEPEST
-from lagc.semantics.refusals import Wrong
 from lagc.syntax import tree
 from lagc.syntax.tree import Declaration, ModelDeclaration, Package, Scene, Tree
 

@@ -9,11 +9,9 @@ from __future__ import annotations
 from collections.abc import Container, Sequence
 from typing import TypeAlias
 
-from lagc.diagnostics.faults import Span
-from lagc.semantics.context import Context
+from lagc.diagnostics.faults import Span, Wrong
+from lagc.semantics.context import LATE, MOVING, Context
 from lagc.semantics.model import Frame
-from lagc.semantics.refusals import Wrong
-from lagc.semantics.time_derivatives import LATE, MOVING
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix, Vector, matvec, norm, transpose
 

@@ -2,9 +2,21 @@
 
 from __future__ import annotations
 
-from lagc.diagnostics.faults import Span
-from lagc.semantics.context import Context
-from lagc.semantics.model import Body, Constraint, Contact, Discrete, Frame, Orientation, Potential
+from lagc.diagnostics.faults import Span, Wrong
+from lagc.semantics.context import BIT, LATE, VELOCITY, Context
+from lagc.semantics.model import (
+    Body,
+    Constraint,
+    Contact,
+    Discrete,
+    Force,
+    Frame,
+    Joint,
+    Lagrangian,
+    Orientation,
+    Potential,
+    Torque,
+)
 from lagc.semantics.names.scope import (
     Array,
     Entry,
@@ -18,12 +30,23 @@ from lagc.semantics.names.scope import (
     vector_of,
     vector_value,
 )
-from lagc.semantics.refusals import Wrong
-from lagc.semantics.time_derivatives import BIT, LATE, VELOCITY
-from lagc.semantics.units import ENERGY, KG, NONE, POWER, Dimension, M, S, dimension, over, si_text, times
+from lagc.semantics.units import (
+    ENERGY,
+    FORCE,
+    KG,
+    NONE,
+    POWER,
+    Dimension,
+    M,
+    S,
+    dimension,
+    over,
+    si_text,
+    times,
+)
 from lagc.semantics.units import unit as unit_of
-from lagc.semantics.values.builtin_functions import Argument, Table, angle_of_turn
 from lagc.semantics.values.frame_vectors import direction, in_frame, is_constant, known_in_frame
+from lagc.semantics.values.functions import Argument, Table, angle_of_turn
 from lagc.symbolic import vectors
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix, Vector, add, cross, matmul, matvec, scale, transpose
@@ -40,12 +63,9 @@ def derivative(context: Context, node: Node, span: Span) -> Node:
     """Return d(node)/dt.  Raises Wrong if it is unknown."""
     mask = context.clock.mask(node)
     if mask & BIT["input"]:
-        raise Wrong(
-            "LAG0311",
-            "the time derivative of an input is not known",
-            span,
-            "write it as an expression of `time` instead of an input",
-        )
+        message = "the time derivative of an input is not known"
+        remedy = "write it as an expression of `time` instead of an input"
+        raise Wrong("LAG0311", message, span, remedy)
     if mask & LATE:
         what = "an acceleration, a reaction or an energy of the run"
         raise Wrong("LAG0219", f"the time derivative of {what} is not known", span)
@@ -110,13 +130,10 @@ def material_velocity(context: Context, of: Argument, at: Argument) -> vectors.V
         arm = vectors.sub(place, body.position)
         return vectors.add(body.velocity, vectors.cross(body.frame.spin, arm))
     if place != body.position:
-        raise Wrong(
-            "LAG0221",
-            f"`{body.name}` is a particle and is not at this point",
-            at.span,
-            f"write `at {body.name}`, or declare it as a `Solid`",
-            ((body.span, "declared here"),),
-        )
+        message = f"`{body.name}` is a particle and is not at this point"
+        remedy = f"write `at {body.name}`, or declare it as a `Solid`"
+        related = ((body.span, "declared here"),)
+        raise Wrong("LAG0221", message, at.span, remedy, related)
     return body.velocity
 
 
@@ -188,10 +205,16 @@ def _momentum(context: Context, span: Span, of: Argument | None) -> Value:
     if isinstance(of.value, Body):
         return vector_value(vectors.scale(of.value.mass, of.value.velocity), MOMENTUM)
     scalar = scalar_of(of.value, of.span, "the argument of `momentum`")
+    name, meant = _coordinate(scalar, of, "`momentum` takes a coordinate or a body; this is neither")
+    return _quantity(context, "momentum", over(times(ENERGY, S), meant), name)
+
+
+def _coordinate(scalar: Scalar, of: Argument, message: str) -> tuple[str, Dimension]:
+    """Return the name and the dimension of a scalar coordinate.  Raises Wrong."""
     symbol = scalar.node.record if scalar.node.op == "symbol" else None
     if symbol is None or symbol.kind != "coordinate" or symbol.component or scalar.dimension is None:
-        raise Wrong("LAG0221", "`momentum` takes a coordinate or a body; this is neither", of.span)
-    return _quantity(context, "momentum", over(times(ENERGY, S), scalar.dimension), symbol.owner)
+        raise Wrong("LAG0221", message, of.span)
+    return symbol.owner, scalar.dimension
 
 
 @TABLE.enter("angular_momentum", "of", required=0)
@@ -217,6 +240,51 @@ def _power(context: Context, span: Span, of: Argument) -> Value:
 
 
 _ACTIONS = ("force", "torque", "dissipation", "potential", "gravity", "lagrangian")
+
+
+@TABLE.enter("generalized_force", "of", "along")
+def _generalized_force(context: Context, span: Span, of: Argument, along: Argument) -> Value:
+    """Return Q_j of an action: its virtual power for a virtual rate 1 of a coordinate."""
+    entry = of.value.entry if isinstance(of.value, Reference) else None
+    if entry is None or entry.kind not in _ACTIONS:
+        what = "a force, torque, potential or dissipation"
+        raise Wrong("LAG0221", f"`generalized_force` takes {what}; this is {kind(of.value)}", of.span)
+    for term in entry.objects:
+        if isinstance(term, Lagrangian) and context.clock.mask(term.function) & VELOCITY:
+            message = f"`{entry.path}` depends on rates: its share is inertial, it has no generalized force"
+            raise Wrong("LAG0221", message, of.span)
+    scalar = scalar_of(along.value, along.span, "the second argument of `generalized_force`")
+    name, meant = _coordinate(scalar, along, "`generalized_force` takes a coordinate as its second argument")
+    return _quantity(context, "generalized_force", over(ENERGY, meant), entry.path, name)
+
+
+@TABLE.enter("torsor", "of", "at")
+def _torsor(context: Context, span: Span, of: Argument, at: Argument) -> Value:
+    """Return the force of a joint, a body's constraints or a load, with its moment about a point."""
+    place, found = vector_of(at.value, at.span, "the point of a torsor")
+    expect(found, M, at.span, "the point of a torsor")
+    entry = of.value.entry if isinstance(of.value, Reference) else None
+    load = entry.objects[0] if entry is not None and entry.objects else None
+    zero = context.graph.zero
+    if isinstance(load, Torque):
+        return Wrench(vector_value((zero, zero, zero), FORCE), vector_value(load.vector, ENERGY))
+    if isinstance(load, Force) and load.at is not None:
+        force, moment, centre = load.vector, (zero, zero, zero), load.at
+    elif isinstance(of.value, Body) or (entry is not None and entry.kind == "joint"):
+        reaction = _reaction(context, span, of)
+        if isinstance(reaction, Scalar):
+            message = "the reaction of this joint is a number, its multiplier; it has no torsor"
+            raise Wrong("LAG0221", message, of.span, f"write `reaction({of.span.text})`")
+        whole = reaction if isinstance(reaction, Wrench) else None
+        force, _ = vector_of(whole.force if whole else reaction, of.span, "a reaction")
+        moment = vector_of(whole.moment, of.span, "a moment")[0] if whole else (zero, zero, zero)
+        places = [x.about for x in entry.objects if isinstance(x, Joint)] if entry is not None else []
+        centre = of.value.position if isinstance(of.value, Body) else places[0] or place
+    else:
+        message = f"`torsor` takes a joint, a body, a force or a torque; this is {kind(of.value)}"
+        raise Wrong("LAG0221", message, of.span)
+    moment = add(moment, cross(vectors.sub(centre, place), force))
+    return Wrench(vector_value(force, FORCE), vector_value(moment, ENERGY))
 
 
 @TABLE.enter("reaction", "of")

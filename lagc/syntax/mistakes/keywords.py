@@ -6,18 +6,9 @@ import re
 from itertools import pairwise
 
 from lagc.diagnostics.faults import Fault, Span
-from lagc.diagnostics.foreign_words import (
-    AS_JOINT,
-    KEYWORDS,
-    LIBRARIES,
-    MODELS,
-    NO_LIBRARY,
-    RUNS,
-    remedy_of_word,
-)
-from lagc.diagnostics.suggest import closest
-from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
-from lagc.syntax.tokens import END, NUMBER, STRING, SYMBOL, UNIT, WORD
+from lagc.diagnostics.suggest import AS_JOINT, closest, foreign, remedy_of_word
+from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD
+from lagc.syntax.mistakes import HEADERS, Explained, Repair, Where, token_of
 
 
 def first_word(w: Where) -> Explained | None:
@@ -27,10 +18,10 @@ def first_word(w: Where) -> Explained | None:
         return None
     if w.inside and w.tokens[w.begin + 1].text in (".", "[", "="):
         return None
-    entry = KEYWORDS.get(word)
+    entry = foreign("keywords").get(word)
     if entry is not None:
         message = f"`{word}` is not a keyword of the language"
-        fault = Fault("LAG0118", message, w.span(w.first), remedy=remedy_of_word(KEYWORDS, word))
+        fault = Fault("LAG0118", message, w.span(w.first), remedy=remedy_of_word("keywords", word))
         return Explained(fault, None if "`" in entry else w.replace_first(*entry.split()))
     if w.tokens[w.begin + 1].kind != WORD:
         return None
@@ -69,7 +60,7 @@ def joint_form(w: Where) -> Explained | None:
     """Explain `joint Revolute j(...)`, which has another form than the language reads."""
     if w.first.text != "joint" or not w.inside:
         return None
-    kind = remedy_of_word(MODELS, w.tokens[w.begin + 1].text) or AS_JOINT
+    kind = remedy_of_word("models", w.tokens[w.begin + 1].text) or AS_JOINT
     return Explained(Fault("LAG0221", "a joint has another form", w.span(w.first), remedy=kind))
 
 
@@ -143,11 +134,11 @@ def solver_call(w: Where) -> Explained | None:
     while w.tokens[last].kind != END and (depth > 0 or w.tokens[last].text != ";"):
         depth += (w.tokens[last].text in ("(", "[", "{")) - (w.tokens[last].text in (")", "]", "}"))
         last += 1
-    solver = next((t for t in w.tokens[w.begin : last] if t.text in RUNS), None)
+    solver = next((t for t in w.tokens[w.begin : last] if t.text in foreign("solvers")), None)
     if solver is None:
         return None
     message = f"`{solver.text}` is not needed: lagc integrates the equations of motion"
-    remedy = f"delete this; {remedy_of_word(KEYWORDS, 'solve')}"
+    remedy = f"delete this; {foreign('keywords')['solve']}"
     fault = Fault("LAG0118", message, w.span(solver), remedy=remedy)
     return Explained(fault, Repair(w.begin, last - w.begin + 1, ()))
 
@@ -333,7 +324,7 @@ def import_as(w: Where) -> Explained | None:
         return None
     path, name = w.span(w.tokens[w.begin + 1], w.before).text, w.tokens[w.position + 1].text
     message = "`as` is not a keyword of the language"
-    remedy = NO_LIBRARY if path.partition(".")[0] in LIBRARIES else f"write `import {name} = {path};`"
+    remedy = foreign("libraries").get(path.partition(".")[0], f"write `import {name} = {path};`")
     return Explained(Fault("LAG0118", message, w.span(w.token), remedy=remedy))
 
 

@@ -1,18 +1,30 @@
-"""Settings of a run from the arguments of `simulate` in a scene."""
+"""Requests of a run: the settings of a scene, the outputs to record, expressions over the finished run."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import inf
 from typing import NamedTuple
 
+from lagc.base.records import replace
 from lagc.base.text import FINEST, MOST_POINTS
-from lagc.diagnostics.faults import Span
-from lagc.diagnostics.suggest import meant_argument
+from lagc.diagnostics.faults import Fault, Refused, Source, Span, Wrong
+from lagc.diagnostics.suggest import did_you_mean, meant_argument
 from lagc.semantics.context import Context
-from lagc.semantics.names.scope import Environment, Scalar, expect, kind
-from lagc.semantics.refusals import Wrong
-from lagc.semantics.units import NONE, Dimension, S
-from lagc.semantics.values.evaluate import evaluate_as
+from lagc.semantics.model import Coordinate, Model, Output
+from lagc.semantics.names.scope import (
+    Environment,
+    Scalar,
+    Value,
+    expect,
+    flat,
+    kind,
+    shape,
+    subscripts,
+    vector_value,
+)
+from lagc.semantics.units import NONE, Dimension, M, S, si_text
+from lagc.semantics.values.evaluate import evaluate, evaluate_as
 from lagc.syntax import tree
 
 _SETTINGS: dict[str, Dimension] = {
@@ -53,12 +65,9 @@ class Settings:
         if name is None:
             raise Wrong("LAG0209", "an argument of `simulate` needs a name: `stop = 20`", argument.span)
         if name not in _SETTINGS or value is None:
-            raise Wrong(
-                "LAG0209",
-                f"`simulate` has no argument `{name}`",
-                argument.name_span or argument.span,
-                meant_argument(name, _SETTINGS) or f"it has {', '.join(_SETTINGS)}",
-            )
+            message = f"`simulate` has no argument `{name}`"
+            remedy = meant_argument(name, _SETTINGS) or f"it has {', '.join(_SETTINGS)}"
+            raise Wrong("LAG0209", message, argument.name_span or argument.span, remedy)
         if name in self._given:
             related = ((self._given[name].span, "first here"),)
             raise Wrong("LAG0209", f"`{name}` is given twice", argument.span, related=related)
@@ -99,3 +108,57 @@ class Settings:
         if name in ("stop", "every") and numbers.get("stop", 0.0) / numbers.get("every", inf) > MOST_POINTS:
             return f"`every` = {numbers['every']:g} s gives more than {MOST_POINTS:,} points"
         return None
+
+
+MOST_NAMED = 12
+
+
+def asked_for(model: Model, names: Sequence[str]) -> Model:
+    """Return the model with those of its outputs that are among `names`.  Raises Refused (LAG0606) for a name
+    that is no output, coordinate or speed."""
+    known = [output.name for output in model.outputs]
+    for c in model.coordinates:
+        symbols = (c.symbol, c.rate_symbol) if isinstance(c, Coordinate) else (*c.symbols, *c.rate_symbols)
+        known += [c.name, *(symbol.record.name for symbol in symbols)]
+    known += [speed.name for speed in model.speeds]
+    known = list(dict.fromkeys(known))
+    faults = []
+    for name in names:
+        if name not in known:
+            there = ", ".join([f"`{x}`" for x in known]) if len(known) <= MOST_NAMED else ""
+            remedy = did_you_mean(name, known) or (f"there are {there}" if there else None)
+            faults.append(Fault("LAG0606", f"there is no output or coordinate `{name}`", remedy=remedy))
+    if faults:
+        raise Refused(faults)
+    kept = tuple([output for output in model.outputs if output.name in names])
+    return replace(model, outputs=kept, asked=tuple(names))
+
+
+PROBE = "probe("  # no declaration has such a name
+
+
+def parse_probe(context: Context, text: str) -> tree.Expression:
+    """Return the expression of a text.  Raises Refused if it is not one."""
+    from lagc.syntax.parse import parse_expression
+
+    source = Source("<expression>", text, asked=True)
+    context.importer.free.append(source)
+    return parse_expression(source)
+
+
+def probe_outputs(
+    context: Context, number: int, written: tree.Expression, environment: Environment
+) -> list[Output]:
+    """Return the outputs `probe(number)`, with a subscript for each element of a vector or an array; the
+    value of a body or point is its position.  Raises Wrong."""
+    from lagc.semantics.model import Body
+
+    value: Value = evaluate(context, written, environment)
+    if isinstance(value, Body):
+        value = vector_value(value.position, M)
+    scalars = flat(value, written.span, "an expression over a run")
+    sizes = shape(value)
+    unit = next((si_text(s.dimension) for s in scalars if s.dimension is not None), si_text(NONE))
+    places = subscripts(sizes, written.span)
+    names = [f"{PROBE}{number})" + (f"[{','.join(map(str, place))}]" if place else "") for place in places]
+    return [Output(name, s.node, unit, unit, written.span) for name, s in zip(names, scalars)]
