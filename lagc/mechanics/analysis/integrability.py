@@ -53,7 +53,7 @@ class Integrable:
 
 
 class _Verdict(NamedTuple):
-    """What a point tells: the reasons of the integrable rows, the rows that may be integrable with
+    """The verdict of a point: the reasons of the integrable rows, the rows that may be integrable with
     combinations of others, the number of relations that the integrable rows add, and the most that all may
     add."""
 
