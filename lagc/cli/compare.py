@@ -52,12 +52,14 @@ def run(options: argparse.Namespace) -> int:
     source = model_library.read(options.file)
     accuracy, stop = quantity(options.accuracy, "", "--accuracy"), quantity(options.stop, "s", "--stop")
     starts = quantities(options.starts, "--start")
+    # Every scene is compiled before one runs, so that a fault in any of them is reported at once.
     first = Compilation(source, choice_of(_with(options, None)))
     choices = [choice_of(_with(options, scene)) for scene in options.scene or first.model.scenes or [None]]
     models = [CompiledModel(Compilation(source, choice), options.backend) for choice in choices]
     scenes = [model.interface.scene for model in models]
     spare(first, *([options.plot] if options.plot else []))
     stop = Request(stop=stop).completed(models[0].interface.simulate).stop
+    # Each scene takes the values that it has; a name that none has is refused.
     parameters = [_parameters(model) for model in models]
     given = choices[0].parameters
     own = [model.without(()).bind(_known_values(given, parameters, k)) for k, model in enumerate(models)]
@@ -73,6 +75,7 @@ def run(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         if not runs:
             raise
+    # An interruption keeps the runs so far.
     rest()
     found = compare(scenes[: len(runs)], runs)
     interrupted = len(runs) < len(own) or runs[-1].interrupted

@@ -141,6 +141,7 @@ def write_or_keep(
         if not waiting:
             raise
         say(f"lagc: `{path}` is not written: interrupted")
+    # The result of a long run is not lost: it goes to another file under a name that nobody has.
     import tempfile
 
     stem, ending = os.path.splitext(os.path.basename(path))

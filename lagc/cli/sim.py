@@ -32,6 +32,8 @@ from lagc.cli.pictures import add_picture_options, check_panels, check_pictures,
 from lagc.kernels import METHODS
 
 if TYPE_CHECKING:
+    from lagc.api import CompiledModel
+    from lagc.compiler.stages import Choice
     from lagc.semantics.model import Model
     from lagc.simulation.request import Request
 
@@ -74,12 +76,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc.api import CompiledModel
     from lagc.cli.output import Bar
-    from lagc.compiler.pipeline import Compilation
-    from lagc.host import model_library
     from lagc.simulation.backends.compile import CannotCompile
-    from lagc.simulation.formats import targets
     from lagc.simulation.request import (
         bound_guesses,
         bound_parameters,
@@ -87,32 +85,15 @@ def run(options: argparse.Namespace) -> int:
         bound_starts,
         warnings_of,
     )
-    from lagc.simulation.supervision import MOST_MEMORY, Forecast, check_memory
+    from lagc.simulation.supervision import Forecast
 
+    # All words are read, and files checked, before anything is computed.
     check_files(options)
     request = request_of(options)
-    until = options.until or [None]
-    if len(until) > 1:
-        raise Usage(f"`--until` is given twice: combine the conditions, as in '{' or '.join(until)}'")
-    if until[0] is not None and not until[0].strip():
-        raise Usage("`--until` needs a condition, such as 'x > 3[m]'")
     given, guesses = quantities(options.starts, "--start"), quantities(options.guesses, "--guess")
     scales = quantities(options.scales, "--scale")
-    choice = replace(choice_of(options), until=until[0])
-    source = model_library.read(options.file)
-    most = MOST_MEMORY if options.max_memory is None else limits_of(options).memory or inf
-
-    def look(resolved: Model) -> None:
-        check_memory(request.completed(resolved.simulate), resolved.states, most)
-
-    compilation = Compilation(source, choice, look=look)
-    model = CompiledModel(compilation, options.backend)
-    complete = request.completed(model.interface.simulate)
-    check_memory(complete, model.interface.nx, most)
-    written = targets(options.output) if options.output else ()
-    spare(compilation, *written, *pictures_of(model.interface, options))
-    model.check_expressions(options.expressions)
-    check_panels(options, model)
+    choice = replace(choice_of(options), until=until_of(options))
+    model, stop = compiled(options, request, choice)
     more: dict[str, object] = {}
     note = ""
     if options.prune:
@@ -121,6 +102,7 @@ def run(options: argparse.Namespace) -> int:
         bound_starts(model.interface, given)
         quiet = options.quiet or options.json
         model, request, note, more["pruned"] = prune(model, request, given, guesses, quiet)
+        # The pruned model may lack what was given values.
         given = {name: value for name, value in given.items() if name in model.state_names}
         guesses = {name: value for name, value in guesses.items() if name in model.state_names}
         own = {f.name for f in (*model.interface.parameters, *model.interface.inputs, *model.artifact.unused)}
@@ -129,8 +111,8 @@ def run(options: argparse.Namespace) -> int:
     parameters = bound_parameters(model.interface, choice.parameters, model.artifact.unused)
     request = replace(request, starts=starts, guesses=bound_guesses(model.interface, guesses, given))
     request = replace(request, scales=bound_scales(model.interface, scales) if scales else {})
+    # The runs that pictures show beside it are bound now, and run after it.
     others = overlays_of(options, model, choice, request)
-    stop = complete.stop or 0.0
     with Bar(stop, quiet=options.quiet or options.json) as bar:
         try:
             progress = Forecast(bar, stop) if options.max_time is None else bar
@@ -146,6 +128,43 @@ def run(options: argparse.Namespace) -> int:
     found.warnings = warnings_of(model.interface, {**choice.inputs, **choice.parameters, **given})
     found.add_columns(*options.expressions)
     return deliver(found, options, more, runs)
+
+
+def compiled(options: argparse.Namespace, request: Request, choice: Choice) -> tuple[CompiledModel, float]:
+    """Return the compiled model and the end time.  Raises Usage or Refused if the run would need too much
+    memory, would overwrite a file of the model, or if a picture or a column is wrong."""
+    from lagc.api import CompiledModel
+    from lagc.compiler.pipeline import Compilation
+    from lagc.host import model_library
+    from lagc.simulation.formats import targets
+    from lagc.simulation.supervision import MOST_MEMORY, check_memory
+
+    source = model_library.read(options.file)
+    most = MOST_MEMORY if options.max_memory is None else limits_of(options).memory or inf
+
+    def look(resolved: Model) -> None:
+        check_memory(request.completed(resolved.simulate), resolved.states, most)
+
+    compilation = Compilation(source, choice, look=look)
+    model = CompiledModel(compilation, options.backend)
+    complete = request.completed(model.interface.simulate)
+    check_memory(complete, model.interface.nx, most)
+    written = targets(options.output) if options.output else ()
+    spare(compilation, *written, *pictures_of(model.interface, options))
+    model.check_expressions(options.expressions)
+    check_panels(options, model)
+    return model, complete.stop or 0.0
+
+
+def until_of(options: argparse.Namespace) -> str | None:
+    """Return the condition that ends the run.  Raises Usage."""
+    until = options.until or [None]
+    if len(until) > 1:
+        raise Usage(f"`--until` is given twice: combine the conditions, as in '{' or '.join(until)}'")
+    if until[0] is not None and not until[0].strip():
+        raise Usage("`--until` needs a condition, such as 'x > 3[m]'")
+    found: str | None = until[0]
+    return found
 
 
 def check_files(options: argparse.Namespace) -> None:

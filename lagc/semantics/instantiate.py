@@ -275,6 +275,7 @@ class Builder:
         source = entry.source
         assert isinstance(source, tree.Declarator)
         space = entry.environment.space
+        # `Solid crank(...)` and `Gravity field;` look like instances and are declarations of their own.
         if len(d.type.path) == 1 and d.type.path[0] in ELEMENTS and space.lookup(d.type.path[0]) is None:
             if source.dimensions:
                 message = f"an array of `{d.type.path[0]}` cannot be declared this way"
@@ -293,6 +294,7 @@ class Builder:
             return
         if source.value is not None:
             raise Wrong("LAG0221", "an instance of a model has no value", source.value.span)
+        # Modifications from outside go before those of the declaration, the outermost first.
         own = modifiers_of(source.arguments, entry.environment)
         for modifier in reversed(entry.modifiers):  # the outermost last, because the last goes first
             if modifier.argument.value is not None:
@@ -300,6 +302,7 @@ class Builder:
                 raise Wrong("LAG0209", message, modifier.argument.span)
             for name, given in modifiers_of(modifier.argument.arguments, modifier.environment).items():
                 own[name] = [*given, *own.get(name, [])]
+        # One instance is a part; of an array each element takes its share of arrays in modifications.
         sizes = [integer(self.context, s, entry.environment, "a size") for s in source.dimensions]
         if not sizes:
             part = self._nested_instance(found, where, entry.path + ".", own, destination)

@@ -49,6 +49,7 @@ class _Layout:
         position = 0
         while tokens[position].kind != END:
             first = tokens[position].terminal
+            # `end` closes a block, and the section of initial equations that is open in it.
             if first == "END":
                 self.comments(tokens[position].start)
                 self.depth = len(open_blocks) - 1
@@ -57,10 +58,12 @@ class _Layout:
                 self.fresh = True
                 position = self.line(position, self.statement_end(position))
                 continue
+            # That section also ends with the first declaration.
             if self.initial and not self.is_condition(position):
                 self.comments(tokens[position].start)
                 self.initial = False
                 self.depth -= 1
+            # A block of one line stays one line; any other block indents what is in it.
             short = self.short_block_end(position)
             if short is not None:
                 position = self.line(position, short)

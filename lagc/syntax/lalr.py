@@ -99,12 +99,14 @@ class Machine:
             for origin, length, name, _ in self.tables.rules
         ]
         while True:
+            # One token: reductions until it can be shifted.
             token = self.tokens[self.position]
             terminal = self.terminal(self.position, states[-1])
             contextual = token.kind == WORD and token.text in self.tables.keywords
             while True:
                 action = actions[states[-1]].get(terminal)
                 if action is None:
+                    # A word is a keyword or a name by the state, which the reductions have changed.
                     if contextual:
                         again = self.terminal(self.position, states[-1])
                         if again != terminal:
@@ -117,6 +119,7 @@ class Machine:
                     if not self.shift(token, terminal, action):
                         return None
                     break
+                # A rule that returns its only child changes the state alone.
                 origin = passed[~action]
                 if origin is not None:
                     states[-1] = actions[states[-2]][origin]
@@ -183,6 +186,7 @@ class Machine:
                 value = values[-1]
                 start = self.starts[-1]
             else:
+                # The recipe picks the children that the rule keeps; those of inlined rules are lists.
                 children: list[Any] = []
                 for place in recipe:
                     child = None if place < 0 else values[first + place]
@@ -203,6 +207,7 @@ class Machine:
             start = self.position
             begin = self.tokens[start].start
             value = callback([None] * len(recipe), Span(self.source, begin, begin))
+        # A scene without a body ends without an `end`.
         if origin == "scene":
             self.blocks = [block for block in self.blocks if block.height < len(self.states)]
         self.reduced = True

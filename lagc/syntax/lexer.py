@@ -80,6 +80,7 @@ def tokenise(source: Source) -> Lexed:
         assert found is not None  # `odd` takes any character
         kind = found.lastgroup
         end = found.end()
+        # Blanks and words are most of a text: their branches come first.
         if kind == "blank":
             pass
         elif kind == "word":

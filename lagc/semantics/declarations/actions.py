@@ -225,6 +225,7 @@ def declare_load(context: Context, entry: Entry) -> Value:
     is_force = source.kind == "force"
     meant = FORCE if is_force else ENERGY
     context.mentioned_velocities = []
+    # All parts are evaluated before one is checked, so that the faults of all are reported.
     written = [(source.value, meant), (source.target, M)]
     written += [(part, M) for part in (source.body, source.reaction) if part is not None]
     value, target, *others = each(
@@ -235,6 +236,7 @@ def declare_load(context: Context, entry: Entry) -> Value:
     mentioned = tuple(context.mentioned_velocities)
     place = Argument(target, source.target.span)
 
+    # The multipliers of constraints are the only late quantities that a load may depend on: friction.
     def load() -> Vector:
         vector, found = vector_of(value, source.value.span, f"a {source.kind}")
         named = "Force [N]" if is_force else "Torque [N.m]"
@@ -244,6 +246,7 @@ def declare_load(context: Context, entry: Entry) -> Value:
                 refuse_late(context, node, source.value.span, f"a {source.kind}")
         return vector
 
+    # A force acts on a point, with its velocity; a torque on frames, with their angular velocities.
     if is_force:
         vector, (velocity, at, on_body) = both(
             context, load, lambda: _where_applied(context, source, place, body, reaction)

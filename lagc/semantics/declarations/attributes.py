@@ -37,6 +37,7 @@ def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[
     `known` are reported."""
     source = entry.source
     assert isinstance(source, tree.Declarator)
+    # Attributes from outside come first: the outermost modifier wins.
     own = [Modifier(a, entry.environment) for a in source.arguments]
     outer = [Modifier(a, m.environment, m.index) for m in entry.modifiers for a in m.argument.arguments]
     found: dict[str, Modifier] = {}

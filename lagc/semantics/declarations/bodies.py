@@ -259,9 +259,11 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
         raise Wrong(
             "LAG0209", f"`{entry.name}` cannot be changed from outside", entry.modifiers[0].argument.span
         )
+    # The strength is a parameter of its own, which a run can change.
     g = _strength(context, entry, strength)
     entry.parts["g"] = Scalar(g, GRAVITY)
     graph = context.graph
+    # The direction is that of a weight; by default it points down.
     direction: Vector = (graph.zero, graph.zero, graph.const(-1.0))
     if given is not None:
         written = evaluate(context, given, entry.environment)
@@ -273,6 +275,7 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
         direction = unit_vector(context, vector, given.span)
     if strength is not None and direction == (graph.zero, graph.zero, graph.const(-1.0)):
         _look_at_sign(context, entry, strength)
+    # V = -sum of m g d . r over the bodies of this instance and of those in it.
     total = graph.zero
     for other in entry.environment.instance.in_order():
         if other.kind == "body" and other.elements is None:

@@ -32,6 +32,7 @@ def declare_joint(context: Context, entry: Entry) -> Value:
     joint = linkage.joints.get(entry)
     if joint is None:
         raise Poisoned
+    # An open joint places the body behind it and brings its coordinates.
     if isinstance(joint.kind, Pair) and not linkage.closes(joint):
         for body in joint.ends:
             linkage.pose(body)
@@ -45,6 +46,7 @@ def declare_joint(context: Context, entry: Entry) -> Value:
         raise Poisoned  # reported
     for inner in entry.inner:
         _refuse_coordinate(context, entry, inner)
+    # A joint that closes a loop brings equations; those that always hold are left out.
     rough: list[objects.Contact] = []
     if joint.name in _OF_JOINTS:
         rows = _OF_JOINTS[joint.name](context, joint)

@@ -79,6 +79,7 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
         and declaration.type.path == ("Orientation",)
     ):
         return declare_orientation(context, entry, source)
+    # A fault in the type is reported; the declaration goes on with an unknown dimension.
     if declaration.type is None:
         from lagc.semantics.names.undeclared import without_type  # where there is a fault
 
@@ -98,6 +99,7 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
         remedy = "write `structural Integer`, or `parameter` for a quantity"
         raise Wrong("LAG0221", message, declaration.type.span, remedy)
     sizes = [integer(context, size, entry.environment, "a size") for size in source.dimensions]
+    # The kinds share sizes, attributes and units; after a fault a symbol stands for the value.
     attributes = attributes_of(context, entry, _ATTRIBUTES[entry.kind])
     try:
         if meant is not None:
@@ -403,6 +405,7 @@ def _numbers(
     modifier = attributes.get(attribute)
     found, stated = list(default), [statement_of(entry, modifier)] * len(default)
     modifier = guess_instead(attributes, attribute) or modifier
+    # The scene or the command may give all components at once,
     whole = context.give(context.starts, entry.path if attribute == "start" else f"{entry.path}.rate")
     if whole is not None and whole.expression is not None and whole.environment is not None:
         given = tree.Argument(None, None, whole.expression, whole.expression.span)
@@ -419,6 +422,7 @@ def _numbers(
             expect(scalar.dimension, dimension, expression.span, what)
             check_constant(context, scalar.node, expression.span, what)
         found = [scalar.node for scalar in scalars]
+    # or single ones by name, which go first.
     for k, name in enumerate(names):
         one = context.give(context.starts, name)
         if one is not None:

@@ -225,6 +225,7 @@ def match(
     found: dict[str, tree.Expression] = {}
     many: list[tree.Expression | None] = []
     wrong: list[Wrong] = []
+    # All faults of the arguments are collected: too many, unknown or repeated names,
     allowed = LONGEST if parameters[-1:] == ("*",) else len(parameters)
     more = [argument for argument in e.arguments[allowed:] if argument.name is None]
     if more:
@@ -247,6 +248,7 @@ def match(
             many.append(argument.value)
         else:
             found[name] = argument.value
+    # and what is missing, unless a wrong name may be the missing one.
     missing = [p for p in parameters[:required] if p not in found and p != "*"]
     if not wrong and (missing or required > len(found) + len(many)):
         lacking = missing[0] if missing else "another"
@@ -343,6 +345,7 @@ def _inline(
     def value_of(pair: tuple[tree.Expression, QuantityType]) -> Value:
         return evaluate_as(context, pair[0], environment, pair[1].dimension)
 
+    # The arguments have the dimensions of the declared parameters.
     values = each(context, value_of, list(zip(written, types)))
     for value, meant, argument, (_, name, span) in zip(values, types, written, function.parameters):
         for scalar in flat(value, argument.span, f"the argument `{name}`"):
@@ -354,6 +357,7 @@ def _inline(
                     fault.code, fault.message, fault.span, related=((span, "declared here"),)
                 ) from None
     key = (scope.instance.path, id(function), tuple(values))
+    # The body is evaluated with the values as bindings: the function is inlined.
     known = context.results.get(key)  # the same arguments give the same nodes
     if known is not None:
         return known

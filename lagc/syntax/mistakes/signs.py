@@ -357,6 +357,7 @@ def colon_for_equal(w: Where) -> Explained | None:
 def brackets(w: Where) -> Explained | None:
     text = w.token.text if w.token.kind == SYMBOL else ""
     if text in _OPENING:
+        # A closing bracket without an open one: a block in braces, or a bracket too many.
         if not w.brackets:
             if w.first.text in ("model", "package", "effect", "scene") or not w.inside:
                 message, remedy = "a block ends with `end name;`", None
@@ -367,6 +368,7 @@ def brackets(w: Where) -> Explained | None:
             else:
                 message, remedy = f"no bracket is open for this `{text}`", "delete it"
             return explained("LAG0114", message, w.span(w.token), remedy, w.replace())
+        # A closing bracket of another kind: that of an outer bracket means that the inner one is open.
         opening = w.brackets[-1]
         if _CLOSING[opening.text] != text and w.accepts(w.sign(_CLOSING[opening.text])):
             right = _CLOSING[opening.text]
@@ -377,6 +379,7 @@ def brackets(w: Where) -> Explained | None:
             related = ((w.span(opening), "opened here"),)
             return explained("LAG0114", message, w.span(w.token), remedy, repair, related=related)
         return None
+    # An open bracket where the declaration ends, or where the token fits behind the bracket alone.
     ends = w.token.kind == END or text == ";" or (w.token.kind == WORD and w.new_line())
     if w.brackets:
         opening = w.brackets[-1]
