@@ -378,9 +378,9 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
     set_quaternion_rate(context.clock, (w, x, y, z), (a, b, c))
     one, zero = graph.one, graph.zero
     names, rates = ([symbol.record.name for symbol in part] for part in ((w, x, y, z), (a, b, c)))
-    identity, still = (one, zero, zero, zero), (zero, zero, zero)
+    identity, at_rest = (one, zero, zero, zero), (zero, zero, zero)
     start, start_stated = _numbers(context, entry, attributes, identity, NONE, "start", names)
-    turning, rate_stated = _numbers(context, entry, attributes, still, over(NONE, S), "rate", rates)
+    turning, rate_stated = _numbers(context, entry, attributes, at_rest, over(NONE, S), "rate", rates)
     whole = [max(start_stated, key=lambda s: s.level)]  # one statement for all four components
     whole, rate_stated = with_fixed(context, attributes, [], whole, rate_stated)
     rate = turning[0], turning[1], turning[2]
