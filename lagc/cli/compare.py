@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from copy import copy
 from typing import TYPE_CHECKING, TypeVar
 
-from lagc.cli.deliver import spare, write_or_keep
+from lagc.cli.deliver import check_picture, spare, write_or_keep
 from lagc.cli.options import (
     add_backend_option,
     add_general_options,
@@ -18,7 +18,6 @@ from lagc.cli.options import (
     quantity,
 )
 from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show
-from lagc.cli.pictures import check_picture
 from lagc.host.budgets import reached, rest
 
 if TYPE_CHECKING:

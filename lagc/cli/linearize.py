@@ -49,8 +49,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     from lagc.api import CompiledModel
-    from lagc.cli.deliver import output_beside
-    from lagc.cli.pictures import check_picture
+    from lagc.cli.deliver import check_picture, output_beside
     from lagc.compiler.pipeline import Compilation
     from lagc.host import model_library
 
