@@ -88,10 +88,11 @@ def test_nothing_is_left_behind(installed: Path) -> None:
         "syntax/tables.json",
         "codegen/kernel_compiler/kernels.json",
         "models/classic/kepler.lag",
+        "messages/syntax.md",
     ):
         assert (installed / "lagc" / name).is_file()
     for path in (ROOT / "lagc").rglob("*"):
-        if path.suffix in (".py", ".c", ".h"):
+        if path.suffix in (".py", ".c", ".h", ".txt"):
             assert (installed / "lagc" / path.relative_to(ROOT / "lagc")).is_file(), path
 
 

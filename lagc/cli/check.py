@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
     unseen = [stage for stage in STAGES if stage in left]
     wrong = [f for f in faults if f.severity == "error"]
     if options.json or options.format == "json":
-        from lagc.diagnostics.report import as_json
+        from lagc.diagnostics.faults import as_json
 
         print_json({"status": "refused" if wrong else "ok", "faults": as_json(faults), "unseen": unseen})
     elif faults:
@@ -61,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
 
 def look_at(name: str, options: argparse.Namespace) -> Checked:
     """Check one file; a file that cannot be read counts as an error."""
-    from lagc.compiler import checking, pipeline
+    from lagc.compiler import checking, stages
     from lagc.host import model_library
 
     try:
@@ -69,7 +69,7 @@ def look_at(name: str, options: argparse.Namespace) -> Checked:
     except Refused as refused:
         return checking.Checked(list(refused.faults), checking.STAGES)
     given = quantities(options.parameters, "-p")
-    choice = pipeline.Choice(model=options.model, scene=options.scene, parameters=given)
+    choice = stages.Choice(model=options.model, scene=options.scene, parameters=given)
     try:
         return checking.look(source, choice)
     except Refused as refused:  # an option is wrong
@@ -79,9 +79,10 @@ def look_at(name: str, options: argparse.Namespace) -> Checked:
 def explain(code: str) -> int:
     """Print the explanation of an error code."""
     from lagc.diagnostics.catalogue import entries
+    from lagc.host.model_library import messages_folder
 
     code = code.upper()
-    entry = entries().get(code)
+    entry = entries(messages_folder()).get(code)
     if entry is None:
         raise Usage(f"there is no error code `{code}`")
     show(f"{code}: {entry.title}\n\n{entry.explanation}\n")

@@ -173,7 +173,7 @@ def _similar(name: str) -> str:
 
 def _report(refused: Refused, words: list[str]) -> None:
     if "--json" in words:
-        from lagc.diagnostics.report import as_json
+        from lagc.diagnostics.faults import as_json
 
         print_json({"status": "refused", "faults": as_json(refused.faults)})
         return

@@ -137,7 +137,7 @@ def print_faults(
     faults: Iterable[Fault], color: bool | None = None, result: bool = False, more: str = ""
 ) -> None:
     """Print faults on standard error, or on standard output if they are the `result`."""
-    from lagc.diagnostics.report import report
+    from lagc.diagnostics.faults import report
 
     text = report(list(faults), use_color(sys.stdout if result else sys.stderr, color), more) + "\n"
     (_put if result else draw)(text)

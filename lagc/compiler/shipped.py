@@ -8,7 +8,8 @@ from pathlib import Path
 from lagc.base.records import replace
 from lagc.codegen.kernel_compiler import library
 from lagc.codegen.python import initialization
-from lagc.compiler.pipeline import Choice, Compilation, render
+from lagc.compiler.pipeline import Compilation
+from lagc.compiler.stages import Choice, render
 from lagc.diagnostics.faults import Source
 from lagc.host import cache
 from lagc.kernels import DEFAULT_METHOD

@@ -233,8 +233,8 @@ class FunctionDeclaration:
 @dataclass(frozen=True, slots=True)
 class Construct:
     """`frame A = expr`, `point P[0] = expr`, `body b = Particle(...)`, `joint j = ...`,
-    `potential V = ...`, `kinetic`, `lagrangian`, `dissipation`. kind is that keyword; `index` the subscripts
-    of an element, as in `point P[i]`."""
+    `potential V = ...`, `kinetic`, `lagrangian`, `dissipation`, `draw`. kind is that keyword; `index` the
+    subscripts of an element, as in `point P[i]`."""
 
     kind: str
     name: str

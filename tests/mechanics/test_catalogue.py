@@ -8,15 +8,17 @@ from pathlib import Path
 import pytest
 
 import lagc.mechanics
-from lagc.diagnostics.catalogue.mechanics import ENTRIES
+from lagc.diagnostics.catalogue import entries
 from lagc.diagnostics.faults import Refused, Source
+from lagc.host.model_library import messages_folder
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.mechanics.lint.unmoved import unmoved
+from lagc.mechanics.lint.loads import unmoved
 from lagc.semantics.resolve import resolve
 from lagc.syntax.parse import parse
 from tests.invariants import verify
 
+ENTRIES = entries(messages_folder())
 CODES = [code for code in ENTRIES if code.startswith("LAG04")]
 
 

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from lagc.diagnostics.catalogue.syntax import ENTRIES
+from lagc.diagnostics.catalogue import entries
 from lagc.diagnostics.faults import Refused, Source
+from lagc.host.model_library import messages_folder
 from lagc.semantics.resolve import resolve
 from lagc.syntax import tree
 from lagc.syntax.parse import parse, parse_recovering
+
+ENTRIES = {code: entry for code, entry in entries(messages_folder()).items() if code < "LAG02"}
 
 # The mistake, the marked text (None: not looked at), the code, a part of the message or the remedy.
 MISTAKES = [

@@ -17,11 +17,12 @@ from typing import Any
 from lagc.base.records import dataclass
 from lagc.base.text import one_line
 from lagc.host.atomic_write import Files
+from lagc.reports.animation.arrays import values
 from lagc.reports.animation.channels import Channels
 from lagc.reports.animation.frames import Frames
 from lagc.reports.animation.panels import panels
-from lagc.reports.animation.scene import axis_of
 from lagc.reports.animation.shown import Shown
+from lagc.symbolic.vectors import Vector
 from lagc.version import __version__
 
 HEIGHT = 620  # px, of the frame in a notebook
@@ -32,14 +33,15 @@ def page_data(shown: Shown) -> dict[str, Any]:
     scene, frames, run = shown.scene, shown.frames, shown.run
     model, channels = scene.model, Channels()
     joints: list[dict[str, Any]] = []
-    for k, joint in enumerate(model.joints):
+    for joint in model.joints:
         place = scene.place_of(joint.name, "joint")
         if place is not None:
-            axis = axis_of(scene, k, frames.given, len(frames.t))
             joints.append({"name": joint.name, "kind": joint.kind, "place": place,
-                           "axis": None if axis is None else channels.add_all(axis)})  # fmt: skip
+                           "axis": _axis(channels, frames, joint.axis)})  # fmt: skip
     used = _used(shown, [joint["place"] for joint in joints])
     data = scene.as_data()
+    for figure, record in zip(scene.figures, data["figures"]):
+        record["axis"] = _axis(channels, frames, figure.axis)
     data["places"] = [place if i in used else None for i, place in enumerate(data["places"])]
     interface = run.system.interface
     data |= {
@@ -59,11 +61,22 @@ def page_data(shown: Shown) -> dict[str, Any]:
     return data
 
 
+def _axis(channels: Channels, frames: Frames, axis: Vector | None) -> list[list[float]] | None:
+    """Return the channels of an axis over the frames."""
+    return None if axis is None else channels.add_all(values(axis, frames.given, len(frames.t)))
+
+
 def _used(shown: Shown, joints: list[int]) -> set[int]:
     """Return the places that are drawn."""
     scene = shown.scene
     used = {x for link in (*scene.links, *scene.springs) for x in (link.a, link.b)}
-    used |= {*joints, *scene.hinges, *scene.feet, *(body.place for body in scene.bodies)}
+    used |= {
+        *joints,
+        *(f.place for f in scene.figures),
+        *scene.hinges,
+        *scene.feet,
+        *(body.place for body in scene.bodies),
+    }
     used |= {i for i, place in enumerate(scene.places) if place.kind == "point"}
     used |= {i for row in scene.surfaces for i in row.places}
     return used | {i for row in scene.rows.touching.values() for i in row}

@@ -71,7 +71,7 @@ def read_rows(sample: Sample, distances: Distances) -> Rows:
     ]
     asked: list[tuple[str, Constraint | Contact, Node]] = [*written]
     asked += [(c.label, c, c.gap) for c in sample.model.contacts if not c.normals]
-    moving = [i for i in dict.fromkeys(sample.first) if sample.moves(i) and np.isfinite(sample.x[i]).all()]
+    moving = [i for i in sample.known if sample.moves(i) and np.isfinite(sample.x[i]).all()]
     by_constraint: dict[str, list[Row]] = {}
     for (label, c, node), r in zip(asked, sample.values([node for *_, node in asked]) if asked else ()):
         if not np.isfinite(r).all() or np.ptp(r) < UNCHANGED:

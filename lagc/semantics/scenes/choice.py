@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from lagc.base.records import dataclass
-from lagc.diagnostics.faults import Source, Span
+from lagc.diagnostics.faults import Fault, Source, Span, Wrong
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context, Given, Points
 from lagc.semantics.names.namespace import Namespace
-from lagc.semantics.names.scope import DEEPEST, Environment, Uses, keys, without_subscripts
-from lagc.semantics.refusals import Wrong
-from lagc.semantics.scenes.settings import Settings
+from lagc.semantics.names.scope import DEEPEST, Environment, Instance, Uses, keys, without_subscripts
+from lagc.semantics.scenes.requested import Settings
 from lagc.semantics.values.evaluate import integer
 from lagc.symbolic.leaves import derived, underived
 from lagc.syntax import tree
@@ -59,11 +58,8 @@ def choose_model(
     if inner:  # in packages
         return choose_model(file, space, inner[-1])
     if models:
-        raise Wrong(
-            "LAG0211",
-            f"`{models[-1].name}` is partial, and the file has no other model",
-            models[-1].name_span,
-        )
+        message = f"`{models[-1].name}` is partial, and the file has no other model"
+        raise Wrong("LAG0211", message, models[-1].name_span)
     start = Span(file.source, 0, min(1, len(file.source.text)))
     raise Wrong("LAG0215", "the file has no model", start, "write `model Name ... end Name;`")
 
@@ -103,14 +99,9 @@ def scenes_of(
     for declaration in model.body:
         if isinstance(declaration, tree.Scene):
             if declaration.name in found:
-                context.report(
-                    Wrong(
-                        "LAG0202",
-                        f"the scene `{declaration.name}` is declared twice",
-                        declaration.name_span,
-                        related=((found[declaration.name].name_span, "first here"),),
-                    )
-                )
+                message = f"the scene `{declaration.name}` is declared twice"
+                related = ((found[declaration.name].name_span, "first here"),)
+                context.report(Wrong("LAG0202", message, declaration.name_span, related=related))
                 continue
             found[declaration.name] = declaration
     for declaration in model.body:
@@ -157,7 +148,7 @@ def read_values(context: Context, setting: Setting, environment: Environment) ->
     for d in setting.scene.body if setting.scene else ():
         if isinstance(d, tree.Quantities):
             if d.type is not None:
-                context.attempt(_typed, d.type)
+                context.attempt(_refuse_type, d.type)
             for declarator in d.declarators:
                 if _is_plain(declarator):
                     context.attempt(_parameter, context, declarator, environment)
@@ -178,13 +169,10 @@ def read_rest(context: Context, setting: Setting, environment: Environment) -> d
     return settings.numbers()
 
 
-def _typed(type_name: tree.TypeName) -> None:
-    raise Wrong(
-        "LAG0221",
-        "a scene only changes values; the type is declared in the model",
-        type_name.span,
-        "leave out the type",
-    )
+def _refuse_type(type_name: tree.TypeName) -> None:
+    message = "a scene only changes values; the type is declared in the model"
+    remedy = "leave out the type"
+    raise Wrong("LAG0221", message, type_name.span, remedy)
 
 
 def _is_plain(declarator: tree.Declarator) -> bool:
@@ -316,31 +304,85 @@ def check_effects(context: Context, setting: Setting) -> None:
             continue
         for other in effect.requires:
             if other.name in known and not setting.uses.has_beside(path[: path.rfind(".") + 1], other.name):
-                context.report(
-                    Wrong(
-                        "LAG0213",
-                        f"the effect `{path}` requires `{other.name}`, which the scene "
-                        f"`{setting.name}` does not use",
-                        other.span,
-                        f"add it: `uses ..., {other.name}`",
-                        _scene_place(setting, (path,)),
-                    )
+                message = (
+                    f"the effect `{path}` requires `{other.name}`, which the scene "
+                    f"`{setting.name}` does not use"
                 )
+                remedy = f"add it: `uses ..., {other.name}`"
+                related = _scene_place(setting, (path,))
+                context.report(Wrong("LAG0213", message, other.span, remedy, related))
         for other in effect.excludes:
             if setting.uses.has_beside(path[: path.rfind(".") + 1], other.name):
-                context.report(
-                    Wrong(
-                        "LAG0213",
-                        f"the effects `{path}` and `{other.name}` exclude each other, and the scene "
-                        f"`{setting.name}` uses both",
-                        other.span,
-                        "leave one of them out",
-                        _scene_place(setting, (path, other.name)),
-                    )
+                message = (
+                    f"the effects `{path}` and `{other.name}` exclude each other, and the scene "
+                    f"`{setting.name}` uses both"
                 )
+                remedy = "leave one of them out"
+                related = _scene_place(setting, (path, other.name))
+                context.report(Wrong("LAG0213", message, other.span, remedy, related))
 
 
 def _scene_place(setting: Setting, effects: Sequence[str]) -> tuple[tuple[Span, str], ...]:
     """Return the places where the scene names these effects."""
     names = setting.scene.uses if setting.scene else ()
     return tuple((n.span, "used here") for n in names if n.name in {key for e in effects for key in keys(e)})
+
+
+_SETTINGS = {"StopTime": "stop", "Tolerance": "accuracy", "Interval": "every"}  # of `experiment`
+
+
+def unused_effects(
+    file: tree.Tree, instance: Instance, setting: Setting, scenes: Mapping[str, tree.Scene]
+) -> list[Fault]:
+    """Return a warning for each effect of the main model that no scene of the file uses."""
+    known = [*scenes.values(), *(d for d, _ in _within(file.declarations) if isinstance(d, tree.Scene))]
+    used = {name.name for scene in known for name in scene.uses} | setting.uses.all
+    left = {n: e for n, e in instance.effects.items() if n not in used and e.span.source is file.source}
+    first = next(iter(scenes.values()), None)
+    uses = ", ".join([name.name for name in first.uses] if first else [])
+    found = []
+    for name, effect in left.items():
+        listed = f"{uses}, {name}" if uses else name if first else ", ".join(left)
+        begin = f"scene {first.name if first else 'lab'} uses {listed}"
+        remedy = f"write `{begin}{' ...' if first and first.body else ';'}`, or run with `--with {name}`"
+        message = f"no scene uses the effect `{name}`, which has no part in the motion"
+        found.append(Fault("LAG0230", message, effect.name_span, remedy=remedy, severity="warning"))
+    return found
+
+
+def ignored_annotations(file: tree.Tree) -> list[Fault]:
+    """Return a warning for each annotation, which has no effect."""
+    return [
+        Fault("LAG0231", "an annotation has no effect", d.span, remedy=_instead(d, body), severity="warning")
+        for d, body in _within(file.declarations)
+        if isinstance(d, tree.Annotation)
+    ]
+
+
+def _instead(annotation: tree.Annotation, body: Sequence[tree.Declaration]) -> str:
+    """Return the settings to write for `annotation(experiment(StopTime = 10))`."""
+    for argument in annotation.arguments:
+        call = argument.value
+        if isinstance(call, tree.Call) and call.function.span.text == "experiment":
+            settings = [
+                f"{_SETTINGS[a.name]} = {a.value.span.text}"
+                for a in call.arguments
+                if a.name in _SETTINGS and a.value is not None
+            ]
+            if settings:
+                simulate = f"simulate({', '.join(settings)});"
+                scene = next((d for d in body if isinstance(d, tree.Scene)), None)
+                if scene is None:
+                    return f"write `scene lab {simulate} end lab;`"
+                return f"write `{simulate}` in the scene `{scene.name}`"
+    return "delete it"
+
+
+def _within(
+    declarations: Sequence[tree.Declaration],
+) -> Iterator[tuple[tree.Declaration, Sequence[tree.Declaration]]]:
+    """Yield all declarations of a file, each with those beside it."""
+    for d in declarations:
+        yield d, declarations
+        if isinstance(d, tree.ModelDeclaration | tree.Package | tree.Effect | tree.Scene):
+            yield from _within(d.body)
