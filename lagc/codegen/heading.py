@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from lagc.codegen.identifiers import comment
-from lagc.codegen.kernel_compiler.library import Library, Part
+from lagc.codegen.kernel_compiler.library import Library
+from lagc.codegen.kernel_compiler.parts import Part
 from lagc.lowering.program import Interface
 
 ABI_VERSION = 6

@@ -13,7 +13,8 @@ from lagc.codegen.c.convolution import convolution
 from lagc.codegen.heading import rates, status_texts, statuses
 from lagc.codegen.kernel_compiler.c import CPrinter
 from lagc.codegen.kernel_compiler.layout import block_comment, snake
-from lagc.codegen.kernel_compiler.library import Chosen, Library, Part, library
+from lagc.codegen.kernel_compiler.library import Chosen, Library, library
+from lagc.codegen.kernel_compiler.parts import Part
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.python.support.base import Options
 from lagc.codegen.sizes import SPELLED, flags_of, methods_of, sizes_of, tables_of

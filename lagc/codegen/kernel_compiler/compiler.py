@@ -10,7 +10,7 @@ import ast
 import importlib
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, NamedTuple
@@ -26,9 +26,9 @@ from lagc.codegen.kernel_compiler.kernel_syntax import (
     folder,
     read,
 )
-from lagc.codegen.kernel_compiler.library import FUNCTION, LIST, RECORD, TITLE, Part
+from lagc.codegen.kernel_compiler.parts import FUNCTION, LIST, RECORD, TITLE, Part
 from lagc.codegen.kernel_compiler.real_types import TYPES
-from lagc.codegen.kernel_compiler.specialization import FLAGS, Statics, tested
+from lagc.codegen.kernel_compiler.specialization import Statics, tested
 from lagc.codegen.kernel_compiler.type_check import INT, REAL, STATUS, Known, Signature, Type, Types, parsed
 from lagc.codegen.kernel_compiler.written_arguments import written
 from lagc.codegen.sizes import SPELLED
@@ -61,7 +61,7 @@ def read_method(name: str, number: int) -> Method:
 
 
 class Definition(NamedTuple):
-    """What a kernel file defines. A file of a family of methods is read once for each of them: `known` has
+    """A definition of a kernel file. A file of a family of methods is read once for each of them: `known` has
     the tableau, and `own` the functions whose names get the `prefix` of the method."""
 
     part: Function | Record | Constant
@@ -309,12 +309,3 @@ class Compiler:
         return Part(name, FUNCTION, definition.place, text, part.doc if head else "", head, lead,
                     needs=tuple(sorted(names & known.named.keys())),
                     names=tuple(sorted(names - known.named.keys())))  # fmt: skip
-
-
-def compiled(language: str, names: Iterable[str], flags: Mapping[str, bool]) -> list[Part]:
-    """Return these definitions for these flags."""
-    compiler = Compiler(language)
-    return [compiler.part(name, flags) for name in names]
-
-
-__all__ = ["FLAGS", "Compiler", "Definitions", "compiled", "definitions"]

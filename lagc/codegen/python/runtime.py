@@ -7,7 +7,8 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 
 from lagc.codegen.heading import rates, statuses
-from lagc.codegen.kernel_compiler.library import Chosen, Part, library
+from lagc.codegen.kernel_compiler.library import Chosen, library
+from lagc.codegen.kernel_compiler.parts import Part
 from lagc.codegen.python.classes import EQUATIONS, states
 from lagc.codegen.sizes import flags_of, methods_of, sizes_of, tables_of
 from lagc.kernels import DEFAULT_METHOD, METHODS
