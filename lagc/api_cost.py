@@ -123,7 +123,7 @@ def term_sizes(
     A state has the largest value of its unit."""
     import numpy as np
 
-    from lagc.mechanics.numeric.cancellation import magnitudes
+    from lagc.mechanics.identities.samples import magnitudes
     from lagc.simulation.values import values_at
 
     nx = system.nq + system.nv

@@ -114,7 +114,7 @@ def _faults(
         equations = derive(model)
         warnings, stages = equations.warnings, 4
         if not any(fault.code == _UNUSED for fault in warnings):
-            from lagc.mechanics.lint.unmoved import unmoved
+            from lagc.mechanics.lint.loads import unmoved
 
             warnings = [*warnings, *unmoved(equations)]
         faults = _unstarted(model, equations, choice)

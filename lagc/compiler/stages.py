@@ -121,7 +121,7 @@ def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
             built_in.update(dict.fromkeys(model.built_in))
         model = replace(model, built_in=tuple(built_in))
         if choice.contact_modes is not None:
-            from lagc.mechanics.formulation.held_contacts import hold_contacts
+            from lagc.mechanics.formulation.contacts import hold_contacts
 
             model = hold_contacts(model, choice.contact_modes)
         if choice.outputs is None:

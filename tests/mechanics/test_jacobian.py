@@ -14,8 +14,7 @@ from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation import jacobian as module
 from lagc.mechanics.formulation.jacobian import Entries, formed_of
 from lagc.mechanics.formulation.states import build_states
-from lagc.mechanics.redundancy.redundancy import dependent_rows
-from lagc.mechanics.redundancy.row_reduction import tables
+from lagc.mechanics.redundancy import dependent_rows, tables
 from lagc.semantics.model import Model
 from lagc.symbolic import derivative as jacobians
 from tests.mechanics.numbers import jacobian, random_state, vector
