@@ -30,6 +30,7 @@ from lagc.kernels.contact.responses import (
 from lagc.kernels.contact.shares import AT_BOUND, share_load
 from lagc.kernels.dynamics.loaded_reactions import MOST_LOAD_STEPS, motion_at
 from lagc.kernels.dynamics.rhs import rhs_at, store_rates
+from lagc.kernels.events.sampled_indicators import add_sample, forget_samples
 from lagc.kernels.language.vocabulary import *
 
 MOST_SEATINGS = 4  # Newton iterations of the gaps of contacts that touch
@@ -188,8 +189,8 @@ def set_margins(w: Work) -> None:
 
 
 def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
-    """Add the forces w.law.p to rates and multipliers, and store them in w.contact_forces with their range in
-    w.force_low and w.force_high."""
+    """Add the forces w.law.p to rates and multipliers, and store them in w.contact_forces and their
+    samples."""
     law = w.law
     if NPUSHED > 0:  # the power of their loads
         for r in range(law.rows):
@@ -218,18 +219,10 @@ def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
                 xdot[NQ + NV] += law.p[r] * w.contact_rows[row * NV + j] * x[NQ + j]
     for n in range(law.count):
         contact = w.touching[n]
-        force = w.force_margins[contact]
-        if force < w.force_low[contact]:
-            w.force_low[contact] = force
-        if force > w.force_high[contact]:
-            w.force_high[contact] = force
+        add_sample(NMODE - NCON + contact, w.force_margins[contact], w)
         if NSLIP > 0:
             if law.mode[n] == CONTACT_STICKS:
-                margin = w.cone_margins[contact]
-                if margin < w.cone_low[contact]:
-                    w.cone_low[contact] = margin
-                if margin > w.cone_high[contact]:
-                    w.cone_high[contact] = margin
+                add_sample(slip_relation(contact), w.cone_margins[contact], w)
 
 
 def open_push(w: Work) -> int:
@@ -336,13 +329,8 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
 
 
 def forget_forces(w: Work) -> None:
-    """Begin the ranges of forces anew."""
-    for i in range(NCON):
-        w.force_low[i] = UNKNOWN
-        w.force_high[i] = -UNKNOWN
-        if NSLIP > 0:
-            w.cone_low[i] = UNKNOWN
-            w.cone_high[i] = -UNKNOWN
+    """Begin the ranges of forces, and of the friction that is left, anew."""
+    forget_samples(NMODE - NCON - NSLIP, NMODE, w)
 
 
 def displace_contacts(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
