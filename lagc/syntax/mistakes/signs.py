@@ -81,8 +81,11 @@ def _assignment(w: Where) -> Special | None:
 
 def step_by_one(w: Where) -> Explained | None:
     """Explain `n++;` and `n--;`."""
-    sign, after = w.token.text, w.tokens[w.position + 1]
-    if sign not in ("+", "-") or after.text != sign or w.before.kind != WORD or after.start != w.token.end:
+    sign = w.token.text
+    if sign not in ("+", "-") or w.before.kind != WORD:
+        return None
+    after = w.tokens[w.position + 1]
+    if after.text != sign or after.start != w.token.end:
         return None
     message = f"`{sign}{sign}` is not an operator of the language"
     remedy = f"write `reinit({w.before.text}, {w.before.text} {sign} 1);`"
@@ -526,7 +529,7 @@ def multiplied(w: Where, begin: int, whole: bool) -> str:
         apart = before is not token and begins and (before.kind in (WORD, NUMBER) or before.text == ")")
         if apart and before.kind == WORD and before.text in FUNCTIONS:
             text += token.text if token.text == "(" else f"({token.text})"
-        elif apart and token.start > before.end:
+        elif apart and (token.start > before.end or before.kind == NUMBER):
             text += f"*{token.text}"
         else:
             text += w.source.text[before.end : token.start] + token.text if text else token.text
