@@ -15,7 +15,7 @@ LATE_DIFFERENCE = 0.0009765625  # of the last step: time over which a difference
 STEP_SAMPLES = 4  # parts of a step between its samples
 
 
-def late_relation(j: int) -> int:
+def late_relation(j: Size) -> int:
     """Return the relation of a late indicator."""
     return NMODE - NCON - NSLIP - NLATE + j
 

@@ -9,7 +9,7 @@ from lagc.kernels.language.vocabulary import *
 SAMPLE_MARGIN = 0.25  # of the range of samples: what is added to it
 
 
-def forget_samples(first: int, last: int, w: Work) -> None:
+def forget_samples(first: Size, last: Size, w: Work) -> None:
     """Begin the ranges of relations first..last - 1 anew."""
     for k in range(first, last):
         w.sampled_low[k] = UNKNOWN

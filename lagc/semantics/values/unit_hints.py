@@ -97,11 +97,18 @@ _NAMED = (tree.ModelDeclaration, tree.Package)
 
 def whole_radians(file: tree.Tree) -> list[Fault]:
     """Return warnings for angles with large whole numbers of radians written without a unit."""
-    named = [(d.name, [*_own(d.body)]) for d in _within(file.declarations) if isinstance(d, _NAMED)]
+    named = [
+        (d.name, [*_declarations_of(d.body)]) for d in _within(file.declarations) if isinstance(d, _NAMED)
+    ]
     models = dict(named)  # by name; of equal names in several packages the last
     found: list[Fault] = []
-    for own in (list(_own(file.declarations)), *(body for _, body in named)):
-        many = [(name, fault) for d in own for name, value in _given(d) if (fault := _whole(name, value))]
+    for own in (list(_declarations_of(file.declarations)), *(body for _, body in named)):
+        many = [
+            (name, fault)
+            for d in own
+            for name, value in _given_values(d)
+            if (fault := _radians_warning(name, value))
+        ]
         angles = _angles(own, models) if many else ()
         found += [fault for name, fault in many if name in angles]
     return found
@@ -109,21 +116,21 @@ def whole_radians(file: tree.Tree) -> list[Fault]:
 
 def angular_hertz(file: tree.Tree) -> list[Fault]:
     """Return warnings for angular velocities, or rates of angles, in hertz."""
-    named = [[*_own(d.body)] for d in _within(file.declarations) if isinstance(d, _NAMED)]
+    named = [[*_declarations_of(d.body)] for d in _within(file.declarations) if isinstance(d, _NAMED)]
     found: list[Fault] = []
-    for own in ([*_own(file.declarations)], *named):
+    for own in ([*_declarations_of(file.declarations)], *named):
         kinds = {
             declarator.name: d.type.path
             for d in own
             if isinstance(d, tree.Quantities) and d.type is not None
             for declarator in d.declarators
         }
-        given = [each for d in own for each in _turning(d, kinds)]
+        given = [each for d in own for each in _angular_velocities(d, kinds)]
         found += [fault for name, value in given if (fault := _hertz(name, value))]
     return found
 
 
-def _turning(
+def _angular_velocities(
     d: tree.Declaration, kinds: Mapping[str, tuple[str, ...]]
 ) -> Iterator[tuple[str, tree.Expression | None]]:
     """Yield the angular velocities that a declaration, or a line of a scene, gives values to."""
@@ -172,15 +179,15 @@ def _within(declarations: Sequence[tree.Declaration]) -> Iterator[tree.Declarati
             yield from _within(d.body)
 
 
-def _own(declarations: Sequence[tree.Declaration]) -> Iterator[tree.Declaration]:
+def _declarations_of(declarations: Sequence[tree.Declaration]) -> Iterator[tree.Declaration]:
     """Yield the declarations of one block and of its effects, scenes and loops."""
     for d in declarations:
         yield d
         if isinstance(d, (tree.Effect, tree.Scene, tree.ForLoop)):
-            yield from _own(d.body)
+            yield from _declarations_of(d.body)
 
 
-def _given(d: tree.Declaration) -> Iterator[tuple[str, tree.Expression | None]]:
+def _given_values(d: tree.Declaration) -> Iterator[tuple[str, tree.Expression | None]]:
     """Yield the names that a declaration gives values to."""
     if isinstance(d, tree.Start) and isinstance(d.target, tree.Name):
         yield d.target.name, d.value
@@ -190,7 +197,7 @@ def _given(d: tree.Declaration) -> Iterator[tuple[str, tree.Expression | None]]:
             yield from ((declarator.name, a.value) for a in declarator.arguments if a.name == "start")
 
 
-def _whole(name: str, value: tree.Expression | None) -> Fault | None:
+def _radians_warning(name: str, value: tree.Expression | None) -> Fault | None:
     number = value.operand if isinstance(value, tree.Unary) else value
     sign = "-" if isinstance(value, tree.Unary) and value.op == "-" else ""
     if not isinstance(number, tree.Number) or not is_many_radians(number.value):
@@ -259,7 +266,7 @@ def _meanings(word: str) -> Iterator[str]:
         if plain.startswith(prefix):
             yield short + unit_symbol(plain.removeprefix(prefix))
     yield from (symbol for symbol in (*_COMMON, *SYMBOLS) if symbol.lower() in (plain, plain.rstrip("s")))
-    yield from sorted(_products(word), key=_unlikely)[:4]
+    yield from sorted(_products(word), key=_unlikeliness)[:4]
 
 
 def _close(word: str) -> Iterator[str]:
@@ -283,7 +290,7 @@ def _products(word: str) -> Sequence[str]:
     return tuple(found)
 
 
-def _unlikely(written: str) -> float:
+def _unlikeliness(written: str) -> float:
     """Return how unlikely a product is: by its factors, prefixes, and factors that come twice."""
     parts = written.split(".")
     prefixed = sum(part in ("mm", "cm", "km", "kN", "g") for part in parts)
