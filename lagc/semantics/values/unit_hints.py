@@ -116,22 +116,32 @@ def whole_radians(file: tree.Tree) -> list[Fault]:
 
 def angular_hertz(file: tree.Tree) -> list[Fault]:
     """Return warnings for angular velocities, or rates of angles, in hertz."""
-    named = [_declarations_of(d.body) for d in _within(file.declarations) if isinstance(d, _NAMED)]
-    return [
-        fault
-        for own in (_declarations_of(file.declarations), *named)
-        for d in own
-        if isinstance(d, tree.Quantities) and d.type is not None
-        for name, value in _angular_velocities(d, d.type.path)
-        if (fault := _hertz(name, value))
-    ]
+    named = [[*_declarations_of(d.body)] for d in _within(file.declarations) if isinstance(d, _NAMED)]
+    found: list[Fault] = []
+    for own in ([*_declarations_of(file.declarations)], *named):
+        kinds = {
+            declarator.name: d.type.path
+            for d in own
+            if isinstance(d, tree.Quantities) and d.type is not None
+            for declarator in d.declarators
+        }
+        given = [each for d in own for each in _angular_velocities(d, kinds)]
+        found += [fault for name, value in given if (fault := _hertz(name, value))]
+    return found
 
 
 def _angular_velocities(
-    d: tree.Quantities, kind: tuple[str, ...]
+    d: tree.Declaration, kinds: Mapping[str, tuple[str, ...]]
 ) -> Iterator[tuple[str, tree.Expression | None]]:
-    """Yield the angular velocities that a declaration gives values to."""
-    for declarator in d.declarators:
+    """Yield the angular velocities that a declaration, or a line of a scene, gives values to."""
+    if isinstance(d, tree.Start):
+        target = d.target.span.text
+        angle = target.removeprefix("der(").removesuffix(")").strip()
+        rate = target.startswith("der(") and kinds.get(angle) == ("Angle",)
+        if rate or kinds.get(target) == ("AngularVelocity",):
+            yield target, d.value
+    for declarator in d.declarators if isinstance(d, tree.Quantities) else ():
+        kind = kinds.get(declarator.name)
         if kind == ("AngularVelocity",):
             yield declarator.name, declarator.value
             yield from ((declarator.name, a.value) for a in declarator.arguments if a.name == "start")
