@@ -105,7 +105,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NTWO": sum(c.normals > 0 for c in interface.contacts),
         "NNORMAL": normals, "NNORMALROWS": normals * known,
         "NNORMALEFFECTS": normals * rows,
-        "NBESIDE": max(rows - 1, 0), "NPLAIN": relations - rows,
+        "NBESIDE": max(rows - 1, 0), "NPLAIN": relations - rows, "NSAMPLED": rows + interface.late_relations,
         "NPOISSON": sum(c.poisson for c in interface.contacts),
         "NLEAP": len(interface.whens) + len(interface.contacts),
         "NBOX": 2 * (1 + nq + nv) + len(interface.discretes),
