@@ -54,7 +54,7 @@ def test_it_is_the_least_squares_solution(n: int, m: Any, rank: int, scale: floa
     force, right = random.normal(size=n), g @ random.normal(size=n)
     fallback = Fallback(n, m)
     status = fallback.factor(packed(mass), g.ravel().tolist())
-    assert status == (OK if rank == m else REDUNDANT) and fallback.work.rank == rank
+    assert status == (OK if rank == m else REDUNDANT) and fallback.work.factors.rank == rank
     status, a, lam = fallback.solve(force.tolist(), right.tolist())
     assert status == (OK if rank == m else REDUNDANT)
     null = numpy.linalg.svd(g)[2][rank:].T

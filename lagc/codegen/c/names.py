@@ -2,7 +2,8 @@
 
 The printers write `lagc_` and `LAGC_` before each name. In the header these become the prefix of the model.
 In the source only public functions keep it: kernels, constants and types have the names that they have in
-`lagc.kernels`, and a few lines at the top give such names to types, sizes and statuses of the header.
+`lagc.kernels`, and a few lines at the top give such names to types, sizes and statuses of the header. Tables
+end with `_table`, as locals of kernels may have their names.
 """
 
 from __future__ import annotations
@@ -23,12 +24,16 @@ def in_source(text: str, header: str, own: str) -> str:
     """Return the text of the source; `header`: the header before its names got their form."""
     public, used = set(_NAME.findall(header)), set(_NAME.findall(text))
     types = {name: _type(name) for name in re.findall(r"\} (lagc_\w+);", header + text)}
+    tables = {
+        n: f"{n.removeprefix('lagc_')}_table"
+        for n in re.findall(r"^static const \S+ (lagc_[a-z_]+)\[", text, re.M)
+    }
 
     def form(match: re.Match[str]) -> str:
         name = match[0]
         if name == _KEPT or (name in public and name.startswith("lagc_") and name not in types):
             return in_header(name, own)
-        return types.get(name, name[len("lagc_") :])
+        return types.get(name) or tables.get(name) or name[len("lagc_") :]
 
     named = [name for name in dict.fromkeys(_NAME.findall(header)) if name in used and name != _KEPT]
     lines = [f"typedef {in_header(name, own)} {types[name]};" for name in named if name in types]
