@@ -70,11 +70,11 @@ def declare_contact(context: Context, entry: Entry) -> Value:
         restitution = context.graph.zero
         if "restitution" in written:
             restitution = _number(context, entry.environment, "restitution", written["restitution"], 1.0)
-        unit, where = si_text(found or NONE), (entry.span, entry.effect)
-        rough, law = _friction(context, entry, written, found), _is_poisson(written)
+        unit, rough = si_text(found or NONE), _friction(context, entry, written, found)
         contact = objects.Contact(
-            entry.path, label, gap, unit, symbol, restitution, *where, *rough, law, bounds_rate=bounds_rate
-        )
+            entry.path, label, gap, unit, symbol, restitution, entry.span, entry.effect, *rough,
+            _is_poisson(written), bounds_rate=bounds_rate,
+        )  # fmt: skip
         entry.objects.append(contact)
     return Reference(entry)
 
@@ -103,8 +103,10 @@ def declare_rough(context: Context, entry: Entry) -> Value:
     context.clock.set_rate(symbol, context.graph.zero)
     normal = context.graph.symbol("multiplier", entry.path)
     path, gap, zero = entry.path, row.residuals[0], context.graph.zero
-    where, rough = (entry.span, entry.effect), (slip, friction, static)
-    contact = objects.Contact(path, path, gap, row.units[0], symbol, zero, *where, *rough, normals=(normal,))
+    where, unit = (entry.span, entry.effect), row.units[0]
+    contact = objects.Contact(
+        path, path, gap, unit, symbol, zero, *where, slip, friction, static, normals=(normal,)
+    )
     entry.objects.append(contact)
     return value
 
