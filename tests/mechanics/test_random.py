@@ -14,7 +14,7 @@ from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.formulation.states import build_states
 from lagc.symbolic.derivative import tangent
-from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.walk import evaluate
 from tests.invariants import verify
 from tests.mechanics.numbers import consistent_state, jacobian, mass_matrix, motion, random_state, vector
 from tests.mechanics.oracle import Oracle

@@ -16,9 +16,8 @@ from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.semantics.model import Coordinate, Model
 from lagc.semantics.resolve import resolve
 from lagc.semantics.scenes.variants import variants
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
-from lagc.symbolic.walk import symbols
+from lagc.symbolic.walk import evaluate, symbols
 from lagc.syntax.parse import parse
 from tests.oracle.lagrange import Oracle
 

@@ -21,9 +21,9 @@ from lagc.mechanics.formulation.states import States, build_states
 from lagc.mechanics.identities.constraint_manifold import walk
 from lagc.mechanics.identities.samples import magnitudes, samples
 from lagc.symbolic.derivative import tangent
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import Symbol
+from lagc.symbolic.walk import evaluate
 from tests.mechanics.numbers import mass_matrix, motion
 from tests.mechanics.random_systems import model, random_system
 from tests.reports.models import MODELS, derived

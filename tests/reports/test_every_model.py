@@ -12,8 +12,8 @@ from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.identities.samples import Chance, samples
 from lagc.reports.equations.write import write
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import evaluate
 from tests.mechanics.random_systems import model, random_system
 from tests.reports.models import EVERYTHING, LONG, MODELS, derived, equations_of
 from tests.reports.scripts import script_residuals, values_at

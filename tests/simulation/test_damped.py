@@ -30,8 +30,8 @@ from lagc.mechanics.formulation.states import build_states
 from lagc.mechanics.identities.constraint_manifold import walk
 from lagc.simulation.backends.compile import compiler as compiler_of_c
 from lagc.simulation.system import INCONSISTENT, OK, REDUNDANT, Options, System
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import evaluate
 from tests.hard.test_mechanisms import BENNETT
 from tests.hard.test_vanishing_rows import text as track
 from tests.lowering import large
