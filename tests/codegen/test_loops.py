@@ -36,9 +36,7 @@ def sorted_leaves(f: Function) -> Function:
 def short(monkeypatch: pytest.MonkeyPatch) -> None:
     """Short functions are rolled, too, and ones with little repetition."""
     monkeypatch.setattr("lagc.lowering.loop_rolling.STRAIGHT", 0)
-    monkeypatch.setattr(
-        "lagc.lowering.loop_rolling._cost", lambda often, text, indexing=-math.inf: -indexing
-    )
+    monkeypatch.setattr("lagc.lowering.loop_rolling._cost", lambda often, text, indexing=-math.inf: -indexing)
     monkeypatch.setattr("lagc.lowering.loop_rolling._GRAM", 4)
     monkeypatch.setattr("lagc.lowering.loop_rolling._WORTH", 6)
     monkeypatch.setattr("lagc.codegen.python.functions._STRAIGHT", 0)

@@ -39,7 +39,7 @@ from tests.lowering.exact import values as in_digits
 from tests.mechanics.numbers import consistent_state, jacobian, mass_matrix, random_state
 from tests.mechanics.random_systems import model, random_system
 from tests.mechanics.test_mobility import Made, bennett, cranks, frames, general_7r, planar, sarrus, spherical
-from tests.simulation.test_generated import BACKENDS, build, rates
+from tests.simulation.programs import BACKENDS, build, rates
 
 DIGITS = 50
 SHARE = 1e-8  # singular values, beside the largest, of rows that depend on others
