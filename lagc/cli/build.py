@@ -66,6 +66,7 @@ def run(options: argparse.Namespace) -> int:
         raise Usage("-o needs the name of a folder")
     if file := no_folder(options.output):
         raise Usage(f"`{file}` is no folder: -o needs the name of a folder")
+    # Nothing is written before all code exists and no file that the model reads would be replaced.
     compilation = pipeline.Compilation(model_library.read(options.file), choice_of(options))
     program = pipeline.delivered(compilation, options.derivatives, options.method)
     files = stages.render(program, options.target, real=options.real)

@@ -74,7 +74,7 @@ class Clock:
                     total = total + local * known[argument]
             return total
 
-        return _found(node, self._rate, rate)
+        return _value_by_arguments(node, self._rate, rate)
 
     def mask(self, node: Node) -> int:
         """Return the kinds of symbols below `node`, one bit each."""
@@ -85,7 +85,7 @@ class Clock:
                 found |= known[argument]
             return found
 
-        return _found(node, self._mask, kinds)
+        return _value_by_arguments(node, self._mask, kinds)
 
 
 def set_quaternion_rate(clock: Clock, q: tuple[Node, Node, Node, Node], w: tuple[Node, Node, Node]) -> None:
@@ -99,7 +99,7 @@ def set_quaternion_rate(clock: Clock, q: tuple[Node, Node, Node, Node], w: tuple
         clock.set_rate(rate, clock.graph.leaf(rate.record.derivative))
 
 
-def _found(node: Node, known: dict[Node, T], find: Callable[[Node, dict[Node, T]], T]) -> T:
+def _value_by_arguments(node: Node, known: dict[Node, T], find: Callable[[Node, dict[Node, T]], T]) -> T:
     """Return `known[node]`, computed from its arguments in a loop, because graphs are deep."""
     stack = [node]
     while stack:

@@ -14,7 +14,7 @@ from lagc.diagnostics.faults import Wrong
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as objects
 from lagc.semantics.context import BIT, MOVING, VELOCITY, Context
-from lagc.semantics.declarations.actions import declare_constraint, residuals, timely
+from lagc.semantics.declarations.actions import declare_constraint, refuse_late, residuals
 from lagc.semantics.declarations.attributes import no_modifiers
 from lagc.semantics.names.scope import (
     Array,
@@ -220,7 +220,7 @@ def _slip(
     expect_of(source, own, meant, "the slip", describe(meant))
     constant = [k for k, node in enumerate(nodes) if not context.clock.mask(node) & VELOCITY]
     for k, node in enumerate(nodes):
-        timely(context, node, span, "the slip")
+        refuse_late(context, node, span, "the slip")
         if k in constant and not (node.is_zero and len(nodes) == 3 and len(constant) == 1):
             which = f"component {k + 1} of the slip" if len(nodes) > 1 else "the slip"
             raise Wrong(
@@ -252,7 +252,7 @@ def _check(
 ) -> bool:
     """Return whether the gap is one between velocities. Refuse what has no place in a gap."""
     span = source.left.span.to(source.right.span)
-    timely(context, gap, span, "a constraint")
+    refuse_late(context, gap, span, "a constraint")
     mask = context.clock.mask(gap)
     bounds_rate = bool(mask & VELOCITY)
     if bounds_rate and written:
@@ -299,7 +299,7 @@ def _number(
     value = evaluate_as(context, written, where, NONE)
     scalar = scalar_of(value, written.span, f"the {name}")
     expect_of(written, scalar.dimension, NONE, f"the {name}", "a number")
-    timely(context, scalar.node, written.span, f"the {name}")
+    refuse_late(context, scalar.node, written.span, f"the {name}")
     if scalar.node.is_const and scalar.node.value < 0.0 and most == inf:
         message = f"the {name} is {scalar.node.value:g}, and not from 0"
         raise Wrong("LAG0235", message, written.span, "friction opposes the slip by itself: write its size")

@@ -61,9 +61,9 @@ def constant_of(
     return context.constants[key]
 
 
-def packaged(context: Context, e: tree.Member, environment: Environment) -> Value | None:
+def package_constant(context: Context, e: tree.Member, environment: Environment) -> Value | None:
     """Return the constant of a package, `lib.g`, or None if `e` is not such a path."""
-    path = dotted(e)
+    path = dotted_path(e)
     if path is None or _is_here(path[0], environment):
         return None
     declared = environment.space.lookup(path[0])
@@ -90,7 +90,7 @@ def _is_here(name: str, environment: Environment) -> bool:
     return name in environment.bindings or name in environment.instance.entries
 
 
-def dotted(e: tree.Expression) -> tuple[str, ...] | None:
+def dotted_path(e: tree.Expression) -> tuple[str, ...] | None:
     """Return ("a", "b", "c") for `a.b.c`; None for anything else."""
     names: list[str] = []
     while isinstance(e, tree.Member):
@@ -162,7 +162,7 @@ MOST_CALLS = 50_000  # calls of the user's functions in one model
 LONGEST = 64  # arguments of one call
 
 
-def written(name: str) -> str | None:
+def shortest_call(name: str) -> str | None:
     """Return the shortest call of a built-in function, `velocity(of)`, or None."""
     builtin = BUILTINS.get(name)
     if builtin is None:
@@ -175,7 +175,7 @@ def call(context: Context, e: tree.Call, environment: Environment) -> Value:
     if len(e.arguments) > LONGEST:
         raise Wrong("LAG0209", f"the call has more than {LONGEST} arguments", e.span)
     try:
-        called, arguments = _called(context, e, environment)
+        called, arguments = _function_of(context, e, environment)
     except (Wrong, Poisoned):
         look_at_arguments(context, e, environment)
         raise
@@ -183,15 +183,15 @@ def call(context: Context, e: tree.Call, environment: Environment) -> Value:
         return _inline(context, e, environment, *called, arguments)
     filled = iter(all_values(context, [a for a in arguments if a is not None], environment))
     given = [None if a is None else Argument(next(filled), a.span, is_bare(a)) for a in arguments]
-    return _applied(context, called, e, given)
+    return _apply(context, called, e, given)
 
 
-def _called(
+def _function_of(
     context: Context, e: tree.Call, environment: Environment
 ) -> tuple[Builtin | tuple[tree.FunctionDeclaration, Environment], list[tree.Expression | None]]:
     """Return the called function, and its arguments in the order of its parameters.  Raises Wrong,
     Poisoned."""
-    own = _declared(context, e, environment)
+    own = _declared_function(context, e, environment)
     if own is not None:
         names = _parameters(own[0])
         return own, match(context, e, names, len(names), f"`{own[0].name}`")
@@ -210,7 +210,7 @@ def look_at_arguments(context: Context, e: tree.Call, environment: Environment) 
             context.attempt(evaluate, context, argument.value, environment)
 
 
-def _applied(context: Context, builtin: Builtin, e: tree.Call, given: list[Argument | None]) -> Value:
+def _apply(context: Context, builtin: Builtin, e: tree.Call, given: list[Argument | None]) -> Value:
     try:
         return builtin.apply(context, e.span, *given)
     except (ZeroDivisionError, OverflowError, ValueError):
@@ -225,6 +225,7 @@ def match(
     found: dict[str, tree.Expression] = {}
     many: list[tree.Expression | None] = []
     wrong: list[Wrong] = []
+    # All faults of the arguments are collected: too many, unknown or repeated names,
     allowed = LONGEST if parameters[-1:] == ("*",) else len(parameters)
     more = [argument for argument in e.arguments[allowed:] if argument.name is None]
     if more:
@@ -247,6 +248,7 @@ def match(
             many.append(argument.value)
         else:
             found[name] = argument.value
+    # and what is missing, unless a wrong name may be the missing one.
     missing = [p for p in parameters[:required] if p not in found and p != "*"]
     if not wrong and (missing or required > len(found) + len(many)):
         lacking = missing[0] if missing else "another"
@@ -284,12 +286,12 @@ def _count(parameters: tuple[str, ...]) -> str:
     return f"{len(parameters)} argument{'' if len(parameters) == 1 else 's'}"
 
 
-def _declared(
+def _declared_function(
     context: Context, e: tree.Call, environment: Environment
 ) -> tuple[tree.FunctionDeclaration, Environment] | None:
     """Return the called function of the user and its environment, or None."""
     function = e.function
-    path = dotted(function)
+    path = dotted_path(function)
     if path is None:
         raise Wrong("LAG0201", "this is not a function", function.span)
     if len(path) == 1:
@@ -340,10 +342,11 @@ def _inline(
     types = [type_of(t, scope.space) for t, _, _ in function.parameters]
     written = [a for a in arguments if a is not None]  # all, since none is optional
 
-    def one(pair: tuple[tree.Expression, QuantityType]) -> Value:
+    def value_of(pair: tuple[tree.Expression, QuantityType]) -> Value:
         return evaluate_as(context, pair[0], environment, pair[1].dimension)
 
-    values = each(context, one, list(zip(written, types)))
+    # The arguments have the dimensions of the declared parameters.
+    values = each(context, value_of, list(zip(written, types)))
     for value, meant, argument, (_, name, span) in zip(values, types, written, function.parameters):
         for scalar in flat(value, argument.span, f"the argument `{name}`"):
             try:
@@ -354,6 +357,7 @@ def _inline(
                     fault.code, fault.message, fault.span, related=((span, "declared here"),)
                 ) from None
     key = (scope.instance.path, id(function), tuple(values))
+    # The body is evaluated with the values as bindings: the function is inlined.
     known = context.results.get(key)  # the same arguments give the same nodes
     if known is not None:
         return known

@@ -34,12 +34,12 @@ def evaluate_as(
     if isinstance(expression, tree.Quantity):
         return context.evaluators[tree.Quantity](context, expression, environment, dimension)
     value = evaluate(context, expression, environment)
-    return value if dimension == NONE else _dressed(value, dimension, is_bare(expression))
+    return value if dimension == NONE else _with_dimension(value, dimension, is_bare(expression))
 
 
-def _dressed(value: Value, dimension: Dimension, bare: bool) -> Value:
+def _with_dimension(value: Value, dimension: Dimension, bare: bool) -> Value:
     if isinstance(value, Array):
-        elements = [_dressed(e, dimension, bare) for e in value.elements]
+        elements = [_with_dimension(e, dimension, bare) for e in value.elements]
         return value if all(map(operator.is_, elements, value.elements)) else Array(tuple(elements))
     if isinstance(value, Scalar) and value.dimension == NONE and (bare or value.bare):
         return Scalar(value.node, dimension)

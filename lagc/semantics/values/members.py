@@ -42,7 +42,7 @@ def member(context: Context, value: Value, e: tree.Member) -> Value:
             "LAG0206",
             f"{kind(value)} has no `{e.name}`",
             e.name_span,
-            _called(value, e)
+            _call_remedy(value, e)
             or did_you_mean(e.name, known)
             or (f"it has {', '.join(known)}" if known else None),
         )
@@ -61,7 +61,7 @@ def member(context: Context, value: Value, e: tree.Member) -> Value:
     return value.elements[_AXES.index(e.name)]
 
 
-def _called(value: Value, e: tree.Member) -> str | None:
+def _call_remedy(value: Value, e: tree.Member) -> str | None:
     """Return a remedy for a member that is written as a function: `velocity(b)`."""
     name, of = e.name, e.base.span.text
     if isinstance(value, Body) and name in _SHORT:
