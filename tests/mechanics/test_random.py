@@ -16,6 +16,7 @@ from lagc.mechanics.formulation.states import build_states
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.walk import evaluate
 from tests.invariants import verify
+from tests.mechanics.models import ALL
 from tests.mechanics.numbers import consistent_state, jacobian, mass_matrix, motion, random_state, vector
 from tests.mechanics.random_systems import random_system
 from tests.oracle.lagrange import Oracle
@@ -51,7 +52,18 @@ def test_rows_of_the_mass_matrix_are_its_rows(seed: int) -> None:
 @pytest.mark.sample(1, 8)
 @pytest.mark.parametrize("seed", range(COUNT))
 def test_equations_agree_with_differences(seed: int) -> None:
-    e = derived(seed)
+    assert_lagranges(derived(seed), seed)
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize(
+    "name", sorted(ALL.keys() - {"relativistic"})
+)  # whose speeds are below that of light
+def test_standard_systems_agree_with_differences(name: str) -> None:
+    assert_lagranges(derive(ALL[name]()), 7)
+
+
+def assert_lagranges(e: EquationsOfMotion, seed: int) -> None:
     verify(e)
     state = random_state(e, seed)
     mass, forces, g, gamma = Oracle(e.model, state, e.v).equations()

@@ -16,7 +16,7 @@ from lagc.lowering.kkt.solve import Solver, solvers
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from tests.lowering import large
-from tests.lowering.test_lift import dense, run, solved
+from tests.lowering.test_lifted_equations import dense, run, solved
 from tests.mechanics.numbers import consistent_state
 from tests.mechanics.random_systems import random_system
 
