@@ -23,16 +23,17 @@ from lagc.symbolic.walk import depends, reachable, substitute, symbols
 
 def relation_functions(natural: Places, along: Places, relations: Sequence[EventRelation]) -> list[Function]:
     """Return the functions of the relations, None if there are none: `modes` of the state alone;
-    `indicators`, `own_modes` and `indicator_rates` on given modes; `edges` of counted relations; `slopes` of
-    those of time alone; `enclosure` of the others; `late` of those that accelerations or reactions decide,
-    which are constants in the others."""
+    `indicators`, `indicator_rates` and, unless all belong to contacts, `own_modes` on given modes; `edges` of
+    counted relations; `slopes` of those of time alone; `enclosure` of the others; `late` of those that
+    accelerations or reactions decide, which are constants in the others."""
     if not relations:
         return []
     late = [relation for relation in relations if relation.late]
     one, zero = natural.graph.one, natural.graph.zero
     relations = [replace(x, side=zero, own=one, natural=one) if x.late else x for x in relations]
-    found = [_modes(natural, relations), _indicators(along, relations), _own(along, relations)]
-    found.append(_rates(along, relations))
+    found = [_modes(natural, relations), _indicators(along, relations), _rates(along, relations)]
+    if len(relations) > sum(1 + len(contact.slips) for contact in along.equations.contacts):
+        found.append(_own(along, relations))
     if any(relation.edges for relation in relations):
         found.append(_edges(along, relations))
     timed = [relation for relation in relations if relation.slope is not None]

@@ -13,11 +13,12 @@ import pytest
 
 from lagc.codegen.c.emit import render
 from lagc.codegen.identifiers import prefix
-from lagc.codegen.kernel_compiler.linker import codes, members, methods_of
-from lagc.codegen.kernel_compiler.shipped import parts
+from lagc.codegen.kernel_compiler.compiler import definitions
+from lagc.codegen.kernel_compiler.library import library
 from lagc.codegen.python.classes import STATES
 from lagc.codegen.python.support import slices
 from lagc.codegen.python.support.base import Options
+from lagc.codegen.sizes import methods_of
 from lagc.kernels import METHODS
 from lagc.kernels.language import statuses
 from lagc.lowering import jacobians
@@ -34,8 +35,6 @@ def described(
     name: str, rows: bool = True, modes: bool = True, whens: bool = True, contacts: bool = False
 ) -> list[tuple[str, Any]]:
     """Names and types of the members of a record; of an array that of its entries."""
-    (record,) = [part for part in parts() if part["kind"] == "record" and part["name"] == name]
-    switches = {switch for *_, when, _, _ in record["members"] for switch, _ in when}
     left_out = {
         "NC": not rows,
         "NMODE": not modes,
@@ -43,9 +42,10 @@ def described(
         "NCON": not contacts,
         "NLEAP": not (whens or contacts),
     }
-    found = members(record, {switch: not left_out.get(switch, False) for switch in switches})
+    flags = {size: not left_out.get(size, False) for size in definitions().sizes}
     kinds = {**TYPES, "Vec": c_double, "IVec": c_int}
-    return [(member, kinds.get(kind[0])) for member, kind, *_ in found]
+    members = library("double").part(name, flags).members
+    return [(member, kinds.get(kind[0])) for member, kind, *_ in members]
 
 
 def mirrored(structure: type[Structure]) -> list[tuple[str, Any]]:
@@ -69,14 +69,14 @@ def test_options_are_those_of_the_kernels() -> None:
     assert sorted(names) == sorted(vars(Options()).keys() - {"watch"})
     slots = re.search(r"__slots__ = \((.*?)\)", STATES, re.S)
     assert slots is not None and re.findall(r'"(\w+)"', slots[1]) == sorted(names)
-    bad = [part["name"] for part in codes(parts(), "language/records")]
+    bad = [part.name for part in library("double").constants("language/records", "Code")]
     assert [f"BAD_{name.upper()}" for name in slices.OPTIONS] == bad[: len(slices.OPTIONS)]
 
 
 @pytest.mark.parametrize("levels", [model, system])
 def test_levels_have_the_numbers_of_the_kernels(levels: Any) -> None:
-    for part in codes(parts(), "initialization/workspace"):
-        assert getattr(levels, part["name"]) == int(part["value"])
+    for part in library("double").constants("initialization/workspace", "Code"):
+        assert getattr(levels, part.name) == int(part.text)
 
 
 def test_the_header_numbers_statuses_and_methods() -> None:

@@ -18,7 +18,7 @@ from scipy.integrate import solve_ivp
 
 import lagc
 from lagc.cli.main import main
-from lagc.codegen.kernel_compiler.linker import methods_of
+from lagc.codegen.sizes import methods_of
 from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Refused, Source
 from lagc.lowering import linearizations

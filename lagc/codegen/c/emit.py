@@ -87,7 +87,7 @@ def _source(runtime: Runtime, file: str, own_header: str) -> str:
         compiler_guards(real),
         helpers(program),
         *c_tables(numbers, real),
-        *sine_cosine(sine_cosine_kernels(functions)),
+        *sine_cosine(sine_cosine_kernels(functions, DOUBLE.language)),
         *functions,
         *runtime.definitions(),
         *(function.definition for function in public_functions(program, real)),

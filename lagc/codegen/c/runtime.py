@@ -13,22 +13,12 @@ from lagc.codegen.c.convolution import convolution
 from lagc.codegen.heading import rates, status_texts, statuses
 from lagc.codegen.kernel_compiler.c import CPrinter
 from lagc.codegen.kernel_compiler.layout import block_comment, snake
-from lagc.codegen.kernel_compiler.linker import (
-    SPELLED,
-    Chosen,
-    Part,
-    chosen,
-    codes,
-    flags_of,
-    methods_of,
-    sizes_of,
-    tables_of,
-    within,
-)
+from lagc.codegen.kernel_compiler.library import Chosen, Library, library
+from lagc.codegen.kernel_compiler.parts import Part
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
-from lagc.codegen.kernel_compiler.shipped import Parts, parts
 from lagc.codegen.python.support.base import Options
-from lagc.lowering.program import Interface, Program
+from lagc.codegen.sizes import SPELLED, flags_of, methods_of, sizes_of, tables_of
+from lagc.lowering.program import Program
 
 # Public kernels of every model; a run of lagc does the last ones itself.
 ROOTS = ("begin", "step", "dense", "advance", "record", "verified", "check")
@@ -69,8 +59,9 @@ class Runtime:
         ]
         roots += CALLED[2:] if interface.nc and "scales" in functions else []
         roots += ["assemble_slopes"] if interface.part_ends else []
-        self.parts = parts(real)
-        self.use = chosen(self.parts, flags_of(interface, complete), roots, methods_of(interface))
+        self.kernels = library(real.language)
+        self.flags = flags_of(interface, complete)
+        self.use = self.kernels.chosen(roots, self.flags)
         self.sizes = sizes_of(interface)
         self.public = {name for name, _, _ in header.sizes(interface)}
 
@@ -79,11 +70,18 @@ class Runtime:
         records, public = self._records(), self._public()
         inner = [text for name, text in records.items() if name in public and name not in PUBLIC_RECORDS]
         found = [self._enumeration("Status"), *inner, records["Work"], self._enumeration("Method")]
-        found += [records["Options"], _codes(codes(self.parts, "language/records")), records["State"]]
+        found += [
+            records["Options"],
+            _codes(self.kernels.constants("language/records", "Code")),
+            records["State"],
+        ]
         found += [records[name] for name in ("Goal", "Report", "Verification") if self.complete]
         found += [records["TangentWork"]] if self.program.interface.follows else []
         if self.searches:
-            found += [_codes(codes(self.parts, "initialization/workspace")), records["StartWork"]]
+            found += [
+                _codes(self.kernels.constants("initialization/workspace", "Code")),
+                records["StartWork"],
+            ]
         return "\n".join(found)
 
     def declarations(self) -> str:
@@ -95,12 +93,10 @@ class Runtime:
         if self.complete:
             found.append("/* Return the meaning of a status, for any number. */\n"
                          "const char *lagc_status_text(int status);\n")  # fmt: skip
-        for part, _ in self.use.functions:
-            if part["public"]:
-                lead = block_comment("\n".join(part["lead"]))
-                found.append(
-                    (lead + "\n" if lead else "") + block_comment(part["doc"]) + part["head"] + ";\n"
-                )
+        for part in self.use.functions:
+            if part.head:
+                found += [block_comment(part.lead)] if part.lead else []
+                found.append(block_comment(part.note) + part.head + ";\n")
         return "\n".join(found)
 
     def definitions(self) -> list[str]:
@@ -117,19 +113,23 @@ class Runtime:
             found.append(convolution(self.sizes["NLANE"], self.sizes["NSQUARE"], self.real))
         found += [_OBSERVE] if "fn_observe" in names else []
         found += [_COPY_STATE] if "fn_copy_state" in names else []
-        found += _printed(self.use, self.parts)
+        found += _printed(self.kernels, self.use)
         # Not in the subset of kernels: structs by value, their sizes, texts.
-        (options,) = [members for part, members in self.use.records if part["name"] == "Options"]
-        found.append(_default_options(options, self.real, methods_of(self.program.interface)))
+        (options,) = [part for part in self.use.records if part.name == "Options"]
+        found.append(_default_options(options.members, self.real, methods_of(self.program.interface)))
         sized = ("work", "state", *(("tangent_work",) if self.program.interface.follows else ()))
         found += [f"size_t lagc_{n}_size(void) {{ return sizeof(lagc_{n}); }}\n" for n in sized]
-        found += [_status_text(self.program.interface)] if self.complete else []
+        texts = status_texts(self.kernels, self.program.interface)
+        found += [_status_text(texts)] if self.complete else []
         return [part for part in found if part]
 
     def _public(self) -> frozenset[str]:
         """Return the records of the header: those that callers hold, and those inside of them."""
-        flags = flags_of(self.program.interface, self.complete)
-        return within(self.parts, flags, PUBLIC_RECORDS)
+        found, wanted = set[str](), [part.name for part in self.use.records if part.name in PUBLIC_RECORDS]
+        while wanted:
+            found.add(wanted[-1])
+            wanted += self.kernels.part(wanted.pop(), self.flags).needs
+        return frozenset(found)
 
     def _records(self) -> dict[str, str]:
         """Return the struct of each record; C has no arrays of size 0, so these get size 1."""
@@ -137,56 +137,47 @@ class Runtime:
         numbers = {n: str(max(size, 1)) for n, size in self.sizes.items() if size == 0 or n not in named}
         printer = CPrinter(self.real, {**SPELLED, **numbers}, {})
         found = {}
-        for part, members in self.use.records:
+        for part in self.use.records:
             lines = []
-            for name, kind, _, lead, trail in members:
+            for name, kind, lead, trail in part.members:
                 lines += [f"    {line}" for line in block_comment("\n".join(lead)).splitlines()]
                 lines += _annotated(f"    {printer.declared(tuple(kind), name)};", trail)
-            head, body = block_comment(part["doc"]), "\n".join(lines)
-            found[part["name"]] = f"{head}typedef struct {{\n{body}\n}} lagc_{snake(part['name'])};\n"
+            head, body = block_comment(part.note), "\n".join(lines)
+            found[part.name] = f"{head}typedef struct {{\n{body}\n}} lagc_{snake(part.name)};\n"
         return found
 
     def _enumeration(self, kind: str) -> str:
-        found = [part for part in self.parts if part["kind"] == kind]
+        interface = self.program.interface
         if kind == "Status":
-            known = [part["name"] for part in statuses(self.program.interface)]
-            found = [part for part in found if part["name"] in known]
-        if kind == "Method":
-            carried = [name.upper() for name in methods_of(self.program.interface)]
-            found = [part for part in found if part["name"] in carried]
-        rows = [f"LAGC_{part['name']} = {part['value']}" for part in found]
+            found = statuses(self.kernels, interface)
+        else:
+            found = [self.kernels.part(name.upper(), {}) for name in methods_of(interface)]
+        rows = [f"LAGC_{part.name} = {part.text}" for part in found]
         lines = list[str]()
         for row, part in zip(rows, found):
-            lines += _annotated(f"    {row}{',' if row is not rows[-1] else ''}", part["note"])
+            lines += _annotated(f"    {row}{',' if row is not rows[-1] else ''}", part.note)
         body = "\n".join(lines)
         return f"typedef enum {{\n{body}\n}} lagc_{snake(kind)};\n"
 
 
 def sine_cosine(use: Chosen) -> list[str]:
     """Return the sine and cosine kernels that functions of the model call, in double precision."""
-    return _printed(use, parts(), "((double){})")
+    return _printed(library(DOUBLE.language), use, "((double){})")
 
 
-def _printed(use: Chosen, parts: Parts, inexact: str = "{}") -> list[str]:
+def _printed(kernels: Library, use: Chosen, inexact: str = "{}") -> list[str]:
     """Return constants and functions, with the title of each file.  `inexact` formats a constant that its
     decimal digits do not represent exactly: a cast rounds it where compilers keep more digits."""
     found = list[str]()
-    functions = {part["name"]: leaf["c"] for part, leaf in use.functions}
-    numbers = {part["name"] for part in use.numbers if part["kind"] in ("int", "Real", "Reals")}
-    section, held = "", list[str]()
-    for part in parts:
-        if part["kind"] == "file":
-            found += [section, "".join(held)] if held else []
-            section = _section(part["title"], part["text"])
-            held = []
-        elif part["name"] in numbers:
-            held.append(_constant(part, inexact))
-        elif part["name"] in functions:
-            found += [section] if section else []
-            found += ["".join(held)] if held else []
-            found.append(functions[part["name"]])
-            section, held = "", []
-    return found
+    constants = [part for part in use.constants if part.kind in ("int", "Real", "Reals")]
+    for place in sorted({tuple(part.place[:2]) for part in (*constants, *use.functions)}):
+        title = kernels.title(place)
+        found.append(_section(title.text, title.note))
+        found.append(
+            "".join([_constant(part, inexact) for part in constants if tuple(part.place[:2]) == place])
+        )
+        found += [part.text for part in use.functions if tuple(part.place[:2]) == place]
+    return [text for text in found if text]
 
 
 def _annotated(line: str, note: str) -> list[str]:
@@ -213,25 +204,25 @@ def _table(name: str, values: Sequence[Any], real: Arithmetic) -> str:
 
 def _codes(found: Sequence[Part]) -> str:
     """Return an enumeration; the note of its first value is its comment."""
-    head = found[0]["note"]
+    head = found[0].note
     lines = []
     for part in found:
         comma = "," if part is not found[-1] else ""
-        note = "" if part["note"] in ("", head) else f" /* {part['note']} */"
-        lines.append(f"    LAGC_{part['name']} = {part['value']}{comma}{note}\n")
+        note = "" if part.note in ("", head) else f" /* {part.note} */"
+        lines.append(f"    LAGC_{part.name} = {part.text}{comma}{note}\n")
     return f"{block_comment(fill(head, 98))}enum {{\n{''.join(lines)}}};\n"
 
 
 def _constant(part: Part, inexact: str) -> str:
-    if part["kind"] == "Reals":
-        values = part["value"]
+    value, note = part.text, part.note
+    if part.kind == "Reals":
+        values = value.split(", ")
         rows = ",\n    ".join(", ".join(values[k : k + 8]) for k in range(0, len(values), 8))
-        head = f"static const lagc_real lagc_{part['name'].lower()}[]"
-        return f"{block_comment(part['note'])}{head} = {{\n    {rows}\n}};\n"
-    value, note = part["value"], part["note"]
+        head = f"static const lagc_real lagc_{part.name.lower()}[]"
+        return f"{block_comment(note)}{head} = {{\n    {rows}\n}};\n"
     if inexact != "{}" and Fraction(value) != Fraction(float(value)):
         value = inexact.format(value)
-    text = f"#define LAGC_{part['name']} {value}"
+    text = f"#define LAGC_{part.name} {value}"
     if not note:
         return text + "\n"
     return (
@@ -282,11 +273,11 @@ def _default_options(members: Sequence[Sequence[Any]], real: Arithmetic, methods
     return f"lagc_options lagc_default_options(void)\n{{\n    lagc_options o;\n{lines}    return o;\n}}\n"
 
 
-def _status_text(interface: Interface) -> str:
-    meanings = ",\n        ".join(f'"{text}"' for text in status_texts(interface))
+def _status_text(texts: Sequence[str]) -> str:
+    meanings = ",\n        ".join(f'"{text}"' for text in texts)
     return (
         "const char *lagc_status_text(int status)\n{\n    static const char *const texts[] = {\n"
         f"        {meanings}\n    }};\n"
-        f"    return status >= 0 && status < {len(status_texts(interface))} "
+        f"    return status >= 0 && status < {len(texts)} "
         '? texts[status] : "No such status.";\n}\n'
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.codegen.heading import status_texts
+from lagc.codegen.kernel_compiler.library import library
 from lagc.lowering.program import Interface, Program, tables
 
 _ALWAYS = '''\
@@ -334,4 +335,4 @@ def _by_groups(patterns: Mapping[str, Sequence[tuple[int, int]]]) -> str:
 
 
 def _statuses(interface: Interface) -> str:
-    return "".join(["(\n", *(f"    {text!r},\n" for text in status_texts(interface)), ")"])
+    return "".join(["(\n", *(f"    {text!r},\n" for text in status_texts(library("python"), interface)), ")"])

@@ -1,15 +1,13 @@
 """Indicators of contacts: forces instead of gaps where they touch, and slips.
 
-A force needs a solve, so its range over a step is that of the evaluations of the step, widened. It is
-sampled, unlike the enclosures of other indicators.
+A force needs a solve: it is sampled at the evaluations of a step, and on parts of its dense output.
 """
 
 from math import fabs
 
 from lagc.kernels.contact.touching import find_touching, rates_at, slip_along, slip_relation
+from lagc.kernels.events.sampled_indicators import add_sample, enclose_samples
 from lagc.kernels.language.vocabulary import *
-
-FORCE_MARGIN = 0.25  # of the range of forces: what is added to it
 
 
 def indicate_forces(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
@@ -73,21 +71,15 @@ def enclose_slip(i: int, mode: Real, w: Work) -> None:
     if mode == 0.0:
         w.enclosures[2 * j] = 1.0
         w.enclosures[2 * j + 1] = 1.0
-    if NSLIP > 0:
-        if mode == 2.0:
-            more = FORCE_MARGIN * (w.cone_high[i] - w.cone_low[i])
-            w.enclosures[2 * j] = w.cone_low[i] - more
-            w.enclosures[2 * j + 1] = w.cone_high[i] + more
+    if mode == 2.0:
+        enclose_samples(slip_relation(i), w)
 
 
 def enclose_forces(s: State, w: Work) -> None:
-    """Set w.enclosures of contacts that touch to the range of their forces, widened by a quarter."""
+    """Set w.enclosures of contacts that touch to the range of their forces."""
     for i in range(NCON):
         if s.x[NX - NCON + i] != 0.0:
-            j = NFREE - NCON + i
-            more = FORCE_MARGIN * (w.force_high[i] - w.force_low[i])
-            w.enclosures[2 * j] = w.force_low[i] - more
-            w.enclosures[2 * j + 1] = w.force_high[i] + more
+            enclose_samples(NMODE - NCON + i, w)
         if NSLIP > 0:
             if contact_slips[i] > 0:
                 enclose_slip(i, s.x[NX - NCON + i], w)
@@ -97,10 +89,8 @@ def force_range(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """Add the forces at (t, x) to the ranges of forces."""
     if find_touching(x, w):
         if failed(rates_at(p, t, x, w.contact_rates, w.contact_lam, w)):
-            for i in range(NCON):
-                w.force_low[i] = -UNKNOWN
-                if NSLIP > 0:
-                    w.cone_low[i] = -UNKNOWN
+            for k in range(NMODE - NCON - NSLIP, NMODE):
+                add_sample(k, -UNKNOWN, w)
 
 
 def spare_contacts(s: State, w: Work) -> None:

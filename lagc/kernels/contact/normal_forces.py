@@ -72,40 +72,42 @@ def aim_normals(held: bool, w: Work) -> None:
 
 def set_normal_laws(w: Work) -> None:
     """Set the rows of the law of normal forces for their directions."""
-    for n in range(w.law.count):
+    law = w.law
+    for n in range(law.count):
         i = w.touching[n]
         if contact_normals[i] > 0:
-            row = w.law.first[n]
+            row = law.first[n]
             total = 0.0
             size = 0.0
             for m in range(contact_normals[i]):
                 k = normal_first[i] + m
                 total -= w.normal_axes[k] * w.normal_given[k]
                 size += fabs(w.normal_given[k])
-            w.law.b[row] = total
-            w.law.terms[row] = size
-            for r in range(w.law.rows):
+            law.b[row] = total
+            law.terms[row] = size
+            for r in range(law.rows):
                 total = 0.0
                 for m in range(contact_normals[i]):
                     k = normal_first[i] + m
-                    total -= w.normal_axes[k] * w.normal_effects[k * w.law.rows + r]
-                w.law.W[row * w.law.rows + r] = total
-            w.law.W[row * w.law.rows + row] = 1.0
+                    total -= w.normal_axes[k] * w.normal_effects[k * law.rows + r]
+                law.W[row * law.rows + r] = total
+            law.W[row * law.rows + row] = 1.0
 
 
 def turn_normals(held: bool, w: Work) -> bool:
     """Turn the directions of normal forces to those of w.law.p; if `held`, not the signs. Return whether one
     has turned."""
+    law = w.law
     forces = vector(NNORMAL)
     turned = 0.0
-    for n in range(w.law.count):
+    for n in range(law.count):
         i = w.touching[n]
         if contact_normals[i] > 0 and not (held and contact_normals[i] == 1):
             for m in range(contact_normals[i]):
                 k = normal_first[i] + m
                 forces[k] = w.normal_given[k]
-                for r in range(w.law.rows):
-                    forces[k] += w.normal_effects[k * w.law.rows + r] * w.law.p[r]
+                for r in range(law.rows):
+                    forces[k] += w.normal_effects[k * law.rows + r] * law.p[r]
             own = set_normal_axis(i, forces, w)
             if not own <= turned:
                 turned = own

@@ -50,10 +50,11 @@ def solve_motion(w: Work) -> None:
 
 def respond(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     """Compute w.contact_responses, X by rows, and w.law.W for the rows w.contact_rows of listed contacts."""
+    law = w.law
     status = factor_motion(p, t, x, w)
     if failed(status):
         return status
-    for r in range(w.law.rows):
+    for r in range(law.rows):
         row = w.touching_rows[r]
         for k in range(NR):
             w.contact_rhs[k] = 0.0
@@ -62,12 +63,12 @@ def respond(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
         solve_motion(w)
         for k in range(NR):
             w.contact_responses[r * NR + k] = w.contact_solution[k]
-        for q in range(w.law.rows):
+        for q in range(law.rows):
             total = 0.0
             other = w.touching_rows[q]
             for j in range(NV):
                 total += w.contact_rows[other * NV + j] * w.contact_solution[j]
-            w.law.W[q * w.law.rows + r] = total
+            law.W[q * law.rows + r] = total
     return OK
 
 
@@ -152,7 +153,8 @@ def respond_to_slope(k: int, w: Work) -> None:
 def loads_follow(w: Work) -> bool:
     """Let loads follow the forces of the listed rows: change w.contact_responses and w.law.W. Return False,
     with w.culprit, if they leave a multiplier open."""
-    for r in range(w.law.rows):
+    law = w.law
+    for r in range(law.rows):
         row = w.touching_rows[r]
         for i in range(NR):
             w.contact_solution[i] = 0.0
@@ -165,11 +167,11 @@ def loads_follow(w: Work) -> bool:
             return False
         for i in range(NR):
             w.contact_responses[r * NR + i] = w.contact_solution[i]
-        for q in range(w.law.rows):
+        for q in range(law.rows):
             total = 0.0
             for j in range(NV):
                 total += w.contact_rows[w.touching_rows[q] * NV + j] * w.contact_solution[j]
-            w.law.W[q * w.law.rows + r] = total
+            law.W[q * law.rows + r] = total
     return True
 
 
@@ -250,6 +252,7 @@ def keep_begin(rates: Vec[NX], lam: Vec[NC], w: Work) -> None:
 def reactions_agree(lam: Vec[NC], w: Work) -> bool:
     """Set the reactions w.load_lam and w.contact_forces to those of the forces w.law.p. Return whether they
     were these, to 1e-10 of them or the round-off of their terms."""
+    law = w.law
     # A reaction that forces of contacts cancel has the round-off of its terms.
     agree = True
     if NLOADED > 0:
@@ -257,8 +260,8 @@ def reactions_agree(lam: Vec[NC], w: Work) -> bool:
             row = loading_row[k]
             total = lam[row]
             terms = fabs(total)
-            for r in range(w.law.rows):
-                own = w.contact_responses[r * NR + NV + row] * w.law.p[r]
+            for r in range(law.rows):
+                own = w.contact_responses[r * NR + NV + row] * law.p[r]
                 total += own
                 terms += fabs(own)
             change = fabs(total - w.load_lam[row])
@@ -267,12 +270,12 @@ def reactions_agree(lam: Vec[NC], w: Work) -> bool:
             w.load_lam[row] = total
     for i in range(NCROW):
         w.load_pushes[i] = 0.0
-    for n in range(w.law.count):
-        row = w.law.first[n]
-        force = w.law.p[row]
+    for n in range(law.count):
+        row = law.first[n]
+        force = law.p[row]
         first = contact_first[w.touching[n]]
         w.load_pushes[first] = force
-        roundoff = w.law.scale[row] * w.law.roundoff
+        roundoff = law.scale[row] * law.roundoff
         if not fabs(force - w.contact_forces[first]) <= LOAD_STEP * fabs(force) + roundoff:
             agree = False
     w.contact_forces[:] = w.load_pushes

@@ -83,6 +83,7 @@ def set_speeds(s: State, w: Work) -> None:
 def strike_contacts(p: Params, s: State, w: Work) -> Status:
     """Let the listed contacts that approach have an impact, and set w.contact_leaves: 1 for those that leave
     then."""
+    law = w.law
     fn_contact_rows_on(p, s.t, s.x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
     status = respond(p, s.t, s.x, w)
     if failed(status):
@@ -95,14 +96,14 @@ def strike_contacts(p: Params, s: State, w: Work) -> Status:
     set_speeds(s, w)
     set_frictions(p, s.t, s.x, w)
     fn_restitutions(p, s.t, s.x, w.restitutions)
-    for n in range(w.law.count):
+    for n in range(law.count):
         w.impact.restitution[n] = w.restitutions[w.touching[n]]
         if NPOISSON > 0:
             w.impact.poisson[n] = contact_poisson[w.touching[n]]
     if NTWO > 0:
         fn_normals_on(p, s.t, s.x, w.modes, w.normal_rows, w.normal_bias)
-    for n in range(w.law.count):
-        w.contact_approach[w.touching[n]] = -w.law.b[w.law.first[n]]
+    for n in range(law.count):
+        w.contact_approach[w.touching[n]] = -law.b[law.first[n]]
     found = strike_all(w)
     if found != IMPACT_NONE:
         if found != IMPACT_DONE:
@@ -113,29 +114,30 @@ def strike_contacts(p: Params, s: State, w: Work) -> Status:
             return PARADOX
         # The impulses change all speeds; a two-sided contact is not struck by its constraint.
         add_responses(s.x, w)
-        for n in range(w.law.count):
-            w.contact_struck[w.touching[n]] = w.law.p[w.law.first[n]]
+        for n in range(law.count):
+            w.contact_struck[w.touching[n]] = law.p[law.first[n]]
             w.contact_lost[w.touching[n]] = w.impact.loss[n]
             if NTWO > 0:
                 if contact_normals[w.touching[n]] > 0:
                     w.contact_struck[w.touching[n]] = 0.0
         fn_contact_rows_on(p, s.t, s.x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
         set_speeds(s, w)
-    for n in range(w.law.count):
-        r = w.law.first[n]
-        w.contact_leaves[w.touching[n]] = 1 if w.law.b[r] > CONTACT_ROUNDOFF * w.law.terms[r] else 0
+    for n in range(law.count):
+        r = law.first[n]
+        w.contact_leaves[w.touching[n]] = 1 if law.b[r] > CONTACT_ROUNDOFF * law.terms[r] else 0
     return OK
 
 
 def closed_mode(n: int, w: Work) -> int:
     """Return the mode of a listed contact that the law has found."""
-    if w.law.mode[n] == CONTACT_OPEN:
+    law = w.law
+    if law.mode[n] == CONTACT_OPEN:
         return 0
-    if w.law.slips[n] == 0:
+    if law.slips[n] == 0:
         return 1
-    if w.law.mode[n] == CONTACT_STICKS:
+    if law.mode[n] == CONTACT_STICKS:
         return 2
-    return -1 if w.law.slips[n] == 1 and w.law.direction[2 * n] < 0.0 else 1
+    return -1 if law.slips[n] == 1 and law.direction[2 * n] < 0.0 else 1
 
 
 def decide_loaded(p: Params, s: State, w: Work) -> Status:
@@ -151,11 +153,12 @@ def decide_loaded(p: Params, s: State, w: Work) -> Status:
 
 def decide(p: Params, s: State, w: Work) -> Status:
     """Find which contacts in w.touched stay closed, w.contact_closed, and the rates w.contact_rates."""
+    law = w.law
     for i in range(NCON):
         w.contact_closed[i] = 0
     list_contacts(True, w)
     if NLOADED > 0:
-        if w.law.count == 0:
+        if law.count == 0:
             s.rhs += 1
             for i in range(NCROW):
                 w.contact_forces[i] = 0.0
@@ -163,7 +166,7 @@ def decide(p: Params, s: State, w: Work) -> Status:
     # b of the law is the acceleration without forces of contacts, and W their responses.
     status = rhs_at(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
     s.rhs += 1
-    if failed(status) or w.law.count == 0:
+    if failed(status) or law.count == 0:
         return status
     if NLOADS > 0:
         status = decide_loaded(p, s, w)
@@ -185,10 +188,10 @@ def decide(p: Params, s: State, w: Work) -> Status:
         if found <= LAW_FOUND and slides_back(w):
             found = find_law(w)
         if found > LAW_FOUND:
-            w.culprit = w.touching[w.law.culprit]
+            w.culprit = w.touching[law.culprit]
             return PARADOX
     add_cancelling(w.contact_rates, w)
-    for n in range(w.law.count):
+    for n in range(law.count):
         w.contact_closed[w.touching[n]] = closed_mode(n, w)
         if NTWO > 0:
             contact = w.touching[n]
@@ -197,7 +200,7 @@ def decide(p: Params, s: State, w: Work) -> Status:
                 w.normal_signs[contact] = -s.normal_signs[contact] if falls else normal_sign(n, w)
         if NSPACE > 0:
             for k in range(2):
-                w.slip_axes[2 * w.touching[n] + k] = w.law.direction[2 * n + k]
+                w.slip_axes[2 * w.touching[n] + k] = law.direction[2 * n + k]
     return OK
 
 

@@ -76,40 +76,43 @@ def is_pushed(i: int, w: Work) -> bool:
 def is_passing(n: int, push: Real, rate: Real, w: Work) -> bool:
     """Return whether friction of a normal force `push` cannot stop a slip with this acceleration: a mechanism
     has no motion along the slip row, as a crank at its dead centre, and the slip passes zero there."""
-    k = w.law.first[n] + 1
-    return w.law.W[k * w.law.rows + k] * w.law.static_friction[n] * push <= PASSING * fabs(rate)
+    law = w.law
+    k = law.first[n] + 1
+    return law.W[k * law.rows + k] * law.static_friction[n] * push <= PASSING * fabs(rate)
 
 
 def pass_slips(w: Work) -> None:
     """Let listed contacts whose slip passes zero slip along its acceleration, which forces do not change."""
+    law = w.law
     largest = 0.0
-    for n in range(w.law.count):
-        k = w.law.first[n] + 1
-        if w.law.slips[n] > 0 and w.law.W[k * w.law.rows + k] > largest:
-            largest = w.law.W[k * w.law.rows + k]
-    for n in range(w.law.count):
-        k = w.law.first[n] + 1
-        if w.law.slips[n] == 1 and w.law.moves[n] == 0 and contact_normals[w.touching[n]] > 0:
+    for n in range(law.count):
+        k = law.first[n] + 1
+        if law.slips[n] > 0 and law.W[k * law.rows + k] > largest:
+            largest = law.W[k * law.rows + k]
+    for n in range(law.count):
+        k = law.first[n] + 1
+        if law.slips[n] == 1 and law.moves[n] == 0 and contact_normals[w.touching[n]] > 0:
             push = 0.0
             for m in range(contact_normals[w.touching[n]]):
                 push += fabs(w.normal_given[normal_first[w.touching[n]] + m])
-            seen = fabs(w.law.b[k]) > CONTACT_ROUNDOFF * w.law.terms[k]
-            if seen and is_passing(n, push, w.law.b[k], w):
-                w.law.moves[n] = 1
-                w.law.direction[2 * n] = 1.0 if w.law.b[k] > 0.0 else -1.0
-                w.law.b[k] = 0.0
-                for r in range(w.law.rows):
-                    w.law.W[k * w.law.rows + r] = 0.0
-                w.law.W[k * w.law.rows + k] = largest  # the scale of its forces
+            seen = fabs(law.b[k]) > CONTACT_ROUNDOFF * law.terms[k]
+            if seen and is_passing(n, push, law.b[k], w):
+                law.moves[n] = 1
+                law.direction[2 * n] = 1.0 if law.b[k] > 0.0 else -1.0
+                law.b[k] = 0.0
+                for r in range(law.rows):
+                    law.W[k * law.rows + r] = 0.0
+                law.W[k * law.rows + k] = largest  # the scale of its forces
 
 
 def keep_passing(w: Work) -> None:
     """Do not stop the slips of listed contacts that pass zero."""
-    for n in range(w.law.count):
+    law = w.law
+    for n in range(law.count):
         i = w.touching[n]
         if contact_normals[i] > 0 and w.contact_hit[i] == STOPS:
-            rate = w.law.u[w.law.first[n] + 1]
-            if is_passing(n, fabs(w.law.p[w.law.first[n]]), rate, w):
+            rate = law.u[law.first[n] + 1]
+            if is_passing(n, fabs(law.p[law.first[n]]), rate, w):
                 w.contact_hit[i] = 0
 
 
@@ -117,40 +120,42 @@ def find_slips(s: State, w: Work) -> None:
     """Set the listed contacts that move along their slip rows, and those whose static friction no longer
     holds, to slip."""
     if NSLIP > 0:
-        for n in range(w.law.count):
-            if w.law.slips[n] > 0:
+        law = w.law
+        for n in range(law.count):
+            if law.slips[n] > 0:
                 i = w.touching[n]
                 speed = slip_speed(i, w)
                 if speed > CONTACT_ROUNDOFF * slip_size(i, s, w):
-                    w.law.moves[n] = 1
-                    for k in range(w.law.slips[n]):
-                        w.law.direction[2 * n + k] = w.contact_speeds[contact_first[i] + 1 + k] / speed
+                    law.moves[n] = 1
+                    for k in range(law.slips[n]):
+                        law.direction[2 * n + k] = w.contact_speeds[contact_first[i] + 1 + k] / speed
                 elif is_pushed(i, w):
-                    if w.law.slips[n] == 2 and w.law.static_friction[n] > w.law.friction[n]:
-                        w.law.static_friction[n] = w.law.friction[n]  # the law finds the direction
+                    if law.slips[n] == 2 and law.static_friction[n] > law.friction[n]:
+                        law.static_friction[n] = law.friction[n]  # the law finds the direction
                     else:
-                        w.law.moves[n] = 1
-                        for k in range(w.law.slips[n]):
-                            w.law.direction[2 * n + k] = w.contact_slides[2 * i + k]
+                        law.moves[n] = 1
+                        for k in range(law.slips[n]):
+                            law.direction[2 * n + k] = w.contact_slides[2 * i + k]
 
 
 def slides_back(w: Work) -> bool:
     """Return whether a contact that was set to slip would do so against its direction; it is not set then."""
     found = False
     if NSLIP > 0:
-        for n in range(w.law.count):
+        law = w.law
+        for n in range(law.count):
             i = w.touching[n]
-            if w.law.slips[n] > 0 and is_pushed(i, w):
+            if law.slips[n] > 0 and is_pushed(i, w):
                 along = 0.0
                 least = 0.0
-                for k in range(w.law.slips[n]):
-                    r = w.law.first[n] + 1 + k
-                    along += w.law.u[r] * w.contact_slides[2 * i + k]
-                    least += CONTACT_ROUNDOFF * w.law.terms[r]
-                if w.law.mode[n] == CONTACT_SLIPS and w.law.moves[n] > 0 and along < -least:
+                for k in range(law.slips[n]):
+                    r = law.first[n] + 1 + k
+                    along += law.u[r] * w.contact_slides[2 * i + k]
+                    least += CONTACT_ROUNDOFF * law.terms[r]
+                if law.mode[n] == CONTACT_SLIPS and law.moves[n] > 0 and along < -least:
                     w.contact_slides[2 * i] = 0.0
                     w.contact_slides[2 * i + 1] = 0.0
-                    w.law.moves[n] = 0
+                    law.moves[n] = 0
                     found = True
     return found
 
@@ -159,18 +164,19 @@ def let_slip(p: Params, s: State, w: Work) -> None:
     """Set the friction of the listed contacts that stop to bounce and go on slipping. To take the speed of a
     gap away at once is a pull; it takes away the friction that is too much afterwards."""
     if NSLIP > 0:
+        law = w.law
         set_frictions(p, s.t, s.x, w)
-        for n in range(w.law.count):
+        for n in range(law.count):
             i = w.touching[n]
             first = contact_first[i]
             slips = False
-            if w.law.slips[n] > 0 and w.contact_closed[i] == 0:
+            if law.slips[n] > 0 and w.contact_closed[i] == 0:
                 speed = slip_speed(i, w)
-                slips = speed > w.law.friction[n] * fabs(w.contact_speeds[first])
-                for k in range(w.law.slips[n]):
-                    w.law.direction[2 * n + k] = w.contact_speeds[first + 1 + k] / (speed + TINY)
+                slips = speed > law.friction[n] * fabs(w.contact_speeds[first])
+                for k in range(law.slips[n]):
+                    law.direction[2 * n + k] = w.contact_speeds[first + 1 + k] / (speed + TINY)
             if not slips:
-                w.law.friction[n] = 0.0
+                law.friction[n] = 0.0
 
 
 def push_slip(i: int, w: Work) -> None:

@@ -30,6 +30,7 @@ from lagc.kernels.contact.responses import (
 from lagc.kernels.contact.shares import AT_BOUND, share_load
 from lagc.kernels.dynamics.loaded_reactions import MOST_LOAD_STEPS, motion_at
 from lagc.kernels.dynamics.rhs import rhs_at, store_rates
+from lagc.kernels.events.sampled_indicators import add_sample, forget_samples
 from lagc.kernels.language.vocabulary import *
 
 MOST_SEATINGS = 4  # Newton iterations of the gaps of contacts that touch
@@ -53,28 +54,29 @@ def find_touching(x: Vec[NX], w: Work) -> bool:
 def list_contacts(sliding: bool, w: Work) -> None:
     """List the contacts in w.touched for the law, closed in the modes w.contact_modes and without friction,
     and with slip rows if `sliding`; else for displacements, which bounds of velocities do not restrict."""
+    law = w.law
     n = 0
     m = 0
     for i in range(NCON):
         if w.touched[i] > 0 and (sliding or contact_bounds_rate[i] == 0):
             w.touching[n] = i
-            w.law.first[n] = m
-            w.law.slips[n] = contact_slips[i] if sliding else 0
-            w.law.two_sided[n] = 0
-            w.law.unit[n] = contact_unit[i]
-            w.law.friction[n] = 0.0
-            w.law.static_friction[n] = 0.0
-            w.law.moves[n] = 0
-            sticks = w.contact_modes[i] == 2 and w.law.slips[n] > 0
-            w.law.mode[n] = CONTACT_STICKS if sticks else CONTACT_SLIPS
-            w.law.direction[2 * n] = -1.0 if w.contact_modes[i] < 0 else 1.0
-            w.law.direction[2 * n + 1] = 0.0
-            for k in range(w.law.slips[n] + 1):
+            law.first[n] = m
+            law.slips[n] = contact_slips[i] if sliding else 0
+            law.two_sided[n] = 0
+            law.unit[n] = contact_unit[i]
+            law.friction[n] = 0.0
+            law.static_friction[n] = 0.0
+            law.moves[n] = 0
+            sticks = w.contact_modes[i] == 2 and law.slips[n] > 0
+            law.mode[n] = CONTACT_STICKS if sticks else CONTACT_SLIPS
+            law.direction[2 * n] = -1.0 if w.contact_modes[i] < 0 else 1.0
+            law.direction[2 * n + 1] = 0.0
+            for k in range(law.slips[n] + 1):
                 w.touching_rows[m] = contact_first[i] + k
                 m += 1
             n += 1
-    w.law.count = n
-    w.law.rows = m
+    law.count = n
+    law.rows = m
 
 
 def set_slip_directions(w: Work) -> None:
@@ -136,95 +138,91 @@ def bear_load(w: Work) -> None:
     """Let contacts that bear their load in many ways do so by the smallest forces within their cones. If
     these do not bear it, modes change: the forces stay, as if the cones were wider, and w.law.lack is not
     zero."""
-    for n in range(w.law.count):
-        if w.law.mode[n] == CONTACT_STICKS:
-            w.law.mu[n] = w.law.static_friction[n]
+    law = w.law
+    for n in range(law.count):
+        if law.mode[n] == CONTACT_STICKS:
+            law.mu[n] = law.static_friction[n]
     share_load(w.law)
 
 
 def set_margins_of_block(block: int, w: Work) -> None:
     """Set the margins of contacts that share a load. At the bound of a cone the margin is minus the load that
     is left; while some shares bear the load, it is the largest force."""
+    law = w.law
     size = 0.0
     slides = False
-    for n in range(w.law.count):
-        if w.law.block[n] == block and fabs(w.force_margins[w.touching[n]]) > size:
+    for n in range(law.count):
+        if law.block[n] == block and fabs(w.force_margins[w.touching[n]]) > size:
             size = fabs(w.force_margins[w.touching[n]])
     least = AT_BOUND * size
     if NSLIP > 0:
-        for n in range(w.law.count):
+        for n in range(law.count):
             i = w.touching[n]
-            if w.law.block[n] == block and w.law.mode[n] == CONTACT_STICKS:
+            if law.block[n] == block and law.mode[n] == CONTACT_STICKS:
                 if w.force_margins[i] > least and w.cone_margins[i] <= least:
                     slides = True
-    for n in range(w.law.count):
-        if w.law.block[n] == block:
+    for n in range(law.count):
+        if law.block[n] == block:
             i = w.touching[n]
             opens = w.force_margins[i] <= least
             if opens:
-                w.force_margins[i] = size if slides or w.law.lack[n] == 0.0 else -w.law.lack[n]
+                w.force_margins[i] = size if slides or law.lack[n] == 0.0 else -law.lack[n]
             if NSLIP > 0:
-                if w.law.mode[n] == CONTACT_STICKS and w.cone_margins[i] <= least:
-                    w.cone_margins[i] = size if opens or w.law.lack[n] == 0.0 else -w.law.lack[n]
+                if law.mode[n] == CONTACT_STICKS and w.cone_margins[i] <= least:
+                    w.cone_margins[i] = size if opens or law.lack[n] == 0.0 else -law.lack[n]
 
 
 def set_margins(w: Work) -> None:
     """Set w.force_margins and w.cone_margins of the listed contacts, by w.contact_forces: what falls to zero
     where they open or slip. Contacts that share a load do so where no shares bear it; those of a block that
     are at the bounds of their cones begin."""
-    for n in range(w.law.count):
+    law = w.law
+    for n in range(law.count):
         i = w.touching[n]
         w.force_margins[i] = w.contact_forces[contact_first[i]]
         if NSLIP > 0:
-            w.cone_margins[i] = cone_margin(i, w) if w.law.mode[n] == CONTACT_STICKS else 0.0
+            w.cone_margins[i] = cone_margin(i, w) if law.mode[n] == CONTACT_STICKS else 0.0
     if NBESIDE > 0:
-        for n in range(w.law.count):
-            if w.law.shared[n] > 0 and w.law.block[n] == n:
+        for n in range(law.count):
+            if law.shared[n] > 0 and law.block[n] == n:
                 set_margins_of_block(n, w)
 
 
 def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
-    """Add the forces w.law.p to rates and multipliers, and store them in w.contact_forces with their range in
-    w.force_low and w.force_high."""
+    """Add the forces w.law.p to rates and multipliers, and store them in w.contact_forces and their
+    samples."""
+    law = w.law
     if NPUSHED > 0:  # the power of their loads
-        for r in range(w.law.rows):
-            w.contact_forces[w.touching_rows[r]] = w.law.p[r]
+        for r in range(law.rows):
+            w.contact_forces[w.touching_rows[r]] = law.p[r]
     add_cancelling(xdot, w)
     for i in range(NC):
-        for r in range(w.law.rows):
-            lam[i] += w.contact_responses[r * NR + NV + i] * w.law.p[r]
+        for r in range(law.rows):
+            lam[i] += w.contact_responses[r * NR + NV + i] * law.p[r]
     if NZ > 0:
         w.a[:] = part(xdot, NQ, NQ + NV)
         w.qdot[:] = part(xdot, 0, NQ)
         store_rates(p, t, x, xdot, lam, w)
-    for r in range(w.law.rows):
+    for r in range(law.rows):
         row = w.touching_rows[r]
-        w.contact_forces[row] = w.law.p[r]
+        w.contact_forces[row] = law.p[r]
     if NBESIDE > 0:
-        for e in range(w.law.unknowns):
-            row = w.law.unknown[e]
-            if w.law.lack[w.law.contact[e]] > 0.0:
-                w.contact_forces[w.touching_rows[row]] = w.law.scale[row] * w.law.share[e]
+        for e in range(law.unknowns):
+            row = law.unknown[e]
+            if law.lack[law.contact[e]] > 0.0:
+                w.contact_forces[w.touching_rows[row]] = law.scale[row] * law.share[e]
     set_margins(w)
-    for r in range(w.law.rows):
+    for r in range(law.rows):
         row = w.touching_rows[r]
         if NZ > 0:
             for j in range(NV):
-                xdot[NQ + NV] += w.law.p[r] * w.contact_rows[row * NV + j] * x[NQ + j]
-    for n in range(w.law.count):
+                xdot[NQ + NV] += law.p[r] * w.contact_rows[row * NV + j] * x[NQ + j]
+    for n in range(law.count):
         contact = w.touching[n]
-        force = w.force_margins[contact]
-        if force < w.force_low[contact]:
-            w.force_low[contact] = force
-        if force > w.force_high[contact]:
-            w.force_high[contact] = force
+        add_sample(NMODE - NCON + contact, w.force_margins[contact], w)
         if NSLIP > 0:
-            if w.law.mode[n] == CONTACT_STICKS:
-                margin = w.cone_margins[contact]
-                if margin < w.cone_low[contact]:
-                    w.cone_low[contact] = margin
-                if margin > w.cone_high[contact]:
-                    w.cone_high[contact] = margin
+            if law.mode[n] == CONTACT_STICKS:
+                add_sample(slip_relation(contact), w.cone_margins[contact], w)
 
 
 def open_push(w: Work) -> int:
@@ -331,13 +329,8 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
 
 
 def forget_forces(w: Work) -> None:
-    """Begin the ranges of forces anew."""
-    for i in range(NCON):
-        w.force_low[i] = UNKNOWN
-        w.force_high[i] = -UNKNOWN
-        if NSLIP > 0:
-            w.cone_low[i] = UNKNOWN
-            w.cone_high[i] = -UNKNOWN
+    """Begin the ranges of forces, and of the friction that is left, anew."""
+    forget_samples(NMODE - NCON - NSLIP, NMODE, w)
 
 
 def displace_contacts(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
@@ -384,6 +377,7 @@ def are_seated(w: Work) -> bool:
 def seat(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     """Move the coordinates so that the gaps of the listed contacts are zero, by Newton's method with the
     shortest displacements in the metric of the mass matrix."""
+    law = w.law
     set_gaps(p, t, x, w)
     for n in range(MOST_SEATINGS):
         if are_seated(w):
@@ -393,9 +387,9 @@ def seat(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
         status = respond(p, t, x, w)
         if failed(status):
             return status
-        for k in range(w.law.count):
-            w.law.b[w.law.first[k]] = w.contact_gaps[w.touching[k]]
-            w.law.terms[w.law.first[k]] = 0.0
+        for k in range(law.count):
+            law.b[law.first[k]] = w.contact_gaps[w.touching[k]]
+            law.terms[law.first[k]] = 0.0
         solve_frozen(w.law)
         # Steps go on while they make the largest gap smaller; the last one that does not is taken back.
         before = largest_gap(w)

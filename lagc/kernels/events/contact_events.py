@@ -67,11 +67,12 @@ def force_roundoff(n: int, k: int, w: Work) -> Real:
     """Return the round-off of the force along row k of a listed contact: that of its acceleration over its
     response. It is zero for contacts that share a load, which cross at once, and along a slip that
     constraints hold."""
-    row = w.law.first[n] + k
-    response = w.law.W[row * w.law.rows + row]
-    if w.law.shared[n] > 0 or not response > 0.0:
+    law = w.law
+    row = law.first[n] + k
+    response = law.W[row * law.rows + row]
+    if law.shared[n] > 0 or not response > 0.0:
         return 0.0
-    return CONTACT_ROUNDOFF * w.law.terms[row] / response
+    return CONTACT_ROUNDOFF * law.terms[row] / response
 
 
 def set_force_slack(s: State, w: Work) -> None:

@@ -1,22 +1,21 @@
 """Indicators that accelerations and reactions decide, as of `reaction(rope) < 0`.
 
 They are known where the equations of motion are solved: each value costs an evaluation of the rates. They
-have no enclosure. Their range over a part of a step is that of samples, widened by a quarter, and their rates
-are difference quotients.
+are sampled, and their rates are difference quotients.
 """
 
 from math import fabs
 
 from lagc.kernels.contact.touching import rates_at
+from lagc.kernels.events.sampled_indicators import add_sample, enclose_samples, forget_samples
 from lagc.kernels.integrators.dispatch import end_rate_row
 from lagc.kernels.language.vocabulary import *
 
-LATE_MARGIN = 0.25  # of the range of samples: what is added to it
 LATE_DIFFERENCE = 0.0009765625  # of the last step: time over which a difference quotient is taken
 STEP_SAMPLES = 4  # parts of a step between its samples
 
 
-def late_relation(j: int) -> int:
+def late_relation(j: Size) -> int:
     """Return the relation of a late indicator."""
     return NMODE - NCON - NSLIP - NLATE + j
 
@@ -86,21 +85,15 @@ def set_late_modes(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
 
 def forget_late_range(w: Work) -> None:
     """Begin the ranges of late indicators anew."""
-    for j in range(NLATE):
-        w.late_low[j] = UNKNOWN
-        w.late_high[j] = -UNKNOWN
+    forget_samples(late_relation(0), late_relation(NLATE), w)
 
 
 def add_late_range(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
     """Add the late indicators at (t, x) to their ranges."""
     known = late_at(p, t, x, s, w)
     for j in range(NLATE):
-        low = w.late_values[j] if known else -UNKNOWN
-        high = w.late_values[j] if known else UNKNOWN
-        if low < w.late_low[j]:
-            w.late_low[j] = low
-        if high > w.late_high[j]:
-            w.late_high[j] = high
+        add_sample(late_relation(j), w.late_values[j] if known else -UNKNOWN, w)
+        add_sample(late_relation(j), w.late_values[j] if known else UNKNOWN, w)
 
 
 def sample_late_step(p: Params, s: State, method: int, a: Trial, w: Work) -> None:
@@ -119,11 +112,9 @@ def sample_late_step(p: Params, s: State, method: int, a: Trial, w: Work) -> Non
 
 
 def enclose_late(w: Work) -> None:
-    """Set w.enclosures of late indicators to their ranges, widened by a quarter."""
+    """Set w.enclosures of late indicators to their ranges."""
     for j in range(NLATE):
-        more = LATE_MARGIN * (w.late_high[j] - w.late_low[j])
-        w.enclosures[2 * (late_relation(j) - NTIMED)] = w.late_low[j] - more
-        w.enclosures[2 * (late_relation(j) - NTIMED) + 1] = w.late_high[j] + more
+        enclose_samples(late_relation(j), w)
 
 
 def estimate_late_roundoff(p: Params, s: State, reach: Vec[NX], w: Work) -> None:
@@ -149,5 +140,5 @@ def estimate_late_roundoff(p: Params, s: State, reach: Vec[NX], w: Work) -> None
 def late_span(k: int, distance: Real, w: Work) -> Real:
     """Return how far relation k moved over the samples of the last part of a step if it is late, else
     `distance`."""
-    j = k - late_relation(0)
-    return w.late_high[j] - w.late_low[j] if j >= 0 and j < NLATE else distance
+    late = k >= late_relation(0) and k < late_relation(NLATE)
+    return w.sampled_high[k] - w.sampled_low[k] if late else distance

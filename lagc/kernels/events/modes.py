@@ -79,7 +79,10 @@ def adopt_modes(p: Params, s: State, w: Work) -> None:
     for turn in range(NMODE):
         done = True
         indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
-        fn_own_modes_on(p, s.t, s.x, w.modes, w.candidate_modes)
+        if NPLAIN > 0:
+            fn_own_modes_on(p, s.t, s.x, w.modes, w.candidate_modes)
+        else:
+            w.candidate_modes[:] = w.modes
         if NLATE > 0:
             adopt_late_modes(w)
         for k in range(NMODE):

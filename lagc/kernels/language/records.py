@@ -171,13 +171,14 @@ class Work:
             if NLOADED > 0:
                 load_matrix_kept: Vec[NLOADMATRIX]
                 load_sizes_kept: Vec[NLOADMATRIX]
+    if NSAMPLED > 0:
+        sampled_low: Vec[NMODE]  # range of indicators over the samples of a part of a step
+        sampled_high: Vec[NMODE]
     if NLATE > 0:
         # Relations that accelerations or reactions decide
         late_values: Vec[NLATE]  # their indicators
         late_modes: Vec[NLATE]  # modes that these give
         late_here: Vec[NLATE]
-        late_low: Vec[NLATE]  # range over the samples of a part of a step
-        late_high: Vec[NLATE]
         late_known: Vec[NKNOWN]
         late_x: Vec[NX]
         late_rates: Vec[NX]
@@ -244,8 +245,6 @@ class Work:
         contact_shift: Vec[NQ]
         contact_forces: Vec[NCROW]  # at the last evaluation
         force_margins: Vec[NCON]  # zero where a contact opens: its normal force, or a measure of its set
-        force_low: Vec[NCON]  # range of the normal forces over the evaluations of a step
-        force_high: Vec[NCON]
         x_contact: Vec[NX]
         contact_rates: Vec[NX]
         contact_lam: Vec[NC]
@@ -268,8 +267,6 @@ class Work:
             frictions: Vec[NDIRECT]  # of slip and of sticking, of each contact
             contact_slides: Vec[NDIRECT]  # direction in which a contact begins to slip, by its force
             cone_margins: Vec[NCON]  # what falls to zero where it slips
-            cone_low: Vec[NCON]  # range of static friction less force over the evaluations of a step
-            cone_high: Vec[NCON]
             if NSPACE > 0:
                 slip_axes: Vec[NDIRECT]  # direction in which each contact slips at the beginning of a step
                 slip_roundoff: Vec[NCON]  # of its slip

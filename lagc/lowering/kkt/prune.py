@@ -423,9 +423,13 @@ def _tied(equations: EquationsOfMotion, massive: list[int]) -> set[int]:
 def _fault(equations: EquationsOfMotion, j: int) -> Fault:
     name = equations.v_names[j]
     span: Span | None = None
+    line = "give it an inertia"
     for c in equations.model.coordinates:
         if equations.v[j] in rate_symbols(c):
             name, span = c.name, c.span
+            unit = {"m": "kg", "rad": "kg.m2", "1": "kg.m2"}.get(getattr(c, "unit", ""))
+            if unit is not None:
+                line += f", `kinetic T = 1/2*(1 [{unit}])*der({name})^2;`"
     for speed in equations.model.speeds:
         if speed.symbol is equations.v[j]:
             span = speed.span
@@ -436,12 +440,12 @@ def _fault(equations: EquationsOfMotion, j: int) -> Fault:
             f"nothing that has mass moves with `{name}`, and {rows} alone cannot balance what acts on it",
             span,
             remedy=f"where no force acts on it, solve the constraint for its rate, `der({name}) = ...`; else"
-            " give it an inertia, which changes no other motion where constraints alone give its rate",
+            f" {line}, which changes no other motion where constraints alone give its rate",
         )
     return Fault(
         "LAG0501",
         f"nothing that has mass moves with `{name}`, so its acceleration cannot be found",
         span,
-        remedy=f"put a body where `{name}` moves it, tie it to one by a constraint, or, where it is"
+        remedy=f"put a body where `{name}` moves it or {line}; tie it to one by a constraint; or, where it is"
         " a given function of time, write that function in its place",
     )

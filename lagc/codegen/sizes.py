@@ -1,15 +1,13 @@
-"""The linker: the kernels that a model needs, with its sizes and tables."""
+"""The sizes, flags, methods and tables of a model, as its kernels use them."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from itertools import pairwise
 from math import isfinite
 from typing import Any
 
-from lagc.base.records import dataclass
 from lagc.kernels import IMPLICIT, METHODS, MOST_ACTS, SERIES
 from lagc.lowering.program import Interface
 
@@ -32,7 +30,6 @@ DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NDELASSUS": lambda n: (n["NCON"] + n["NSLIP"]) * (n["NCON"] + n["NSLIP"]),
     "NDIRECT": lambda n: n["NCON"] * 2,
 }  # fmt: skip
-Part = Mapping[str, Any]  # see `library`
 
 
 class _InC:
@@ -67,118 +64,6 @@ SPELLED = {  # in C
     **{name: str(number) for name, number in CONSTANT_SIZES.items()},
     **{name: formula(_NamesInC()).text for name, formula in DERIVED.items()},
 }
-
-
-@dataclass(frozen=True)
-class Chosen:
-    """The needed parts, in the order of the files: `functions` with their text for the flags of the
-    model, `records` with their members, `numbers`; `names`: all names that these use, with tables and
-    functions of the model."""
-
-    functions: tuple[tuple[Part, Part], ...]
-    records: tuple[tuple[Part, tuple[Sequence[Any], ...]], ...]
-    numbers: tuple[Part, ...]
-    names: frozenset[str]
-
-
-def chosen(
-    parts: Sequence[Part], flags: Mapping[str, bool], roots: Iterable[str], methods: Sequence[str] = METHODS
-) -> Chosen:
-    """Return the functions `roots` and all that they call, with the branches of these methods only. Raises
-    KeyError for an unknown name."""
-    left_out = [name for name in METHODS if name not in methods]
-    known = {part["name"]: part for part in parts if part["kind"] == "function"}
-    leaves: dict[str, Part] = {}
-    wanted = list(roots)
-    while wanted:
-        name = wanted.pop()
-        if name not in leaves:
-            leaves[name] = _leaf(known[name], flags)
-            if left_out:
-                leaves[name] = without(leaves[name], left_out)
-            wanted += [call for call in leaves[name]["calls"] if call in known]
-    names = {name for leaf in leaves.values() for name in (*leaf["uses"], *leaf["calls"])} | leaves.keys()
-    records = within(parts, flags, {name for leaf in leaves.values() for name in leaf["records"]})
-    return Chosen(
-        tuple([(known[name], leaves[name]) for name in known if name in leaves]),
-        tuple([(p, members(p, flags)) for p in parts if p["kind"] == "record" and p["name"] in records]),
-        tuple([p for p in parts if p["kind"] not in ("file", "record", "function") and p["name"] in names]),
-        frozenset(names),
-    )
-
-
-def _leaf(function: Part, flags: Mapping[str, bool]) -> Part:
-    found = function["tree"]
-    while isinstance(found, list):
-        found = found[1 if flags[found[0]] else 2]
-    if "missing" in found:
-        raise KeyError(f"{function['name']}: {found['missing']}")
-    return found  # type: ignore[no-any-return]
-
-
-def without(leaf: Part, methods: Sequence[str]) -> Part:
-    """Return a printed kernel without the branches of `methods`: `if method == NUMBER` and its block."""
-    numbers = [name.upper() for name in methods]
-    if not set(numbers) & set(leaf["uses"]):
-        return leaf
-    head, brace, body = leaf["c"].partition("\n{\n")
-    body = _cut(body, numbers)
-    parameters = head.rpartition("*/")[2].partition("(")[2]
-    names = re.findall(r"(\w+)(?:\)\[\w+\])?(?=[,)])", parameters)
-    unused = [name for name in names if not re.search(rf"\b{name}\b", body) and name != "void"]
-    prefixes = tuple([f"{name}_" for name in methods])
-    return {
-        **leaf, "c": head + brace + "".join(f"    (void){name};\n" for name in unused) + body,
-        "python": _cut(leaf["python"], numbers),
-        "calls": [call for call in leaf["calls"] if not call.startswith(prefixes)],
-        "uses": [name for name in leaf["uses"] if name not in numbers],
-    }  # fmt: skip
-
-
-def _cut(text: str, numbers: Sequence[str]) -> str:
-    """Return the text of a function without these branches, by its indentation."""
-    out, inside = list[str](), -1  # the indentation of the branch that is left out
-    for line in text.split("\n"):
-        depth = len(line) - len(line.lstrip())
-        if inside >= 0:
-            if depth > inside or (depth == inside and line.strip() == "}"):
-                continue
-            inside = -1
-        found = re.match(r"\s*if .*\bmethod == (?:LAGC_)?(\w+)", line)
-        if found is not None and found[1] in numbers:
-            inside = depth
-        else:
-            out.append(line)
-    return "\n".join(out)
-
-
-def members(record: Part, flags: Mapping[str, bool]) -> tuple[Sequence[Any], ...]:
-    """Return the members that a record has: name, type, flags, comments before and beside."""
-    return tuple([m for m in record["members"] if all(flags[name] == value for name, value in m[2])])
-
-
-def within(parts: Sequence[Part], flags: Mapping[str, bool], names: Iterable[str]) -> frozenset[str]:
-    """Return these records and the records that they contain."""
-    known = {part["name"]: part for part in parts if part["kind"] == "record"}
-    found, wanted = set[str](), list(names)
-    while wanted:
-        name = wanted.pop()
-        if name not in found:
-            found.add(name)
-            wanted += [kind[1] for _, kind, *_ in members(known[name], flags) if kind[0] == "Record"]
-    return frozenset(found)
-
-
-def codes(parts: Iterable[Part], file: str) -> list[Part]:
-    """Return the enumeration of a kernel file. Raises KeyError if it has none."""
-    found, now = [], ""
-    for part in parts:
-        now = part["name"] if part["kind"] == "file" else now
-        if part["kind"] == "Code" and now == file:
-            found.append(part)
-    if not found:
-        raise KeyError(file)
-    return found
 
 
 def sizes_of(interface: Interface) -> dict[str, int]:
@@ -220,7 +105,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NTWO": sum(c.normals > 0 for c in interface.contacts),
         "NNORMAL": normals, "NNORMALROWS": normals * known,
         "NNORMALEFFECTS": normals * rows,
-        "NBESIDE": max(rows - 1, 0), "NPLAIN": relations - rows,
+        "NBESIDE": max(rows - 1, 0), "NPLAIN": relations - rows, "NSAMPLED": rows + interface.late_relations,
         "NPOISSON": sum(c.poisson for c in interface.contacts),
         "NLEAP": len(interface.whens) + len(interface.contacts),
         "NBOX": 2 * (1 + nq + nv) + len(interface.discretes),
@@ -262,9 +147,11 @@ def _derived(sizes: dict[str, int]) -> dict[str, int]:
 
 
 def flags_of(interface: Interface, complete: bool) -> dict[str, bool]:
-    """Return the flags of a model: `N > 0` for each size, and the names in `specialization.FLAGS`."""
+    """Return the flags of a model: `N > 0` for each size, the methods that it carries, and the names in
+    `specialization.FLAGS`."""
     return {
         **{name: value > 0 for name, value in sizes_of(interface).items()},
+        **{name.upper(): name in methods_of(interface) for name in METHODS},
         "STRAIGHT": interface.solve == "straight", "HAS_DISPLACE": "displace" in interface.functions,
         "COMPLETE": complete,
     }  # fmt: skip
