@@ -27,7 +27,7 @@ class Fallback:
         self.kernels = module(Program(interface(nq=n, nv=n, nc=m, nh=m, solve="dense"), {}))
         self.kernels.fn_gamma_sizes = lambda p, t, x, s: None
         self.work = self.kernels.Work()
-        self.work.regularity = [1.0] * m
+        self.work.rows.regularity = [1.0] * m
 
     def factor(self, mass: list[float], g: list[float]) -> int:
         self.work.M, self.work.G = mass, g
