@@ -376,7 +376,7 @@ class Work:
 
 @struct
 class NewtonState:
-    """What an implicit method keeps from step to step."""
+    """The memory of implicit methods from step to step."""
 
     kept_step: Count  # steps behind which the stages of the last one are kept; -1: none
     jacobian_step: Count  # steps at which the derivatives were computed; -1: not known
@@ -399,7 +399,7 @@ class NewtonState:
 
 @struct
 class SeriesState:
-    """The Taylor series of the motion, and what it tells of the next one."""
+    """The Taylor series of the last step, and the choice of the next one."""
 
     coefficients: Mat[NTERM, NX]  # coefficients of the states, in the time over series_scale
     scale: Real
