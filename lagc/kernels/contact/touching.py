@@ -55,6 +55,7 @@ def list_contacts(sliding: bool, w: Work) -> None:
     """List the contacts in w.touched for the law, closed in the modes w.contact_modes and without friction,
     and with slip rows if `sliding`; else for displacements, which bounds of velocities do not restrict."""
     law = w.law
+    # Entry n of the law is contact touching[n]; its row r is row touching_rows[r] of all contacts.
     n = 0
     m = 0
     for i in range(NCON):
