@@ -22,7 +22,7 @@ from lagc.host.budgets import reached, rest
 
 if TYPE_CHECKING:
     from lagc.api import CompiledModel
-    from lagc.api_run import Run
+    from lagc.api.run import Run
 
 T = TypeVar("T")
 
@@ -61,11 +61,11 @@ def run(options: argparse.Namespace) -> int:
     # Each scene takes the values that it has; a name that none has is refused.
     parameters = [_parameters(model) for model in models]
     given = choices[0].parameters
-    own = [model.without(()).bind(_known_values(given, parameters, k)) for k, model in enumerate(models)]
+    bound = [model.without(()).bind(_known_values(given, parameters, k)) for k, model in enumerate(models)]
     states = [model.state_names for model in models]
     runs: list[Run] = []
     try:
-        for k, model in enumerate(own):
+        for k, model in enumerate(bound):
             given_starts = _known_values(starts, states, k)
             run = model.simulate(stop, accuracy=accuracy, points=options.points, starts=given_starts)
             runs.append(run)
@@ -76,21 +76,21 @@ def run(options: argparse.Namespace) -> int:
             raise
     # An interruption keeps the runs so far.
     rest()
-    found = compare(scenes[: len(runs)], runs)
-    interrupted = len(runs) < len(own) or runs[-1].interrupted
+    comparison = compare(scenes[: len(runs)], runs)
+    interrupted = len(runs) < len(bound) or runs[-1].interrupted
     written = True
     if options.plot:
         from lagc.reports.plots.compare import draw
         from lagc.reports.plots.plot import save
 
-        path = write_or_keep(options.plot, lambda name: save(draw(found), name), (OSError, ValueError))
+        path = write_or_keep(options.plot, lambda name: save(draw(comparison), name), (OSError, ValueError))
         written = path == options.plot
         if path is not None:
             say(f"written to {path}", options.quiet or options.json)
     if options.json:
-        print_json({"status": "interrupted" if interrupted else "ok", **to_dict(found)})
+        print_json({"status": "interrupted" if interrupted else "ok", **to_dict(comparison)})
     else:
-        show(text(found, options.verbose))
+        show(text(comparison, options.verbose))
     if interrupted:
         say("interrupted: these are the runs until then", options.quiet or options.json)
         return LIMITED if reached() else INTERRUPTED

@@ -22,7 +22,7 @@ from lagc.host.budgets import reached, rest
 
 if TYPE_CHECKING:
     from lagc.api import CompiledModel
-    from lagc.api_run import Run
+    from lagc.api.run import Run
     from lagc.base.text import Quantity
     from lagc.compiler.pipeline import Compilation
     from lagc.compiler.stages import Choice
@@ -62,7 +62,7 @@ def check_pictures(options: argparse.Namespace) -> None:
     if options.overlays and options.animate is None and not options.panels:
         raise Usage("`--overlay` needs panels that show it: add --show, such as --show 'theta*'")
     if options.animate:
-        from lagc.api_run import check_animation
+        from lagc.api.run import check_animation
         from lagc.host.atomic_write import obstacle
 
         try:

@@ -65,24 +65,24 @@ def run(options: argparse.Namespace) -> int:
     model = CompiledModel(compilation if runs else compilation.differentiated, "auto" if time else "numpy")
     spare(compilation, options.output, _picture(model.interface, options.plot))
     try:
-        found = (
+        linear_models = (
             model.equilibria(starts=starts) if options.equilibrium else [_about(model, time, starts, options)]
         )
     except ArithmeticError as error:
         return _none(str(error), options)
-    if not found:
+    if not linear_models:
         return _none(
             "no equilibrium was found, neither from the initial state nor from random states", options
         )
     interface = model.interface
     facts = {"status": "ok", "model": interface.model, "scene": interface.scene,
              "effects": list(interface.effects)}  # fmt: skip
-    written = _deliver(found, facts, options)
+    written = _deliver(linear_models, facts, options)
     with output_beside(options.output):
         if options.json:
-            print_json(_document(found, facts))
+            print_json(_document(linear_models, facts))
         else:
-            show(_text(found, options))
+            show(_text(linear_models, options))
     return DONE if written else UNWRITTEN
 
 

@@ -177,7 +177,7 @@ def assignments(words: list[str], option: str) -> dict[str, tuple[float, str | N
 
     Raises Usage if a word has another form, or a name occurs twice.
     """
-    found: dict[str, tuple[float, str | None]] = {}
+    by_name: dict[str, tuple[float, str | None]] = {}
     for word in words:
         name, _, quantity = word.partition("=")
         name = name.strip(_SPACES)
@@ -187,10 +187,10 @@ def assignments(words: list[str], option: str) -> dict[str, tuple[float, str | N
             raise Usage(
                 f"`{option} {word}` is not of the form name=value or name=value[unit], as `{option} '{like}'`"
             )
-        if name in found:
+        if name in by_name:
             raise Usage(f"`{option} {name}` is given twice")
-        found[name] = value
-    return found
+        by_name[name] = value
+    return by_name
 
 
 def _value_of(word: str) -> tuple[float, str | None] | None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import lagc
-from lagc.api_cost import term_sizes
+from lagc.api.cost import term_sizes
 from lagc.cli.main import main
 from lagc.host.model_library import library_models
 from lagc.simulation.works import works

@@ -67,13 +67,13 @@ def expect_of(
 def _lone_factor(expression: tree.Expression) -> tree.Number | tree.Name | None:
     """Return the only number without a unit among the factors of a product, as in `9.81*m*x` (not `1/2*m`),
     or the only factor that the same file declares as `parameter Real`."""
-    found: list[tree.Number] = []
+    numbers: list[tree.Number] = []
     names: list[tree.Name] = []
     stack = [expression]
     while stack:
         top = stack.pop()
         if isinstance(top, tree.Number):
-            found.append(top)
+            numbers.append(top)
         elif isinstance(top, tree.Name) and re.search(
             rf"\bparameter\s+Real\s+{top.name}\b", top.span.source.text
         ):
@@ -86,8 +86,8 @@ def _lone_factor(expression: tree.Expression) -> tree.Number | tree.Name | None:
             stack += [top.left, top.right]
         elif isinstance(top, tree.Binary) and top.op == "/" and not is_bare(top):
             stack.append(top.left)
-    if len(found) == 1 and found[0] is not expression:
-        return found[0]
+    if len(numbers) == 1 and numbers[0] is not expression:
+        return numbers[0]
     return names[0] if len(names) == 1 else None
 
 

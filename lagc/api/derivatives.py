@@ -7,7 +7,7 @@ from contextlib import suppress
 from operator import index
 from typing import TYPE_CHECKING, Any
 
-from lagc.api_values import real, reals
+from lagc.api.values import real, reals
 from lagc.compiler.loaded import Loaded
 from lagc.compiler.stages import PER_OPERATION
 from lagc.host.budgets import Exhausted, reached

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from time import process_time
 from typing import TYPE_CHECKING, Any
 
-from lagc.api_values import quantities, seconds
+from lagc.api.values import quantities, seconds
 from lagc.base.records import replace
 from lagc.compiler.loaded import Loaded
 from lagc.compiler.pipeline import Compilation

@@ -8,7 +8,7 @@ from random import Random
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
-from lagc.api_values import quantities, seconds
+from lagc.api.values import quantities, seconds
 from lagc.compiler.loaded import Loaded
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.simulation.request import Request, bound_starts

@@ -13,11 +13,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
-from lagc.api_cost import Measurable
-from lagc.api_derivatives import Differentiable
-from lagc.api_effects import Comparable, without
-from lagc.api_run import Run
-from lagc.api_values import Input, Value, condition, parted, quantities, real, reals, seconds, word, words
+from lagc.api.cost import Measurable
+from lagc.api.derivatives import Differentiable
+from lagc.api.effects import Comparable, without
+from lagc.api.run import Run
+from lagc.api.values import Input, Value, condition, parted, quantities, real, reals, seconds, word, words
 from lagc.base.records import dataclass, names, replace
 from lagc.base.text import Quantity
 from lagc.compiler.loaded import Loaded
