@@ -238,7 +238,7 @@ def first_part_near_zero(p: Params, s: State, method: int, a: Trial, w: Work) ->
 def find_hidden_event(p: Params, s: State, method: int, a: Trial, rtol: Real, w: Work) -> Real:
     """Return the part of the step from s.x to s.x_new after which something begins that its ends do not
     show, NO_EVENT, or a negative number if the dense output failed."""
-    # What the ends show comes first: it needs no enclosure. The dense output is made once, where needed.
+    # Features at the ends come first, which need no enclosure. The dense output is made once, where needed.
     far = False
     if NFEAT > 0:
         features_at(p, s.t, s.x, w.feature_low, w)
