@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
+from itertools import combinations, product
 
 from lagc.base.records import dataclass, field
 from lagc.mechanics.formulation.equations import Row
@@ -125,8 +126,10 @@ def reachable_directions(
     while latest and span.size < len(where):
         if len(reachable([node for x in latest for node in x.values()])) > LONGEST:
             raise TooLong
-        brackets = (_bracket(graph, x, y) for x in fields for y in latest)
-        latest = [z for z in brackets if span.grows(z)]
+        pairs = (
+            product(fields, latest) if latest is not fields else combinations(fields, 2)
+        )  # [y, x] = -[x, y]
+        latest = [z for x, y in pairs if span.grows(z := _bracket(graph, x, y))]
     return span.directions
 
 
