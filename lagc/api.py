@@ -19,13 +19,14 @@ from lagc.api_effects import Comparable, without
 from lagc.api_run import Run
 from lagc.api_values import Input, Value, condition, parted, quantities, real, reals, seconds, word, words
 from lagc.base.records import dataclass, names, replace
+from lagc.base.text import Quantity
 from lagc.compiler.loaded import Loaded
-from lagc.compiler.pipeline import Choice, Compilation
+from lagc.compiler.pipeline import Compilation
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host import model_library
 from lagc.host.budgets import of_this_machine, running
 from lagc.simulation.request import (
-    Quantity,
     Request,
     bound_guesses,
     bound_parameters,

@@ -60,7 +60,7 @@ class Measurable:
         consistent initial state or C compiler, or if the motion does not reach `stop`.
         """
         began = perf_counter()
-        from lagc.compiler import pipeline
+        from lagc.compiler import pipeline, stages
         from lagc.host import cache
         from lagc.simulation.backends.compile import CannotCompile
         from lagc.study.cost import Study, study
@@ -77,10 +77,10 @@ class Measurable:
         program = pipeline.with_all_methods(self._loaded.compilation)
         interface = program.interface
 
-        double = pipeline.render(program, "c")
+        double = stages.render(program, "c")
 
         def make(real: str, flags: tuple[str, ...]) -> Probe:
-            sources = double if real == "double" else pipeline.render(program, "c", real=real)
+            sources = double if real == "double" else stages.render(program, "c", real=real)
             return Probe(sources, interface, values, x0, real, flags)
 
         def verify(accuracy: float) -> tuple[Verified, Array | None]:
@@ -123,7 +123,7 @@ def term_sizes(
     A state has the largest value of its unit."""
     import numpy as np
 
-    from lagc.mechanics.numeric.cancellation import magnitudes
+    from lagc.mechanics.identities.samples import magnitudes
     from lagc.simulation.values import values_at
 
     nx = system.nq + system.nv

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagc.api_values import real, reals
 from lagc.compiler.loaded import Loaded
-from lagc.compiler.pipeline import PER_OPERATION
+from lagc.compiler.stages import PER_OPERATION
 from lagc.host.budgets import Exhausted, reached
 
 if TYPE_CHECKING:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, SupportsFloat, TypeAlias
 
-from lagc.base.text import number
+from lagc.base.text import Quantity, number
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.simulation.request import Quantity, expression, si
+from lagc.simulation.request import expression, si
 
 if TYPE_CHECKING:
     from lagc.semantics.context import Points

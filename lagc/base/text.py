@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import re
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
+
+from lagc.base.records import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
 FINEST = 1e-15  # least relative tolerance, set by round-off
 MOST_POINTS = sys.maxsize // 2  # limit on the length of a list
@@ -22,6 +24,17 @@ _NONE = r"(?i)[+-]?(?:nan|inf|infinity)"
 _SIZE = r"([0-9]{1,18}(?:\.[0-9]{1,18})?)\s*([KMG]?)B?"
 _SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 _TIME = r"([0-9]{1,18}(?:\.[0-9]{1,18})?)\s*(?:(s|min|h|d)|\[(s|min|h|d)\])?"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number with its unit; None: an SI unit, or none."""
+
+    value: float
+    unit: str | None = None
+
+
+Given: TypeAlias = "Mapping[str, float | Quantity]"
 
 
 def number(text: str) -> float | None:

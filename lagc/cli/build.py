@@ -56,7 +56,7 @@ def methods(text: str) -> tuple[str, ...]:
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc.compiler import pipeline
+    from lagc.compiler import pipeline, stages
     from lagc.host import model_library
     from lagc.simulation.request import warnings_of
 
@@ -66,9 +66,10 @@ def run(options: argparse.Namespace) -> int:
         raise Usage("-o needs the name of a folder")
     if file := no_folder(options.output):
         raise Usage(f"`{file}` is no folder: -o needs the name of a folder")
+    # Nothing is written before all code exists and no file that the model reads would be replaced.
     compilation = pipeline.Compilation(model_library.read(options.file), choice_of(options))
     program = pipeline.delivered(compilation, options.derivatives, options.method)
-    files = pipeline.render(program, options.target, real=options.real)
+    files = stages.render(program, options.target, real=options.real)
     spare(compilation, *(os.path.join(options.output, name) for name in files))
     paths = write(files, options.output)
     warnings = warnings_of(program.interface, {**compilation.choice.inputs, **compilation.choice.parameters})

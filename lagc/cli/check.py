@@ -61,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
 
 def look_at(name: str, options: argparse.Namespace) -> Checked:
     """Check one file; a file that cannot be read counts as an error."""
-    from lagc.compiler import checking, pipeline
+    from lagc.compiler import checking, stages
     from lagc.host import model_library
 
     try:
@@ -69,7 +69,7 @@ def look_at(name: str, options: argparse.Namespace) -> Checked:
     except Refused as refused:
         return checking.Checked(list(refused.faults), checking.STAGES)
     given = quantities(options.parameters, "-p")
-    choice = pipeline.Choice(model=options.model, scene=options.scene, parameters=given)
+    choice = stages.Choice(model=options.model, scene=options.scene, parameters=given)
     try:
         return checking.look(source, choice)
     except Refused as refused:  # an option is wrong

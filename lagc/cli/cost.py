@@ -56,4 +56,5 @@ def run(options: argparse.Namespace) -> int:
     heading = f"{interface.model}, scene {interface.scene}" if interface.scene else interface.model
     text = report.text(found, heading, options.all)
     facts = {"model": interface.model, "scene": interface.scene}
-    return deliver(options, found, heading, report, "work_precision", text, bool(found.points), **facts)
+    some = bool(found.points)
+    return deliver(options, found, heading, report, "work_precision", text, some, found.late, **facts)

@@ -36,7 +36,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc.compiler import pipeline
+    from lagc.compiler import pipeline, stages
     from lagc.host import model_library
     from lagc.host.budgets import stage
     from lagc.reports.derivation.derivation import derivation_of
@@ -48,7 +48,7 @@ def run(options: argparse.Namespace) -> int:
     equations = pipeline.equations(source, choice)
     if equations.warnings and not (options.quiet or options.json):
         print_faults(equations.warnings, color=False if options.no_color else None)
-    with stage("writing the solution", pipeline.PER_PAIR * len(equations.v) ** 2):
+    with stage("writing the solution", stages.PER_PAIR * len(equations.v) ** 2):
         found = derivation_of(equations, options.language, options.full)
     if options.to == "motion":
         from lagc.api import CompiledModel

@@ -26,7 +26,7 @@ from lagc.cli.output import Usage
 from lagc.cli.study_report import add_report_options, check_reports, deliver
 
 if TYPE_CHECKING:
-    from lagc.simulation.request import Quantity
+    from lagc.base.text import Quantity
 
 RANGE = "1e-2..1e-8"
 

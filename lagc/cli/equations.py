@@ -29,14 +29,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc.compiler import pipeline
+    from lagc.compiler import pipeline, stages
     from lagc.host import model_library
     from lagc.host.budgets import stage
     from lagc.reports.equations.forms import NoForm
     from lagc.reports.equations.write import write
 
     equations = pipeline.equations(model_library.read(options.file), choice_of(options))
-    with stage("writing the equations", pipeline.PER_PAIR * len(equations.v) ** 2):
+    with stage("writing the equations", stages.PER_PAIR * len(equations.v) ** 2):
         try:
             text = write(equations, options.format, options.full, options.form)
         except NoForm as reason:

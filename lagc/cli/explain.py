@@ -20,14 +20,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc.compiler import pipeline
+    from lagc.compiler import pipeline, stages
     from lagc.host import model_library
     from lagc.host.budgets import stage
     from lagc.reports.explain import explanation, text
 
     equations = pipeline.equations(model_library.read(options.file), choice_of(options))
-    program = pipeline.optimize(equations, work=False)
-    with stage("examining the equations", pipeline.PER_PAIR * len(equations.v) ** 2):
+    program = stages.optimize(equations, work=False)
+    with stage("examining the equations", stages.PER_PAIR * len(equations.v) ** 2):
         facts = explanation(equations, program, whole=options.json or options.verbose)
     if options.json:
         print_json({"status": "ok", **facts})

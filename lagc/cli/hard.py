@@ -43,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
     if options.list:
         show(report.listing(CASES))
         return DONE
-    chosen = _chosen(options.case, {case.name: case for case in CASES})
+    chosen = _choose(options.case, {case.name: case for case in CASES})
     quiet = options.quiet or options.json
     if options.case and not (quiet or options.markdown):
         for case in chosen:
@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
     return code if code != DONE or found.kept else FAILED
 
 
-def _chosen(names: list[str], known: dict[str, Case]) -> list[Case]:
+def _choose(names: list[str], known: dict[str, Case]) -> list[Case]:
     from lagc.diagnostics.suggest import closest
 
     for name in names:

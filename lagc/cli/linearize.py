@@ -24,9 +24,9 @@ from lagc.cli.output import DONE, FAILED, UNWRITTEN, Usage, print_json, say, sho
 
 if TYPE_CHECKING:
     from lagc.api import CompiledModel
+    from lagc.base.text import Quantity
     from lagc.lowering.program import Interface
     from lagc.simulation.linearization.linear_model import Linear
-    from lagc.simulation.request import Quantity
 
 FORMATS = (".json", ".npz")
 MOST, LARGE = 8, 3  # equilibria that are shown without --verbose, in general and for large models
@@ -49,8 +49,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     from lagc.api import CompiledModel
-    from lagc.cli.deliver import beside
-    from lagc.cli.pictures import check_picture
+    from lagc.cli.deliver import check_picture, output_beside
     from lagc.compiler.pipeline import Compilation
     from lagc.host import model_library
 
@@ -79,9 +78,9 @@ def run(options: argparse.Namespace) -> int:
     facts = {"status": "ok", "model": interface.model, "scene": interface.scene,
              "effects": list(interface.effects)}  # fmt: skip
     written = _deliver(found, facts, options)
-    with beside(options.output):
+    with output_beside(options.output):
         if options.json:
-            print_json(_everything(found, facts))
+            print_json(_document(found, facts))
         else:
             show(_text(found, options))
     return DONE if written else UNWRITTEN
@@ -125,7 +124,7 @@ def _text(found: list[Linear], options: argparse.Namespace) -> str:
     return "\n".join([*parts, *(f"note: {note}" for note in _notes(found)), ""])
 
 
-def _everything(found: list[Linear], facts: dict[str, Any]) -> dict[str, Any]:
+def _document(found: list[Linear], facts: dict[str, Any]) -> dict[str, Any]:
     return {**facts, "linear": [linear.to_dict() for linear in found], "notes": _notes(found)}
 
 
@@ -152,14 +151,14 @@ def _check_output(path: str | None) -> None:
 
 def _deliver(found: list[Linear], facts: dict[str, Any], options: argparse.Namespace) -> bool:
     """Write the file and the plot; return whether both have the names that were given."""
-    from lagc.cli.deliver import kept
+    from lagc.cli.deliver import write_or_keep
 
     written = True
     if options.output:
         data = _content(found, facts, options.output)
         from lagc.host.atomic_write import write
 
-        path = kept(options.output, lambda name: write(name, data), (OSError,), ".json")
+        path = write_or_keep(options.output, lambda name: write(name, data), (OSError,), ".json")
         written = path == options.output
         if path is not None:
             say(f"written to {path}", options.quiet or options.json)
@@ -170,7 +169,7 @@ def _deliver(found: list[Linear], facts: dict[str, Any], options: argparse.Names
         interface = found[0].system.interface
         wanted = _picture(interface, options.plot)
         title = f"{interface.model}, scene {interface.scene}: {heading(found[0])}"
-        path = kept(wanted, lambda name: plot_modes(found[0], title, name), (OSError, ValueError))
+        path = write_or_keep(wanted, lambda name: plot_modes(found[0], title, name), (OSError, ValueError))
         written = written and path == wanted
         if path is not None:
             say(f"plot written to {path}", options.quiet or options.json)
@@ -191,7 +190,7 @@ def _content(found: list[Linear], facts: dict[str, Any], path: str) -> bytes:
     if not path.lower().endswith(".npz"):
         from lagc.base.text import json_text
 
-        return (json_text(_everything(found, facts), indent=2) + "\n").encode()
+        return (json_text(_document(found, facts), indent=2) + "\n").encode()
     import io
 
     import numpy

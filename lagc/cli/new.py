@@ -58,7 +58,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     if options.list:
-        show(_listed())
+        show(_listing())
         return DONE
     if options.name is None:
         raise Usage("NAME is missing; `lagc new --list` lists the models of the library")
@@ -79,7 +79,7 @@ def run(options: argparse.Namespace) -> int:
     return DONE
 
 
-def _listed() -> str:
+def _listing() -> str:
     """One line for each model of the library, with the description of the last model in its file."""
     models = model_library.library_models()
     width = max(map(len, models), default=0)

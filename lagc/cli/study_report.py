@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
-from lagc.cli.deliver import kept
+from lagc.cli.deliver import write_or_keep
 from lagc.cli.options import add_list_option
 from lagc.cli.output import DONE, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show
 from lagc.host.budgets import reached, rest
@@ -48,11 +48,11 @@ def check_reports(paths: Iterable[str]) -> None:
 
 def deliver(
     options: argparse.Namespace, found: Any, heading: str, report: Any, picture: str, text: str, some: bool,
-    **facts: str,
+    late: bool = False, **facts: str,
 ) -> int:  # fmt: skip
     """Write the files if there are `some` results, print the result, and return the exit code.  `report` is a
     module of `lagc.reports`, whose `to_dict` with `facts` is the JSON object; `picture` names one of
-    `lagc.reports.plots`."""
+    `lagc.reports.plots`; `late`: the study has reached its own limit."""
     rest()
     quiet = options.quiet or options.json
     data = {**facts, **report.to_dict(found)}
@@ -62,7 +62,7 @@ def deliver(
     else:
         show(text)
     if not found.complete:
-        return LIMITED if reached() else INTERRUPTED
+        return LIMITED if late or reached() else INTERRUPTED
     return DONE if all(written) else UNWRITTEN
 
 
@@ -78,9 +78,11 @@ def _write(path: str, found: Any, heading: str, report: Any, picture: str, quiet
         data = json_text(report.to_dict(found), indent=2) + "\n"
         if drawn is not None:
             data = report.page(found, heading, _picture(path, drawn, found, heading))
-        named = kept(path, lambda name: write(name, data.encode()), (OSError,), ending)
+        named = write_or_keep(path, lambda name: write(name, data.encode()), (OSError,), ending)
     else:
-        named = kept(path, lambda name: save(drawn.draw(found, heading), name), (OSError, ValueError))
+        named = write_or_keep(
+            path, lambda name: save(drawn.draw(found, heading), name), (OSError, ValueError)
+        )
     if named is not None:
         say(f"written to {named}", quiet)
     return named == path

@@ -373,7 +373,6 @@ class Program:
       limits      (p)             -> b[]   those of `limits`
       gaps        (p,t,x)         -> g[]    gap of each contact
       contact_rows (p,t,x,modes)  -> R[], u[], bias[]   gradient by v, rate, acceleration for v' = 0
-      contact_sizes (p,t,x,c)     -> s[]    the same of gaps
       restitutions (p,t,x)        -> r[]    of each contact
       normals     (p,t,x,modes)   -> N[], bias[]  of two-sided contacts: slopes by a, lam and forces, rest
       frictions   (p,t,x,modes)   -> f[]    friction of slip and of sticking of each contact

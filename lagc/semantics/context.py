@@ -74,7 +74,7 @@ class Clock:
                     total = total + local * known[argument]
             return total
 
-        return _found(node, self._rate, rate)
+        return _value_by_arguments(node, self._rate, rate)
 
     def mask(self, node: Node) -> int:
         """Return the kinds of symbols below `node`, one bit each."""
@@ -85,7 +85,7 @@ class Clock:
                 found |= known[argument]
             return found
 
-        return _found(node, self._mask, kinds)
+        return _value_by_arguments(node, self._mask, kinds)
 
 
 def set_quaternion_rate(clock: Clock, q: tuple[Node, Node, Node, Node], w: tuple[Node, Node, Node]) -> None:
@@ -99,7 +99,7 @@ def set_quaternion_rate(clock: Clock, q: tuple[Node, Node, Node, Node], w: tuple
         clock.set_rate(rate, clock.graph.leaf(rate.record.derivative))
 
 
-def _found(node: Node, known: dict[Node, T], find: Callable[[Node, dict[Node, T]], T]) -> T:
+def _value_by_arguments(node: Node, known: dict[Node, T], find: Callable[[Node, dict[Node, T]], T]) -> T:
     """Return `known[node]`, computed from its arguments in a loop, because graphs are deep."""
     stack = [node]
     while stack:
@@ -244,20 +244,14 @@ class Context:
         if entry.state == "poisoned":
             raise Poisoned
         if entry.state == "running":
-            raise Wrong(
-                "LAG0205",
-                f"`{entry.path}` depends on itself",
-                span,
-                related=((entry.span, "declared here"),),
-                remedy="break the circle: one of these declarations must not depend on the others",
-            )
+            message = f"`{entry.path}` depends on itself"
+            remedy = "break the circle: one of these declarations must not depend on the others"
+            related = ((entry.span, "declared here"),)
+            raise Wrong("LAG0205", message, span, remedy, related)
         if len(self.chain) >= DEEPEST_CHAIN:
-            raise Wrong(
-                "LAG0218",
-                f"a chain of more than {DEEPEST_CHAIN} declarations depend on one another",
-                span,
-                "put each declaration before those that depend on it",
-            )
+            message = f"a chain of more than {DEEPEST_CHAIN} declarations depend on one another"
+            remedy = "put each declaration before those that depend on it"
+            raise Wrong("LAG0218", message, span, remedy)
         entry.state = "running"
         self.chain.append(entry)
         try:

@@ -93,10 +93,10 @@ class Builder:
 
     def _register(self, body: Iterable[tree.Declaration], destination: Destination) -> None:
         for declaration in body:
-            self.context.attempt(self._one, declaration, destination)
+            self.context.attempt(self._register_one, declaration, destination)
 
-    def _one(self, d: tree.Declaration, destination: Destination) -> None:
-        excluded = self._excluded(d)
+    def _register_one(self, d: tree.Declaration, destination: Destination) -> None:
+        excluded = self._excluding_effect(d)
         if excluded is not None:
             for name in names_of(d):
                 self.instance.unused.setdefault(name, f"is left out because the effect `{excluded}` is used")
@@ -120,14 +120,11 @@ class Builder:
         elif isinstance(d, tree.When):
             self.context.whens.append((d, destination.environment, destination.effect))
         elif isinstance(d, tree.Start | tree.Simulate):
-            raise Wrong(
-                "LAG0221",
-                "this is only allowed in a scene",
-                d.span,
-                "write it between `scene name uses ...` and `end name;`",
-            )
+            message = "this is only allowed in a scene"
+            remedy = "write it between `scene name uses ...` and `end name;`"
+            raise Wrong("LAG0221", message, d.span, remedy)
 
-    def _excluded(self, d: tree.Declaration) -> str | None:
+    def _excluding_effect(self, d: tree.Declaration) -> str | None:
         for name in getattr(d, "unless", ()):
             if self._uses(name.name):
                 return str(name.name)
@@ -245,7 +242,7 @@ class Builder:
             inner = replace(destination, environment=destination.environment.bind({d.variable: value}))
             first = len(self.deferred)
             for declaration in d.body:
-                self._one(declaration, inner)
+                self._register_one(declaration, inner)
             jobs, self.deferred[first:] = self.deferred[first:], []
             for job in jobs:
                 self._unfold(*job)
@@ -278,14 +275,12 @@ class Builder:
         source = entry.source
         assert isinstance(source, tree.Declarator)
         space = entry.environment.space
+        # `Solid crank(...)` and `Gravity field;` look like instances and are declarations of their own.
         if len(d.type.path) == 1 and d.type.path[0] in ELEMENTS and space.lookup(d.type.path[0]) is None:
             if source.dimensions:
-                raise Wrong(
-                    "LAG0221",
-                    f"an array of `{d.type.path[0]}` cannot be declared this way",
-                    source.span,
-                    "write `body b[i] = ...;` in a loop",
-                )
+                message = f"an array of `{d.type.path[0]}` cannot be declared this way"
+                remedy = "write `body b[i] = ...;` in a loop"
+                raise Wrong("LAG0221", message, source.span, remedy)
             entry.kind = "gravity" if d.type.path[0] == "Gravity" else "body"
             destination.items.append(entry)
             return
@@ -299,19 +294,18 @@ class Builder:
             return
         if source.value is not None:
             raise Wrong("LAG0221", "an instance of a model has no value", source.value.span)
+        # Modifications from outside go before those of the declaration, the outermost first.
         own = modifiers_of(source.arguments, entry.environment)
         for modifier in reversed(entry.modifiers):  # the outermost last, because the last goes first
             if modifier.argument.value is not None:
-                raise Wrong(
-                    "LAG0209",
-                    f"`{entry.name}` is an instance of a model and has no value",
-                    modifier.argument.span,
-                )
+                message = f"`{entry.name}` is an instance of a model and has no value"
+                raise Wrong("LAG0209", message, modifier.argument.span)
             for name, given in modifiers_of(modifier.argument.arguments, modifier.environment).items():
                 own[name] = [*given, *own.get(name, [])]
+        # One instance is a part; of an array each element takes its share of arrays in modifications.
         sizes = [integer(self.context, s, entry.environment, "a size") for s in source.dimensions]
         if not sizes:
-            part = self._nested(found, where, entry.path + ".", own, destination)
+            part = self._nested_instance(found, where, entry.path + ".", own, destination)
             entry.state, entry.value = "done", part
             return
         entry.elements = {}
@@ -325,7 +319,7 @@ class Builder:
             }
             element.state, element.value = (
                 "done",
-                self._nested(found, where, element.path + ".", chosen, destination),
+                self._nested_instance(found, where, element.path + ".", chosen, destination),
             )
 
     def _model_of(self, d: tree.Instance, space: Namespace) -> tuple[tree.ModelDeclaration, Namespace]:
@@ -340,15 +334,12 @@ class Builder:
         if not isinstance(found, tree.ModelDeclaration):
             raise Wrong("LAG0204", f"`{'.'.join(d.type.path)}` is not a model", d.type.span)
         if found.partial:
-            raise Wrong(
-                "LAG0211",
-                f"`{found.name}` is partial; it can only be extended",
-                d.type.span,
-                related=((found.name_span, "declared here"),),
-            )
+            message = f"`{found.name}` is partial; it can only be extended"
+            related = ((found.name_span, "declared here"),)
+            raise Wrong("LAG0211", message, d.type.span, related=related)
         return found, where
 
-    def _nested(
+    def _nested_instance(
         self,
         model: tree.ModelDeclaration,
         space: Namespace,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Wrong
@@ -22,7 +22,7 @@ from lagc.semantics.declarations.actions import (
     declare_potential,
 )
 from lagc.semantics.declarations.bodies import declare_body, declare_gravity
-from lagc.semantics.declarations.events import ending, when_clause
+from lagc.semantics.declarations.events import ending_clause, refuse_in_constraints, when_clause
 from lagc.semantics.declarations.quantities import declare_quantity
 from lagc.semantics.instantiate import Builder
 from lagc.semantics.names.namespace import Importer, Namespace
@@ -94,6 +94,7 @@ def _resolve(
     until: str | None,
     probes: Sequence[str],
 ) -> objects.Model:
+    # Model and scene are chosen first: effects decide which declarations exist.
     importer = context.importer
     space = Namespace(file.declarations, None, importer)
     importer.look_at(file.declarations, space)
@@ -108,7 +109,8 @@ def _resolve(
         read_command(context, parameters, starts)
         read_inputs(context, inputs or {}, environment)
         if until is not None:
-            context.whens.append((ending(context, until), environment, None))
+            context.whens.append((ending_clause(context, until), environment, None))
+        # All names are entered before a value is asked for, so that declarations may come in any order.
         Builder(context, instance, {}).build(declaration, where)
         context.conditions[:0] = instance.conditions
         simulate = read_rest(context, setting, environment)
@@ -117,27 +119,22 @@ def _resolve(
         context.refuse_faults()
         raise AssertionError("a fault refuses") from None
     check_effects(context, setting)
+    # Every declaration is evaluated; what it depends on is evaluated before it.
     found = [*_evaluate(context, instance), *_probes(context, probes, environment)]
     conditions = _conditions(context)
     whens = _whens(context)
     if _of(found, objects.Discrete) or context.impulses:
-        from lagc.semantics.declarations.events import refuse_in_constraints  # where there are some
-
         refuse_in_constraints(context, _of(found, objects.Constraint), conditions, _of(found, objects.Speed))
     look_at_uncalled(context, instance.in_order())
     _check_given(context, instance)
     if not context.faults and not _of(found, objects.Coordinate) and not _of(found, objects.Orientation):
         empty = _empty(declaration)
         reason = f": {empty}" if empty else ""
-        context.report(
-            Wrong(
-                "LAG0222",
-                f"the model `{declaration.name}` has no coordinates, so nothing can move{reason}",
-                declaration.name_span,
-                "set the size to 1 or more" if empty else "declare one: `coordinate Length x;`",
-            )
-        )
+        message = f"the model `{declaration.name}` has no coordinates, so nothing can move{reason}"
+        remedy = "set the size to 1 or more" if empty else "declare one: `coordinate Length x;`"
+        context.report(Wrong("LAG0222", message, declaration.name_span, remedy))
     context.refuse_faults()
+    # Faults refuse the model here, warnings go with it.
     warnings = [*context.warnings.values(), *text_warnings(file)]
     if instance.effects:
         warnings += unused_effects(file, instance, setting, scenes)
@@ -195,13 +192,13 @@ def _whens(context: Context) -> list[objects.When]:
     """Return the event clauses in order; clauses whose condition is constant are left out."""
     found: list[objects.When] = []
 
-    def one(written: tree.When, environment: Environment, effect: str | None) -> None:
+    def add_clause(written: tree.When, environment: Environment, effect: str | None) -> None:
         clause = when_clause(context, written, environment, effect)
         if context.clock.mask(clause.condition) & (MOVING | LATE):
             found.append(clause)
 
     for given in context.whens:
-        context.attempt(one, *given)
+        context.attempt(add_clause, *given)
     return found
 
 
@@ -276,53 +273,46 @@ def _model(
     simulate: dict[str, float],
     warnings: Sequence[Fault],
 ) -> objects.Model:
-    coordinates = [n for n in found if isinstance(n, objects.Coordinate | objects.Orientation)]
     kinds = objects.Potential | objects.Force | objects.Torque | objects.Dissipation | objects.Lagrangian
-    actions = [n for n in found if isinstance(n, kinds)]
-    effects = tuple(
-        [
-            objects.Effect(path, e.description or "", setting.uses.has(path), e.span)
-            for path, e in context.effects.items()
-        ]
-    )
+    effects = [
+        objects.Effect(path, e.description or "", setting.uses.has(path), e.span)
+        for path, e in context.effects.items()
+    ]
+    of_one_kind: dict[str, Any] = {field: _of(found, kind) for field, kind in _KINDS.items()}
+    modes = [contact.mode for contact in _of(found, objects.Contact)]
     return objects.Model(
         name=declaration.name,
         scene=setting.name,
         description=declaration.description or "",
         graph=context.graph,
         time=context.time,
-        parameters=_of(found, objects.Parameter),
-        inputs=_of(found, objects.Input),
-        coordinates=tuple(coordinates),
-        speeds=_of(found, objects.Speed),
-        frames=_of(found, objects.Frame),
-        points=_of(found, objects.Point),
-        bodies=_of(found, objects.Body),
-        actions=tuple(actions),
-        constraints=_of(found, objects.Constraint),
+        # The objects of the declarations, each kind in the order of the text.
+        coordinates=tuple([n for n in found if isinstance(n, objects.Coordinate | objects.Orientation)]),
+        actions=tuple([n for n in found if isinstance(n, kinds)]),
+        discretes=(*_of(found, objects.Discrete), *context.impulses.values(), *modes),
+        **of_one_kind,
+        # The clauses, the choice of the scene, and what the resolution has gathered.
         initial_conditions=tuple(conditions),
         whens=tuple(whens),
-        discretes=(
-            *_of(found, objects.Discrete),
-            *context.impulses.values(),
-            *(c.mode for c in _of(found, objects.Contact)),
-        ),
-        contacts=_of(found, objects.Contact),
         tables=tuple(context.curves.values()),
-        figures=_of(found, objects.Figure),
-        outputs=_of(found, objects.Output),
-        effects=effects,
+        effects=tuple(effects),
         scenes=setting.names,
         simulate=simulate,
-        limits=_of(found, objects.Limit),
-        joints=_of(found, objects.Joint),
-        releases=_of(found, objects.Release),
         scales=context.scales,
         built_in=tuple(context.built_in),
         imports=tuple(context.importer.asked.items()),
         notes=setting.notes,
         warnings=tuple(warnings),
     )
+
+
+_KINDS: dict[str, type[Any]] = {  # fields of the model that hold objects of one kind
+    "parameters": objects.Parameter, "inputs": objects.Input, "speeds": objects.Speed,
+    "frames": objects.Frame, "points": objects.Point, "bodies": objects.Body,
+    "constraints": objects.Constraint, "contacts": objects.Contact, "outputs": objects.Output,
+    "limits": objects.Limit, "joints": objects.Joint, "releases": objects.Release,
+    "figures": objects.Figure,
+}  # fmt: skip
 
 
 def _function(context: Context, entry: Entry) -> Value:

@@ -80,6 +80,7 @@ def tokenise(source: Source) -> Lexed:
         assert found is not None  # `odd` takes any character
         kind = found.lastgroup
         end = found.end()
+        # Blanks and words are most of a text: their branches come first.
         if kind == "blank":
             pass
         elif kind == "word":
@@ -98,7 +99,7 @@ def tokenise(source: Source) -> Lexed:
         elif kind == "comment":
             lexed.comments.append(Token("comment", found.group(), position, end))
         elif kind == "unclosed":
-            end = _unclosed(source, lexed, found.group(), position)
+            end = _end_unclosed(source, lexed, found.group(), position)
         elif kind == "odd":
             end = end if found.group() in _BLANKS else _foreign_character(source, lexed, position)
         else:
@@ -119,21 +120,16 @@ def _unit(source: Source, lexed: Lexed, start: int) -> int:
         found = _UNIT_START.match(source.text, start)
         assert found is not None  # it begins with the bracket
         end = start + len(found.group().rstrip())
-        lexed.faults.append(
-            Fault(
-                "LAG0104",
-                "this unit is not closed",
-                Span(source, start, end),
-                remedy=f"write `{source.text[start:end]}]`" if end > start + 1 else "close it with `]`",
-            )
-        )
+        message = "this unit is not closed"
+        remedy = f"write `{source.text[start:end]}]`" if end > start + 1 else "close it with `]`"
+        lexed.faults.append(Fault("LAG0104", message, Span(source, start, end), remedy=remedy))
         lexed.tokens.append(Token(UNIT, source.text[start:end] + "]", start, end))
         return end
     lexed.tokens.append(Token(UNIT, found.group(), start, found.end()))
     return found.end()
 
 
-def _unclosed(source: Source, lexed: Lexed, opening: str, start: int) -> int:
+def _end_unclosed(source: Source, lexed: Lexed, opening: str, start: int) -> int:
     """Report an unclosed comment, which ends with the file, or text, which ends with its line."""
     text = source.text
     if opening == "/*":
@@ -171,7 +167,7 @@ def _foreign_word(source: Source, word: str, start: int) -> Fault:
     good = plain.isascii() and plain.isidentifier()
     remedy = f"write `{plain}`" if good else None
     if exponent is not None and (good or not plain):
-        remedy = _raised(source, plain, exponent)
+        remedy = _power_remedy(source, plain, exponent)
     elif word in foreign("characters"):
         remedy = remedy_of(foreign("characters")[word])
     message = f"`{word}` is not a name; names consist of the letters A-Z and a-z, digits and `_`"
@@ -262,10 +258,10 @@ def _degrees(source: Source, lexed: Lexed, start: int) -> int | None:
 def _power(source: Source, lexed: Lexed, start: int) -> int | None:
     """Explain `s⁻²`."""
     found = _EXPONENT.match(source.text, start)
-    return found and _report(source, lexed, start, found.end(), _raised(source, "", found))
+    return found and _report(source, lexed, start, found.end(), _power_remedy(source, "", found))
 
 
-def _raised(source: Source, base: str, exponent: re.Match[str]) -> str:
+def _power_remedy(source: Source, base: str, exponent: re.Match[str]) -> str:
     """Return a remedy for `x²` and `sin²(x)`."""
     import unicodedata
 

@@ -102,7 +102,9 @@ def _arrange(
             if kind not in ("requires", "excludes"):
                 arranged.append(item)
             if isinstance(item, tree.Quantities | tree.Instance):
-                faults += [_dotted(d) for d in item.declarators if d.within and container != "scene"]
+                faults += [
+                    _dotted_name_fault(d) for d in item.declarators if d.within and container != "scene"
+                ]
         outside = True
         _check(kind, item.span, container, misplaced, faults)
     return tuple(arranged), initial
@@ -202,11 +204,8 @@ def _instead(condition: tree.Condition, container: str) -> str:
     )
 
 
-def _dotted(declarator: tree.Declarator) -> Fault:
+def _dotted_name_fault(declarator: tree.Declarator) -> Fault:
     """Report `parameter a.l = 2;` outside of a scene."""
-    return Fault(
-        "LAG0134",
-        "a declared name contains no `.`; a part of an instance is declared in its model",
-        declarator.name_span,
-        remedy=f"set its value at the instance, `Model a({declarator.name} = ...)`, or in a scene",
-    )
+    message = "a declared name contains no `.`; a part of an instance is declared in its model"
+    remedy = f"set its value at the instance, `Model a({declarator.name} = ...)`, or in a scene"
+    return Fault("LAG0134", message, declarator.name_span, remedy=remedy)

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from lagc.diagnostics.faults import Fault, Span
 from lagc.syntax.lalr import MOST_FAULTS, Machine
 from lagc.syntax.lexer import END, SYMBOL, WORD, Token
-from lagc.syntax.mistakes import Explained, Repair, Where, keywords, signs
+from lagc.syntax.mistakes import Explained, Repair, Where, explained, keywords, signs
 
 MOST_RECOVERIES = 200
 
@@ -65,13 +65,13 @@ class Recovery:
         if top.text == "end" and "SEMICOLON" not in machine.tables.actions[machine.states[-1]]:
             span = Span(machine.source, top.start, top.end)
             machine.report(block.fault("LAG0113", "`end` needs the name of its block", span), top)
-            machine.tokens.insert(machine.position, Token(WORD, block.closing, at, at))
+            machine.tokens.insert(machine.position, Token(WORD, block.end_name, at, at))
             return True
         before = machine.values[-2]
-        if type(before) is not Token or before.text != "end" or top.text != block.closing:
+        if type(before) is not Token or before.text != "end" or top.text != block.end_name:
             return False
         span = Span(machine.source, top.end, top.end)
-        remedy = f"write `end {block.closing};`"
+        remedy = f"write `end {block.end_name};`"
         machine.report(Fault("LAG0111", "a `;` is missing", span, (), remedy), before)
         machine.tokens.insert(machine.position, Token(SYMBOL, ";", at, at))
         return True
@@ -220,10 +220,10 @@ def _anything_else(w: Where) -> Explained:
     if not w.inside:
         message = f"{w.shown} does not begin a declaration"
         begins = "begin with a keyword (`parameter`, `body`, ...) or the name of a model"
-        return Explained(Fault("LAG0110", message, w.span(w.token), remedy=begins))
+        return explained("LAG0110", message, w.span(w.token), begins)
     remedy = "a `;` or an operator may be missing" if w.accepts("SEMICOLON") else None
     message = f"{w.shown} cannot stand after `{w.before.text}`"
-    return Explained(Fault("LAG0110", message, w.span(w.token), remedy=remedy))
+    return explained("LAG0110", message, w.span(w.token), remedy)
 
 
 _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
@@ -246,7 +246,7 @@ _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     signs.decimal_comma,
     signs.comma_between_starts,
     signs.power_of_function,
-    signs.chained,
+    signs.chained_comparison,
     signs.semicolon_too_many,
     keywords.missing_end_word,
     keywords.stray_end,

@@ -23,7 +23,7 @@ Children: TypeAlias = list[Any]
 T = TypeVar("T")
 
 
-def _only(self: object, c: Children, span: Span) -> Any:
+def _first_child(self: object, c: Children, span: Span) -> Any:
     return c[0]
 
 
@@ -34,7 +34,7 @@ def _word(self: object, c: Children, span: Span) -> Any:
 class Builder:
     """Builds the tree of `source`; `faults` are those that the grammar does not find."""
 
-    uses = unless = relation = _only
+    uses = unless = relation = _first_child
     quantity_kind = construct_kind = _word
 
     def __init__(self, source: Source):
@@ -128,14 +128,16 @@ class Builder:
 
     def quantities(self, c: Children, span: Span) -> tree.Quantities:
         kind, type_name, declarators, unless, description = c
-        return tree.Quantities(kind, type_name, self._described(declarators, description), unless or (), span)
+        return tree.Quantities(
+            kind, type_name, self._with_description(declarators, description), unless or (), span
+        )
 
     def instance(self, c: Children, span: Span) -> tree.Instance:
         model, declarators, unless, description = c
         made = self._type_of(model)
         if any(declarator.value is not None for declarator in declarators):
             self.faults += _misspelt_keyword(made)
-        return tree.Instance(made, self._described(declarators, description), unless or (), span)
+        return tree.Instance(made, self._with_description(declarators, description), unless or (), span)
 
     def declarators(self, c: Children, span: Span) -> tuple[tree.Declarator, ...]:
         return tuple(c)
@@ -247,7 +249,7 @@ class Builder:
 
     # -- helpers -----------------------------------------------------------------------------
 
-    def _described(
+    def _with_description(
         self, declarators: tuple[tree.Declarator, ...], description: Token | None
     ) -> tuple[tree.Declarator, ...]:
         """A description after `unless` is that of the last name."""
@@ -282,14 +284,9 @@ class Builder:
         if isinstance(left, tree.Call) and isinstance(left.function, tree.Name):
             name = left.function
             return tree.Argument(name.name, name.span, value, span, each is not None, left.arguments)
-        self.faults.append(
-            Fault(
-                "LAG0123",
-                "what stands before the `=` of an argument is a name",
-                left.span,
-                remedy="write `name = value`, or `==` to compare",
-            )
-        )
+        message = "what stands before the `=` of an argument is a name"
+        remedy = "write `name = value`, or `==` to compare"
+        self.faults.append(Fault("LAG0123", message, left.span, remedy=remedy))
         return tree.Argument(None, None, value or left, span)
 
     def subscripts(self, c: Children, span: Span) -> tuple[tree.Expression, ...]:
@@ -383,7 +380,7 @@ class Builder:
         return tree.Unit(token.text[1:-1].strip(), self._span(token))
 
     def _text(self, token: Token | None) -> str | None:
-        return None if token is None else unquoted(token.text)
+        return None if token is None else text_between_quotes(token.text)
 
     def _part(self, node: T, base: tree.Expression) -> T:
         parts = 1 + (self._parts[id(base)][1] if id(base) in self._parts else 1)
@@ -460,7 +457,7 @@ def _options_apart(
     return kept, last.arguments
 
 
-def unquoted(text: str) -> str:
+def text_between_quotes(text: str) -> str:
     """Return the text between the quotes, with escapes replaced."""
     inner = text[1:-1]
     if "\\" not in inner:

@@ -17,7 +17,8 @@ import pytest
 from lagc import load
 from lagc.base import records
 from lagc.cli.main import main
-from lagc.compiler.pipeline import Choice, Compilation
+from lagc.compiler.pipeline import Compilation
+from lagc.compiler.stages import Choice
 from lagc.host import cache, model_library
 from lagc.host.cache import folders, upkeep
 from lagc.lowering.program import Clause, Contact, Field

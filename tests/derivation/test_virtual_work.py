@@ -8,7 +8,7 @@ import math
 import pytest
 
 from lagc.base.records import replace
-from lagc.mechanics.numeric.samples import samples
+from lagc.mechanics.identities.samples import samples
 from lagc.reports.derivation.rates import rates_of
 from lagc.semantics.model import Action, Force, Lagrangian, Potential, Torque
 from lagc.symbolic.evaluate import evaluate

@@ -8,7 +8,7 @@ from functools import cache
 
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.formulation.states import build_states
-from lagc.mechanics.numeric.samples import Chance, samples
+from lagc.mechanics.identities.samples import Chance, samples
 from lagc.reports.derivation.derivation import Derivation, derivation_of
 from lagc.reports.derivation.rates import rates_of
 from lagc.reports.derivation.writer import Written

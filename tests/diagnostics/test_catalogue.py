@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from lagc.compiler.checking import check
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.catalogue import entries
 from lagc.diagnostics.faults import Source
 from lagc.host.model_library import messages_folder

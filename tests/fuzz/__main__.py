@@ -23,10 +23,10 @@ from typing import Any
 from lagc.codegen.kernel_compiler import shipped
 from lagc.simulation.backends.compile import compiler
 from tests.fuzz import workers
-from tests.fuzz.disturbed import Disturber
-from tests.fuzz.finds import Finds
+from tests.fuzz.coverage_guided import Guided
+from tests.fuzz.findings import Finds
 from tests.fuzz.grammar import rules
-from tests.fuzz.guided import Guided
+from tests.fuzz.interference import Disturber
 from tests.fuzz.mechanisms import mechanism
 from tests.fuzz.models import Case, model
 from tests.fuzz.mutations import library, mutated

@@ -98,7 +98,7 @@ def _no_events(module: dict[str, Any]) -> None:
 
 def _no_seat(module: dict[str, Any]) -> None:
     """Contacts that touch are not put on gap = 0."""
-    module["seat"] = lambda p, t, x, sizes, w: OK
+    module["seat"] = lambda p, t, x, w: OK
 
 
 def _no_rest(module: dict[str, Any]) -> None:
@@ -109,8 +109,8 @@ def _no_rest(module: dict[str, Any]) -> None:
 def _no_law(module: dict[str, Any]) -> None:
     """Contacts that touch stay closed in the modes in which they are listed."""
 
-    def keep(w: Any) -> int:
-        w.law_p[:] = [0.0] * len(w.law_p)
+    def keep(law: Any) -> int:
+        law.p[:] = [0.0] * len(law.p)
         return 0
 
     module["set_law"] = keep

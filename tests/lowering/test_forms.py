@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from lagc.compiler.pipeline import Choice, Compilation
+from lagc.compiler.pipeline import Compilation
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Source
 from lagc.lowering.kkt.solve import solvers
 from lagc.mechanics.formulation.equations import EquationsOfMotion

@@ -11,7 +11,7 @@ import mpmath as mp
 import pytest
 
 from lagc.compiler import pipeline
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Source
 from lagc.lowering.magnitudes import gradient_bounds, gradient_magnitudes
 from lagc.lowering.program import Function

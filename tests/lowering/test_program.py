@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from lagc.compiler import pipeline
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.host import model_library
 from lagc.lowering.lower_equations import optimize
 from lagc.lowering.program import Program

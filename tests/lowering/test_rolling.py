@@ -10,7 +10,7 @@ import pytest
 from lagc.base.records import replace
 from lagc.codegen.c.emit import render
 from lagc.codegen.loop_segments import segments
-from lagc.compiler.pipeline import Choice, derive, parse, resolve
+from lagc.compiler.stages import Choice, derive, parse, resolve
 from lagc.host import model_library
 from lagc.lowering.loops.loop_rolling import local, rerolled
 from lagc.lowering.lower_equations import optimize

@@ -13,7 +13,7 @@ from lagc.diagnostics.faults import Refused, Source
 from lagc.host.model_library import messages_folder
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.mechanics.lint.unmoved import unmoved
+from lagc.mechanics.lint.loads import unmoved
 from lagc.semantics.resolve import resolve
 from lagc.syntax.parse import parse
 from tests.invariants import verify

@@ -9,7 +9,7 @@ import pytest
 
 import lagc
 from lagc.mechanics.analysis.analysis import analyse
-from lagc.mechanics.numeric.cancellation import magnitudes
+from lagc.mechanics.identities.samples import magnitudes
 from lagc.symbolic.graph import Graph, Node
 from tests.reports.models import equations_of
 

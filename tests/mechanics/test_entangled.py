@@ -7,7 +7,7 @@ from random import Random
 import pytest
 import sympy
 
-from lagc.mechanics.redundancy.redundancy import entangled
+from lagc.mechanics.redundancy import entangled
 
 
 @pytest.mark.parametrize("seed", range(40))

@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 
 from lagc.compiler.checking import check
-from lagc.compiler.pipeline import Choice, parse, resolve
+from lagc.compiler.stages import Choice, parse, resolve
 from lagc.diagnostics.faults import Source
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation import jacobian as module
 from lagc.mechanics.formulation.jacobian import Entries, formed_of
 from lagc.mechanics.formulation.states import build_states
-from lagc.mechanics.redundancy.redundancy import dependent_rows
-from lagc.mechanics.redundancy.row_reduction import tables
+from lagc.mechanics.redundancy import dependent_rows, tables
 from lagc.semantics.model import Model
 from lagc.symbolic import derivative as jacobians
 from tests.mechanics.numbers import jacobian, random_state, vector

@@ -19,8 +19,7 @@ from lagc.mechanics.formulation.euler_lagrange import free_terms, with_rates
 from lagc.mechanics.formulation.inertia import moving_parts
 from lagc.mechanics.formulation.states import States, build_states
 from lagc.mechanics.identities.constraint_manifold import walk
-from lagc.mechanics.numeric.cancellation import magnitudes
-from lagc.mechanics.numeric.samples import samples
+from lagc.mechanics.identities.samples import magnitudes, samples
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node

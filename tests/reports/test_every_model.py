@@ -10,7 +10,7 @@ import pytest
 
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.mechanics.numeric.samples import Chance, samples
+from lagc.mechanics.identities.samples import Chance, samples
 from lagc.reports.equations.write import write
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node

@@ -8,7 +8,7 @@ import pytest
 
 from lagc.cli.main import main
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.mechanics.numeric.samples import Chance, samples
+from lagc.mechanics.identities.samples import Chance, samples
 from lagc.reports.equations.forms import FORMS, NoForm
 from lagc.reports.equations.page import page
 from lagc.reports.equations.write import write

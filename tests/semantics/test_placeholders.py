@@ -8,7 +8,7 @@ import pytest
 
 from lagc.compiler import pipeline
 from lagc.compiler.checking import check
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Refused, Source
 from lagc.host.model_library import library_models, models_folder
 from lagc.semantics.model import Model

@@ -120,7 +120,8 @@ def test_compiled_tables_agree_bitwise_and_with_their_expressions() -> None:
 
 
 def generated(model: str) -> dict[str, str]:
-    from lagc.compiler.pipeline import Choice, program, render
+    from lagc.compiler.pipeline import program
+    from lagc.compiler.stages import Choice, render
     from lagc.diagnostics.faults import Source
 
     return render(program(Source("made.lag", model), Choice()), "numpy")

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lagc.compiler.checking import check
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Refused, Source
 from lagc.semantics.resolve import resolve
 from lagc.semantics.units import NONE, UnknownUnit, dimension, over, raised, si_text, times, to_si, unit

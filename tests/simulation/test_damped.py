@@ -19,7 +19,7 @@ import lagc
 from lagc.base.records import replace
 from lagc.codegen.c.emit import render as render_c
 from lagc.compiler import pipeline
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Source
 from lagc.host.model_library import read as read_model
 from lagc.lowering.kkt import solve as kkt

@@ -184,7 +184,8 @@ def counted(module: dict[str, Any], ending: str) -> list[str]:
 
 
 def test_models_without_divisors_have_no_guards() -> None:
-    from lagc.compiler.pipeline import Choice, program
+    from lagc.compiler.pipeline import program
+    from lagc.compiler.stages import Choice
     from lagc.host.model_library import read
 
     assert program(read("kepler"), Choice()).interface.poles == 1

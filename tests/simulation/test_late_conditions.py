@@ -11,7 +11,7 @@ import pytest
 import lagc
 from lagc.cli.main import main
 from lagc.compiler import pipeline
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.syntax.parse import Source
 
 BACKENDS = ["numpy", pytest.param("c", marks=pytest.mark.full)]

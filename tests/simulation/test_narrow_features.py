@@ -94,7 +94,8 @@ end M;"""
 
 def test_models_without_features_have_no_guards() -> None:
     """A chain of exponential springs shows all that it is at the ends of its steps."""
-    from lagc.compiler.pipeline import Choice, program
+    from lagc.compiler.pipeline import program
+    from lagc.compiler.stages import Choice
     from lagc.host.model_library import read
 
     assert program(read("toda_lattice"), Choice()).interface.features == 6

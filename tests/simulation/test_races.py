@@ -12,7 +12,8 @@ import pytest
 
 from lagc.codegen.c.emit import render
 from lagc.codegen.identifiers import prefix
-from lagc.compiler.pipeline import Choice, Compilation
+from lagc.compiler.pipeline import Compilation
+from lagc.compiler.stages import Choice
 from lagc.host.model_library import read
 from lagc.lowering.program import Program
 from tests.simulation.linkages import four_bar

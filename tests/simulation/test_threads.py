@@ -14,7 +14,8 @@ from typing import Any
 import pytest
 
 import lagc
-from lagc.compiler.pipeline import Choice, Compilation, render
+from lagc.compiler.pipeline import Compilation
+from lagc.compiler.stages import Choice, render
 from lagc.host import cache
 from lagc.host.model_library import read
 from lagc.simulation.backends import compile as c_compiler

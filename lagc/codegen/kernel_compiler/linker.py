@@ -30,8 +30,7 @@ DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NGRADIENTS": lambda n: (n["NCON"] + n["NSLIP"]) * n["NV"],
     "NRESPONSES": lambda n: (n["NCON"] + n["NSLIP"]) * (n["NV"] + n["NC"]),
     "NDELASSUS": lambda n: (n["NCON"] + n["NSLIP"]) * (n["NCON"] + n["NSLIP"]),
-    "NDIRECT": lambda n: n["NCON"] * 2, "NLAW": lambda n: n["NCON"] * 2 + n["NSLIP"],
-    "NLAWS": lambda n: (n["NCON"] * 2 + n["NSLIP"]) * (n["NCON"] * 2 + n["NSLIP"]),
+    "NDIRECT": lambda n: n["NCON"] * 2,
 }  # fmt: skip
 Part = Mapping[str, Any]  # see `library`
 
@@ -193,7 +192,8 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     relations, free = len(interface.relations), len(interface.relations) - interface.timed_relations
     loaded, pushed = len(interface.loading_rows), len(interface.pushed_contacts)
     normals = sum(c.normals for c in interface.contacts)
-    known = nv + interface.nc + sum(1 + c.slips for c in interface.contacts)
+    rows = sum(1 + c.slips for c in interface.contacts)
+    known = nv + interface.nc + rows
     own = {
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NINT": nq + nv + interface.nz,
         "NDISC": len(interface.discretes), "NC": interface.nc, "NH": interface.nh,
@@ -219,7 +219,8 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NSPACE": sum(c.slips == 2 for c in interface.contacts),
         "NTWO": sum(c.normals > 0 for c in interface.contacts),
         "NNORMAL": normals, "NNORMALROWS": normals * known,
-        "NNORMALEFFECTS": normals * sum(1 + c.slips for c in interface.contacts),
+        "NNORMALEFFECTS": normals * rows,
+        "NBESIDE": max(rows - 1, 0), "NPLAIN": relations - rows,
         "NPOISSON": sum(c.poisson for c in interface.contacts),
         "NLEAP": len(interface.whens) + len(interface.contacts),
         "NBOX": 2 * (1 + nq + nv) + len(interface.discretes),

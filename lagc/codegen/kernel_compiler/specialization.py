@@ -20,8 +20,6 @@ SAME_WITHOUT = {
     "NINT": ("NDISC", "NX"), "rates_at": ("NCON", "motion_at"),
     "motion_at": ("NLOADED", "rhs_at"), "put_on_constraints": ("NCON", "project"),
     "pass_event": ("NCON", "handle_event"),
-    "solve_touching": ("NTWO", "solve_frozen"), "find_law": ("NTWO", "set_law"),
-    "strike_all": ("NTWO", "impact"),
 }  # fmt: skip
 # Kernels that are another one, of fewer arguments: name -> (size, other name, its arguments).
 FEWER_WITHOUT = {

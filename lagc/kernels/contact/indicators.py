@@ -20,6 +20,7 @@ def indicate_forces(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     if find_touching(x, w):
         found = not failed(rates_at(p, t, x, w.contact_rates, w.contact_lam, w))
     find_touching(x, w)
+    # All are positive within the modes: a force that holds, friction that is left, speed along the slip.
     for i in range(NCON):
         if w.touched[i] > 0:
             w.indicators[NMODE - NCON + i] = w.force_margins[i] if found else -1.0

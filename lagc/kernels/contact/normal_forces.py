@@ -11,10 +11,9 @@ derivative of |N| is e. One component has a sign in place of a direction.
 
 from math import fabs, sqrt
 
-from lagc.kernels.contact.enumeration import LAW_FAILED, LAW_FOUND
-from lagc.kernels.contact.frozen_modes import MOST_TURNS, TURNED, solve_frozen
 from lagc.kernels.contact.impact import IMPACT_FAILED, IMPACT_NONE, impact
-from lagc.kernels.contact.set_law import set_law
+from lagc.kernels.contact.law import MOST_TURNS, TURNED, solve_frozen
+from lagc.kernels.contact.modes import LAW_FAILED, LAW_FOUND, set_law
 from lagc.kernels.language.vocabulary import *
 
 
@@ -32,11 +31,11 @@ def set_normals_given(a: Vec[NX], lam: Vec[NC], w: Work) -> None:
 def set_normal_effects(w: Work) -> None:
     """Set w.normal_effects: the derivatives of components by the forces of listed rows."""
     for k in range(NNORMAL):
-        for r in range(w.law_rows):
+        for r in range(w.law.rows):
             total = w.normal_rows[k * NKNOWN + NR + w.touching_rows[r]]
             for j in range(NR):
                 total += w.normal_rows[k * NKNOWN + j] * w.contact_responses[r * NR + j]
-            w.normal_effects[k * w.law_rows + r] = total
+            w.normal_effects[k * w.law.rows + r] = total
 
 
 def set_normal_axis(i: int, forces: Vec[NNORMAL], w: Work) -> Real:
@@ -61,11 +60,11 @@ def aim_normals(held: bool, w: Work) -> None:
     """Set the directions of the normal forces of listed contacts to those without the forces of contacts; if
     `held`, signs to w.normal_signs."""
     set_normal_effects(w)
-    for n in range(w.law_count):
+    for n in range(w.law.count):
         i = w.touching[n]
         if contact_normals[i] > 0:
-            w.law_two_sided[n] = 1 if contact_normals[i] == 1 else 2
-            w.law_sign[n] = 1
+            w.law.two_sided[n] = 1 if contact_normals[i] == 1 else 2
+            w.law.sign[n] = 1
             set_normal_axis(i, w.normal_given, w)
             if held and contact_normals[i] == 1 and w.normal_signs[i] != 0:
                 w.normal_axes[normal_first[i]] = float(w.normal_signs[i])
@@ -73,40 +72,40 @@ def aim_normals(held: bool, w: Work) -> None:
 
 def set_normal_laws(w: Work) -> None:
     """Set the rows of the law of normal forces for their directions."""
-    for n in range(w.law_count):
+    for n in range(w.law.count):
         i = w.touching[n]
         if contact_normals[i] > 0:
-            row = w.law_first[n]
+            row = w.law.first[n]
             total = 0.0
             size = 0.0
             for m in range(contact_normals[i]):
                 k = normal_first[i] + m
                 total -= w.normal_axes[k] * w.normal_given[k]
                 size += fabs(w.normal_given[k])
-            w.law_b[row] = total
-            w.law_sizes[row] = size
-            for r in range(w.law_rows):
+            w.law.b[row] = total
+            w.law.terms[row] = size
+            for r in range(w.law.rows):
                 total = 0.0
                 for m in range(contact_normals[i]):
                     k = normal_first[i] + m
-                    total -= w.normal_axes[k] * w.normal_effects[k * w.law_rows + r]
-                w.law_w[row * w.law_rows + r] = total
-            w.law_w[row * w.law_rows + row] = 1.0
+                    total -= w.normal_axes[k] * w.normal_effects[k * w.law.rows + r]
+                w.law.W[row * w.law.rows + r] = total
+            w.law.W[row * w.law.rows + row] = 1.0
 
 
 def turn_normals(held: bool, w: Work) -> bool:
-    """Turn the directions of normal forces to those of w.law_p; if `held`, not the signs. Return whether one
+    """Turn the directions of normal forces to those of w.law.p; if `held`, not the signs. Return whether one
     has turned."""
     forces = vector(NNORMAL)
     turned = 0.0
-    for n in range(w.law_count):
+    for n in range(w.law.count):
         i = w.touching[n]
         if contact_normals[i] > 0 and not (held and contact_normals[i] == 1):
             for m in range(contact_normals[i]):
                 k = normal_first[i] + m
                 forces[k] = w.normal_given[k]
-                for r in range(w.law_rows):
-                    forces[k] += w.normal_effects[k * w.law_rows + r] * w.law_p[r]
+                for r in range(w.law.rows):
+                    forces[k] += w.normal_effects[k * w.law.rows + r] * w.law.p[r]
             own = set_normal_axis(i, forces, w)
             if not own <= turned:
                 turned = own
@@ -115,52 +114,51 @@ def turn_normals(held: bool, w: Work) -> bool:
 
 def solve_touching(w: Work) -> bool:
     """Solve the law in given modes (`solve_frozen`), with normal forces of two-sided contacts."""
-    aim_normals(w.modes_fixed, w)
-    for n in range(MOST_TURNS):
-        set_normal_laws(w)
-        if not solve_frozen(w):
-            return False
-        if not turn_normals(w.modes_fixed, w):
-            return True
-    w.law_culprit = 0
-    return False
+    if NTWO > 0:
+        aim_normals(w.modes_fixed, w)
+        for n in range(MOST_TURNS):
+            set_normal_laws(w)
+            if not solve_frozen(w.law):
+                return False
+            if not turn_normals(w.modes_fixed, w):
+                return True
+        w.law.culprit = 0
+        return False
+    return solve_frozen(w.law)
 
 
 def find_law(w: Work) -> int:
     """Find the modes (`set_law`), with normal forces of two-sided contacts; return the result of the law."""
-    aim_normals(False, w)
-    for n in range(MOST_TURNS):
-        set_normal_laws(w)
-        found = set_law(w)
-        if found > LAW_FOUND or not turn_normals(True, w):
-            return found
-    w.law_culprit = 0
-    return LAW_FAILED
+    if NTWO > 0:
+        aim_normals(False, w)
+        for n in range(MOST_TURNS):
+            set_normal_laws(w)
+            found = set_law(w.law)
+            if found > LAW_FOUND or not turn_normals(True, w):
+                return found
+        w.law.culprit = 0
+        return LAW_FAILED
+    return set_law(w.law)
 
 
 def normal_sign(n: int, w: Work) -> int:
     """Return the sign of the normal force of a listed contact with one component."""
     i = w.touching[n]
-    return w.law_sign[n] if w.normal_axes[normal_first[i]] > 0.0 else -w.law_sign[n]
+    return w.law.sign[n] if w.normal_axes[normal_first[i]] > 0.0 else -w.law.sign[n]
 
 
 def strike_all(w: Work) -> int:
     """Compute the impulses of listed contacts (`impact`), with normal impulses of two-sided contacts, which
     follow from the changes of speeds; return the result. The direction of one with more components is that of
     its sum over all rounds."""
-    for k in range(NNORMAL):
-        w.normal_given[k] = 0.0
-    aim_normals(False, w)
-    speeds = vector(NCROW)
-    sizes = vector(NCROW)
-    speeds[:] = w.law_b
-    sizes[:] = w.law_sizes
-    for n in range(MOST_TURNS):
-        w.law_b[:] = speeds
-        w.law_sizes[:] = sizes
-        set_normal_laws(w)
-        found = impact(w)
-        w.law_p[:] = w.law_impulse
-        if found == IMPACT_NONE or not turn_normals(True, w):
-            return found
-    return IMPACT_FAILED
+    if NTWO > 0:
+        for k in range(NNORMAL):
+            w.normal_given[k] = 0.0
+        aim_normals(False, w)
+        for n in range(MOST_TURNS):
+            set_normal_laws(w)
+            found = impact(w.law, w.impact)
+            if found == IMPACT_NONE or not turn_normals(True, w):
+                return found
+        return IMPACT_FAILED
+    return impact(w.law, w.impact)

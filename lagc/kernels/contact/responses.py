@@ -49,11 +49,11 @@ def solve_motion(w: Work) -> None:
 
 
 def respond(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
-    """Compute w.contact_responses, X by rows, and w.law_w for the rows w.contact_rows of listed contacts."""
+    """Compute w.contact_responses, X by rows, and w.law.W for the rows w.contact_rows of listed contacts."""
     status = factor_motion(p, t, x, w)
     if failed(status):
         return status
-    for r in range(w.law_rows):
+    for r in range(w.law.rows):
         row = w.touching_rows[r]
         for k in range(NR):
             w.contact_rhs[k] = 0.0
@@ -62,18 +62,18 @@ def respond(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
         solve_motion(w)
         for k in range(NR):
             w.contact_responses[r * NR + k] = w.contact_solution[k]
-        for q in range(w.law_rows):
+        for q in range(w.law.rows):
             total = 0.0
             other = w.touching_rows[q]
             for j in range(NV):
                 total += w.contact_rows[other * NV + j] * w.contact_solution[j]
-            w.law_w[q * w.law_rows + r] = total
+            w.law.W[q * w.law.rows + r] = total
     return OK
 
 
 def set_accelerations(a: Vec[NX], w: Work) -> None:
-    """Set w.law_b to the accelerations of the listed rows for the rates `a`, and w.law_sizes."""
-    for r in range(w.law_rows):
+    """Set w.law.b to the accelerations of the listed rows for the rates `a`, and w.law.terms."""
+    for r in range(w.law.rows):
         row = w.touching_rows[r]
         total = w.contact_bias[row]
         magnitude = fabs(total)
@@ -81,15 +81,15 @@ def set_accelerations(a: Vec[NX], w: Work) -> None:
             each = w.contact_rows[row * NV + j] * a[NQ + j]
             total += each
             magnitude += fabs(each)
-        w.law_b[r] = total
-        w.law_sizes[r] = magnitude
+        w.law.b[r] = total
+        w.law.terms[r] = magnitude
 
 
 def largest_scaled(w: Work) -> Real:
     """Return the largest scaled force of the listed rows."""
     largest = 0.0
-    for r in range(w.law_rows):
-        own = fabs(w.law_p[r]) / w.law_scale[r]
+    for r in range(w.law.rows):
+        own = fabs(w.law.p[r]) / w.law.scale[r]
         if own > largest:
             largest = own
     return largest
@@ -101,23 +101,23 @@ def response_to_forces(j: int, before: Real, largest: Real, w: Work) -> Real:
     of the largest one, as they solve equations together."""
     total = before
     terms = fabs(before)
-    for r in range(w.law_rows):
+    for r in range(w.law.rows):
         response = w.contact_responses[r * NR + j]
-        total += response * w.law_p[r]
-        terms += fabs(response) * w.law_scale[r] * largest
+        total += response * w.law.p[r]
+        terms += fabs(response) * w.law.scale[r] * largest
     return total if fabs(total) > CANCELLED * SPACING * terms else 0.0
 
 
 def add_responses(values: Vec[NX], w: Work) -> None:
     """Add X p to the speeds of `values`."""
-    for r in range(w.law_rows):
+    for r in range(w.law.rows):
         for j in range(NV):
-            values[NQ + j] += w.contact_responses[r * NR + j] * w.law_p[r]
+            values[NQ + j] += w.contact_responses[r * NR + j] * w.law.p[r]
 
 
 def add_cancelling(values: Vec[NX], w: Work) -> None:
     """Add X p to the speeds, or accelerations, of `values`, of forces that solve equations with
-    w.law_scale."""
+    w.law.scale."""
     largest = largest_scaled(w)
     for j in range(NV):
         values[NQ + j] = response_to_forces(j, values[NQ + j], largest, w)
@@ -150,9 +150,9 @@ def respond_to_slope(k: int, w: Work) -> None:
 
 
 def loads_follow(w: Work) -> bool:
-    """Let loads follow the forces of the listed rows: change w.contact_responses and w.law_w. Return False,
+    """Let loads follow the forces of the listed rows: change w.contact_responses and w.law.W. Return False,
     with w.culprit, if they leave a multiplier open."""
-    for r in range(w.law_rows):
+    for r in range(w.law.rows):
         row = w.touching_rows[r]
         for i in range(NR):
             w.contact_solution[i] = 0.0
@@ -165,11 +165,11 @@ def loads_follow(w: Work) -> bool:
             return False
         for i in range(NR):
             w.contact_responses[r * NR + i] = w.contact_solution[i]
-        for q in range(w.law_rows):
+        for q in range(w.law.rows):
             total = 0.0
             for j in range(NV):
                 total += w.contact_rows[w.touching_rows[q] * NV + j] * w.contact_solution[j]
-            w.law_w[q * w.law_rows + r] = total
+            w.law.W[q * w.law.rows + r] = total
     return True
 
 
@@ -248,16 +248,17 @@ def keep_begin(rates: Vec[NX], lam: Vec[NC], w: Work) -> None:
 
 
 def reactions_agree(lam: Vec[NC], w: Work) -> bool:
-    """Set the reactions w.load_lam and w.contact_forces to those of the forces w.law_p. Return whether they
+    """Set the reactions w.load_lam and w.contact_forces to those of the forces w.law.p. Return whether they
     were these, to 1e-10 of them or the round-off of their terms."""
+    # A reaction that forces of contacts cancel has the round-off of its terms.
     agree = True
     if NLOADED > 0:
         for k in range(NLOADED):
             row = loading_row[k]
             total = lam[row]
             terms = fabs(total)
-            for r in range(w.law_rows):
-                own = w.contact_responses[r * NR + NV + row] * w.law_p[r]
+            for r in range(w.law.rows):
+                own = w.contact_responses[r * NR + NV + row] * w.law.p[r]
                 total += own
                 terms += fabs(own)
             change = fabs(total - w.load_lam[row])
@@ -266,12 +267,12 @@ def reactions_agree(lam: Vec[NC], w: Work) -> bool:
             w.load_lam[row] = total
     for i in range(NCROW):
         w.load_pushes[i] = 0.0
-    for n in range(w.law_count):
-        row = w.law_first[n]
-        force = w.law_p[row]
+    for n in range(w.law.count):
+        row = w.law.first[n]
+        force = w.law.p[row]
         first = contact_first[w.touching[n]]
         w.load_pushes[first] = force
-        roundoff = w.law_scale[row] * w.law_roundoff
+        roundoff = w.law.scale[row] * w.law.roundoff
         if not fabs(force - w.contact_forces[first]) <= LOAD_STEP * fabs(force) + roundoff:
             agree = False
     w.contact_forces[:] = w.load_pushes

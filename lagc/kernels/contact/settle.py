@@ -9,9 +9,9 @@
 
 from math import fabs
 
-from lagc.kernels.contact.enumeration import LAW_FOUND
-from lagc.kernels.contact.frozen_modes import CONTACT_OPEN, CONTACT_STICKS
 from lagc.kernels.contact.impact import IMPACT_DONE, IMPACT_ENDLESS, IMPACT_NONE
+from lagc.kernels.contact.law import CONTACT_OPEN, CONTACT_STICKS
+from lagc.kernels.contact.modes import LAW_FOUND
 from lagc.kernels.contact.normal_forces import find_law, normal_sign, set_normals_given, strike_all
 from lagc.kernels.contact.responses import (
     add_cancelling,
@@ -29,6 +29,7 @@ from lagc.kernels.contact.slips import (
     find_slips,
     let_slip,
     pass_slips,
+    reach_of,
     slides_back,
     speed_size,
     stop_slips,
@@ -55,6 +56,7 @@ OPENS = 4
 STICKS = 5
 SLIPS = 6  # it begins to slip, or slips the other way
 LONGEST_AFTER_BOUNCE = 64.0  # next step, over the time of flight
+MOST_PENETRATION = 1e-6  # of the terms of a gap: a contact that touched goes on to do so within it
 
 
 def find_near_contacts(p: Params, s: State, w: Work) -> None:
@@ -71,11 +73,11 @@ def find_near_contacts(p: Params, s: State, w: Work) -> None:
 
 
 def set_speeds(s: State, w: Work) -> None:
-    """Set w.law_b to the speeds of the listed rows, and w.law_sizes to their sizes."""
-    for r in range(w.law_rows):
+    """Set w.law.b to the speeds of the listed rows, and w.law.terms to their sizes."""
+    for r in range(w.law.rows):
         row = w.touching_rows[r]
-        w.law_b[r] = w.contact_speeds[row]
-        w.law_sizes[r] = speed_size(row, s, w)
+        w.law.b[r] = w.contact_speeds[row]
+        w.law.terms[r] = speed_size(row, s, w)
 
 
 def strike_contacts(p: Params, s: State, w: Work) -> Status:
@@ -89,17 +91,18 @@ def strike_contacts(p: Params, s: State, w: Work) -> Status:
         if not servos_follow(p, s.t, s.x, w):
             w.culprit += NCON
             return PARADOX
+    # The problem: W of the responses, the speeds before as b, and what each pair of surfaces does.
     set_speeds(s, w)
     set_frictions(p, s.t, s.x, w)
     fn_restitutions(p, s.t, s.x, w.restitutions)
-    for n in range(w.law_count):
-        w.law_restitution[n] = w.restitutions[w.touching[n]]
+    for n in range(w.law.count):
+        w.impact.restitution[n] = w.restitutions[w.touching[n]]
         if NPOISSON > 0:
-            w.law_poisson[n] = contact_poisson[w.touching[n]]
+            w.impact.poisson[n] = contact_poisson[w.touching[n]]
     if NTWO > 0:
         fn_normals_on(p, s.t, s.x, w.modes, w.normal_rows, w.normal_bias)
-    for n in range(w.law_count):
-        w.contact_approach[w.touching[n]] = -w.law_b[w.law_first[n]]
+    for n in range(w.law.count):
+        w.contact_approach[w.touching[n]] = -w.law.b[w.law.first[n]]
     found = strike_all(w)
     if found != IMPACT_NONE:
         if found != IMPACT_DONE:
@@ -108,31 +111,31 @@ def strike_contacts(p: Params, s: State, w: Work) -> Status:
                 w.culprit += NMODE - NCON
                 return CHATTERING
             return PARADOX
-        w.law_p[:] = w.law_impulse
+        # The impulses change all speeds; a two-sided contact is not struck by its constraint.
         add_responses(s.x, w)
-        for n in range(w.law_count):
-            w.contact_struck[w.touching[n]] = w.law_impulse[w.law_first[n]]
-            w.contact_lost[w.touching[n]] = w.law_loss[n]
+        for n in range(w.law.count):
+            w.contact_struck[w.touching[n]] = w.law.p[w.law.first[n]]
+            w.contact_lost[w.touching[n]] = w.impact.loss[n]
             if NTWO > 0:
                 if contact_normals[w.touching[n]] > 0:
                     w.contact_struck[w.touching[n]] = 0.0
         fn_contact_rows_on(p, s.t, s.x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
         set_speeds(s, w)
-    for n in range(w.law_count):
-        r = w.law_first[n]
-        w.contact_leaves[w.touching[n]] = 1 if w.law_b[r] > CONTACT_ROUNDOFF * w.law_sizes[r] else 0
+    for n in range(w.law.count):
+        r = w.law.first[n]
+        w.contact_leaves[w.touching[n]] = 1 if w.law.b[r] > CONTACT_ROUNDOFF * w.law.terms[r] else 0
     return OK
 
 
 def closed_mode(n: int, w: Work) -> int:
     """Return the mode of a listed contact that the law has found."""
-    if w.law_mode[n] == CONTACT_OPEN:
+    if w.law.mode[n] == CONTACT_OPEN:
         return 0
-    if w.law_slips[n] == 0:
+    if w.law.slips[n] == 0:
         return 1
-    if w.law_mode[n] == CONTACT_STICKS:
+    if w.law.mode[n] == CONTACT_STICKS:
         return 2
-    return -1 if w.law_slips[n] == 1 and w.law_direction[2 * n] < 0.0 else 1
+    return -1 if w.law.slips[n] == 1 and w.law.direction[2 * n] < 0.0 else 1
 
 
 def decide_loaded(p: Params, s: State, w: Work) -> Status:
@@ -152,14 +155,15 @@ def decide(p: Params, s: State, w: Work) -> Status:
         w.contact_closed[i] = 0
     list_contacts(True, w)
     if NLOADED > 0:
-        if w.law_count == 0:
+        if w.law.count == 0:
             s.rhs += 1
             for i in range(NCROW):
                 w.contact_forces[i] = 0.0
             return moves_freely(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
+    # b of the law is the acceleration without forces of contacts, and W their responses.
     status = rhs_at(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
     s.rhs += 1
-    if failed(status) or w.law_count == 0:
+    if failed(status) or w.law.count == 0:
         return status
     if NLOADS > 0:
         status = decide_loaded(p, s, w)
@@ -176,14 +180,15 @@ def decide(p: Params, s: State, w: Work) -> Status:
             fn_normals_on(p, s.t, s.x, w.modes, w.normal_rows, w.normal_bias)
             set_normals_given(w.contact_rates, w.contact_lam, w)
             pass_slips(w)
+        # A slip that was set to begin against its force may move the other way: then it sticks.
         found = find_law(w)
         if found <= LAW_FOUND and slides_back(w):
             found = find_law(w)
         if found > LAW_FOUND:
-            w.culprit = w.touching[w.law_culprit]
+            w.culprit = w.touching[w.law.culprit]
             return PARADOX
     add_cancelling(w.contact_rates, w)
-    for n in range(w.law_count):
+    for n in range(w.law.count):
         w.contact_closed[w.touching[n]] = closed_mode(n, w)
         if NTWO > 0:
             contact = w.touching[n]
@@ -192,7 +197,7 @@ def decide(p: Params, s: State, w: Work) -> Status:
                 w.normal_signs[contact] = -s.normal_signs[contact] if falls else normal_sign(n, w)
         if NSPACE > 0:
             for k in range(2):
-                w.slip_axes[2 * w.touching[n] + k] = w.law_direction[2 * n + k]
+                w.slip_axes[2 * w.touching[n] + k] = w.law.direction[2 * n + k]
     return OK
 
 
@@ -246,6 +251,7 @@ def find_rests(s: State, w: Work) -> bool:
     for i in range(NCON):
         speed = fabs(w.contact_speeds[contact_first[i]])
         if w.contact_leaves[i] > 0 and w.contact_rests[i] == 0 and contact_bounds_rate[i] == 0:
+            # The next bounce: of the height u^2 / (2 a) and the duration 2 u / a.
             falls = -gap_acceleration(i, w)
             before = s.bounce_speeds[i]
             s.bounce_speeds[i] = speed
@@ -257,6 +263,7 @@ def find_rests(s: State, w: Work) -> bool:
                 least = LOWEST_BOUNCE * s.fall_heights[i]
                 least += SLACK_GROWTH * w.indicator_roundoff[NFREE - NCON + i]
                 if speed * flight < 4.0 * least:
+                    # Ratios of speeds are those of flights: the rest of the series takes flight / (1 - r).
                     ratio = speed / before if before > speed else w.restitutions[i]
                     if ratio < 1.0:
                         w.contact_rests[i] = 1
@@ -294,7 +301,7 @@ def keep_closed(p: Params, s: State, w: Work) -> Status:
         if contact_bounds_rate[i] > 0 and w.contact_hit[i] == REACHES:
             w.touched[i] = 1
     list_contacts(True, w)
-    if w.law_count > 0:
+    if w.law.count > 0:
         status = close(p, s.t, s.x, w)
     for i in range(NCON):
         w.touched[i] = w.contact_near[i]
@@ -313,9 +320,9 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
         w.contact_approach[i] = 0.0
         w.contact_near[i] = w.touched[i]
     list_contacts(True, w)
-    if w.law_count > 0:
+    if w.law.count > 0:
         list_contacts(False, w)
-        status = seat(p, s.t, s.x, s.sizes, w)
+        status = seat(p, s.t, s.x, w)
         if not failed(status) and w.contacts_go_on:
             status = keep_closed(p, s, w)
         if failed(status):
@@ -411,3 +418,41 @@ def settle(p: Params, s: State, begins: bool, w: Work) -> Status:
         s.changes += 1
         s.after_event = True
     return OK
+
+
+def settle_jump(p: Params, s: State, w: Work) -> Status:
+    """Let contacts act at (s.t, s.x) after a jump, as at a start. Returns PENETRATION, with the contact and
+    its depth, if it is beyond its bound; s.x is as before then."""
+    set_gaps(p, s.t, s.x, w)
+    for i in range(NQ + NV):
+        w.x_part_middle[i] = reach_of(i, s)
+    estimate_indicator_roundoff(p, s, w.x_part_middle, w)
+    w.contacts_go_on = False
+    for i in range(NCON):
+        least = (0.5 * MOST_PENETRATION / SPACING + SLACK_GROWTH) * w.indicator_roundoff[NFREE - NCON + i]
+        if w.contact_gaps[i] < -least and contact_bounds_rate[i] == 0:
+            w.culprit = i
+            s.penetration = -w.contact_gaps[i]
+            return PENETRATION
+        w.contact_hit[i] = PARTS if w.contact_gaps[i] > least and contact_bounds_rate[i] == 0 else 0
+        s.bounce_speeds[i] = 0.0
+    return settle(p, s, False, w)
+
+
+def bounds_jump(p: Params, s: State, w: Work) -> bool:
+    """Return whether a gap, or the rate of one that is closed, differs between the modes of relations
+    w.modes_before and w.modes."""
+    fn_indicators_on(p, s.t, s.x, w.modes_before, w.indicators)
+    set_gaps(p, s.t, s.x, w)
+    estimate_indicator_roundoff(p, s, s.x, w)
+    for i in range(NCON):
+        change = fabs(w.contact_gaps[i] - w.indicators[NMODE - NCON + i])
+        if change > SLACK_GROWTH * w.indicator_roundoff[NFREE - NCON + i]:
+            return True
+    if find_touching(s.x, w):
+        fn_contact_rows_on(p, s.t, s.x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
+        for i in range(NCON):
+            row = contact_first[i]
+            if w.touched[i] > 0 and fabs(w.contact_speeds[row]) > CONTACT_ROUNDOFF * speed_size(row, s, w):
+                return True
+    return False

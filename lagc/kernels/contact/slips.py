@@ -6,7 +6,7 @@ velocity has no part along the axis, the slip stops, or it has turned and gets a
 
 from math import fabs, sqrt
 
-from lagc.kernels.contact.frozen_modes import CONTACT_SLIPS
+from lagc.kernels.contact.law import CONTACT_SLIPS
 from lagc.kernels.contact.touching import (
     close,
     find_touching,
@@ -76,40 +76,40 @@ def is_pushed(i: int, w: Work) -> bool:
 def is_passing(n: int, push: Real, rate: Real, w: Work) -> bool:
     """Return whether friction of a normal force `push` cannot stop a slip with this acceleration: a mechanism
     has no motion along the slip row, as a crank at its dead centre, and the slip passes zero there."""
-    k = w.law_first[n] + 1
-    return w.law_w[k * w.law_rows + k] * w.law_static[n] * push <= PASSING * fabs(rate)
+    k = w.law.first[n] + 1
+    return w.law.W[k * w.law.rows + k] * w.law.static_friction[n] * push <= PASSING * fabs(rate)
 
 
 def pass_slips(w: Work) -> None:
     """Let listed contacts whose slip passes zero slip along its acceleration, which forces do not change."""
     largest = 0.0
-    for n in range(w.law_count):
-        k = w.law_first[n] + 1
-        if w.law_slips[n] > 0 and w.law_w[k * w.law_rows + k] > largest:
-            largest = w.law_w[k * w.law_rows + k]
-    for n in range(w.law_count):
-        k = w.law_first[n] + 1
-        if w.law_slips[n] == 1 and w.law_moves[n] == 0 and contact_normals[w.touching[n]] > 0:
+    for n in range(w.law.count):
+        k = w.law.first[n] + 1
+        if w.law.slips[n] > 0 and w.law.W[k * w.law.rows + k] > largest:
+            largest = w.law.W[k * w.law.rows + k]
+    for n in range(w.law.count):
+        k = w.law.first[n] + 1
+        if w.law.slips[n] == 1 and w.law.moves[n] == 0 and contact_normals[w.touching[n]] > 0:
             push = 0.0
             for m in range(contact_normals[w.touching[n]]):
                 push += fabs(w.normal_given[normal_first[w.touching[n]] + m])
-            seen = fabs(w.law_b[k]) > CONTACT_ROUNDOFF * w.law_sizes[k]
-            if seen and is_passing(n, push, w.law_b[k], w):
-                w.law_moves[n] = 1
-                w.law_direction[2 * n] = 1.0 if w.law_b[k] > 0.0 else -1.0
-                w.law_b[k] = 0.0
-                for r in range(w.law_rows):
-                    w.law_w[k * w.law_rows + r] = 0.0
-                w.law_w[k * w.law_rows + k] = largest  # the scale of its forces
+            seen = fabs(w.law.b[k]) > CONTACT_ROUNDOFF * w.law.terms[k]
+            if seen and is_passing(n, push, w.law.b[k], w):
+                w.law.moves[n] = 1
+                w.law.direction[2 * n] = 1.0 if w.law.b[k] > 0.0 else -1.0
+                w.law.b[k] = 0.0
+                for r in range(w.law.rows):
+                    w.law.W[k * w.law.rows + r] = 0.0
+                w.law.W[k * w.law.rows + k] = largest  # the scale of its forces
 
 
 def keep_passing(w: Work) -> None:
     """Do not stop the slips of listed contacts that pass zero."""
-    for n in range(w.law_count):
+    for n in range(w.law.count):
         i = w.touching[n]
         if contact_normals[i] > 0 and w.contact_hit[i] == STOPS:
-            rate = w.law_u[w.law_first[n] + 1]
-            if is_passing(n, fabs(w.law_p[w.law_first[n]]), rate, w):
+            rate = w.law.u[w.law.first[n] + 1]
+            if is_passing(n, fabs(w.law.p[w.law.first[n]]), rate, w):
                 w.contact_hit[i] = 0
 
 
@@ -117,40 +117,40 @@ def find_slips(s: State, w: Work) -> None:
     """Set the listed contacts that move along their slip rows, and those whose static friction no longer
     holds, to slip."""
     if NSLIP > 0:
-        for n in range(w.law_count):
-            if w.law_slips[n] > 0:
+        for n in range(w.law.count):
+            if w.law.slips[n] > 0:
                 i = w.touching[n]
                 speed = slip_speed(i, w)
                 if speed > CONTACT_ROUNDOFF * slip_size(i, s, w):
-                    w.law_moves[n] = 1
-                    for k in range(w.law_slips[n]):
-                        w.law_direction[2 * n + k] = w.contact_speeds[contact_first[i] + 1 + k] / speed
+                    w.law.moves[n] = 1
+                    for k in range(w.law.slips[n]):
+                        w.law.direction[2 * n + k] = w.contact_speeds[contact_first[i] + 1 + k] / speed
                 elif is_pushed(i, w):
-                    if w.law_slips[n] == 2 and w.law_static[n] > w.law_friction[n]:
-                        w.law_static[n] = w.law_friction[n]  # the law finds the direction
+                    if w.law.slips[n] == 2 and w.law.static_friction[n] > w.law.friction[n]:
+                        w.law.static_friction[n] = w.law.friction[n]  # the law finds the direction
                     else:
-                        w.law_moves[n] = 1
-                        for k in range(w.law_slips[n]):
-                            w.law_direction[2 * n + k] = w.contact_slides[2 * i + k]
+                        w.law.moves[n] = 1
+                        for k in range(w.law.slips[n]):
+                            w.law.direction[2 * n + k] = w.contact_slides[2 * i + k]
 
 
 def slides_back(w: Work) -> bool:
     """Return whether a contact that was set to slip would do so against its direction; it is not set then."""
     found = False
     if NSLIP > 0:
-        for n in range(w.law_count):
+        for n in range(w.law.count):
             i = w.touching[n]
-            if w.law_slips[n] > 0 and is_pushed(i, w):
+            if w.law.slips[n] > 0 and is_pushed(i, w):
                 along = 0.0
                 least = 0.0
-                for k in range(w.law_slips[n]):
-                    r = w.law_first[n] + 1 + k
-                    along += w.law_u[r] * w.contact_slides[2 * i + k]
-                    least += CONTACT_ROUNDOFF * w.law_sizes[r]
-                if w.law_mode[n] == CONTACT_SLIPS and w.law_moves[n] > 0 and along < -least:
+                for k in range(w.law.slips[n]):
+                    r = w.law.first[n] + 1 + k
+                    along += w.law.u[r] * w.contact_slides[2 * i + k]
+                    least += CONTACT_ROUNDOFF * w.law.terms[r]
+                if w.law.mode[n] == CONTACT_SLIPS and w.law.moves[n] > 0 and along < -least:
                     w.contact_slides[2 * i] = 0.0
                     w.contact_slides[2 * i + 1] = 0.0
-                    w.law_moves[n] = 0
+                    w.law.moves[n] = 0
                     found = True
     return found
 
@@ -160,17 +160,17 @@ def let_slip(p: Params, s: State, w: Work) -> None:
     gap away at once is a pull; it takes away the friction that is too much afterwards."""
     if NSLIP > 0:
         set_frictions(p, s.t, s.x, w)
-        for n in range(w.law_count):
+        for n in range(w.law.count):
             i = w.touching[n]
             first = contact_first[i]
             slips = False
-            if w.law_slips[n] > 0 and w.contact_closed[i] == 0:
+            if w.law.slips[n] > 0 and w.contact_closed[i] == 0:
                 speed = slip_speed(i, w)
-                slips = speed > w.law_friction[n] * fabs(w.contact_speeds[first])
-                for k in range(w.law_slips[n]):
-                    w.law_direction[2 * n + k] = w.contact_speeds[first + 1 + k] / (speed + TINY)
+                slips = speed > w.law.friction[n] * fabs(w.contact_speeds[first])
+                for k in range(w.law.slips[n]):
+                    w.law.direction[2 * n + k] = w.contact_speeds[first + 1 + k] / (speed + TINY)
             if not slips:
-                w.law_friction[n] = 0.0
+                w.law.friction[n] = 0.0
 
 
 def push_slip(i: int, w: Work) -> None:

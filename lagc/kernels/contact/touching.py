@@ -12,8 +12,8 @@ from math import fabs, sqrt
 
 from lagc.kernels.arithmetic.quaternions import normalise
 from lagc.kernels.constraints.projection import project
-from lagc.kernels.contact.enumeration import LAW_FOUND, LAW_NONE
-from lagc.kernels.contact.frozen_modes import CONTACT_SLIPS, CONTACT_STICKS, shares_force, solve_frozen
+from lagc.kernels.contact.law import CONTACT_SLIPS, CONTACT_STICKS, shares_force, solve_frozen
+from lagc.kernels.contact.modes import LAW_FOUND, LAW_NONE, set_law
 from lagc.kernels.contact.normal_forces import set_normals_given, solve_touching
 from lagc.kernels.contact.responses import (
     add_cancelling,
@@ -27,7 +27,6 @@ from lagc.kernels.contact.responses import (
     set_accelerations,
     set_loads,
 )
-from lagc.kernels.contact.set_law import set_law
 from lagc.kernels.contact.shares import AT_BOUND, share_load
 from lagc.kernels.dynamics.loaded_reactions import MOST_LOAD_STEPS, motion_at
 from lagc.kernels.dynamics.rhs import rhs_at, store_rates
@@ -59,30 +58,30 @@ def list_contacts(sliding: bool, w: Work) -> None:
     for i in range(NCON):
         if w.touched[i] > 0 and (sliding or contact_bounds_rate[i] == 0):
             w.touching[n] = i
-            w.law_first[n] = m
-            w.law_slips[n] = contact_slips[i] if sliding else 0
-            w.law_two_sided[n] = 0
-            w.law_unit[n] = contact_unit[i]
-            w.law_friction[n] = 0.0
-            w.law_static[n] = 0.0
-            w.law_moves[n] = 0
-            sticks = w.contact_modes[i] == 2 and w.law_slips[n] > 0
-            w.law_mode[n] = CONTACT_STICKS if sticks else CONTACT_SLIPS
-            w.law_direction[2 * n] = -1.0 if w.contact_modes[i] < 0 else 1.0
-            w.law_direction[2 * n + 1] = 0.0
-            for k in range(w.law_slips[n] + 1):
+            w.law.first[n] = m
+            w.law.slips[n] = contact_slips[i] if sliding else 0
+            w.law.two_sided[n] = 0
+            w.law.unit[n] = contact_unit[i]
+            w.law.friction[n] = 0.0
+            w.law.static_friction[n] = 0.0
+            w.law.moves[n] = 0
+            sticks = w.contact_modes[i] == 2 and w.law.slips[n] > 0
+            w.law.mode[n] = CONTACT_STICKS if sticks else CONTACT_SLIPS
+            w.law.direction[2 * n] = -1.0 if w.contact_modes[i] < 0 else 1.0
+            w.law.direction[2 * n + 1] = 0.0
+            for k in range(w.law.slips[n] + 1):
                 w.touching_rows[m] = contact_first[i] + k
                 m += 1
             n += 1
-    w.law_count = n
-    w.law_rows = m
+    w.law.count = n
+    w.law.rows = m
 
 
 def set_slip_directions(w: Work) -> None:
     """Let the listed contacts that slip in space do so along their velocities. In a step these are taken
     beyond a stop: a velocity against that at its beginning has the same direction as this one. A velocity
     that is round-off has the direction at the beginning."""
-    for n in range(w.law_count):
+    for n in range(w.law.count):
         i = w.touching[n]
         if contact_slips[i] == 2:
             one = w.contact_speeds[contact_first[i] + 1]
@@ -95,8 +94,8 @@ def set_slip_directions(w: Work) -> None:
                     size = 1.0
                 elif one * w.slip_axes[2 * i] + other * w.slip_axes[2 * i + 1] < 0.0:
                     size = -size
-            w.law_direction[2 * n] = one / size if size != 0.0 else 0.0
-            w.law_direction[2 * n + 1] = other / size if size != 0.0 else 0.0
+            w.law.direction[2 * n] = one / size if size != 0.0 else 0.0
+            w.law.direction[2 * n + 1] = other / size if size != 0.0 else 0.0
 
 
 def slip_relation(i: int) -> int:
@@ -114,9 +113,9 @@ def set_frictions(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """Set the friction of the listed contacts at (t, x)."""
     if NSLIP > 0:
         fn_frictions_on(p, t, x, w.modes, w.frictions)
-        for n in range(w.law_count):
-            w.law_friction[n] = w.frictions[2 * w.touching[n]]
-            w.law_static[n] = w.frictions[2 * w.touching[n] + 1]
+        for n in range(w.law.count):
+            w.law.friction[n] = w.frictions[2 * w.touching[n]]
+            w.law.static_friction[n] = w.frictions[2 * w.touching[n] + 1]
 
 
 def cone_margin(i: int, w: Work) -> Real:
@@ -135,12 +134,12 @@ def cone_margin(i: int, w: Work) -> Real:
 
 def bear_load(w: Work) -> None:
     """Let contacts that bear their load in many ways do so by the smallest forces within their cones. If
-    these do not bear it, modes change: the forces stay, as if the cones were wider, and w.law_lack is not
+    these do not bear it, modes change: the forces stay, as if the cones were wider, and w.law.lack is not
     zero."""
-    for n in range(w.law_count):
-        if w.law_mode[n] == CONTACT_STICKS:
-            w.law_mu[n] = w.law_static[n]
-    share_load(w)
+    for n in range(w.law.count):
+        if w.law.mode[n] == CONTACT_STICKS:
+            w.law.mu[n] = w.law.static_friction[n]
+    share_load(w.law)
 
 
 def set_margins_of_block(block: int, w: Work) -> None:
@@ -148,69 +147,71 @@ def set_margins_of_block(block: int, w: Work) -> None:
     is left; while some shares bear the load, it is the largest force."""
     size = 0.0
     slides = False
-    for n in range(w.law_count):
-        if w.law_block[n] == block and fabs(w.force_margins[w.touching[n]]) > size:
+    for n in range(w.law.count):
+        if w.law.block[n] == block and fabs(w.force_margins[w.touching[n]]) > size:
             size = fabs(w.force_margins[w.touching[n]])
     least = AT_BOUND * size
     if NSLIP > 0:
-        for n in range(w.law_count):
+        for n in range(w.law.count):
             i = w.touching[n]
-            if w.law_block[n] == block and w.law_mode[n] == CONTACT_STICKS:
+            if w.law.block[n] == block and w.law.mode[n] == CONTACT_STICKS:
                 if w.force_margins[i] > least and w.cone_margins[i] <= least:
                     slides = True
-    for n in range(w.law_count):
-        if w.law_block[n] == block:
+    for n in range(w.law.count):
+        if w.law.block[n] == block:
             i = w.touching[n]
             opens = w.force_margins[i] <= least
             if opens:
-                w.force_margins[i] = size if slides or w.law_lack[n] == 0.0 else -w.law_lack[n]
+                w.force_margins[i] = size if slides or w.law.lack[n] == 0.0 else -w.law.lack[n]
             if NSLIP > 0:
-                if w.law_mode[n] == CONTACT_STICKS and w.cone_margins[i] <= least:
-                    w.cone_margins[i] = size if opens or w.law_lack[n] == 0.0 else -w.law_lack[n]
+                if w.law.mode[n] == CONTACT_STICKS and w.cone_margins[i] <= least:
+                    w.cone_margins[i] = size if opens or w.law.lack[n] == 0.0 else -w.law.lack[n]
 
 
 def set_margins(w: Work) -> None:
     """Set w.force_margins and w.cone_margins of the listed contacts, by w.contact_forces: what falls to zero
     where they open or slip. Contacts that share a load do so where no shares bear it; those of a block that
     are at the bounds of their cones begin."""
-    for n in range(w.law_count):
+    for n in range(w.law.count):
         i = w.touching[n]
         w.force_margins[i] = w.contact_forces[contact_first[i]]
         if NSLIP > 0:
-            w.cone_margins[i] = cone_margin(i, w) if w.law_mode[n] == CONTACT_STICKS else 0.0
-    for n in range(w.law_count):
-        if w.law_shared[n] > 0 and w.law_block[n] == n:
-            set_margins_of_block(n, w)
+            w.cone_margins[i] = cone_margin(i, w) if w.law.mode[n] == CONTACT_STICKS else 0.0
+    if NBESIDE > 0:
+        for n in range(w.law.count):
+            if w.law.shared[n] > 0 and w.law.block[n] == n:
+                set_margins_of_block(n, w)
 
 
 def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
-    """Add the forces w.law_p to rates and multipliers, and store them in w.contact_forces with their range in
+    """Add the forces w.law.p to rates and multipliers, and store them in w.contact_forces with their range in
     w.force_low and w.force_high."""
     if NPUSHED > 0:  # the power of their loads
-        for r in range(w.law_rows):
-            w.contact_forces[w.touching_rows[r]] = w.law_p[r]
+        for r in range(w.law.rows):
+            w.contact_forces[w.touching_rows[r]] = w.law.p[r]
     add_cancelling(xdot, w)
     for i in range(NC):
-        for r in range(w.law_rows):
-            lam[i] += w.contact_responses[r * NR + NV + i] * w.law_p[r]
+        for r in range(w.law.rows):
+            lam[i] += w.contact_responses[r * NR + NV + i] * w.law.p[r]
     if NZ > 0:
         w.a[:] = part(xdot, NQ, NQ + NV)
         w.qdot[:] = part(xdot, 0, NQ)
         store_rates(p, t, x, xdot, lam, w)
-    for r in range(w.law_rows):
+    for r in range(w.law.rows):
         row = w.touching_rows[r]
-        w.contact_forces[row] = w.law_p[r]
-    for e in range(w.law_unknowns):
-        row = w.law_unknown[e]
-        if w.law_lack[w.law_contact[e]] > 0.0:
-            w.contact_forces[w.touching_rows[row]] = w.law_scale[row] * w.law_share[e]
+        w.contact_forces[row] = w.law.p[r]
+    if NBESIDE > 0:
+        for e in range(w.law.unknowns):
+            row = w.law.unknown[e]
+            if w.law.lack[w.law.contact[e]] > 0.0:
+                w.contact_forces[w.touching_rows[row]] = w.law.scale[row] * w.law.share[e]
     set_margins(w)
-    for r in range(w.law_rows):
+    for r in range(w.law.rows):
         row = w.touching_rows[r]
         if NZ > 0:
             for j in range(NV):
-                xdot[NQ + NV] += w.law_p[r] * w.contact_rows[row * NV + j] * x[NQ + j]
-    for n in range(w.law_count):
+                xdot[NQ + NV] += w.law.p[r] * w.contact_rows[row * NV + j] * x[NQ + j]
+    for n in range(w.law.count):
         contact = w.touching[n]
         force = w.force_margins[contact]
         if force < w.force_low[contact]:
@@ -218,7 +219,7 @@ def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
         if force > w.force_high[contact]:
             w.force_high[contact] = force
         if NSLIP > 0:
-            if w.law_mode[n] == CONTACT_STICKS:
+            if w.law.mode[n] == CONTACT_STICKS:
                 margin = w.cone_margins[contact]
                 if margin < w.cone_low[contact]:
                     w.cone_low[contact] = margin
@@ -228,9 +229,9 @@ def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
 
 def open_push(w: Work) -> int:
     """Return a listed contact whose normal force loads depend on and other contacts share; -1 without."""
-    for n in range(w.law_count):
+    for n in range(w.law.count):
         for k in range(NPUSHED):
-            if pushed_contact[k] == w.touching[n] and shares_force(n, w):
+            if pushed_contact[k] == w.touching[n] and shares_force(n, w.law):
                 return n
     return -1
 
@@ -239,7 +240,7 @@ def solve_loaded(
     p: Params, t: Real, x: Vec[NX], rates: Vec[NX], lam: Vec[NC], decides: bool, w: Work
 ) -> Status:
     """Solve the law of the listed contacts with loads that depend on reactions, by Newton's method for these:
-    in the modes w.law_mode or, if it `decides`, in those that it finds. w.load_begin is the motion without
+    in the modes w.law.mode or, if it `decides`, in those that it finds. w.load_begin is the motion without
     both; `rates` and `lam` become the motion without forces of contacts. Returns PARADOX, with w.culprit: a
     contact; or, counted behind these, a constraint equation or a contact whose force loads leave open."""
     for turn in range(MOST_LOAD_STEPS):
@@ -256,15 +257,15 @@ def solve_loaded(
                 return PARADOX
         set_accelerations(rates, w)
         if decides:
-            found = set_law(w)
+            found = set_law(w.law)
         else:
-            found = LAW_FOUND if solve_frozen(w) else LAW_NONE
+            found = LAW_FOUND if solve_frozen(w.law) else LAW_NONE
         if found > LAW_FOUND:
             if not begins:
-                w.culprit = w.touching[w.law_culprit]
+                w.culprit = w.touching[w.law.culprit]
                 return PARADOX
-            for r in range(w.law_rows):
-                w.law_p[r] = 0.0
+            for r in range(w.law.rows):
+                w.law.p[r] = 0.0
         if not decides:
             shared = open_push(w)
             if shared >= 0:
@@ -301,6 +302,7 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
     status = rhs_at(p, t, x, xdot, lam, w)
     if failed(status) or not find_touching(x, w):
         return status
+    # The rows of contacts that touch, and their law in the modes of the step.
     fn_contact_rows_on(p, t, x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
     list_contacts(True, w)
     if NSPACE > 0:
@@ -320,9 +322,10 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
             fn_normals_on(p, t, x, w.modes, w.normal_rows, w.normal_bias)
             set_normals_given(xdot, lam, w)
         if not solve_touching(w):
-            w.culprit = w.touching[w.law_culprit]
+            w.culprit = w.touching[w.law.culprit]
             return PARADOX
-    bear_load(w)
+    if NBESIDE > 0:
+        bear_load(w)
     take_forces(p, t, x, xdot, lam, w)
     return OK
 
@@ -338,7 +341,7 @@ def forget_forces(w: Work) -> None:
 
 
 def displace_contacts(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    """Move the coordinates by the displacement X w.law_p."""
+    """Move the coordinates by the displacement X w.law.p."""
     largest = largest_scaled(w)
     for j in range(NV):
         w.contact_solution[j] = response_to_forces(j, 0.0, largest, w)
@@ -361,40 +364,47 @@ def set_gaps(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
 
 
 def largest_gap(w: Work) -> Real:
-    """Return the largest distance of a listed contact from touching, over the size of its gap."""
+    """Return the largest distance of a listed contact from touching, by the scale of its row."""
     worst = 0.0
-    for n in range(w.law_count):
-        own = fabs(w.contact_gaps[w.touching[n]]) / (w.contact_sizes[w.touching[n]] + TINY)
+    for n in range(w.law.count):
+        own = w.law.row_scale[w.law.first[n]] * fabs(w.contact_gaps[w.touching[n]])
         if not own <= worst:
             worst = own
     return worst
 
 
-def seat(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> Status:
+def are_seated(w: Work) -> bool:
+    """Return whether the gaps of all listed contacts are zero."""
+    for n in range(w.law.count):
+        if w.contact_gaps[w.touching[n]] != 0.0:
+            return False
+    return True
+
+
+def seat(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     """Move the coordinates so that the gaps of the listed contacts are zero, by Newton's method with the
     shortest displacements in the metric of the mass matrix."""
-    fn_contact_sizes(p, t, x, sizes, w.contact_sizes)
     set_gaps(p, t, x, w)
-    before = largest_gap(w)
     for n in range(MOST_SEATINGS):
-        if before == 0.0:
+        if are_seated(w):
             break
+        # The law of displacements: W p + gap = 0 moves each coordinate by X p.
         fn_contact_rows_on(p, t, x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
         status = respond(p, t, x, w)
         if failed(status):
             return status
-        for k in range(w.law_count):
-            w.law_b[w.law_first[k]] = w.contact_gaps[w.touching[k]]
-            w.law_sizes[w.law_first[k]] = 0.0
-        solve_frozen(w)
+        for k in range(w.law.count):
+            w.law.b[w.law.first[k]] = w.contact_gaps[w.touching[k]]
+            w.law.terms[w.law.first[k]] = 0.0
+        solve_frozen(w.law)
+        # Steps go on while they make the largest gap smaller; the last one that does not is taken back.
+        before = largest_gap(w)
         w.x_contact[:] = x
         displace_contacts(p, t, x, w)
         set_gaps(p, t, x, w)
-        now = largest_gap(w)
-        if not now < before:
+        if not largest_gap(w) < before:
             x[:] = w.x_contact
             break
-        before = now
     return OK
 
 
@@ -405,10 +415,10 @@ def close(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     status = respond(p, t, x, w)
     if failed(status):
         return status
-    for r in range(w.law_rows):
-        w.law_b[r] = w.contact_speeds[w.touching_rows[r]]
-        w.law_sizes[r] = 0.0
-    solve_frozen(w)
+    for r in range(w.law.rows):
+        w.law.b[r] = w.contact_speeds[w.touching_rows[r]]
+        w.law.terms[r] = 0.0
+    solve_frozen(w.law)
     add_cancelling(x, w)
     return OK
 
@@ -419,7 +429,7 @@ def put_on_constraints(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Wo
     if failed(status) or not find_touching(x, w):
         return status
     list_contacts(False, w)
-    status = seat(p, t, x, sizes, w)
+    status = seat(p, t, x, w)
     if failed(status):
         return status
     list_contacts(True, w)

@@ -1,10 +1,13 @@
-"""Events of contacts: gaps that close and forces that fall to zero."""
+"""Events of contacts: gaps that close, forces that fall to zero, slips that end.
 
-from lagc.kernels.contact.jumps import bounds_jump, settle_jump
-from lagc.kernels.contact.settle import settle
-from lagc.kernels.contact.slack import set_contact_slack
-from lagc.kernels.contact.slips import REACHES, RELEASES, SLIDES, STOPS, TURNS
-from lagc.kernels.contact.touching import slip_relation
+The slack of their indicators is the round-off by which these may be beyond zero where a step begins.
+"""
+
+from lagc.kernels.contact.law import CONTACT_STICKS
+from lagc.kernels.contact.settle import bounds_jump, settle, settle_jump
+from lagc.kernels.contact.slips import REACHES, RELEASES, SLIDES, STOPS, TURNS, reach_of
+from lagc.kernels.contact.touching import find_touching, rates_at, set_gaps, slip_along, slip_relation
+from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
 from lagc.kernels.events.mode_change import MOST_CHANGES, change_modes
 from lagc.kernels.events.modes import choose_modes, update_edges
 from lagc.kernels.events.when_clauses import (
@@ -60,6 +63,63 @@ def contacts_chatter(s: State) -> bool:
     return s.changes_at_time > MOST_CHANGES + 2 * NMODE
 
 
+def force_roundoff(n: int, k: int, w: Work) -> Real:
+    """Return the round-off of the force along row k of a listed contact: that of its acceleration over its
+    response. It is zero for contacts that share a load, which cross at once, and along a slip that
+    constraints hold."""
+    row = w.law.first[n] + k
+    response = w.law.W[row * w.law.rows + row]
+    if w.law.shared[n] > 0 or not response > 0.0:
+        return 0.0
+    return CONTACT_ROUNDOFF * w.law.terms[row] / response
+
+
+def set_force_slack(s: State, w: Work) -> None:
+    """Set the slack of the listed contacts: of their forces, and of friction that they could still bear."""
+    for n in range(w.law.count):
+        i = w.touching[n]
+        least = force_roundoff(n, 0, w)
+        margin = w.force_margins[i]
+        s.slack[NMODE - NCON + i] = least - (2.0 * margin if margin < 0.0 else 0.0)
+        if NSLIP > 0:
+            if w.law.mode[n] == CONTACT_STICKS:
+                for m in range(w.law.slips[n]):
+                    least += force_roundoff(n, 1 + m, w)
+                margin = w.cone_margins[i]
+                s.slack[slip_relation(i)] = least - (2.0 * margin if margin < 0.0 else 0.0)
+
+
+def set_contact_slack(p: Params, s: State, w: Work) -> None:
+    """Set the slack of contacts: of open ones by the round-off of their gaps, of those that touch by the
+    round-off of their forces, w.contact_forces at (s.t, s.x)."""
+    for i in range(NQ + NV):
+        w.x_part_middle[i] = reach_of(i, s)
+    estimate_indicator_roundoff(p, s, w.x_part_middle, w)
+    # One that leaves after an impact has no slack: its gap is watched from zero on.
+    set_gaps(p, s.t, s.x, w)
+    w.indicators[:] = w.contact_indicators
+    for i in range(NCON):
+        beyond = -w.contact_gaps[i] if w.contact_gaps[i] < 0.0 else 0.0
+        if w.contact_leaves[i] == 0:
+            beyond += SLACK_GROWTH * w.indicator_roundoff[NFREE - NCON + i]
+        s.slack[NMODE - NCON + i] = beyond
+        if NSLIP > 0:
+            if contact_slips[i] > 0:
+                k = slip_relation(i)
+                speed = s.x[NX - NCON + i] * w.indicators[k]
+                least = SLACK_GROWTH * w.indicator_roundoff[k - NTIMED]
+                if NSPACE > 0:
+                    if contact_slips[i] == 2:
+                        speed = slip_along(i, w.indicators, w)
+                        least += SLACK_GROWTH * w.indicator_roundoff[k + 1 - NTIMED]
+                s.slack[k] = least - (2.0 * speed if speed < 0.0 else 0.0)
+    if find_touching(s.x, w):
+        status = rates_at(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
+        s.rhs += 1
+        if not failed(status):
+            set_force_slack(s, w)
+
+
 def act_after_contacts(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
     """Let clauses `when` act whose conditions became true `since` before s.t. New values move contacts."""
     status = OK
@@ -113,12 +173,13 @@ def pass_hits(p: Params, s: State, direction: Real, w: Work) -> Status:
         s.changed[k] = 0
     if NWHEN > 0:
         s.acts = 0
-    if others_cross(w):
-        status = change_modes(p, s, direction, w)
-        if failed(status):
-            return status
-        w.modes[:] = s.modes
-        jumps = bounds_jump(p, s, w)
+    if NPLAIN > 0:
+        if others_cross(w):
+            status = change_modes(p, s, direction, w)
+            if failed(status):
+                return status
+            w.modes[:] = s.modes
+            jumps = bounds_jump(p, s, w)
     return settle_event(p, s, direction, jumps, w)
 
 
@@ -142,7 +203,11 @@ def pass_event(p: Params, s: State, direction: Real, w: Work) -> Status:
     w.modes_before[:] = s.modes
     if NWHEN > 0:
         save_state(s, w)
-    status = pass_hits(p, s, direction, w) if take_hits(s, w) else pass_relations(p, s, direction, w)
+    status = OK
+    if take_hits(s, w):
+        status = pass_hits(p, s, direction, w)
+    elif NPLAIN > 0:
+        status = pass_relations(p, s, direction, w)
     if NWHEN > 0:
         if failed(status) and status != TERMINATED:
             restore_state(s, w)

@@ -127,6 +127,28 @@ def is_at_lower_edge(k: int, w: Work) -> bool:
     return False
 
 
+def leave_zero(direction: Real, w: Work) -> bool:
+    """Give indicators at zero, or at the lower edge of their modes, the modes that they move to, and mark
+    them in w.crossed. Return whether there are any."""
+    found = False
+    for k in range(NMODE):
+        ahead = sign_of(w.indicator_rates[k] * direction)
+        w.crossed[k] = 0
+        if has_edges[k] > 0:
+            if is_at_lower_edge(k, w) and ahead < 0.0:
+                step_mode(k, False, w)
+                w.crossed[k] = 1
+        elif w.modes[k] == 0.0 and ahead != 0.0:
+            if NCON > 0:
+                if w.indicators_unmoved[k] > 0:
+                    continue
+            w.modes[k] = ahead
+            w.crossed[k] = 1
+        if w.crossed[k] > 0:
+            found = True
+    return found
+
+
 def choose_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Find the modes of a new state, and compute its rates. An indicator at zero gets the mode that it
     moves to."""
@@ -146,26 +168,13 @@ def choose_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
         return status
     indicators_at(p, s.t, s.x, w.modes, w.indicators_before, s, w)
     indicator_rates_at(p, s.t, s.x, w.modes, s.k[0], w.indicator_rates, s, w)
-    changed = False
-    for k in range(NMODE):
-        ahead = sign_of(w.indicator_rates[k] * direction)
-        w.crossed[k] = 0
-        if has_edges[k] > 0:
-            if is_at_lower_edge(k, w) and ahead < 0.0:
-                step_mode(k, False, w)
-                w.crossed[k] = 1
-        elif w.modes[k] == 0.0 and ahead != 0.0:
-            if NCON > 0:
-                if w.indicators_unmoved[k] > 0:
-                    continue
-            w.modes[k] = ahead
-            w.crossed[k] = 1
-        if w.crossed[k] > 0:
-            changed = True
     w.indicators[:] = w.indicators_before
-    if changed:
-        propagate_changes(p, s, direction, s.k[0], w)
-        status = rates_at(p, s.t, s.x, s.k[0], w.lam, w)
-        s.rhs += 1
+    if NPLAIN > 0:
+        if leave_zero(direction, w):
+            propagate_changes(p, s, direction, s.k[0], w)
+            status = rates_at(p, s.t, s.x, s.k[0], w.lam, w)
+            s.rhs += 1
+    else:  # the motion does not depend on modes of gaps
+        leave_zero(direction, w)
     accept_modes(s, w)
     return status

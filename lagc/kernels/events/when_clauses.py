@@ -7,7 +7,7 @@ left. Conditions that this makes true trigger more clauses.
 from math import fabs, inf
 
 from lagc.kernels.constraints.projection import project
-from lagc.kernels.contact.jumps import settle_jump
+from lagc.kernels.contact.settle import settle_jump
 from lagc.kernels.contact.touching import rates_at
 from lagc.kernels.events.late_indicators import indicator_rates_at, indicators_at, set_late_modes
 from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff

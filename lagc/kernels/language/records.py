@@ -1,5 +1,6 @@
 """The records of a run: options, workspace, state of a trajectory, and one attempted step."""
 
+from lagc.kernels.language.contact_law import ContactLaw, ImpactWork
 from lagc.kernels.language.sizes import *
 from lagc.kernels.language.words import Code, Count, IVec, Mat, Params, Real, Size, Vec, struct
 
@@ -236,7 +237,6 @@ class Work:
         contact_bias: Vec[NCROW]  # accelerations of the rows where those of the speeds are 0
         contact_gaps: Vec[NCON]
         contact_indicators: Vec[NMODE]
-        contact_sizes: Vec[NCON]  # change of each gap over the sizes of the states
         contact_approach: Vec[NCON]  # speed before an impact
         contact_responses: Vec[NRESPONSES]  # accelerations and multipliers for a unit of each listed row
         contact_rhs: Vec[NR]
@@ -284,85 +284,8 @@ class Work:
                 normal_signs: IVec[NCON]  # of normal forces with one component; 0: not known
         x_settled: Vec[NX]
         rates_settled: Vec[NX]
-        # Law of contacts that touch: u = W p + b. First the problem
-        law_count: int  # contacts that touch
-        law_rows: int  # their rows
-        law_first: IVec[NCON]  # normal row of each; its slip rows follow
-        law_slips: IVec[NCON]  # slip rows of each: 0, 1 or 2
-        law_unit: IVec[NCON]  # unit of its gap: a number, the same for the same unit
-        law_two_sided: IVec[NCON]  # it never opens; 1: its normal force has a sign, 2: a direction
-        law_friction: Vec[NCON]  # coefficient of friction while it slips
-        law_static: Vec[NCON]  # the same while it sticks
-        law_moves: IVec[NCON]  # 1: it slips already, along law_direction
-        law_direction: Vec[NDIRECT]  # unit vector of the slip
-        law_w: Vec[NDELASSUS]  # W by rows
-        law_b: Vec[NCROW]
-        law_sizes: Vec[NCROW]  # sum of the magnitudes of the terms of b; 0: not known
-        law_mode: IVec[NCON]  # modes before, then the modes found
-        # Its solution
-        law_p: Vec[NCROW]  # forces or impulses
-        law_u: Vec[NCROW]  # relative accelerations or velocities
-        law_other_mode: IVec[NCON]  # of a second solution
-        law_culprit: int  # a contact that contradicts others, sinks in, or has several modes
-        law_rank: int  # of the rows of closed contacts
-        law_unknowns: int
-        # Its solver
-        law_slides: IVec[NCON]  # 1: the direction of its slip is given
-        law_turns: IVec[NCON]  # 1: its slip direction is an unknown
-        law_turning: bool  # there is such a contact
-        law_sign: IVec[NCON]  # sign of the normal force while it slips: -1 at some two-sided contacts
-        law_mu: Vec[NCON]
-        law_least: Vec[NCON]  # least normal force
-        law_scale: Vec[NCROW]  # of forces
-        law_row_scale: Vec[NCROW]  # of u
-        law_size: Real  # the largest scaled b
-        law_roundoff: Real  # of scaled b
-        law_contact: IVec[NLAW]  # contact of each unknown
-        law_unknown: IVec[NLAW]  # its row; law_rows: a slip angle
-        law_matrix: Vec[NLAWS]
-        law_right: Vec[NLAW]
-        law_step: Vec[NLAW]
-        law_order: IVec[NLAW]
-        law_choice: IVec[NCON]
-        # Shares of a load: the smallest forces in the cones
-        law_share: Vec[NLAW]
-        law_pull: Vec[NLAW]  # what is projected on the cones
-        law_place: IVec[NLAW]  # where it is
-        law_metric: Vec[NLAW]
-        law_dual: Vec[NLAW]
-        law_dual_before: Vec[NLAW]
-        law_left: Vec[NLAW]  # load that is not borne
-        law_factor: Vec[NLAWS]
-        law_share_terms: Real
-        law_block: IVec[NCON]  # of contacts that rows connect: the number of one of them
-        law_row_block: IVec[NLAW]
-        law_block_now: int  # that is solved
-        law_shared: IVec[NCON]  # 1: its block bears its load in many ways
-        law_lack: Vec[NCON]  # load that no forces of its block bear
-        law_kept_mode: IVec[NCON]
-        law_kept_p: Vec[NCROW]
-        law_kept_u: Vec[NCROW]
-        law_kept_direction: Vec[NDIRECT]
-        # Impacts: their law and results, then what `impact` keeps of all contacts
-        law_restitution: Vec[NCON]
-        if NPOISSON > 0:
-            law_poisson: IVec[NCON]  # 1: Poisson's law, 0: Newton's law
-        law_impulse: Vec[NCROW]
-        law_loss: Vec[NCON]  # energy that each contact took
-        law_rounds: int
-        impact_count: int
-        impact_rows: int
-        impact_first: IVec[NCON]
-        impact_slips: IVec[NCON]
-        impact_two_sided: IVec[NCON]
-        impact_unit: IVec[NCON]
-        impact_friction: Vec[NCON]
-        impact_of: IVec[NCON]  # contact of each one in a round
-        impact_w: Vec[NDELASSUS]
-        impact_u: Vec[NCROW]
-        impact_u_before: Vec[NCROW]  # of a round
-        impact_p_before: Vec[NCROW]
-        impact_sizes: Vec[NCROW]  # of the terms of u
+        law: ContactLaw  # of the listed contacts
+        impact: ImpactWork  # of them
     if NSEARCH > 0:
         # Parts of a step
         box: Vec[NBOX]  # lower ends of time and states, then upper ends

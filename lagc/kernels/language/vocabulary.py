@@ -1,5 +1,6 @@
 """The names that all kernels share."""
 
+from lagc.kernels.language.contact_law import *
 from lagc.kernels.language.discrete import *
 from lagc.kernels.language.model_functions import *
 from lagc.kernels.language.model_tables import *

@@ -1,9 +1,7 @@
-"""The functions of contacts: gaps, their rows, their sizes, and the numbers of their laws."""
+"""The functions of contacts: gaps, their rows, and the numbers of their laws."""
 
 from __future__ import annotations
 
-from lagc.base.records import replace
-from lagc.lowering.interface import kinds
 from lagc.lowering.program import Function
 from lagc.lowering.program_functions import made
 from lagc.lowering.storage import STATE, Places
@@ -13,7 +11,7 @@ from lagc.symbolic.walk import substitute
 
 
 def contact_functions(at: Places, along: Places) -> list[Function]:
-    """Return `gaps`, `contact_rows`, `contact_sizes`, `restitutions` and `frictions`, none without contacts.
+    """Return `gaps`, `contact_rows`, `restitutions` and `frictions`, none without contacts.
     `at` is the state alone, `along` the branches of a run."""
     contacts = at.equations.contacts
     if not contacts:
@@ -35,7 +33,6 @@ def contact_functions(at: Places, along: Places) -> list[Function]:
         made(at, "gaps", STATE, (("g", gaps),), "gap of each contact", labels, rare=True),
         _rows(along),
         *([_normals(along)] if any(contact.normals for contact in contacts) else []),
-        _sizes(at),
         made(at, "restitutions", STATE, (("r", laws),), "restitution of each contact", labels, rare=True),
     ]
 
@@ -65,17 +62,3 @@ def _normals(along: Places) -> Function:
         found += [slopes.get(x, graph.zero) for x in known]
     rest = substitute(graph, nodes, dict.fromkeys(known, graph.zero))
     return made(along, "normals", along.state, (("N", found), ("bias", rest)), "normal forces")
-
-
-def _sizes(at: Places) -> Function:
-    """Return the change of each gap if every coordinate changes by the size c[k] of its scaling group."""
-    equations, graph = at.equations, at.graph
-    groups = kinds(equations.q_units, equations.v_units)
-    sizes = [graph.symbol("size", str(k)) for k in range(max(groups) + 1)]
-    weights = {q: sizes[k] for q, k in zip(equations.q, groups)}
-    found: list[Node] = []
-    for contact in equations.contacts:
-        slopes = gradient(graph, {contact.gap: graph.one}, equations.q)
-        found.append(graph.sum([graph.unary("abs", slope) * weights[q] for q, slope in slopes.items()]))
-    more = replace(at, arrays={**at.arrays, **{node: ("c", k) for k, node in enumerate(sizes)}})
-    return made(more, "contact_sizes", (*STATE, "c"), (("s", found),), "size of each gap", rare=True)

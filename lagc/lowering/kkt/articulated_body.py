@@ -21,8 +21,7 @@ from itertools import islice
 
 from lagc.base.records import dataclass, replace
 from lagc.lowering.kkt.fill_ordering import Entry, Structure, entry
-from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.mechanics.formulation.mass_matrix import Moving
+from lagc.mechanics.formulation.equations import EquationsOfMotion, Moving
 from lagc.mechanics.formulation.states import rate_symbols
 from lagc.symbolic.derivative import gradient, partial
 from lagc.symbolic.evaluate import evaluate

@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from lagc.base.records import replace
-from lagc.mechanics.formulation.equations import EquationsOfMotion, WhenEquations
-from lagc.mechanics.formulation.mass_matrix import Moving
+from lagc.mechanics.formulation.equations import EquationsOfMotion, Moving, WhenEquations
 from lagc.mechanics.formulation.states import position_symbols, rate_symbols
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import substitute, symbols

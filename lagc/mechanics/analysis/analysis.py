@@ -15,15 +15,14 @@ from lagc.mechanics.analysis.integrability import Integrable, integrable_rows, r
 from lagc.mechanics.analysis.mobility import Mobility, mobility
 from lagc.mechanics.balance.energy import WHOLE
 from lagc.mechanics.balance.outputs import Quantities, momenta
-from lagc.mechanics.formulation.equations import EquationsOfMotion, Row
+from lagc.mechanics.formulation.equations import EquationsOfMotion, Row, triples
 from lagc.mechanics.formulation.euler_lagrange import free_terms, with_rates
 from lagc.mechanics.formulation.inertia import moving_parts
-from lagc.mechanics.formulation.mass_matrix import triples
 from lagc.mechanics.formulation.states import States, build_states
 from lagc.mechanics.identities.constraint_manifold import Consistent, onto, walk
+from lagc.mechanics.identities.samples import samples
 from lagc.mechanics.identities.sampling_domains import LARGEST, along, anywhere, far_away, on_rows
 from lagc.mechanics.identities.zero_test import ZeroTest
-from lagc.mechanics.numeric.samples import samples
 from lagc.semantics.model import Coordinate, Lagrangian, Potential
 from lagc.symbolic.derivative import gradient, tangent
 from lagc.symbolic.graph import Node
@@ -88,7 +87,6 @@ class Analysis:
     cyclic: tuple[str, ...]
     conserved: tuple[Conserved, ...]
     constraints: tuple[RowKind, ...]
-    integrable_combinations: int  # relations between positions that rows bring only in combination
     dropped: tuple[str, ...]
     seems: Seems
     not_examined: tuple[str, ...]  # what would have been too much work, or met no consistent state
@@ -127,7 +125,6 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
         cyclic=tuple(cyclic),
         conserved=tuple(conserved),
         constraints=tuple(_kinds(equations, integrable)),
-        integrable_combinations=integrable.combinations,
         dropped=equations.dropped,
         seems=Seems(
             cyclic=tuple([name for name, proved in cyclic.items() if not proved]),
@@ -162,7 +159,7 @@ def _kinds(equations: EquationsOfMotion, integrable: Integrable) -> list[RowKind
             why = "whether it restricts positions was not examined"
         else:
             why = integrable.rows.get(row.label, "it restricts speeds without restricting positions")
-        proved = answer is None or integrable.proved
+        proved = answer is None or row.label not in integrable.doubtful
         found.append(
             RowKind(row.label, row.constraint, holonomic, row.time_dependent, row.linear, answer, why, proved)
         )

@@ -12,9 +12,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from lagc.base.records import dataclass
 from lagc.mechanics.formulation.equations import Row, SlipRow
 from lagc.mechanics.formulation.states import States
-from lagc.mechanics.numeric.cancellation import VANISHES, magnitudes
-from lagc.mechanics.numeric.dense_linear import Span, dimension, least_norm
-from lagc.mechanics.numeric.samples import Chance, samples, unit_sizes
+from lagc.mechanics.identities.linear_algebra import Span, dimension, least_norm
+from lagc.mechanics.identities.samples import VANISHES, Chance, magnitudes, samples, unit_sizes
 from lagc.semantics.model import UNSTATED
 from lagc.symbolic.derivative import gradient
 from lagc.symbolic.evaluate import evaluate

@@ -20,14 +20,12 @@ from lagc.base.records import dataclass
 from lagc.mechanics.formulation.equations import EquationsOfMotion, Row
 from lagc.mechanics.formulation.states import States
 from lagc.mechanics.identities.constraint_manifold import dense
-from lagc.mechanics.identities.zero_test import Ground, State, Truths, defaults
-from lagc.mechanics.numeric.cancellation import VANISHES, magnitudes
-from lagc.mechanics.numeric.dense_linear import RIGHT, Span, solve, solve_exactly
-from lagc.mechanics.numeric.piecewise_branches import spelt_out
-from lagc.mechanics.numeric.samples import samples
+from lagc.mechanics.identities.linear_algebra import Span, solve
+from lagc.mechanics.identities.samples import VANISHES, magnitudes, samples
+from lagc.mechanics.identities.zero_test import Ground, State, Truths, defaults, spelt_out
 from lagc.symbolic.derivative import gradient, tangent
 from lagc.symbolic.evaluate import evaluate
-from lagc.symbolic.finite_field import P, Point, Undefined, is_square, power
+from lagc.symbolic.finite_field import RIGHT, P, Point, Undefined, is_square, power, solve_exactly
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import reachable, symbols
 

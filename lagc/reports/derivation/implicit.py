@@ -12,9 +12,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
-from lagc.mechanics.numeric.dense_linear import dimension, least_norm
-from lagc.mechanics.numeric.dense_linear import dot as product
-from lagc.mechanics.numeric.samples import samples
+from lagc.mechanics.identities.linear_algebra import dimension, least_norm
+from lagc.mechanics.identities.linear_algebra import dot as product
+from lagc.mechanics.identities.samples import samples
 from lagc.reports.algebra.expansion import TooLarge
 from lagc.reports.algebra.polynomials import NotFinite
 from lagc.reports.derivation.document import math as formula

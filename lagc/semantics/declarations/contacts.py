@@ -14,7 +14,8 @@ from lagc.diagnostics.faults import Wrong
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as objects
 from lagc.semantics.context import BIT, MOVING, VELOCITY, Context
-from lagc.semantics.declarations.actions import declare_constraint, no_modifiers, residuals, timely
+from lagc.semantics.declarations.actions import declare_constraint, refuse_late, residuals
+from lagc.semantics.declarations.attributes import no_modifiers
 from lagc.semantics.names.scope import (
     Array,
     Entry,
@@ -139,12 +140,9 @@ def _friction(
             "LAG0235", "`slip` and `at` are two ways to say the same", written["at"].span, "leave one out"
         )
     if entry.size is not None:
-        raise Wrong(
-            "LAG0235",
-            "a vector of constraints has no friction",
-            span,
-            "write a constraint for each component, with its own slip",
-        )
+        message = "a vector of constraints has no friction"
+        remedy = "write a constraint for each component, with its own slip"
+        raise Wrong("LAG0235", message, span, remedy)
     meant = over(found or NONE, SECOND)
     slip = _slip(context, entry, written, meant)
     return slip, *coefficients(context, entry, written, slip, SPEED if len(slip) == 3 else meant)
@@ -172,12 +170,9 @@ def coefficients(
     friction = coefficient("friction")
     static = coefficient("static") if "static" in written else None
     if static is not None and static.is_const and friction.is_const and static.value < friction.value:
-        raise Wrong(
-            "LAG0235",
-            f"the static friction, {static.value:g}, is less than the friction of a contact that slides",
-            written["static"].span,
-            "exchange both, or leave out `static`",
-        )
+        message = f"the static friction, {static.value:g}, is less than the friction of a contact that slides"
+        remedy = "exchange both, or leave out `static`"
+        raise Wrong("LAG0235", message, written["static"].span, remedy)
     if static is not None and context.clock.mask(static - friction) & MOVING:  # others are compared once
         static = graph.binary("max", static, friction)
     return friction, static
@@ -225,7 +220,7 @@ def _slip(
     expect_of(source, own, meant, "the slip", describe(meant))
     constant = [k for k, node in enumerate(nodes) if not context.clock.mask(node) & VELOCITY]
     for k, node in enumerate(nodes):
-        timely(context, node, span, "the slip")
+        refuse_late(context, node, span, "the slip")
         if k in constant and not (node.is_zero and len(nodes) == 3 and len(constant) == 1):
             which = f"component {k + 1} of the slip" if len(nodes) > 1 else "the slip"
             raise Wrong(
@@ -257,7 +252,7 @@ def _check(
 ) -> bool:
     """Return whether the gap is one between velocities. Refuse what has no place in a gap."""
     span = source.left.span.to(source.right.span)
-    timely(context, gap, span, "a constraint")
+    refuse_late(context, gap, span, "a constraint")
     mask = context.clock.mask(gap)
     bounds_rate = bool(mask & VELOCITY)
     if bounds_rate and written:
@@ -267,19 +262,13 @@ def _check(
         raise Wrong("LAG0235", message, value.span, remedy)
     for kind, named in (("input", "an input"), ("discrete", "a discrete variable")):
         if mask & BIT[kind]:
-            raise Wrong(
-                "LAG0235",
-                f"the bound `{source.name}` depends on {named}, whose time derivative is not known",
-                span,
-                "write the bound in coordinates, parameters and time",
-            )
+            message = f"the bound `{source.name}` depends on {named}, whose time derivative is not known"
+            remedy = "write the bound in coordinates, parameters and time"
+            raise Wrong("LAG0235", message, span, remedy)
     if not mask & (BIT["coordinate"] | VELOCITY):
-        raise Wrong(
-            "LAG0235",
-            f"the bound `{source.name}` depends on no coordinate, so it restricts nothing",
-            span,
-            "compare an expression of coordinates: `constraint floor: ball.z >= 0;`",
-        )
+        message = f"the bound `{source.name}` depends on no coordinate, so it restricts nothing"
+        remedy = "compare an expression of coordinates: `constraint floor: ball.z >= 0;`"
+        raise Wrong("LAG0235", message, span, remedy)
     return bounds_rate
 
 
@@ -310,15 +299,12 @@ def _number(
     value = evaluate_as(context, written, where, NONE)
     scalar = scalar_of(value, written.span, f"the {name}")
     expect_of(written, scalar.dimension, NONE, f"the {name}", "a number")
-    timely(context, scalar.node, written.span, f"the {name}")
+    refuse_late(context, scalar.node, written.span, f"the {name}")
     if scalar.node.is_const and scalar.node.value < 0.0 and most == inf:
         message = f"the {name} is {scalar.node.value:g}, and not from 0"
         raise Wrong("LAG0235", message, written.span, "friction opposes the slip by itself: write its size")
     if scalar.node.is_const and not 0.0 <= scalar.node.value <= most:
-        raise Wrong(
-            "LAG0235",
-            f"the {name} is {scalar.node.value:g}, and not from 0 to 1",
-            written.span,
-            "0 is an impact without rebound, 1 one without loss of energy",
-        )
+        message = f"the {name} is {scalar.node.value:g}, and not from 0 to 1"
+        remedy = "0 is an impact without rebound, 1 one without loss of energy"
+        raise Wrong("LAG0235", message, written.span, remedy)
     return scalar.node

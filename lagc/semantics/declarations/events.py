@@ -12,12 +12,12 @@ from lagc.semantics import model as objects
 from lagc.semantics.context import BIT, LATE, MOVING, VELOCITY, Context, Given
 from lagc.semantics.declarations.attributes import (
     Quantity,
+    array_of,
     check_constant,
     elements,
     given_elements,
     given_scalar,
     own_part,
-    shaped,
     written_value,
 )
 from lagc.semantics.names.scope import Environment, Scalar, Truth, Value, flat, kind, shape
@@ -49,14 +49,9 @@ def declare_discrete(context: Context, quantity: Quantity) -> Value:
         name = quantity.name(subscript)
         symbol = graph.symbol("discrete", name)
         context.clock.set_rate(symbol, graph.zero)
-        entry.objects.append(
-            objects.Discrete(
-                name, symbol, quantity.type.unit, quantity.display, start, boolean, entry.span,
-                quantity.description,
-            )
-        )  # fmt: skip
+        entry.objects.append(objects.Discrete(name, symbol, *quantity.units, start, boolean, *quantity.about))
         found.append(_truth(graph, symbol) if boolean else Scalar(symbol, quantity.type.dimension))
-    return shaped(found, quantity.sizes)
+    return array_of(found, quantity.sizes)
 
 
 def _truth(graph: Graph, symbol: Node) -> Truth:
@@ -106,7 +101,7 @@ def _starts(context: Context, quantity: Quantity, boolean: bool) -> list[Node]:
     for k, subscript in enumerate(quantity.subscripts):
         given = whole if not quantity.sizes else context.give(context.starts, quantity.name(subscript))
         if given is not None:
-            found[k] = _given(context, given, quantity, boolean, what)
+            found[k] = _given_number(context, given, quantity, boolean, what)
     span = modifier.argument.span if modifier else entry.span
     starts = [node for node in found if node is not None]
     if len(starts) < len(found):
@@ -120,7 +115,7 @@ def _starts(context: Context, quantity: Quantity, boolean: bool) -> list[Node]:
     return starts
 
 
-def _given(context: Context, given: Given, quantity: Quantity, boolean: bool, what: str) -> Node:
+def _given_number(context: Context, given: Given, quantity: Quantity, boolean: bool, what: str) -> Node:
     if boolean and given.expression is not None and given.environment is not None:
         value = evaluate(context, given.expression, given.environment)
         return _number(context, value, given.expression, what)
@@ -191,7 +186,7 @@ def when_clause(
     return objects.When(words, condition, changes, reason, tuple(found.marks), written.span, effect)
 
 
-def ending(context: Context, until: str) -> tree.When:
+def ending_clause(context: Context, until: str) -> tree.When:
     """Return the clause that ends a run when the condition `until` becomes true. Raises Refused if `until` is
     not an expression."""
     from lagc.syntax.parse import parse_expression
@@ -224,24 +219,20 @@ def _condition(context: Context, written: tree.Expression, environment: Environm
     mask = context.clock.mask
     moving = (MOVING | LATE) & ~BIT["discrete"]
     if any(node.op == "eq" and mask(node) & moving for node in reachable([value.node])):
-        raise Wrong(
-            "LAG0227",
-            "`==` holds only for an instant, which is never detected",
-            written.span,
-            "write `<` or `>`: the time of the crossing is located",
-        )
+        message = "`==` holds only for an instant, which is never detected"
+        remedy = "write `<` or `>`: the time of the crossing is located"
+        raise Wrong("LAG0227", message, written.span, remedy)
     return value.node
 
 
-def _early(context: Context, node: Node, written: tree.Expression, what: str) -> None:
+def _refuse_late(context: Context, node: Node, written: tree.Expression, what: str) -> None:
     if context.clock.mask(node) & LATE:
-        raise Wrong(
-            "LAG0219",
+        message = (
             f"{what} depends on an acceleration, a reaction or an energy of the run, which are only known "
-            "after the equations are solved",
-            written.span,
-            "compare it in the condition of the clause instead: `when reaction(c) > 5 [N] then ...`",
+            "after the equations are solved"
         )
+        remedy = "compare it in the condition of the clause instead: `when reaction(c) > 5 [N] then ...`"
+        raise Wrong("LAG0219", message, written.span, remedy)
 
 
 Action = Callable[[Context, tree.Statement, Environment, _Found], None]
@@ -301,18 +292,15 @@ def _reinit(context: Context, statement: tree.Statement, environment: Environmen
         if not isinstance(new, Truth):
             message = f"`{target.span.text}` is true or false; this is {kind(new)}"
             raise Wrong("LAG0307", message, written.span, f"write `reinit({target.span.text}, true)`")
-        _early(context, new.node, written, "a new value")
+        _refuse_late(context, new.node, written, "a new value")
         _change(found, truth, number_of(context.graph, new), target)
         return
     states = [] if isinstance(value, Truth) else flat(value, target.span, "the first argument of `reinit`")
     kinds = ("coordinate", "rate", "speed", "discrete")
     if not states or any(s.node.op != "symbol" or s.node.record.kind not in kinds for s in states):
-        raise Wrong(
-            "LAG0228",
-            "`reinit` sets a coordinate, its rate, a declared speed or a discrete variable",
-            target.span,
-            _not_a_state(target, states),
-        )
+        message = "`reinit` sets a coordinate, its rate, a declared speed or a discrete variable"
+        remedy = _not_a_state(target, states)
+        raise Wrong("LAG0228", message, target.span, remedy)
     dimension = states[0].dimension or NONE
     new = evaluate_as(context, written, environment, dimension)
     values = flat(new, written.span, "a new value")
@@ -320,7 +308,7 @@ def _reinit(context: Context, statement: tree.Statement, environment: Environmen
         raise Wrong("LAG0306", f"the new value must be {kind(value)}; this is {kind(new)}", written.span)
     for state, one in zip(states, values):
         expect_of(written, one.dimension, state.dimension or NONE, "the new value", describe(dimension))
-        _early(context, one.node, written, "a new value")
+        _refuse_late(context, one.node, written, "a new value")
         _change(found, state.node, one.node, target)
 
 

@@ -8,9 +8,9 @@ from lagc.diagnostics.faults import Wrong
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as objects
 from lagc.semantics.context import MOVING, Context
-from lagc.semantics.declarations.actions import no_modifiers, timely
-from lagc.semantics.declarations.attributes import no_rates
-from lagc.semantics.names.scope import Array, Entry, Reference, Value, expect, flat, kind, vector_of
+from lagc.semantics.declarations.actions import refuse_late
+from lagc.semantics.declarations.attributes import no_modifiers, no_rates
+from lagc.semantics.names.scope import Array, Entry, Reference, Value, expect, flat, kind, vector_in
 from lagc.semantics.units import NONE, M
 from lagc.semantics.values.calls import match
 from lagc.semantics.values.evaluate import each, evaluate_as
@@ -46,13 +46,13 @@ def declare_figure(context: Context, entry: Entry) -> Value:
     parameters = _PARAMETERS[name]
     written = match(context, call, parameters, len(parameters), f"`{name}`")
 
-    def one(k: int) -> Argument:
+    def argument_of(k: int) -> Argument:
         expression = written[k]
         assert expression is not None
         meant = NONE if parameters[min(k, len(parameters) - 1)] == "axis" else M
         return Argument(evaluate_as(context, expression, entry.environment, meant), expression.span)
 
-    values = each(context, one, range(len(written)))
+    values = each(context, argument_of, range(len(written)))
     given = dict(zip(parameters, values))
     body, points = (
         _through(context, values, call) if "*" in parameters else _place(context, name, given["on"])
@@ -89,20 +89,18 @@ def _place(context: Context, name: str, on: Argument) -> tuple[str, tuple[Vector
 
 
 def _point(context: Context, given: Argument) -> Vector:
-    vector, found = vector_of(given.value, given.span, "a point")
-    expect(found, M, given.span, "a point")
+    vector = vector_in(M, given.value, given.span, "a point")
     for node in vector:
         no_rates(context, node, given.span, "a point")
-        timely(context, node, given.span, "a point")
+        refuse_late(context, node, given.span, "a point")
     return vector
 
 
 def _axis(context: Context, given: Argument) -> Vector:
-    vector, found = vector_of(given.value, given.span, "an axis")
-    expect(found, NONE, given.span, "an axis")
+    vector = vector_in(NONE, given.value, given.span, "an axis")
     for node in vector:
         no_rates(context, node, given.span, "an axis")
-        timely(context, node, given.span, "an axis")
+        refuse_late(context, node, given.span, "an axis")
     return unit_vector(context, vector, given.span)
 
 
@@ -121,4 +119,4 @@ def _lengths(context: Context, name: str, given: Argument) -> list[Node]:
 def _at_rest(context: Context, node: Node, given: Argument | tree.Expression, what: str) -> None:
     if context.clock.mask(node) & MOVING:
         raise Wrong("LAG0313", f"{what} must not change with time", given.span)
-    timely(context, node, given.span, what)
+    refuse_late(context, node, given.span, what)

@@ -32,12 +32,13 @@ def declare_joint(context: Context, entry: Entry) -> Value:
     joint = linkage.joints.get(entry)
     if joint is None:
         raise Poisoned
+    # An open joint places the body behind it and brings its coordinates.
     if isinstance(joint.kind, Pair) and not linkage.closes(joint):
         for body in joint.ends:
             linkage.pose(body)
         for inner in entry.inner:
             joint.coordinate(inner.name)
-        entry.objects.append(_said(joint, tuple([inner.path for inner in entry.inner]), 0))
+        entry.objects.append(_joint_object(joint, tuple([inner.path for inner in entry.inner]), 0))
         a, b = (linkage.pose(end) for end in joint.ends)
         entry.objects += _friction(context, joint, a, b, False)
         return Reference(entry)
@@ -45,6 +46,7 @@ def declare_joint(context: Context, entry: Entry) -> Value:
         raise Poisoned  # reported
     for inner in entry.inner:
         _refuse_coordinate(context, entry, inner)
+    # A joint that closes a loop brings equations; those that always hold are left out.
     rough: list[objects.Contact] = []
     if joint.name in _OF_JOINTS:
         rows = _OF_JOINTS[joint.name](context, joint)
@@ -62,7 +64,7 @@ def declare_joint(context: Context, entry: Entry) -> Value:
     names, residuals, units = zip(*kept) if kept else ((), (), ())
     call = joint.call
     own = Constraint(entry.path, names, residuals, units, entry.span, call, call, entry.effect)
-    entry.objects[:0] = [own, _said(joint, (), len(kept)), *rough]
+    entry.objects[:0] = [own, _joint_object(joint, (), len(kept)), *rough]
     return Reference(entry)
 
 
@@ -77,7 +79,7 @@ def _friction(context: Context, joint: Joint, a: Pose, b: Pose, closes: bool) ->
     return []
 
 
-def _said(joint: Joint, coordinates: tuple[str, ...], equations: int) -> objects.Joint:
+def _joint_object(joint: Joint, coordinates: tuple[str, ...], equations: int) -> objects.Joint:
     ends = ["world" if end is None else end.path for end in joint.ends]
     place = (None,) * 4 if joint.name in _OF_JOINTS else _place(joint, bool(coordinates))
     return objects.Joint(
@@ -93,9 +95,9 @@ def _place(joint: Joint, is_open: bool) -> tuple[Vector | None, ...]:
     a, b = (linkage.pose(end) for end in joint.ends)
     far = joint.name == "Distance"
     pose = a if far or not is_open else b
-    at = pose.attached(joint.point("at")) if "at" in joint.written else b.now
-    axis = a.along(joint.direction("axis")) if "axis" in joint.written else None
-    return at, axis, b.attached(joint.point("to")) if far else None, b.attached(joint.point("at"))
+    at = pose.place_of(joint.point("at")) if "at" in joint.written else b.now
+    axis = a.direction_of(joint.direction("axis")) if "axis" in joint.written else None
+    return at, axis, b.place_of(joint.point("to")) if far else None, b.place_of(joint.point("at"))
 
 
 def _refuse_coordinate(context: Context, entry: Entry, inner: Entry) -> None:
@@ -124,8 +126,8 @@ def _pair(context: Context, joint: Joint, a: Pose, b: Pose) -> list[Row]:
     kind, at = joint.kind, joint.point("at")
     assert isinstance(kind, Pair)
     drawn = joint.axes()
-    one, other = ({axis: pose.along(e) for axis, e in drawn.items()} for pose in (a, b))
-    apart = sub(b.attached(at), a.attached(at))
+    one, other = ({axis: pose.direction_of(e) for axis, e in drawn.items()} for pose in (a, b))
+    apart = sub(b.place_of(at), a.place_of(at))
     held = [axis for axis in "xyz" if axis not in kind.slides and not (kind.helical and axis == "z")]
     rows = [(dot(one[axis], apart), "m") for axis in held]
     rows += [(dot(one[pair[0]], other[pair[1]]), "") for pair in _SQUARE.get(kind.turns, ())]
@@ -144,18 +146,18 @@ def _distance(context: Context, joint: Joint, a: Pose, b: Pose) -> list[Row]:
         raise Wrong(
             "LAG0233", "the two points are drawn at one place", joint.span("to"), "write `Spherical(...)`"
         )
-    return [(norm(sub(b.attached(to), a.attached(at))) - length, "m")]
+    return [(norm(sub(b.place_of(to), a.place_of(at))) - length, "m")]
 
 
 def _rolling(context: Context, joint: Joint, a: Pose, b: Pose) -> list[Row]:
     """A ball, or a disc with an axis, that rolls without slipping on a plane of a."""
     graph, at = context.graph, joint.point("at")
-    normal, radius = a.along(joint.direction("normal")), joint.number("radius", M)
-    centre, foot = b.attached(at), a.attached(at)
+    normal, radius = a.direction_of(joint.direction("normal")), joint.number("radius", M)
+    centre, foot = b.place_of(at), a.place_of(at)
     down, drawn = normal, graph.one
     if "axis" in joint.written:
         axis, flat = joint.direction("axis"), joint.direction("normal")
-        moved = b.along(axis)
+        moved = b.direction_of(axis)
         across = sub(normal, scale(dot(normal, moved), moved))
         drawn = norm(sub(flat, scale(dot(flat, axis), axis)))
         down = scale(graph.one / norm(across), across)
@@ -168,7 +170,7 @@ def _rolling(context: Context, joint: Joint, a: Pose, b: Pose) -> list[Row]:
 
     slip = sub(velocity(b, centre), velocity(a, foot))
     first = joint.across(joint.direction("normal"))
-    one = a.along(first)
+    one = a.direction_of(first)
     return [
         (dot(normal, sub(centre, foot)) - radius * rise, "m"),
         (dot(one, slip), "m/s"),
@@ -237,11 +239,11 @@ def _slip(context: Context, joint: Joint, a: Pose, b: Pose, closes: bool) -> Nod
         value = joint.entry.parts["angle" if joint.name == "Revolute" else "slide"]
         assert isinstance(value, Scalar)
         return derivative(context, value.node, joint.call.span)
-    axis = a.along(joint.axes()["z"])
+    axis = a.direction_of(joint.axes()["z"])
     if joint.name == "Revolute":
         return dot(axis, sub(b.frame.spin, a.frame.spin))
     at = joint.point("at")
-    return derivative(context, dot(axis, sub(b.attached(at), a.attached(at))), joint.call.span)
+    return derivative(context, dot(axis, sub(b.place_of(at), a.place_of(at))), joint.call.span)
 
 
 def _across(context: Context, joint: Joint, a: Pose, closes: bool) -> tuple[Node, ...]:
@@ -253,4 +255,4 @@ def _across(context: Context, joint: Joint, a: Pose, closes: bool) -> tuple[Node
     x, y, z = (graph.symbol("reaction", path, f"force.{axis}") for axis in "xyz")
     force: Vector = (x, y, z)
     drawn = joint.axes()
-    return dot(a.along(drawn["x"]), force), dot(a.along(drawn["y"]), force)
+    return dot(a.direction_of(drawn["x"]), force), dot(a.direction_of(drawn["y"]), force)

@@ -87,10 +87,10 @@ class Pose:
     drawn: Vector
     now: Vector
 
-    def attached(self, point: Vector) -> Vector:
+    def place_of(self, point: Vector) -> Vector:
         """Return the place of the point of the body that is drawn at `point`."""
         return add(self.now, matvec(self.frame.axes, sub(point, self.drawn)))
 
-    def along(self, direction: Vector) -> Vector:
+    def direction_of(self, direction: Vector) -> Vector:
         """Return a drawn direction of the body, in world axes."""
         return matvec(self.frame.axes, direction)

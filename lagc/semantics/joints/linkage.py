@@ -40,15 +40,15 @@ from lagc.semantics.names.scope import (
     Part,
     Scalar,
     Value,
-    expect,
-    scalar_of,
+    scalar_in,
+    vector_in,
     vector_of,
 )
 from lagc.semantics.units import NONE, Dimension, M
 from lagc.semantics.values.calls import match
 from lagc.semantics.values.evaluate import evaluate, evaluate_as, integer
 from lagc.semantics.values.frame_vectors import unit_vector
-from lagc.semantics.values.kinematics import oriented, turned_about, turned_by
+from lagc.semantics.values.kinematics import turned_about, turned_by, turned_frame
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix, Vector, add, cross, dot, scale, sub, transpose
 from lagc.symbolic.walk import substitute, symbols
@@ -99,23 +99,20 @@ class Joint:
         if name not in self.written:
             zero = self.context.graph.zero
             return (zero, zero, zero)
-        vector, found = vector_of(self._value(name, M), self.span(name), f"`{name}`")
-        expect(found, M, self.span(name), f"`{name}`")
+        vector = vector_in(M, self._value(name, M), self.span(name), f"`{name}`")
         self._drawn(name, vector)
         return vector
 
     def direction(self, name: str) -> Vector:
         """Return a drawn unit vector."""
-        vector, found = vector_of(self._value(name, NONE), self.span(name), f"`{name}`")
-        expect(found, NONE, self.span(name), f"`{name}`")
+        vector = vector_in(NONE, self._value(name, NONE), self.span(name), f"`{name}`")
         self._drawn(name, vector)
         return unit_vector(self.context, vector, self.span(name))
 
     def number(self, name: str, meant: Dimension) -> Node:
-        scalar = scalar_of(self._value(name, meant), self.span(name), f"`{name}`")
-        expect(scalar.dimension, meant, self.span(name), f"`{name}`")
-        self._drawn(name, (scalar.node,))
-        return scalar.node
+        node = scalar_in(meant, self._value(name, meant), self.span(name), f"`{name}`")
+        self._drawn(name, (node,))
+        return node
 
     def axes(self) -> dict[str, Vector]:
         """Return the directions x, y, z of the joint; those of the world if it has no axis."""
@@ -240,13 +237,13 @@ class Linkage:
         elif body in self.poses:
             pose = self.poses[body]
         else:
-            pose = self.poses[body] = self._own(body)
+            pose = self.poses[body] = self._own_pose(body)
         for own in reversed(chain):
             joint = self.placing[own]
-            pose = self.poses[own] = self._moved(joint, pose, reverse=own is joint.ends[0])
+            pose = self.poses[own] = self._pose_beyond(joint, pose, reverse=own is joint.ends[0])
         return pose
 
-    def _own(self, body: Entry) -> Pose:
+    def _own_pose(self, body: Entry) -> Pose:
         """Return the pose of a body that moves by coordinates of its own, drawn where they and time are 0."""
         value = self.context.value(body, body.span)
         assert isinstance(value, Body)
@@ -259,27 +256,27 @@ class Linkage:
         axes = transpose(_matrix(drawn[3:]))
         return Pose(turned_by(self.context, frame, axes), (drawn[0], drawn[1], drawn[2]), value.position)
 
-    def _moved(self, joint: Joint, pose: Pose, reverse: bool) -> Pose:
+    def _pose_beyond(self, joint: Joint, pose: Pose, reverse: bool) -> Pose:
         """Return the pose beyond an open joint.  In `reverse`, from b to a, the coordinates of a joint with
         one axis keep their sense: that of b against a."""
         released = joint.entry.path in self.context.released
         at = joint.point("at") if "at" in joint.written or released else pose.drawn
-        now, frame, kind = pose.attached(at), pose.frame, joint.kind
+        now, frame, kind = pose.place_of(at), pose.frame, joint.kind
         assert isinstance(kind, Pair)
         axes = joint.axes() if kind.slides or kind.turns in (ABOUT_Z, ABOUT_Z_AND_X) else {}
         sense = -1.0 if reverse and kind.turns <= ABOUT_Z and set(kind.slides) <= {"z"} else 1.0
         for axis, name in kind.slides.items():
-            now = add(now, scale(sense * joint.scalar(name), pose.along(axes[axis])))
+            now = add(now, scale(sense * joint.scalar(name), pose.direction_of(axes[axis])))
         for axis, name in zip("zx", kind.angles):
             turn = sense * joint.scalar(name)
             frame = turned_about(self.context, frame, axes[axis], turn, joint.call.span)
         if kind.turns == ANY_TURN:
             orientation = joint.coordinate("orientation")
             assert isinstance(orientation, Orientation)
-            frame = oriented(self.context, frame, orientation)
+            frame = turned_frame(self.context, frame, orientation)
         if kind.helical:
             advance = joint.number("pitch", M) / TWO_PI * (sense * joint.scalar("angle"))
-            now = add(now, scale(advance, pose.along(axes["z"])))
+            now = add(now, scale(advance, pose.direction_of(axes["z"])))
         moved = Pose(frame, at, now)
         if released:
             return release_pose(self.context, joint.entry, moved, -1.0 if reverse else 1.0)
@@ -401,7 +398,7 @@ BY_EQUATIONS = (0.0, 1.0)  # the force of the explicit constraints
 
 def release_parameter(context: Context, entry: Entry, symbol: Node, unit: str) -> list[ModelObject]:
     """Return the parameter as a coordinate that does not move."""
-    added = _moving(context, entry, symbol, unit)
+    added = _release_coordinate(context, entry, symbol, unit)
     force = context.graph.symbol("reaction", symbol.record.owner)
     return [added, Release((force,), (added.rate_symbol,), (), None, *BY_GEOMETRY)]
 
@@ -412,7 +409,7 @@ def release_place(
     """Return `place` displaced by three coordinates, along the axes of the world."""
     graph = context.graph
     moved = [graph.symbol("coordinate", f"reaction({entry.path}).{axis}") for axis in "xyz"]
-    added = [_moving(context, entry, symbol, "m") for symbol in moved]
+    added = [_release_coordinate(context, entry, symbol, "m") for symbol in moved]
     forces = [graph.symbol("reaction", entry.path, f"force.{axis}") for axis in "xyz"]
     values = [(symbol, 0.0) for symbol in moved]
     rates = tuple([coordinate.rate_symbol for coordinate in added])
@@ -429,13 +426,13 @@ def release_frame(
     a, b, c = (graph.symbol("rate", owner, axis) for axis in "xyz")
     set_quaternion_rate(context.clock, (w, x, y, z), (a, b, c))
     one, zero = graph.one, graph.zero
-    start, held = (one, zero, zero, zero), _unstated(entry.span)
+    start, held = (one, zero, zero, zero), _no_statement(entry.span)
     added = Orientation(owner, (w, x, y, z), (a, b, c), start, (zero, zero, zero), held, (held, held, held),
                         entry.span)  # fmt: skip
     moments = [graph.symbol("reaction", entry.path, f"moment.{axis}") for axis in "xyz"]
     values = tuple(zip((w, x, y, z), (1.0, 0.0, 0.0, 0.0)))
     entry.objects += [added, Release(tuple(moments), (a, b, c), values, frame.axes, *factors)]
-    return oriented(context, frame, added)
+    return turned_frame(context, frame, added)
 
 
 def release_pose(context: Context, joint: Entry, pose: Pose, sense: float) -> Pose:
@@ -448,19 +445,19 @@ def release_pose(context: Context, joint: Entry, pose: Pose, sense: float) -> Po
 
 def release_far_side(context: Context, joint: Entry, pose: Pose, at: Vector) -> Pose:
     """Return the pose of the second body of a joint that closes a loop, free against the body itself."""
-    now = release_place(context, joint, pose.attached(at), BY_EQUATIONS)
+    now = release_place(context, joint, pose.place_of(at), BY_EQUATIONS)
     return Pose(release_frame(context, joint, pose.frame, BY_EQUATIONS), at, now)
 
 
-def _moving(context: Context, entry: Entry, symbol: Node, unit: str) -> Coordinate:
+def _release_coordinate(context: Context, entry: Entry, symbol: Node, unit: str) -> Coordinate:
     """Return a coordinate with this symbol."""
     graph, name = context.graph, symbol.record.owner
     rate = graph.symbol("rate", name, order=1)
     context.clock.set_rate(symbol, rate)
     context.clock.set_rate(rate, graph.leaf(rate.record.derivative))
-    zero, held = graph.zero, _unstated(entry.span)
+    zero, held = graph.zero, _no_statement(entry.span)
     return Coordinate(name, symbol, rate, unit, unit, zero, zero, held, held, entry.span)
 
 
-def _unstated(span: Span) -> Statement:
+def _no_statement(span: Span) -> Statement:
     return Statement(UNSTATED, span)

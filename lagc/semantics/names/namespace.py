@@ -67,18 +67,13 @@ class Namespace:
         first = self.names.get(declaration.name)
         if first is not None:
             place = first.span if isinstance(first, tree.Quantities) else first.name_span
-            self.importer.report(
-                Wrong(
-                    "LAG0202",
-                    f"`{declaration.name}` is declared twice",
-                    declaration.name_span,
-                    related=((place, "first here"),),
-                )
-            )
+            message = f"`{declaration.name}` is declared twice"
+            related = ((place, "first here"),)
+            self.importer.report(Wrong("LAG0202", message, declaration.name_span, related=related))
             return
         self.names[declaration.name] = declaration
 
-    def imported(self) -> Imports:
+    def imports_here(self) -> Imports:
         """Return the imports of this place, resolved at the first call."""
         if self._imported is None:
             self._imported = Imports(self.imports, self)
@@ -90,7 +85,7 @@ class Namespace:
         space: Namespace | None = self
         while space is not None:
             declared = space.names.get(name)
-            found = (declared, space) if declared is not None else space.imported().get(name)
+            found = (declared, space) if declared is not None else space.imports_here().get(name)
             if found is not None:
                 return found
             space = space.parent
@@ -144,14 +139,14 @@ class Imports:
         """Return the imported declaration called `name`, or None. Raises Wrong if the name is unknown and an
         import that failed might have declared it."""
         if self._names is None:
-            self._names = self._merged()
+            self._names = self._merge()
         found = self._names.get(name)
         wrong = None if found is not None else self._missing.get(name, self._missing.get(None))
         if wrong is not None:
             raise wrong.with_traceback(None)  # the traceback would grow with every raise
         return found
 
-    def _merged(self) -> dict[str, Found]:
+    def _merge(self) -> dict[str, Found]:
         """Return all imported names; where two imports provide the same name, the first wins."""
         names: dict[str, Found] = {}
         seen: set[int] = set()
@@ -307,7 +302,7 @@ class Importer:
 
     def look_at(self, declarations: Iterable[tree.Declaration], space: Namespace) -> None:
         """Collect the faults of all imports among `declarations`, used or not."""
-        self.faults += space.imported().faults
+        self.faults += space.imports_here().faults
         for declaration in declarations:
             if isinstance(declaration, tree.Package | tree.ModelDeclaration):
                 self.look_at(declaration.body, self.inside(declaration, space))
@@ -315,7 +310,7 @@ class Importer:
     def file(self, declaration: tree.Import) -> Namespace:
         """Return the namespace that `import "..."` provides: of a file in the folder, or else of the library.
         Raises Wrong."""
-        path = self._beside(declaration.file or "", declaration.span)
+        path = self._path_beside(declaration.file or "", declaration.span)
         shipped = os.path.join(models_folder(), declaration.file or "")
         inside = is_within(os.path.realpath(shipped), [os.path.realpath(models_folder())])
         if inside and os.path.isfile(shipped) and not os.path.exists(path):
@@ -325,11 +320,11 @@ class Importer:
 
     def member(self, declaration: tree.Import, found: Found) -> Found | Namespace:
         """Return what an import provides, where `found` is the first name of its path.  Raises Wrong."""
-        return self._opened(
+        return self._open(
             declaration, found[1].follow(found, declaration.path, declaration.span, "declaration")
         )
 
-    def _opened(self, declaration: tree.Import, found: Found) -> Found | Namespace:
+    def _open(self, declaration: tree.Import, found: Found) -> Found | Namespace:
         if not declaration.wildcard:
             return found
         container, outer = found
@@ -339,7 +334,7 @@ class Importer:
 
     def data(self, written: str, span: Span) -> Columns:
         """Return the columns of a data file, located like an import.  Raises Wrong."""
-        path = self._beside(written, span)
+        path = self._path_beside(written, span)
         real = os.path.realpath(path)
         try:
             if real not in self._data:
@@ -358,7 +353,7 @@ class Importer:
             self.asked[path] = self._fingerprints.get(real)
         return self._data[real]
 
-    def _beside(self, written: str, span: Span) -> str:
+    def _path_beside(self, written: str, span: Span) -> str:
         """Return the path of a file named in a text.  Raises Wrong if it is outside the roots."""
         path = os.path.join(folder_of(span.source.name) or os.sep, written)
         if span.source not in self.free and not is_within(os.path.realpath(path), self.roots):
@@ -385,7 +380,7 @@ class Importer:
                 file = self._read(path, declaration.span)
                 if names[length - 1] in file.names:
                     found = file.find(names[length - 1 :], declaration.span, "declaration")
-                    return self._opened(declaration, found)
+                    return self._open(declaration, found)
         return None
 
     def nothing(self, declaration: tree.Import) -> Wrong:
@@ -393,12 +388,8 @@ class Importer:
         remedy = f"looked for {_candidates(names)} in: {', '.join(shown(r) or '.' for r in self.roots)}"
         if names[0] in foreign("libraries"):
             remedy = foreign("libraries")[names[0]]
-        return Wrong(
-            "LAG0216",
-            f"`{'.'.join(names)}` cannot be imported: no file declares it",
-            declaration.span,
-            remedy=remedy,
-        )
+        message = f"`{'.'.join(names)}` cannot be imported: no file declares it"
+        return Wrong("LAG0216", message, declaration.span, remedy)
 
     def _read(self, asked: str, span: Span) -> Namespace:
         path = os.path.realpath(asked)

@@ -247,7 +247,7 @@ def _declaration(
     source = context.chain[-1].source if context.chain else None
     if isinstance(source, tree.Load) and not path and not _holds(source.value, e):
         return f"declare it, `point {e.name} = {{0, 0, 0}} [m];`"
-    needed = _needed(context, e, environment, path)
+    needed = _needed_dimension(context, e, environment, path)
     if needed is None:
         for name in _names(path[-1]) if path else ():
             known = name.name == e.name or dimension_of(context, name, environment) is not None
@@ -262,7 +262,7 @@ def _declaration(
     return f"declare it, `parameter {named} {e.name} = 1 [{unit}];`"
 
 
-def _needed(
+def _needed_dimension(
     context: Context, e: tree.Name, environment: Environment, path: tuple[tree.Expression, ...]
 ) -> Dimension | None:
     """Return the dimension that a name needs to fit those around it, None if it is not known."""
@@ -354,7 +354,7 @@ def refuse_without_kind(context: Context, entry: Entry) -> Value:
     text = span.source.text[source.span.start : declaration.declarators[-1].span.end]
     given = _UNIT_ATTRIBUTE.search(text)
     if given is not None:
-        name, text = typed(given[1]) or name, _UNIT_ATTRIBUTE.sub("", text).replace("()", "")
+        name, text = type_of_unit(given[1]) or name, _UNIT_ATTRIBUTE.sub("", text).replace("()", "")
     elif name == "Real" and dimension is not None:
         name = name_of(dimension)
     kind = _kind(name, source, moves)
@@ -385,10 +385,10 @@ def without_type(context: Context, entry: Entry) -> Wrong:
     dimension, _ = _value(context, entry, source)
     start = next((a.value for a in source.arguments if a.name in ("start", "guess")), None)
     bracket = _BRACKET.match(text, len(source.name))
-    written = bracket[1] if bracket is not None and typed(bracket[1]) else None
+    written = bracket[1] if bracket is not None and type_of_unit(bracket[1]) else None
     if written is not None and bracket is not None:
         text = text[: bracket.start()] + text[bracket.end() :]
-        name = typed(written) or "Real"
+        name = type_of_unit(written) or "Real"
     elif dimension is not None:
         name = name_of(dimension)
     elif start is not None and dimension_of(context, start, entry.environment) not in (None, NONE):
@@ -438,7 +438,7 @@ def _value(context: Context, entry: Entry, source: tree.Declarator) -> tuple[Dim
     return (found[0].dimension if found else None), moves or not found
 
 
-def typed(text: str) -> str | None:
+def type_of_unit(text: str) -> str | None:
     """Return the type with the unit of a text: `Mass` for `kg`, `Real[kg/s]`."""
     try:
         return name_of(unit(text).dimension)

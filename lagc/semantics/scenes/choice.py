@@ -58,11 +58,8 @@ def choose_model(
     if inner:  # in packages
         return choose_model(file, space, inner[-1])
     if models:
-        raise Wrong(
-            "LAG0211",
-            f"`{models[-1].name}` is partial, and the file has no other model",
-            models[-1].name_span,
-        )
+        message = f"`{models[-1].name}` is partial, and the file has no other model"
+        raise Wrong("LAG0211", message, models[-1].name_span)
     start = Span(file.source, 0, min(1, len(file.source.text)))
     raise Wrong("LAG0215", "the file has no model", start, "write `model Name ... end Name;`")
 
@@ -102,14 +99,9 @@ def scenes_of(
     for declaration in model.body:
         if isinstance(declaration, tree.Scene):
             if declaration.name in found:
-                context.report(
-                    Wrong(
-                        "LAG0202",
-                        f"the scene `{declaration.name}` is declared twice",
-                        declaration.name_span,
-                        related=((found[declaration.name].name_span, "first here"),),
-                    )
-                )
+                message = f"the scene `{declaration.name}` is declared twice"
+                related = ((found[declaration.name].name_span, "first here"),)
+                context.report(Wrong("LAG0202", message, declaration.name_span, related=related))
                 continue
             found[declaration.name] = declaration
     for declaration in model.body:
@@ -156,7 +148,7 @@ def read_values(context: Context, setting: Setting, environment: Environment) ->
     for d in setting.scene.body if setting.scene else ():
         if isinstance(d, tree.Quantities):
             if d.type is not None:
-                context.attempt(_typed, d.type)
+                context.attempt(_refuse_type, d.type)
             for declarator in d.declarators:
                 if _is_plain(declarator):
                     context.attempt(_parameter, context, declarator, environment)
@@ -177,13 +169,10 @@ def read_rest(context: Context, setting: Setting, environment: Environment) -> d
     return settings.numbers()
 
 
-def _typed(type_name: tree.TypeName) -> None:
-    raise Wrong(
-        "LAG0221",
-        "a scene only changes values; the type is declared in the model",
-        type_name.span,
-        "leave out the type",
-    )
+def _refuse_type(type_name: tree.TypeName) -> None:
+    message = "a scene only changes values; the type is declared in the model"
+    remedy = "leave out the type"
+    raise Wrong("LAG0221", message, type_name.span, remedy)
 
 
 def _is_plain(declarator: tree.Declarator) -> bool:
@@ -315,28 +304,22 @@ def check_effects(context: Context, setting: Setting) -> None:
             continue
         for other in effect.requires:
             if other.name in known and not setting.uses.has_beside(path[: path.rfind(".") + 1], other.name):
-                context.report(
-                    Wrong(
-                        "LAG0213",
-                        f"the effect `{path}` requires `{other.name}`, which the scene "
-                        f"`{setting.name}` does not use",
-                        other.span,
-                        f"add it: `uses ..., {other.name}`",
-                        _scene_place(setting, (path,)),
-                    )
+                message = (
+                    f"the effect `{path}` requires `{other.name}`, which the scene "
+                    f"`{setting.name}` does not use"
                 )
+                remedy = f"add it: `uses ..., {other.name}`"
+                related = _scene_place(setting, (path,))
+                context.report(Wrong("LAG0213", message, other.span, remedy, related))
         for other in effect.excludes:
             if setting.uses.has_beside(path[: path.rfind(".") + 1], other.name):
-                context.report(
-                    Wrong(
-                        "LAG0213",
-                        f"the effects `{path}` and `{other.name}` exclude each other, and the scene "
-                        f"`{setting.name}` uses both",
-                        other.span,
-                        "leave one of them out",
-                        _scene_place(setting, (path, other.name)),
-                    )
+                message = (
+                    f"the effects `{path}` and `{other.name}` exclude each other, and the scene "
+                    f"`{setting.name}` uses both"
                 )
+                remedy = "leave one of them out"
+                related = _scene_place(setting, (path, other.name))
+                context.report(Wrong("LAG0213", message, other.span, remedy, related))
 
 
 def _scene_place(setting: Setting, effects: Sequence[str]) -> tuple[tuple[Span, str], ...]:

@@ -7,6 +7,7 @@ from math import inf
 from typing import NamedTuple
 
 from lagc.base.records import replace
+from lagc.base.run_options import RUN_OPTIONS
 from lagc.base.text import FINEST, MOST_POINTS
 from lagc.diagnostics.faults import Fault, Refused, Source, Span, Wrong
 from lagc.diagnostics.suggest import did_you_mean, meant_argument
@@ -23,15 +24,11 @@ from lagc.semantics.names.scope import (
     subscripts,
     vector_value,
 )
-from lagc.semantics.units import NONE, Dimension, M, S, si_text
+from lagc.semantics.units import NONE, M, si_text, unit
 from lagc.semantics.values.evaluate import evaluate, evaluate_as
 from lagc.syntax import tree
 
-_SETTINGS: dict[str, Dimension] = {
-    "stop": S, "every": S, "step": S, "maxstep": S, "accuracy": NONE, "points": NONE, "rtol": NONE,
-    "atol": NONE,
-}  # fmt: skip
-_BELOW_ONE = {"accuracy": "error", "rtol": "tolerance"}
+_SETTINGS = {option.of_scene: option for option in RUN_OPTIONS.values()}
 _ALTERNATIVES = (
     ("accuracy", "rtol"), ("accuracy", "atol"), ("accuracy", "step"), ("step", "rtol"), ("step", "atol"),
     ("step", "maxstep"), ("every", "points"),
@@ -65,12 +62,9 @@ class Settings:
         if name is None:
             raise Wrong("LAG0209", "an argument of `simulate` needs a name: `stop = 20`", argument.span)
         if name not in _SETTINGS or value is None:
-            raise Wrong(
-                "LAG0209",
-                f"`simulate` has no argument `{name}`",
-                argument.name_span or argument.span,
-                meant_argument(name, _SETTINGS) or f"it has {', '.join(_SETTINGS)}",
-            )
+            message = f"`simulate` has no argument `{name}`"
+            remedy = meant_argument(name, _SETTINGS) or f"it has {', '.join(_SETTINGS)}"
+            raise Wrong("LAG0209", message, argument.name_span or argument.span, remedy)
         if name in self._given:
             related = ((self._given[name].span, "first here"),)
             raise Wrong("LAG0209", f"`{name}` is given twice", argument.span, related=related)
@@ -86,13 +80,14 @@ class Settings:
     def _number(self, name: str, e: tree.Expression) -> float:
         """Return the number of an argument.  Raises Wrong if it is not a constant number of the right
         dimension."""
-        value = evaluate_as(self.context, e, self.environment, _SETTINGS[name])
+        dimension = unit(_SETTINGS[name].unit or "1").dimension
+        value = evaluate_as(self.context, e, self.environment, dimension)
         if not isinstance(value, Scalar):
             raise Wrong("LAG0306", f"`{name}` must be a number; this is {kind(value)}", e.span)
         if not value.node.is_const:
             message = f"`{name}` must be a fixed number; this depends on parameters or on the motion"
             raise Wrong("LAG0208", message, e.span)
-        expect(value.dimension, _SETTINGS[name], e.span, f"`{name}`")
+        expect(value.dimension, dimension, e.span, f"`{name}`")
         number = value.node.value
         assert isinstance(number, float)
         return number
@@ -101,8 +96,9 @@ class Settings:
         """Return the reason why a number is not valid for a setting, or None."""
         if number <= 0:
             return f"`{name}` must be positive"
-        if name in _BELOW_ONE and number >= 1:
-            return f"`{name}` is a relative {_BELOW_ONE[name]} and must be below 1"
+        relative = _SETTINGS[name].relative
+        if relative and number >= 1:
+            return f"`{name}` is a relative {relative} and must be below 1"
         if name == "rtol" and number < FINEST:
             return f"`rtol` is below {FINEST:g}, the limit set by round-off"
         if name == "points" and (number < 2 or number % 1 or number > MOST_POINTS):

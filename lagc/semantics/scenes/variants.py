@@ -77,7 +77,7 @@ def _of_model(name: str, declaration: tree.ModelDeclaration, space: Namespace) -
     used = {name.name for scene in scenes.values() for name in scene.uses}
     for effect in effects.values():
         if effect.name not in used:
-            wanted = _required(effect, effects)
+            wanted = _required_effects(effect, effects)
             excluded = {e.name for w in wanted if w in effects for e in effects[w].excludes}
             excluded |= {n for n, e in effects.items() if any(x.name in wanted for x in e.excludes)}
             others = [n.name for n in scenes[first].uses] if first is not None else []
@@ -85,7 +85,7 @@ def _of_model(name: str, declaration: tree.ModelDeclaration, space: Namespace) -
             yield Variant(name, first, tuple(wanted), tuple(sorted(excluded - set(wanted))), alone)
 
 
-def _required(effect: tree.Effect, effects: dict[str, tree.Effect]) -> list[str]:
+def _required_effects(effect: tree.Effect, effects: dict[str, tree.Effect]) -> list[str]:
     wanted = [effect.name]
     for name in wanted:  # the list grows
         if name in effects:

@@ -33,13 +33,10 @@ def constant_of(
     """Return the value of a `constant` of a file or a package.  Raises Wrong."""
     declarator = next(d for d in declared.declarators if d.name == name)
     if declared.kind != "constant":
-        raise Wrong(
-            "LAG0221",
-            f"`{name}` is a {declared.kind} outside of a model",
-            span,
-            related=((declarator.name_span, "declared here"),),
-            remedy="declare it in a model, or as a `constant`",
-        )
+        message = f"`{name}` is a {declared.kind} outside of a model"
+        remedy = "declare it in a model, or as a `constant`"
+        related = ((declarator.name_span, "declared here"),)
+        raise Wrong("LAG0221", message, span, remedy, related)
     if declared.type is None:
         message = f"`constant` needs a type and a name; there is only `{name}`"
         remedy = f"write `constant Real {declarator.span.text};`, or a type such as `Mass`"
@@ -64,9 +61,9 @@ def constant_of(
     return context.constants[key]
 
 
-def packaged(context: Context, e: tree.Member, environment: Environment) -> Value | None:
+def package_constant(context: Context, e: tree.Member, environment: Environment) -> Value | None:
     """Return the constant of a package, `lib.g`, or None if `e` is not such a path."""
-    path = dotted(e)
+    path = dotted_path(e)
     if path is None or _is_here(path[0], environment):
         return None
     declared = environment.space.lookup(path[0])
@@ -93,7 +90,7 @@ def _is_here(name: str, environment: Environment) -> bool:
     return name in environment.bindings or name in environment.instance.entries
 
 
-def dotted(e: tree.Expression) -> tuple[str, ...] | None:
+def dotted_path(e: tree.Expression) -> tuple[str, ...] | None:
     """Return ("a", "b", "c") for `a.b.c`; None for anything else."""
     names: list[str] = []
     while isinstance(e, tree.Member):
@@ -165,7 +162,7 @@ MOST_CALLS = 50_000  # calls of the user's functions in one model
 LONGEST = 64  # arguments of one call
 
 
-def written(name: str) -> str | None:
+def shortest_call(name: str) -> str | None:
     """Return the shortest call of a built-in function, `velocity(of)`, or None."""
     builtin = BUILTINS.get(name)
     if builtin is None:
@@ -178,7 +175,7 @@ def call(context: Context, e: tree.Call, environment: Environment) -> Value:
     if len(e.arguments) > LONGEST:
         raise Wrong("LAG0209", f"the call has more than {LONGEST} arguments", e.span)
     try:
-        called, arguments = _called(context, e, environment)
+        called, arguments = _function_of(context, e, environment)
     except (Wrong, Poisoned):
         look_at_arguments(context, e, environment)
         raise
@@ -186,15 +183,15 @@ def call(context: Context, e: tree.Call, environment: Environment) -> Value:
         return _inline(context, e, environment, *called, arguments)
     filled = iter(all_values(context, [a for a in arguments if a is not None], environment))
     given = [None if a is None else Argument(next(filled), a.span, is_bare(a)) for a in arguments]
-    return _applied(context, called, e, given)
+    return _apply(context, called, e, given)
 
 
-def _called(
+def _function_of(
     context: Context, e: tree.Call, environment: Environment
 ) -> tuple[Builtin | tuple[tree.FunctionDeclaration, Environment], list[tree.Expression | None]]:
     """Return the called function, and its arguments in the order of its parameters.  Raises Wrong,
     Poisoned."""
-    own = _declared(context, e, environment)
+    own = _declared_function(context, e, environment)
     if own is not None:
         names = _parameters(own[0])
         return own, match(context, e, names, len(names), f"`{own[0].name}`")
@@ -213,7 +210,7 @@ def look_at_arguments(context: Context, e: tree.Call, environment: Environment) 
             context.attempt(evaluate, context, argument.value, environment)
 
 
-def _applied(context: Context, builtin: Builtin, e: tree.Call, given: list[Argument | None]) -> Value:
+def _apply(context: Context, builtin: Builtin, e: tree.Call, given: list[Argument | None]) -> Value:
     try:
         return builtin.apply(context, e.span, *given)
     except (ZeroDivisionError, OverflowError, ValueError):
@@ -228,6 +225,7 @@ def match(
     found: dict[str, tree.Expression] = {}
     many: list[tree.Expression | None] = []
     wrong: list[Wrong] = []
+    # All faults of the arguments are collected: too many, unknown or repeated names,
     allowed = LONGEST if parameters[-1:] == ("*",) else len(parameters)
     more = [argument for argument in e.arguments[allowed:] if argument.name is None]
     if more:
@@ -250,6 +248,7 @@ def match(
             many.append(argument.value)
         else:
             found[name] = argument.value
+    # and what is missing, unless a wrong name may be the missing one.
     missing = [p for p in parameters[:required] if p not in found and p != "*"]
     if not wrong and (missing or required > len(found) + len(many)):
         lacking = missing[0] if missing else "another"
@@ -275,12 +274,9 @@ def _parameter(argument: tree.Argument, position: int, parameters: tuple[str, ..
     if argument.name not in parameters or argument.name == "*":
         known = [p for p in parameters if p != "*"]
         listed = f"it takes {', '.join(f'`{p}`' for p in known)}" if known else None
-        raise Wrong(
-            "LAG0209",
-            f"{who} has no argument `{argument.name}`",
-            argument.name_span or argument.span,
-            meant_argument(argument.name, known) or listed,
-        )
+        message = f"{who} has no argument `{argument.name}`"
+        remedy = meant_argument(argument.name, known) or listed
+        raise Wrong("LAG0209", message, argument.name_span or argument.span, remedy)
     return argument.name
 
 
@@ -290,12 +286,12 @@ def _count(parameters: tuple[str, ...]) -> str:
     return f"{len(parameters)} argument{'' if len(parameters) == 1 else 's'}"
 
 
-def _declared(
+def _declared_function(
     context: Context, e: tree.Call, environment: Environment
 ) -> tuple[tree.FunctionDeclaration, Environment] | None:
     """Return the called function of the user and its environment, or None."""
     function = e.function
-    path = dotted(function)
+    path = dotted_path(function)
     if path is None:
         raise Wrong("LAG0201", "this is not a function", function.span)
     if len(path) == 1:
@@ -303,12 +299,9 @@ def _declared(
         if entry is not None:
             if isinstance(entry.source, tree.FunctionDeclaration):
                 return entry.source, entry.environment
-            raise Wrong(
-                "LAG0221",
-                f"`{path[0]}` is a {entry.kind}, not a function",
-                function.span,
-                related=((entry.span, "declared here"),),
-            )
+            message = f"`{path[0]}` is a {entry.kind}, not a function"
+            related = ((entry.span, "declared here"),)
+            raise Wrong("LAG0221", message, function.span, related=related)
         declared = environment.space.lookup(path[0])
         if declared is None:
             return None
@@ -349,10 +342,11 @@ def _inline(
     types = [type_of(t, scope.space) for t, _, _ in function.parameters]
     written = [a for a in arguments if a is not None]  # all, since none is optional
 
-    def one(pair: tuple[tree.Expression, QuantityType]) -> Value:
+    def value_of(pair: tuple[tree.Expression, QuantityType]) -> Value:
         return evaluate_as(context, pair[0], environment, pair[1].dimension)
 
-    values = each(context, one, list(zip(written, types)))
+    # The arguments have the dimensions of the declared parameters.
+    values = each(context, value_of, list(zip(written, types)))
     for value, meant, argument, (_, name, span) in zip(values, types, written, function.parameters):
         for scalar in flat(value, argument.span, f"the argument `{name}`"):
             try:
@@ -363,6 +357,7 @@ def _inline(
                     fault.code, fault.message, fault.span, related=((span, "declared here"),)
                 ) from None
     key = (scope.instance.path, id(function), tuple(values))
+    # The body is evaluated with the values as bindings: the function is inlined.
     known = context.results.get(key)  # the same arguments give the same nodes
     if known is not None:
         return known
@@ -404,12 +399,8 @@ def _enter(context: Context, e: tree.Call, function: tree.FunctionDeclaration) -
     if len(context.callers) > DEEPEST:
         context.callers.pop()
         context.all_calls = MOST_CALLS + 1  # stop further calls, which would not end either
-        raise Wrong(
-            "LAG0225",
-            f"`{function.name}` calls itself, or functions are nested deeper than {DEEPEST}",
-            e.span,
-            related=related,
-        )
+        message = f"`{function.name}` calls itself, or functions are nested deeper than {DEEPEST}"
+        raise Wrong("LAG0225", message, e.span, related=related)
     if context.all_calls > MOST_CALLS:
         context.callers.pop()
         message = f"the model calls functions more than {MOST_CALLS} times"
@@ -423,12 +414,9 @@ def _unknown(name: str, e: tree.Call, environment: Environment) -> Wrong:
     if name in environment.instance.unused:
         return Wrong("LAG0214", f"`{name}` {environment.instance.unused[name]}", span)
     if name in ("Particle", "Solid", "Gravity"):
-        return Wrong(
-            "LAG0221",
-            f"`{name}` is only allowed as the whole value of a declaration",
-            span,
-            f"write `body b = {name}(...);`" if name != "Gravity" else "write `Gravity field;`",
-        )
+        message = f"`{name}` is only allowed as the whole value of a declaration"
+        remedy = f"write `body b = {name}(...);`" if name != "Gravity" else "write `Gravity field;`"
+        return Wrong("LAG0221", message, span, remedy)
     functions = [n for n, entry in environment.instance.entries.items() if entry.kind == "function"]
     return Wrong(
         "LAG0201",

@@ -34,12 +34,12 @@ def evaluate_as(
     if isinstance(expression, tree.Quantity):
         return context.evaluators[tree.Quantity](context, expression, environment, dimension)
     value = evaluate(context, expression, environment)
-    return value if dimension == NONE else _dressed(value, dimension, is_bare(expression))
+    return value if dimension == NONE else _with_dimension(value, dimension, is_bare(expression))
 
 
-def _dressed(value: Value, dimension: Dimension, bare: bool) -> Value:
+def _with_dimension(value: Value, dimension: Dimension, bare: bool) -> Value:
     if isinstance(value, Array):
-        elements = [_dressed(e, dimension, bare) for e in value.elements]
+        elements = [_with_dimension(e, dimension, bare) for e in value.elements]
         return value if all(map(operator.is_, elements, value.elements)) else Array(tuple(elements))
     if isinstance(value, Scalar) and value.dimension == NONE and (bare or value.bare):
         return Scalar(value.node, dimension)
@@ -53,12 +53,9 @@ def integer(context: Context, expression: tree.Expression, environment: Environm
         raise Wrong("LAG0208", f"{what} must be an integer; this is {kind(value)}", expression.span)
     number = value.node.value
     if not value.node.is_const or not isinstance(number, float):
-        raise Wrong(
-            "LAG0208",
-            f"{what} must be known when the model is compiled; this is not",
-            expression.span,
-            remedy="use integers, loop variables and `structural Integer` parameters",
-        )
+        message = f"{what} must be known when the model is compiled; this is not"
+        remedy = "use integers, loop variables and `structural Integer` parameters"
+        raise Wrong("LAG0208", message, expression.span, remedy)
     if value.dimension not in (None, NONE):
         raise Wrong("LAG0208", f"{what} must be an integer; this is not", expression.span)
     return whole(number, expression.span, what)

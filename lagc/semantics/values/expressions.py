@@ -22,7 +22,7 @@ from lagc.semantics.units import (
     times,
     unit,
 )
-from lagc.semantics.values.calls import call, dotted, outside, packaged, written
+from lagc.semantics.values.calls import call, dotted_path, outside, package_constant, shortest_call
 from lagc.semantics.values.evaluate import all_values, each, evaluate, integer, integers
 from lagc.semantics.values.members import element, member, part
 from lagc.semantics.values.unit_hints import is_bare, unit_remedy
@@ -74,7 +74,7 @@ def select(context: Context, condition: Node, first: tuple[Value, Span], second:
     if isinstance(a, Truth) and isinstance(b, Truth):
         return Truth(context.graph.select(condition, a.node, b.node))
 
-    def one(x: Scalar, y: Scalar) -> Scalar:
+    def result_of(x: Scalar, y: Scalar) -> Scalar:
         return Scalar(
             context.graph.select(condition, x.node, y.node),
             _same(x, y, "the branches", b_span, a_span, b_span),
@@ -83,7 +83,7 @@ def select(context: Context, condition: Node, first: tuple[Value, Span], second:
     if not isinstance(a, Scalar | Array) or not isinstance(b, Scalar | Array):
         wrong, span = (a, a_span) if not isinstance(a, Scalar | Array) else (b, b_span)
         raise Wrong("LAG0307", f"the branches of `if` are numbers or vectors; this is {kind(wrong)}", span)
-    return _elementwise(a, b, one, "the branches of `if`", b_span)
+    return _elementwise(a, b, result_of, "the branches of `if`", b_span)
 
 
 def _elementwise(a: Value, b: Value, one: Callable[[Scalar, Scalar], Scalar], what: str, span: Span) -> Value:
@@ -121,11 +121,11 @@ def _sides(e: tree.Binary, a: Scalar, b: Scalar, what: str) -> Dimension | None:
 def _sum(e: tree.Binary, left: Value, right: Value) -> Value:
     what = "the two sides of `+`" if e.op == "+" else "the two sides of `-`"
 
-    def one(a: Scalar, b: Scalar) -> Scalar:
+    def result_of(a: Scalar, b: Scalar) -> Scalar:
         dimension = a.dimension if a.dimension == b.dimension else _sides(e, a, b, what)
         return Scalar(a.node + b.node if e.op == "+" else a.node - b.node, dimension)
 
-    return _elementwise(left, right, one, what, e.op_span)
+    return _elementwise(left, right, result_of, what, e.op_span)
 
 
 def _times(a: Scalar, b: Scalar) -> Scalar:
@@ -181,12 +181,9 @@ def _quotient(e: tree.Binary, left: Value, right: Value) -> Value:
 
 def _power(e: tree.Binary, left: Value, right: Value) -> Value:
     if not isinstance(left, Scalar) or not isinstance(right, Scalar):
-        raise Wrong(
-            "LAG0306",
-            "`^` takes numbers",
-            e.span,
-            "write the square of a vector as `dot(a, a)` or `norm(a)^2`",
-        )
+        message = "`^` takes numbers"
+        remedy = "write the square of a vector as `dot(a, a)` or `norm(a)^2`"
+        raise Wrong("LAG0306", message, e.span, remedy)
     if right.dimension not in (None, NONE):
         message = f"an exponent must be a pure number; this is {describe(right.dimension)}"
         raise Wrong("LAG0305", message, e.right.span)
@@ -276,12 +273,9 @@ def _quantity(
     except UnknownUnit as unknown:
         from lagc.semantics.values.unit_hints import spelling_remedy  # where there is a fault
 
-        raise Wrong(
-            "LAG0304",
-            unknown.reason,
-            e.unit.span,
-            remedy=_AN_ELEMENT if _is_number(e, environment) else spelling_remedy(e.unit.text, wanted),
-        ) from None
+        message = unknown.reason
+        remedy = _AN_ELEMENT if _is_number(e, environment) else spelling_remedy(e.unit.text, wanted)
+        raise Wrong("LAG0304", message, e.unit.span, remedy) from None
     value = evaluate(context, e.value, environment)
 
     def converted(value: Value) -> Value:
@@ -313,15 +307,11 @@ def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
         return found
     instance = environment.instance
     if e.name in instance.unused:
-        raise Wrong(
-            "LAG0214",
-            f"`{e.name}` {instance.unused[e.name]}",
-            e.span,
-            remedy="move this into the same effect, or use that effect in the scene",
-        )
+        line = "move this into the same effect, or use that effect in the scene"
+        raise Wrong("LAG0214", f"`{e.name}` {instance.unused[e.name]}", e.span, line)
     from lagc.semantics.names.undeclared import remedy, remedy_of_reaction  # where there is a fault
 
-    function = written(e.name)
+    function = shortest_call(e.name)
     if function is not None:
         line = remedy_of_reaction(e, instance) or f"write `{function}`"
         raise Wrong("LAG0201", f"`{e.name}` is a function", e.span, line)
@@ -350,10 +340,10 @@ def find(context: Context, name: str, environment: Environment, span: Span) -> V
 
 
 def _member(context: Context, e: tree.Member, environment: Environment) -> Value:
-    constant = packaged(context, e, environment)
+    constant = package_constant(context, e, environment)
     if constant is not None:
         return constant
-    path = dotted(e) or ("",)
+    path = dotted_path(e) or ("",)
     remedy = f"write `{path[-1]}`" if path[-1] in CONSTANTS else remedy_of_word("names", path[-1])
     remedy = remedy or foreign_call(path[-1])
     unused = path[0] in environment.instance.unused
@@ -501,13 +491,10 @@ def _one_dimension(elements: Sequence[Value], written: Sequence[tree.Expression]
             continue
         assert value.dimension is not None
         here, there = describe(value.dimension), describe(first[0])
-        raise Wrong(
-            "LAG0301",
-            f"the elements have different dimensions: {there} and {here}",
-            expression.span,
-            unit_remedy(expression, first[0]),
-            related=((first[1].span, there),),
-        )
+        message = f"the elements have different dimensions: {there} and {here}"
+        remedy = unit_remedy(expression, first[0])
+        related = ((first[1].span, there),)
+        raise Wrong("LAG0301", message, expression.span, remedy, related)
 
 
 _AN_ELEMENT = "to take an element of a vector, put it in parentheses: `({3, 1, 2})[i]`"

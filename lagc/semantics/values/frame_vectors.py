@@ -149,7 +149,7 @@ def _sought(context: Context, axes: Matrix, vector: Vector, whole: Container[Nod
             if not all([c.is_const for c in coefficients]):
                 return None
             rows.append(([c.value for c in coefficients], right))
-    return _solved(rows)
+    return _solve(rows)
 
 
 def _moving_terms(context: Context, node: Node, whole: Container[Node], most: int) -> tuple[Terms, int]:
@@ -180,7 +180,7 @@ def _moving_terms(context: Context, node: Node, whole: Container[Node], most: in
     return found, most
 
 
-def _solved(rows: list[Row]) -> Vector | None:
+def _solve(rows: list[Row]) -> Vector | None:
     """Return the x that solves `coefficients` x = right in all `rows`, by Gauss-Jordan elimination."""
     done: list[Row] = []
     for k in range(3):

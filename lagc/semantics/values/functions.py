@@ -82,7 +82,7 @@ TABLE = Table()
 
 def _plain(op: str) -> Callable[[Context, Span, Argument], Value]:
     def apply(context: Context, span: Span, x: Argument) -> Value:
-        return Scalar(folded(context.graph.unary(op, number(x, f"the argument of `{op}`")), span), NONE)
+        return Scalar(finite_value(context.graph.unary(op, number(x, f"the argument of `{op}`")), span), NONE)
 
     return apply
 
@@ -108,7 +108,7 @@ def _as_number(x: Argument, dimension: Dimension | None) -> str:
     return f"divide by a quantity of the same dimension, such as `1 [{si_text(dimension or NONE)}]`"
 
 
-def folded(node: Node, span: Span) -> Node:
+def finite_value(node: Node, span: Span) -> Node:
     """Return `node`.  Raises Wrong if it is a function of constants without a finite value."""
     if node.args and all(a.is_const for a in node.args):
         raise Wrong("LAG0309", f"the value of `{node.op}` is not finite here", span)
@@ -118,7 +118,8 @@ def folded(node: Node, span: Span) -> Node:
 @TABLE.enter("log10", "x")
 def _log10(context: Context, span: Span, x: Argument) -> Value:
     return Scalar(
-        folded(context.graph.unary("log", number(x, "the argument of `log10`")), span) / math.log(10.0), NONE
+        finite_value(context.graph.unary("log", number(x, "the argument of `log10`")), span) / math.log(10.0),
+        NONE,
     )
 
 
@@ -130,7 +131,7 @@ def _sqrt(context: Context, span: Span, x: Argument) -> Value:
         dimension = raised(scalar.dimension, 0.5)
         if dimension is None:
             raise Wrong("LAG0305", f"{describe(scalar.dimension)} has no square root", x.span)
-    return Scalar(folded(context.graph.sqrt(scalar.node), span), dimension)
+    return Scalar(finite_value(context.graph.sqrt(scalar.node), span), dimension)
 
 
 @TABLE.enter("abs", "x")
@@ -162,13 +163,13 @@ def _mod(context: Context, span: Span, x: Argument, y: Argument) -> Value:
         scalar_of(x.value, x.span, "the argument of `mod`"),
         scalar_of(y.value, y.span, "the argument of `mod`"),
     )
-    dimension = shared([x, y], "`mod`")
+    dimension = dimension_shared([x, y], "`mod`")
     return Scalar(a.node - b.node * context.graph.unary("floor", a.node / b.node), dimension)
 
 
 @TABLE.enter("atan2", "y", "x")
 def _atan2(context: Context, span: Span, y: Argument, x: Argument) -> Value:
-    shared([y, x], "`atan2`")
+    dimension_shared([y, x], "`atan2`")
     a, b = (
         scalar_of(y.value, y.span, "the argument of `atan2`"),
         scalar_of(x.value, x.span, "the argument of `atan2`"),
@@ -183,7 +184,7 @@ def _extreme(op: str) -> Callable[..., Value]:
             every = [Argument(element, every[0].span) for element in every[0].value.elements]
         if not every:
             raise Wrong("LAG0306", f"`{op}` needs at least one number", span)
-        dimension = shared(every, f"`{op}`")
+        dimension = dimension_shared(every, f"`{op}`")
         nodes = [scalar_of(g.value, g.span, f"the argument of `{op}`").node for g in every]
         result = nodes[0]
         for node in nodes[1:]:
@@ -197,7 +198,7 @@ for _op in ("min", "max"):
     TABLE[_op] = Builtin(("x", "*"), 1, _extreme(_op))
 
 
-def shared(given: list[Argument], who: str) -> Dimension | None:
+def dimension_shared(given: list[Argument], who: str) -> Dimension | None:
     """Return the common dimension of the arguments.  Raises Wrong."""
     found: tuple[Dimension, Span] | None = None
     for one in given:
@@ -262,7 +263,7 @@ def _sum(context: Context, span: Span, a: Argument) -> Value:
         columns = zip(*(element.elements for element in a.value.elements if isinstance(element, Array)))
         return Array(tuple([_sum(context, span, Argument(Array(column), a.span)) for column in columns]))
     given = [Argument(element, a.span) for element in a.value.elements]
-    dimension = shared(given, "`sum`")
+    dimension = dimension_shared(given, "`sum`")
     return Scalar(context.graph.sum(scalar_of(g.value, a.span, "an element").node for g in given), dimension)
 
 
@@ -431,7 +432,7 @@ def _from_file(
         second = others[0]
     else:
         second = _place(file, values)
-    columns = _measured(file, first, over or data), _measured(file, second, values or data)
+    columns = _column_in_unit(file, first, over or data), _column_in_unit(file, second, values or data)
     check_order(columns[0].numbers, data.span, [line for line, _ in file.rows])
     return (*columns, file.heads[second][0])
 
@@ -449,7 +450,7 @@ def _place(file: Columns, asked: Argument) -> int:
     return found
 
 
-def _measured(file: Columns, k: int, asked: Argument) -> Column:
+def _column_in_unit(file: Columns, k: int, asked: Argument) -> Column:
     name, said = file.heads[k]
     try:
         numbers, meant = file.numbers(k), None if said is None else unit(said)

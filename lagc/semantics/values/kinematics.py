@@ -24,9 +24,9 @@ from lagc.semantics.names.scope import (
     Scalar,
     Value,
     Wrench,
-    expect,
     kind,
     scalar_of,
+    vector_in,
     vector_of,
     vector_value,
 )
@@ -63,12 +63,9 @@ def derivative(context: Context, node: Node, span: Span) -> Node:
     """Return d(node)/dt.  Raises Wrong if it is unknown."""
     mask = context.clock.mask(node)
     if mask & BIT["input"]:
-        raise Wrong(
-            "LAG0311",
-            "the time derivative of an input is not known",
-            span,
-            "write it as an expression of `time` instead of an input",
-        )
+        message = "the time derivative of an input is not known"
+        remedy = "write it as an expression of `time` instead of an input"
+        raise Wrong("LAG0311", message, span, remedy)
     if mask & LATE:
         what = "an acceleration, a reaction or an energy of the run"
         raise Wrong("LAG0219", f"the time derivative of {what} is not known", span)
@@ -77,15 +74,15 @@ def derivative(context: Context, node: Node, span: Span) -> Node:
 
 @TABLE.enter("der", "x")
 def _der(context: Context, span: Span, x: Argument) -> Value:
-    def one(value: Value) -> Value:
+    def rate_of(value: Value) -> Value:
         if isinstance(value, Array):
-            return Array(tuple([one(element) for element in value.elements]))
+            return Array(tuple([rate_of(element) for element in value.elements]))
         if not isinstance(value, Scalar):
             raise Wrong("LAG0307", f"`der` takes a number or a vector; this is {kind(value)}", x.span)
         found = derivative(context, value.node, x.span)
         return Scalar(found, None if value.dimension is None else over(value.dimension, S))
 
-    return one(x.value)
+    return rate_of(x.value)
 
 
 @TABLE.enter("attached", "body", "drawn")
@@ -95,15 +92,13 @@ def _attached(context: Context, span: Span, body: Argument, drawn: Argument) -> 
     if pose is None:
         remedy = "of a body with a frame F write the point itself: `position(b) + s*F.x`"
         raise Wrong("LAG0221", "`attached` takes a body that a joint places", body.span, remedy)
-    place, found = vector_of(drawn.value, drawn.span, "a point")
-    expect(found, M, drawn.span, "a point")
+    place = vector_in(M, drawn.value, drawn.span, "a point")
     return vector_value(pose(place), M)
 
 
 @TABLE.enter("position", "of")
 def _position(context: Context, span: Span, of: Argument) -> Value:
-    vector, found = vector_of(of.value, of.span, "the argument of `position`")
-    expect(found, M, of.span, "a position")
+    vector = vector_in(M, of.value, of.span, "the argument of `position`", "a position")
     return vector_value(vector, M)
 
 
@@ -114,8 +109,7 @@ def velocity_of(context: Context, of: Argument, at: Argument | None) -> vectors.
         return material_velocity(context, of, at)
     if isinstance(of.value, Body):
         return of.value.velocity
-    vector, found = vector_of(of.value, of.span, "the argument of `velocity`")
-    expect(found, M, of.span, "a position")
+    vector = vector_in(M, of.value, of.span, "the argument of `velocity`", "a position")
     x, y, z = (derivative(context, node, of.span) for node in vector)
     return (x, y, z)
 
@@ -127,19 +121,15 @@ def material_velocity(context: Context, of: Argument, at: Argument) -> vectors.V
     if not isinstance(body, Body):
         has = ", which has no place" if isinstance(body, Frame) else ""
         raise Wrong("LAG0221", f"`at` needs a body; this is {kind(body)}{has}", of.span)
-    place, there = vector_of(at.value, at.span, "a point")
-    expect(there, M, at.span, "a point")
+    place = vector_in(M, at.value, at.span, "a point")
     if body.frame is not None:
         arm = vectors.sub(place, body.position)
         return vectors.add(body.velocity, vectors.cross(body.frame.spin, arm))
     if place != body.position:
-        raise Wrong(
-            "LAG0221",
-            f"`{body.name}` is a particle and is not at this point",
-            at.span,
-            f"write `at {body.name}`, or declare it as a `Solid`",
-            ((body.span, "declared here"),),
-        )
+        message = f"`{body.name}` is a particle and is not at this point"
+        remedy = f"write `at {body.name}`, or declare it as a `Solid`"
+        related = ((body.span, "declared here"),)
+        raise Wrong("LAG0221", message, at.span, remedy, related)
     return body.velocity
 
 
@@ -267,8 +257,7 @@ def _generalized_force(context: Context, span: Span, of: Argument, along: Argume
 @TABLE.enter("torsor", "of", "at")
 def _torsor(context: Context, span: Span, of: Argument, at: Argument) -> Value:
     """Return the force of a joint, a body's constraints or a load, with its moment about a point."""
-    place, found = vector_of(at.value, at.span, "the point of a torsor")
-    expect(found, M, at.span, "the point of a torsor")
+    place = vector_in(M, at.value, at.span, "the point of a torsor")
     entry = of.value.entry if isinstance(of.value, Reference) else None
     load = entry.objects[0] if entry is not None and entry.objects else None
     zero = context.graph.zero
@@ -404,7 +393,7 @@ def _rotate(context: Context, span: Span, frame: Argument, axis: Argument, angle
     if isinstance(axis.value, Orientation):
         if angle is not None:
             raise Wrong("LAG0209", "a rotation by an orientation takes no angle", angle.span)
-        return oriented(context, parent, axis.value)
+        return turned_frame(context, parent, axis.value)
     if angle is None:
         raise Wrong(
             "LAG0210",
@@ -444,10 +433,10 @@ def _about_own(context: Context, parent: Frame, k: int, sense: float, angle: Arg
     )
     rate = sense * derivative(context, node, angle.span)
     spin = (rate if k == 0 else zero, rate if k == 1 else zero, rate if k == 2 else zero)
-    return _turned(context, parent, turns[k], spin)
+    return _turned_frame(context, parent, turns[k], spin)
 
 
-def _turned(context: Context, parent: Frame, turn: Matrix, own: Vector) -> Frame:
+def _turned_frame(context: Context, parent: Frame, turn: Matrix, own: Vector) -> Frame:
     """Return a rotated frame; `own` is the added angular velocity in the new axes."""
     axes = matmul(parent.axes, turn)
     carried = matvec(transpose(turn), parent.angular_velocity)
@@ -474,9 +463,9 @@ def _about(context: Context, parent: Frame, axis: Vector, own: Vector, angle: Ar
         spin = add(matvec(turn, parent.spin), scale(rate, axis))
         found = _made(context, parent, matmul(turn, parent.axes), about, spin)
     elif is_constant(context, own):
-        found = _turned(context, parent, _turn(own, node), scale(rate, own))
+        found = _turned_frame(context, parent, _turn(own, node), scale(rate, own))
     else:
-        found = _turned(
+        found = _turned_frame(
             context, parent, _turn(own, node), _spin(context, parent, axis, own, node, rate, span)
         )
     context.components[found.axes, axis] = own  # the rotation does not change the axis
@@ -486,7 +475,7 @@ def _about(context: Context, parent: Frame, axis: Vector, own: Vector, angle: Ar
 def turned_by(context: Context, frame: Frame, turn: Matrix) -> Frame:
     """Return `frame` rotated by a constant rotation."""
     zero = context.graph.zero
-    return frame if turn == context.world.axes else _turned(context, frame, turn, (zero, zero, zero))
+    return frame if turn == context.world.axes else _turned_frame(context, frame, turn, (zero, zero, zero))
 
 
 def turned_about(context: Context, parent: Frame, own: Vector, angle: Node, span: Span) -> Frame:
@@ -525,9 +514,9 @@ def _spin(
     return add(scale(rate, own), second_order)
 
 
-def oriented(context: Context, parent: Frame, o: Orientation) -> Frame:
+def turned_frame(context: Context, parent: Frame, o: Orientation) -> Frame:
     """Return a frame that is rotated by an orientation."""
-    return _turned(context, parent, quaternion_turn(context, o.symbols), o.rate_symbols)
+    return _turned_frame(context, parent, quaternion_turn(context, o.symbols), o.rate_symbols)
 
 
 def quaternion_turn(context: Context, symbols: tuple[Node, Node, Node, Node]) -> Matrix:

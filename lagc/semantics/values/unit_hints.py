@@ -97,11 +97,18 @@ _NAMED = (tree.ModelDeclaration, tree.Package)
 
 def whole_radians(file: tree.Tree) -> list[Fault]:
     """Return warnings for angles with large whole numbers of radians written without a unit."""
-    named = [(d.name, [*_own(d.body)]) for d in _within(file.declarations) if isinstance(d, _NAMED)]
+    named = [
+        (d.name, [*_declarations_of(d.body)]) for d in _within(file.declarations) if isinstance(d, _NAMED)
+    ]
     models = dict(named)  # by name; of equal names in several packages the last
     found: list[Fault] = []
-    for own in (list(_own(file.declarations)), *(body for _, body in named)):
-        many = [(name, fault) for d in own for name, value in _given(d) if (fault := _whole(name, value))]
+    for own in (list(_declarations_of(file.declarations)), *(body for _, body in named)):
+        many = [
+            (name, fault)
+            for d in own
+            for name, value in _given_values(d)
+            if (fault := _radians_warning(name, value))
+        ]
         angles = _angles(own, models) if many else ()
         found += [fault for name, fault in many if name in angles]
     return found
@@ -109,18 +116,20 @@ def whole_radians(file: tree.Tree) -> list[Fault]:
 
 def angular_hertz(file: tree.Tree) -> list[Fault]:
     """Return warnings for angular velocities, or rates of angles, in hertz."""
-    named = [_own(d.body) for d in _within(file.declarations) if isinstance(d, _NAMED)]
+    named = [_declarations_of(d.body) for d in _within(file.declarations) if isinstance(d, _NAMED)]
     return [
         fault
-        for own in (_own(file.declarations), *named)
+        for own in (_declarations_of(file.declarations), *named)
         for d in own
         if isinstance(d, tree.Quantities) and d.type is not None
-        for name, value in _turning(d, d.type.path)
+        for name, value in _angular_velocities(d, d.type.path)
         if (fault := _hertz(name, value))
     ]
 
 
-def _turning(d: tree.Quantities, kind: tuple[str, ...]) -> Iterator[tuple[str, tree.Expression | None]]:
+def _angular_velocities(
+    d: tree.Quantities, kind: tuple[str, ...]
+) -> Iterator[tuple[str, tree.Expression | None]]:
     """Yield the angular velocities that a declaration gives values to."""
     for declarator in d.declarators:
         if kind == ("AngularVelocity",):
@@ -160,15 +169,15 @@ def _within(declarations: Sequence[tree.Declaration]) -> Iterator[tree.Declarati
             yield from _within(d.body)
 
 
-def _own(declarations: Sequence[tree.Declaration]) -> Iterator[tree.Declaration]:
+def _declarations_of(declarations: Sequence[tree.Declaration]) -> Iterator[tree.Declaration]:
     """Yield the declarations of one block and of its effects, scenes and loops."""
     for d in declarations:
         yield d
         if isinstance(d, (tree.Effect, tree.Scene, tree.ForLoop)):
-            yield from _own(d.body)
+            yield from _declarations_of(d.body)
 
 
-def _given(d: tree.Declaration) -> Iterator[tuple[str, tree.Expression | None]]:
+def _given_values(d: tree.Declaration) -> Iterator[tuple[str, tree.Expression | None]]:
     """Yield the names that a declaration gives values to."""
     if isinstance(d, tree.Start) and isinstance(d.target, tree.Name):
         yield d.target.name, d.value
@@ -178,7 +187,7 @@ def _given(d: tree.Declaration) -> Iterator[tuple[str, tree.Expression | None]]:
             yield from ((declarator.name, a.value) for a in declarator.arguments if a.name == "start")
 
 
-def _whole(name: str, value: tree.Expression | None) -> Fault | None:
+def _radians_warning(name: str, value: tree.Expression | None) -> Fault | None:
     number = value.operand if isinstance(value, tree.Unary) else value
     sign = "-" if isinstance(value, tree.Unary) and value.op == "-" else ""
     if not isinstance(number, tree.Number) or not is_many_radians(number.value):
@@ -247,7 +256,7 @@ def _meanings(word: str) -> Iterator[str]:
         if plain.startswith(prefix):
             yield short + unit_symbol(plain.removeprefix(prefix))
     yield from (symbol for symbol in (*_COMMON, *SYMBOLS) if symbol.lower() in (plain, plain.rstrip("s")))
-    yield from sorted(_products(word), key=_unlikely)[:4]
+    yield from sorted(_products(word), key=_unlikeliness)[:4]
 
 
 def _close(word: str) -> Iterator[str]:
@@ -271,7 +280,7 @@ def _products(word: str) -> Sequence[str]:
     return tuple(found)
 
 
-def _unlikely(written: str) -> float:
+def _unlikeliness(written: str) -> float:
     """Return how unlikely a product is: by its factors, prefixes, and factors that come twice."""
     parts = written.split(".")
     prefixed = sum(part in ("mm", "cm", "km", "kN", "g") for part in parts)

@@ -27,6 +27,17 @@ class Explained:
     repair: Repair | None = None
 
 
+def explained(
+    code: str,
+    message: str,
+    span: Span,
+    remedy: str | None = None,
+    repair: Repair | None = None,
+    related: tuple[tuple[Span, str], ...] = (),
+) -> Explained:
+    return Explained(Fault(code, message, span, related, remedy), repair)
+
+
 class Where:
     """The place of a mistake: an unexpected token in the declaration that begins with token number
     `begin`."""
@@ -60,6 +71,13 @@ class Where:
     def new_line(self) -> bool:
         """Whether the token begins a new line."""
         return "\n" in self.source.text[self.before.end : self.token.start] or self.token.kind == END
+
+    def last_of_declaration(self) -> int:
+        """Return the number of the token before the next `;`, or the last one of the text."""
+        last = self.position
+        while self.tokens[last + 1].text != ";" and self.tokens[last + 1].kind != END:
+            last += 1
+        return last
 
     def replace(self, *texts: str) -> Repair:
         return Repair(self.position, 1, self._tokens(texts))

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.diagnostics.suggest import foreign, looks_like_unit, unit_symbol
 from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Token, tokenise
-from lagc.syntax.mistakes import HEADERS, Explained, Repair, Where, token_of
+from lagc.syntax.mistakes import HEADERS, Explained, Repair, Where, explained, token_of
 
 _BRACKETS = {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}
 _LONGEST = 60  # characters of an expression that a remedy repeats
@@ -33,12 +33,12 @@ def foreign_operator(w: Where) -> Explained | None:
     special = _remainder(w) if text == "%" else special
     if special is not None:
         first, last, remedy, repair = special
-        return Explained(Fault("LAG0117", message, w.span(first, last), remedy=remedy), repair)
+        return explained("LAG0117", message, w.span(first, last), remedy, repair)
     if text == "...":
         remedy = "leave it out: a declaration ends with `;`, and may have several lines"
-        return Explained(Fault("LAG0117", message, w.span(w.token), remedy=remedy), w.replace())
+        return explained("LAG0117", message, w.span(w.token), remedy, w.replace())
     ours = foreign("operators")[text]
-    return Explained(Fault("LAG0117", message, w.span(w.token), remedy=f"write `{ours}`"), w.replace(ours))
+    return explained("LAG0117", message, w.span(w.token), f"write `{ours}`", w.replace(ours))
 
 
 Special = tuple[Token, Token, str, Repair | None]
@@ -63,7 +63,7 @@ def _bars(w: Where) -> Special | None:
 
 def _assignment(w: Where) -> Special | None:
     """Explain `n := 2` in a `when` clause, and `n += 1`."""
-    text, in_when = w.token.text, w.block is not None and w.block.closing == "when"
+    text, in_when = w.token.text, w.block is not None and w.block.end_name == "when"
     if text in ("!=", "~=") or (text == ":=" and not in_when):
         return None
     left = w.source.text[: w.token.start].replace("then", ";").rpartition(";")[2].strip()
@@ -128,7 +128,7 @@ def python_function(w: Where) -> Explained | None:
     arguments = ", ".join(f"Real {word.strip()}" for word in names.split(",") if word.strip())
     message = f"`{word.text}` is not a keyword of the language"
     remedy = f"write `function {name}({arguments}) = {value.strip()};`, with the types of its arguments"
-    return Explained(Fault("LAG0118", message, w.span(word), remedy=remedy))
+    return explained("LAG0118", message, w.span(word), remedy)
 
 
 def comparison_for_equation(w: Where) -> Explained | None:
@@ -137,12 +137,12 @@ def comparison_for_equation(w: Where) -> Explained | None:
         return None
     if text == "==" and w.accepts("EQUALS"):
         message = "`==` compares two values; a declaration uses a single `=`"
-        return Explained(Fault("LAG0115", message, w.span(w.token), remedy="write `=`"), w.replace("="))
+        return explained("LAG0115", message, w.span(w.token), "write `=`", w.replace("="))
     if text in ("<", ">", "<>") and w.first.text == "constraint" and w.accepts("EQUALS"):
         message = f"a constraint uses `=`, `>=` or `<=`, not `{text}`"
         remedy = None if text == "<>" else f"write `{text}=`"
         repair = None if text == "<>" else w.replace(text + "=")
-        return Explained(Fault("LAG0115", message, w.span(w.token), remedy=remedy), repair)
+        return explained("LAG0115", message, w.span(w.token), remedy, repair)
     return None
 
 
@@ -153,13 +153,13 @@ def equation_for_comparison(w: Where) -> Explained | None:
     if not words & {"if", "elseif", "when"}:
         return None
     message = "a condition compares with `==`"
-    return Explained(Fault("LAG0116", message, w.span(w.token), remedy="write `==`"), w.replace("=="))
+    return explained("LAG0116", message, w.span(w.token), "write `==`", w.replace("=="))
 
 
-def chained(w: Where) -> Explained | None:
+def chained_comparison(w: Where) -> Explained | None:
     if w.token.text == "^":
         message = "`a^b^c` is ambiguous"
-        return Explained(Fault("LAG0126", message, w.span(w.token), remedy="write `a^(b^c)` or `(a^b)^c`"))
+        return explained("LAG0126", message, w.span(w.token), "write `a^(b^c)` or `(a^b)^c`")
     if w.token.text in ("<", "<=", ">", ">=", "==", "<>") and not w.accepts("EQUALS"):
         depth = 0
         for token in reversed(w.tokens[w.begin : w.position]):
@@ -168,12 +168,9 @@ def chained(w: Where) -> Explained | None:
                 break
             if depth == 0 and token.text in ("<", "<=", ">", ">=", "==", "<>"):
                 message = "comparisons cannot be chained"
-                fault = Fault(
-                    "LAG0126", message, w.span(w.token),
-                    related=((w.span(token), "the first comparison"),),
-                    remedy=_two_bounds(w, token) or "join two comparisons with `and`",
-                )  # fmt: skip
-                return Explained(fault)
+                remedy = _two_bounds(w, token) or "join two comparisons with `and`"
+                related = ((w.span(token), "the first comparison"),)
+                return explained("LAG0126", message, w.span(w.token), remedy, related=related)
     return None
 
 
@@ -218,10 +215,9 @@ def decimal_comma(w: Where) -> Explained | None:
         return None
     number = token_of("0", whole.start)
     number.kind, number.text, number.end = NUMBER, f"{whole.text}.{part.text}", part.end
-    fault = Fault(
-        "LAG0105", "decimals are written with a point", w.span(whole, part), remedy=f"write `{number.text}`"
-    )
-    return Explained(fault, Repair(at - 1, 3, (number,)))
+    repair = Repair(at - 1, 3, (number,))
+    remedy = f"write `{number.text}`"
+    return explained("LAG0105", "decimals are written with a point", w.span(whole, part), remedy, repair)
 
 
 def comma_between_starts(w: Where) -> Explained | None:
@@ -235,8 +231,8 @@ def comma_between_starts(w: Where) -> Explained | None:
         return None
     message, end = "each `start` sets one value", w.tokens[last - 1]
     another = w.source.text[place.start : end.end]
-    fault = Fault("LAG0110", message, w.span(w.token, end), remedy=f"write `; start {another}`")
-    return Explained(fault, w.replace(";", "start"))
+    repair = w.replace(";", "start")
+    return explained("LAG0110", message, w.span(w.token, end), f"write `; start {another}`", repair)
 
 
 def bare_unit(w: Where) -> Explained | None:
@@ -285,7 +281,7 @@ def unit_behind_expression(w: Where) -> Explained | None:
     if w.token.kind != UNIT and not (w.token.text == "[" and w.before.text in (")", "]")):
         return None
     message = "a unit follows a number, a vector in braces, or `Real`"
-    return Explained(Fault("LAG0121", message, w.span(w.token)))
+    return explained("LAG0121", message, w.span(w.token))
 
 
 def vector_in_brackets(w: Where) -> Explained | None:
@@ -355,33 +351,35 @@ def colon_for_equal(w: Where) -> Explained | None:
     if w.first.text == "constraint":
         return None
     message = "an argument has the form `name = value`" if argument else "a value follows `=`"
-    return Explained(Fault("LAG0123", message, w.span(w.token), remedy="write `=`"), w.replace("="))
+    return explained("LAG0123", message, w.span(w.token), "write `=`", w.replace("="))
 
 
 def brackets(w: Where) -> Explained | None:
     text = w.token.text if w.token.kind == SYMBOL else ""
     if text in _OPENING:
+        # A closing bracket without an open one: a block in braces, or a bracket too many.
         if not w.brackets:
             if w.first.text in ("model", "package", "effect", "scene") or not w.inside:
                 message, remedy = "a block ends with `end name;`", None
                 if w.block is not None and text == "}":
-                    remedy = f"write `end {w.block.closing};`"
-                    fault = Fault("LAG0114", message, w.span(w.token), remedy=remedy)
-                    return Explained(fault, w.replace("end", w.block.closing, ";"))
+                    remedy = f"write `end {w.block.end_name};`"
+                    repair = w.replace("end", w.block.end_name, ";")
+                    return explained("LAG0114", message, w.span(w.token), remedy, repair)
             else:
                 message, remedy = f"no bracket is open for this `{text}`", "delete it"
-            return Explained(Fault("LAG0114", message, w.span(w.token), remedy=remedy), w.replace())
+            return explained("LAG0114", message, w.span(w.token), remedy, w.replace())
+        # A closing bracket of another kind: that of an outer bracket means that the inner one is open.
         opening = w.brackets[-1]
         if _CLOSING[opening.text] != text and w.accepts(w.sign(_CLOSING[opening.text])):
             right = _CLOSING[opening.text]
             message = f"this `{text}` does not match the `{opening.text}`"
             outer = any(_CLOSING[bracket.text] == text for bracket in w.brackets[:-1])
-            fault = Fault(
-                "LAG0114", message, w.span(w.token), related=((w.span(opening), "opened here"),),
-                remedy=f"write `{right}{text}`" if outer else f"write `{right}`",
-            )  # fmt: skip
-            return Explained(fault, w.insert(right) if outer else w.replace(right))
+            repair = w.insert(right) if outer else w.replace(right)
+            remedy = f"write `{right}{text}`" if outer else f"write `{right}`"
+            related = ((w.span(opening), "opened here"),)
+            return explained("LAG0114", message, w.span(w.token), remedy, repair, related=related)
         return None
+    # An open bracket where the declaration ends, or where the token fits behind the bracket alone.
     ends = w.token.kind == END or text == ";" or (w.token.kind == WORD and w.new_line())
     if w.brackets:
         opening = w.brackets[-1]
@@ -391,12 +389,10 @@ def brackets(w: Where) -> Explained | None:
         if not w.accepts(w.sign(right)) or not (ends or follows):
             return None
         message = f"this `{opening.text}` is not closed"
-        fault = Fault(
-            "LAG0114", message, w.span(opening),
-            related=((w.span(w.token), f"a `{right}` is missing before this"),),
-            remedy=f"close it with `{right}`",
-        )  # fmt: skip
-        return Explained(fault, w.insert(right))
+        repair = w.insert(right)
+        remedy = f"close it with `{right}`"
+        related = ((w.span(w.token), f"a `{right}` is missing before this"),)
+        return explained("LAG0114", message, w.span(opening), remedy, repair, related=related)
     return None
 
 
@@ -407,14 +403,14 @@ def semicolon_too_many(w: Where) -> Explained | None:
     body = w.tokens[w.position + 1].text in ("start", "parameter", "simulate")
     if w.token.text == ":" and not body and w.tokens[max(w.position - 2, 0)].text == "scene":
         message = "a scene lists its effects after `uses`"
-        return Explained(Fault("LAG0124", message, w.span(w.token), remedy="write `uses`"), w.replace("uses"))
+        return explained("LAG0124", message, w.span(w.token), "write `uses`", w.replace("uses"))
     if w.before.text in ("then", "loop", "else") or header:
         message = f"there must be no `{w.token.text}` after `{w.before.text}`"
     elif not w.inside and w.token.text == ";":
         message = "this `;` is superfluous"
     else:
         return None
-    return Explained(Fault("LAG0124", message, w.span(w.token), remedy="delete it"), w.replace())
+    return explained("LAG0124", message, w.span(w.token), "delete it", w.replace())
 
 
 def missing_semicolon(w: Where) -> Explained | None:
@@ -425,8 +421,7 @@ def missing_semicolon(w: Where) -> Explained | None:
     if w.token.kind == SYMBOL:
         return None
     at = Span(w.source, w.before.end, w.before.end)
-    fault = Fault("LAG0111", "a `;` is missing", at, remedy="end the declaration with `;`")
-    return Explained(fault, w.insert(";"))
+    return explained("LAG0111", "a `;` is missing", at, "end the declaration with `;`", w.insert(";"))
 
 
 def comma_in_list(w: Where) -> Explained | None:
@@ -440,8 +435,8 @@ def comma_in_list(w: Where) -> Explained | None:
             before, after = w.tokens[w.begin - 1], w.tokens[w.begin + joined]
             message = f"a `,` is missing between `{before.text}` and `{after.text}`"
             remedy = f"separate the names in a list by `,`: `{before.text}, {after.text}`"
-            fault = Fault("LAG0130", message, w.span(before, after), remedy=remedy)
-            return Explained(fault, Repair(w.begin - 1, 1 + joined, (before, token_of(",", w.first.start))))
+            repair = Repair(w.begin - 1, 1 + joined, (before, token_of(",", w.first.start)))
+            return explained("LAG0130", message, w.span(before, after), remedy, repair)
         at -= 1
     return None
 
@@ -455,9 +450,9 @@ def missing_sign(w: Where) -> Explained | None:
     span = w.span(w.before, w.token)
     if w.accepts("COMMA"):
         message = f"a `,` or `=` is missing between `{w.before.text}` and `{w.token.text}`"
-        return Explained(Fault("LAG0130", message, span, remedy="write `,` or `=`"))
+        return explained("LAG0130", message, span, "write `,` or `=`")
     message = f"a `=` is missing between `{w.before.text}` and `{w.token.text}`"
-    return Explained(Fault("LAG0130", message, span, remedy="write `=`"), w.insert("="))
+    return explained("LAG0130", message, span, "write `=`", w.insert("="))
 
 
 def missing_comma(w: Where) -> Explained | None:
@@ -466,8 +461,7 @@ def missing_comma(w: Where) -> Explained | None:
     if not named or not w.brackets or w.new_line() or not w.accepts("COMMA"):
         return None
     message = f"a `,` is missing between `{w.before.text}` and `{w.token.text}`"
-    fault = Fault("LAG0130", message, w.span(w.before, w.token), remedy="write `,`")
-    return Explained(fault, w.insert(","))
+    return explained("LAG0130", message, w.span(w.before, w.token), "write `,`", w.insert(","))
 
 
 def number_of_another_language(w: Where) -> Explained | None:
@@ -497,9 +491,7 @@ def size_before_name(w: Where) -> Explained | None:
     remedy = f"write `{kind.text} {meant.text} {w.token.text}[{size.text}]`"
     message = "the size of an array follows its name"
     order = (w.token, *w.tokens[w.begin + 2 : w.position])
-    return Explained(
-        Fault("LAG0110", message, w.span(meant, w.token), remedy=remedy), Repair(w.begin + 2, 4, order)
-    )
+    return explained("LAG0110", message, w.span(meant, w.token), remedy, Repair(w.begin + 2, 4, order))
 
 
 def missing_operator(w: Where) -> Explained | None:
@@ -509,22 +501,22 @@ def missing_operator(w: Where) -> Explained | None:
     if w.token.kind == WORD and w.token.text in w.keywords:
         return None
     if w.before.text == "new":
-        fault = Fault(
-            "LAG0118", "`new` is not a keyword of the language", w.span(w.before), remedy="leave it out"
-        )
-        return Explained(fault, Repair(w.position - 1, 1, ()))
+        repair = Repair(w.position - 1, 1, ())
+        remedy = "leave it out"
+        message = "`new` is not a keyword of the language"
+        return explained("LAG0118", message, w.span(w.before), remedy, repair)
     if w.before.text in ("Particle", "Solid"):
         remedy = f"write `{w.before.text}(...)` in place of `{w.before.text}{{...}}`"
-        return Explained(Fault("LAG0114", "arguments stand in parentheses", w.span(w.token), remedy=remedy))
+        return explained("LAG0114", "arguments stand in parentheses", w.span(w.token), remedy)
     message = f"an operator is missing between `{w.before.text}` and `{w.token.text}`"
     remedy = f"to multiply write `{w.before.text}*{w.token.text}`"
     if w.before.text in FUNCTIONS and w.token.kind == WORD:
         remedy = f"write `{w.before.text}({w.token.text})`"
-    return Explained(Fault("LAG0130", message, w.span(w.before, w.token), remedy=remedy), w.insert("*"))
+    return explained("LAG0130", message, w.span(w.before, w.token), remedy, w.insert("*"))
 
 
 def missing_value(w: Where) -> Explained | None:
     if not w.accepts("NUMBER") or w.before.text not in _OPERATORS or w.before.kind != SYMBOL:
         return None
     message = f"a value is missing between `{w.before.text}` and {w.shown}"
-    return Explained(Fault("LAG0131", message, w.span(w.before, w.token)))
+    return explained("LAG0131", message, w.span(w.before, w.token))

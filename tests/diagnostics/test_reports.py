@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from lagc.compiler.checking import check
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Fault, Source, Span, as_json, report
 from lagc.diagnostics.suggest import closest, did_you_mean, foreign_call
 

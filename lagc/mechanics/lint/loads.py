@@ -1,4 +1,4 @@
-"""Potentials that are the weight of bodies on which gravity acts already. Warnings only.
+"""Warnings of weights that count twice, and of systems that nothing moves.
 
 Two potentials have the same forces if they change alike between any two configurations. Random ones are
 compared.
@@ -10,14 +10,16 @@ from collections.abc import Iterator
 from random import Random
 
 from lagc.diagnostics.faults import Fault
-from lagc.semantics.model import Model, Orientation, Potential
+from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.semantics.model import UNSTATED, Model, Orientation, Potential
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.vectors import dot
+from lagc.symbolic.walk import substitute, symbols
 
 _POSES = 5
 _SAME = 0.01  # of the weight: 9.81 and 9.80665 m/s2 are meant alike
 _ROUNDING = 1e-9
-_MOST = 10_000  # pairs of a potential and a weight
+_MOST = 10_000  # of a potential and a weight
 
 
 def doubled_weights(model: Model) -> Iterator[Fault]:
@@ -59,3 +61,34 @@ def doubled_weights(model: Model) -> Iterator[Fault]:
                 related = ((field.span, "gravity acts on all bodies"),)
                 yield Fault("LAG0435", message, action.span, related, "remove one of the two", "warning")
                 break
+
+
+# -- systems that nothing moves ----------------------------------------------------------------------
+
+
+def unmoved(equations: EquationsOfMotion) -> list[Fault]:
+    """Return LAG0429 if nothing moves the system: at zero speeds there are no forces, and constraints,
+    initial values, initial equations, events and time change no speed."""
+    v, model, zero = equations.v, equations.model, equations.graph.zero
+    stated = [start for start in equations.starts_v if start.stated.level != UNSTATED]
+    reset = {state for clause in equations.whens for state, _ in clause.changes}
+    if (
+        equations.rows or equations.contacts or equations.initial_conditions or equations.stated_rates
+        or stated or not reset.isdisjoint(v) or not model.coordinates
+    ):  # fmt: skip
+        return []
+    forces = map(equations.graph.sub, equations.given_forces, equations.bias_forces)
+    at_rest = substitute(equations.graph, [*forces, *equations.qdot], dict.fromkeys(v, zero))
+    axes = [x for body in model.bodies if body.frame for row in body.frame.axes for x in row]
+    places = [*axes, *(x for body in model.bodies for x in body.position)]
+    if any(not node.is_zero for node in at_rest) or equations.time in symbols(places):
+        return []
+    names = ", ".join(f"`{c.name}`" for c in model.coordinates[:6])
+    names += ", ..." if len(model.coordinates) > 6 else ""
+    where = f" in the scene `{model.scene}`" if len(model.scenes) > 1 else ""
+    it, has = ("it", "it has") if len(model.coordinates) == 1 else ("them", "they have")
+    message = f"nothing moves {names}{where}: no force, energy or constraint acts on {it}, and {has} no "
+    message += "initial rate"
+    rate = f"{model.coordinates[0].name.partition('[')[0]}(rate = 1)"
+    remedy = f"write a force, an energy, `Gravity field;`, or an initial rate such as `{rate}`"
+    return [Fault("LAG0429", message, model.coordinates[0].span, remedy=remedy, severity="warning")]

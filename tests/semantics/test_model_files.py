@@ -16,7 +16,7 @@ import pytest
 import lagc
 from lagc.cli.main import main
 from lagc.compiler.checking import check
-from lagc.compiler.pipeline import Choice, parse, resolve
+from lagc.compiler.stages import Choice, parse, resolve
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host import model_library
 from lagc.semantics.names.namespace import TOGETHER
