@@ -251,7 +251,7 @@ class CompiledModel(Differentiable, Measurable, Comparable):
         return found
 
     def _with(self, parameters: Mapping[str, Value] | None) -> System:
-        """The system for one call, with `parameters` in place of those of this model."""
+        """Return the system for one call, with `parameters` in place of those of this model."""
         own, given = self.system, quantities("parameters", parameters)
         if not given and not any(v != v for v in own.parameters):
             return own
@@ -333,7 +333,7 @@ class CompiledModel(Differentiable, Measurable, Comparable):
     def _with_courses(
         self, numbers: Mapping[str, float | Quantity], courses: Inputs, until: str | None
     ) -> CompiledModel:
-        """This model with other inputs and another end condition in its code."""
+        """Return this model with other inputs and another end condition in its code."""
         choice, built_in = self.compilation.choice, self.artifact.built_in
         fixed = {name: value for name, value in numbers.items() if name in built_in}
         if not courses and not fixed and until is None:
@@ -416,7 +416,7 @@ class CompiledModel(Differentiable, Measurable, Comparable):
         return bound_parameters(self.interface, given, self.artifact.unused, demanding)
 
     def _with_given(self, parameters: Mapping[str, Value]) -> dict[str, float | Quantity]:
-        """The values of this model, replaced by those of `parameters`."""
+        """Return the values of this model, replaced by those of `parameters`."""
         more = quantities("parameters", parameters)
         for name in self.artifact.built_in:
             if name in more and more[name] != self._given.get(name):

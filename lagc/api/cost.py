@@ -92,7 +92,8 @@ class Measurable:
             return _verified(run, accuracy, process_time() - start, names)
 
         def nearby(k: int) -> Probe | None:
-            """The probe with parameters of up to 1 % more or less; None where that has no initial state."""
+            """Return the probe with parameters of up to 1 % more or less; None where that has no initial
+            state."""
             dice = Random(k)
             moved = [value * (1.0 + dice.uniform(-NEAR, NEAR)) for value in values]
             with suppress(Refused, ValueError, ArithmeticError):
@@ -117,8 +118,8 @@ class Measurable:
 def term_sizes(
     equations: EquationsOfMotion, system: System, x0: Sequence[float], times: Sequence[float], table: Array
 ) -> Array:
-    """The size of the terms of each state and output over a motion from the state x0 of a system in Python,
-    from LOOKED rows of its values; contacts are as in x0.
+    """Return the size of the terms of each state and output over a motion from the state x0 of a system in
+    Python, from LOOKED rows of its values; contacts are as in x0.
 
     A state has the largest value of its unit."""
     import numpy as np

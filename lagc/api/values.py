@@ -50,7 +50,7 @@ def quantities(what: str, given: Mapping[str, Value] | None) -> dict[str, float 
 
 
 def _named(what: str, given: Any) -> Mapping[str, Any]:
-    """The mapping of values by name; empty for None.  Raises TypeError."""
+    """Return the mapping of values by name; empty for None.  Raises TypeError."""
     if given is None:
         return {}
     if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in given):
@@ -74,7 +74,7 @@ def _quantity(name: str, value: Value) -> float | Quantity:
 
 
 def real(name: str, value: object) -> float:
-    """A number; a text is read as strictly as on the command line.  Raises ValueError or TypeError."""
+    """Return a number; a text is read as strictly as on the command line.  Raises ValueError or TypeError."""
     if isinstance(value, SupportsFloat):
         try:
             return float(value)
@@ -110,14 +110,14 @@ def words(what: str, given: str | Sequence[str]) -> tuple[str, ...]:
 
 
 def word(what: str, given: str | None) -> str | None:
-    """A text or None.  Raises TypeError."""
+    """Return a text or None.  Raises TypeError."""
     if not isinstance(given, str | None):
         raise TypeError(f"`{what}` must be a text, not {given!r}")
     return given
 
 
 def condition(given: str | None) -> str | None:
-    """The condition `until`.  Raises TypeError, or Refused if the text is empty."""
+    """Return the condition `until`.  Raises TypeError, or Refused if the text is empty."""
     if word("until", given) is not None and not str(given).strip():
         raise Refused([Fault("LAG0604", "`until` needs a condition, such as 'x > 3 [m]'")])
     return given

@@ -110,6 +110,6 @@ def _parameters(model: CompiledModel) -> list[str]:
 
 
 def _known_values(given: Mapping[str, T], known: Sequence[Sequence[str]], k: int) -> dict[str, T]:
-    """The given values that model k has; also those that none has, so that it refuses them."""
+    """Return the given values that model k has; also those that none has, so that it refuses them."""
     others = {name for names in known for name in names}
     return {name: value for name, value in given.items() if name in known[k] or name not in others}
