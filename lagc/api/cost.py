@@ -8,13 +8,11 @@ from random import Random
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
-from lagc.api.values import quantities, seconds
-from lagc.compiler.loaded import Loaded
+from lagc.api.values import Parametrized, quantities, seconds
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.simulation.request import Request, bound_starts
 
 if TYPE_CHECKING:
-    from lagc.lowering.program import Interface
     from lagc.mechanics.formulation.equations import EquationsOfMotion
     from lagc.simulation.solution import Solution
     from lagc.simulation.system import System
@@ -27,18 +25,10 @@ NEAR = 0.01  # part of a parameter by which nearby ones differ
 LOOKED = 8  # states of a motion at which the sizes of terms are taken
 
 
-class Measurable:
+class Measurable(Parametrized):
     """A compiled model whose accuracy has a price that can be measured."""
 
-    _loaded: Loaded
     run: Callable[..., Any]
-
-    @property
-    def interface(self) -> Interface:
-        raise NotImplementedError
-
-    def _bound(self, parameters: Mapping[str, Any] | None, demanding: bool = True) -> list[float]:
-        raise NotImplementedError
 
     def cost(
         self,

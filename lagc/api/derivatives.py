@@ -7,13 +7,11 @@ from contextlib import suppress
 from operator import index
 from typing import TYPE_CHECKING, Any
 
-from lagc.api.values import real, reals
-from lagc.compiler.loaded import Loaded
+from lagc.api.values import Parametrized, real, reals
 from lagc.compiler.stages import PER_OPERATION
 from lagc.host.budgets import Exhausted, reached
 
 if TYPE_CHECKING:
-    from lagc.lowering.program import Interface
     from lagc.simulation.backends.python import NumpySystem
     from lagc.simulation.linearization.derivatives import Array, Point
     from lagc.simulation.linearization.linear_model import Linear
@@ -27,18 +25,10 @@ FIXED = {"inertia": "inertia", "forces": "force", "rows": "row", "conditions": "
         "indicators": "indicator"}  # fmt: skip
 
 
-class Differentiable:
+class Differentiable(Parametrized):
     """A compiled model with derivatives, whose code is compiled when it is first needed."""
 
-    _loaded: Loaded
     simulate: Callable[..., Solution]
-
-    @property
-    def interface(self) -> Interface:
-        raise NotImplementedError
-
-    def _bound(self, parameters: Mapping[str, Any] | None, demanding: bool = True) -> list[float]:
-        raise NotImplementedError
 
     def differentiated(
         self, parameters: Mapping[str, Any] | None = None, x: Sequence[float] | None = None

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from time import process_time
 from typing import TYPE_CHECKING, Any
 
-from lagc.api.values import quantities, seconds
+from lagc.api.values import Parametrized, quantities, seconds
 from lagc.base.records import replace
 from lagc.compiler.loaded import Loaded
 from lagc.compiler.pipeline import Compilation
@@ -24,11 +24,8 @@ ACCURACIES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 ALIKE = 4e-15  # difference of rates, over the largest of their unit on the motion, that is round-off
 
 
-class Comparable:
+class Comparable(Parametrized):
     """A compiled model whose scene can be compared with scenes of fewer effects."""
-
-    _loaded: Loaded
-    _given: Mapping[str, Any]
 
     def effects(
         self,

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, SupportsFloat, TypeAlias
 
-from lagc.base.text import Quantity, number
+from lagc.base.text import Given, Quantity, number
+from lagc.compiler.loaded import Loaded
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.simulation.request import expression, si
+from lagc.simulation.request import bound_parameters, expression, si
 
 if TYPE_CHECKING:
+    from lagc.compiler.artifact import Artifact
+    from lagc.lowering.program import Interface
     from lagc.semantics.context import Points
 
 MOST_LISTED = 8  # names of entries in a message
@@ -131,3 +134,34 @@ def seconds(name: str, value: Value | None) -> float | None:
     if faults:
         raise Refused(faults)
     return found
+
+
+class Parametrized:
+    """A compiled model with values of its parameters."""
+
+    _loaded: Loaded
+    _given: Given
+
+    @property
+    def artifact(self) -> Artifact:
+        """The generated code and its interface."""
+        return self._loaded.artifact
+
+    @property
+    def interface(self) -> Interface:
+        """Names, units and sizes of states, parameters, inputs and outputs."""
+        return self.artifact.interface
+
+    def _bound(self, parameters: Mapping[str, Value] | None, demanding: bool = True) -> list[float]:
+        given = self._with_given(parameters) if parameters is not None else self._given
+        return bound_parameters(self.interface, given, self.artifact.unused, demanding)
+
+    def _with_given(self, parameters: Mapping[str, Value]) -> dict[str, float | Quantity]:
+        """Return the values of this model, replaced by those of `parameters`."""
+        more = quantities("parameters", parameters)
+        for name in self.artifact.built_in:
+            if name in more and more[name] != self._given.get(name):
+                fault = Fault("LAG0607", f"`{name}` is built into the compiled model: no run can change it",
+                              remedy="give it to `compile(parameters=...)`")  # fmt: skip
+                raise Refused([fault])
+        return {**self._given, **more}
