@@ -103,9 +103,8 @@ class Differentiable(Parametrized):
 
         import numpy
 
-        from lagc.simulation.linearization.derivatives import Point
+        from lagc.simulation.linearization.derivatives import Point, branches, differing, jumps
         from lagc.simulation.linearization.linear_model import size_of_states
-        from lagc.simulation.linearization.nonsmooth_points import branches, differing, jumps
 
         system, sizes = point.system, size_of_states(point.system)
         own, others = branches(point, sizes)

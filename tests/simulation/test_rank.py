@@ -11,8 +11,7 @@ from lagc.lowering.program import Program
 from lagc.simulation.system import INCONSISTENT, OK, REDUNDANT, SINGULAR_MASS, Options
 from tests.interfaces import interface
 from tests.simulation.handmade import module
-from tests.simulation.linkages import four_bar
-from tests.simulation.test_generated import BACKENDS, build
+from tests.simulation.programs import BACKENDS, build, four_bar
 
 numpy = pytest.importorskip("numpy")
 

@@ -15,7 +15,7 @@ from lagc.codegen.heading import rates
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.statements import loads
 from lagc.lowering.program import Interface, Program
-from lagc.symbolic.evaluate import double
+from lagc.symbolic.walk import double
 
 _POINT = "const lagc_params *p, lagc_real t, const lagc_real *x"
 

@@ -8,8 +8,8 @@ from random import Random
 import pytest
 
 from lagc.symbolic.enclosures import EVERYWHERE, intervals
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import evaluate
 
 ONE = (
     "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "abs", "floor",

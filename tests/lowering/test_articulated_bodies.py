@@ -16,9 +16,9 @@ from lagc.lowering.kkt.solve import Solver, solvers
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from tests.lowering import large
-from tests.lowering.test_lift import dense, run, solved
+from tests.lowering.test_lifted_equations import dense, run, solved
 from tests.mechanics.numbers import consistent_state
-from tests.mechanics.random_systems import model, random_system
+from tests.mechanics.random_systems import random_system
 
 HEAVY = {
     "even": large.LADDER,
@@ -56,7 +56,7 @@ def keeping(e: EquationsOfMotion) -> Solver | None:
 @pytest.mark.sample(1, 10)
 @pytest.mark.parametrize("seed", range(60))
 def test_random_systems(seed: int) -> None:
-    e = derive(model(random_system(seed)))
+    e = derive(random_system(seed))
     solver, state = keeping(e), consistent_state(e, seed)
     if solver is None or state is None:
         return

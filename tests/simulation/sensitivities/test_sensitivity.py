@@ -25,7 +25,7 @@ from lagc.diagnostics.faults import Refused
 from lagc.semantics.units import quotient
 from lagc.simulation.sensitivity.variational_equations import Followed
 from lagc.simulation.sensitivity.verified_sensitivities import _doubts
-from tests.simulation import switched
+from tests.simulation.events import switched
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 

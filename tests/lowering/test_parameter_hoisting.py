@@ -15,15 +15,13 @@ from hypothesis import strategies as st
 
 import lagc
 from lagc.lowering.program import Function, Operation
-from lagc.lowering.scalar.emit import Lowering
-from lagc.lowering.scalar.expand import Coefficients
+from lagc.lowering.scalar.expand import Coefficients, Lowering
 from lagc.lowering.scalar.parameter_hoisting import Preparation
 from lagc.lowering.scalar.value_numbering import Block
 from lagc.lowering.storage import Places, lower
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.operators import TRUTHS
-from lagc.symbolic.walk import reachable
+from lagc.symbolic.walk import evaluate, reachable
 from tests.invariants import verify
 from tests.lowering.interpret import interpret
 from tests.lowering.test_lower import compare, random_nodes

@@ -14,7 +14,7 @@ from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
 
 pytestmark = pytest.mark.usefixtures("own_cache")
-MODELS = Path(__file__).parents[2] / "models" / "classic"
+MODELS = Path(__file__).parents[3] / "models" / "classic"
 BOTH = pytest.mark.parametrize("backend", ["numpy", "c"])
 
 
@@ -88,7 +88,7 @@ def test_a_sampled_controller_gives_the_sequence_of_zero_order_hold(T: float, ba
 @pytest.mark.sample(1)
 @BOTH
 def test_a_belt_by_modes_sticks_and_slips(backend: str) -> None:
-    from tests.simulation.test_when_at_jumps import belt_at
+    from tests.simulation.events.test_when_at_jumps import belt_at
 
     run = model("stick_slip_belt", backend).simulate(20.0, accuracy=1e-9)
     assert run.status == "ok" and run.estimated is not None and run.estimated <= 1e-9

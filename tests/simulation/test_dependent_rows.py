@@ -30,16 +30,16 @@ from lagc.mechanics.formulation.states import build_states
 from lagc.mechanics.identities.constraint_manifold import walk
 from lagc.simulation.backends.compile import compiler as compiler_of_c
 from lagc.simulation.system import INCONSISTENT, OK, REDUNDANT, Options, System
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import evaluate
 from tests.hard.test_mechanisms import BENNETT
 from tests.hard.test_vanishing_rows import text as track
 from tests.lowering import large
 from tests.lowering.exact import values as in_digits
 from tests.mechanics.numbers import consistent_state, jacobian, mass_matrix, random_state
-from tests.mechanics.random_systems import model, random_system
+from tests.mechanics.random_systems import random_system
 from tests.mechanics.test_mobility import Made, bennett, cranks, frames, general_7r, planar, sarrus, spherical
-from tests.simulation.test_generated import BACKENDS, build, rates
+from tests.simulation.programs import BACKENDS, build, rates
 
 DIGITS = 50
 SHARE = 1e-8  # singular values, beside the largest, of rows that depend on others
@@ -154,12 +154,12 @@ def alike(e: EquationsOfMotion) -> bool:
     return len({row.level for row in e.rows}) == 1
 
 
-RANDOM = (3, 9, 11, 19, 21, 24, 33, 34, 35, 39, 49, 50, 53, 58)  # seeds of systems that have what is tried
+RANDOM = (9, 10, 11, 17, 23, 26, 28, 34, 35, 39, 43, 49, 50, 53)  # seeds of systems that have what is tried
 
 
 @cache
 def random_case(seed: int) -> tuple[EquationsOfMotion, State]:
-    e = derive(model(random_system(seed)))
+    e = derive(random_system(seed))
     assert e.rows and alike(e) and len(e.rows) < len(e.v)
     state = consistent_state(e, seed)
     assert state is not None and np.linalg.eigvalsh(mass_matrix(e, state))[0] > 0.0

@@ -16,7 +16,7 @@ from lagc.kernels.language.statuses import INTERRUPTED, OK, TERMINATED
 from lagc.simulation.error_measure import between, spread
 from lagc.simulation.system import Options, Trajectory
 from tests.codegen.tools import STRICT, call
-from tests.simulation.jumping import STOP, case, motion
+from tests.simulation.events.jumping import STOP, case, motion
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 TIMES = [STOP * k / 7 for k in range(8)]

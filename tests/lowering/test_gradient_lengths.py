@@ -17,8 +17,8 @@ from lagc.lowering.magnitudes import gradient_bounds, gradient_magnitudes
 from lagc.lowering.program import Function
 from lagc.lowering.program_functions import gamma_sizes, gradient_sizes, gradients, reaches, scales
 from lagc.lowering.storage import Places, places
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import evaluate
 from tests.oracle.lagrange import Expressions
 
 STEP = mp.mpf(10) ** -20

@@ -1,19 +1,24 @@
-"""The functions by which a run tells that a condition changes, and when."""
+"""Functions of events: indicators of relations and clauses, contacts, and guards of narrow terms.
+
+**Narrow terms** are negligible for most of a motion, and large for a moment. These are exp, tanh and atan of
+varying arguments, powers with varying exponents, and quotients by divisors that never vanish, as in a bell or
+a smooth step. Each is scaled so that 1 is large.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 
 from lagc.base.records import replace
-from lagc.lowering.event_relations import EventRelation
+from lagc.lowering.event_relations import EventRelation, deciding
 from lagc.lowering.program import Function
 from lagc.lowering.program_functions import made
 from lagc.lowering.storage import STATE, Places
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.symbolic.derivative import tangent
-from lagc.symbolic.enclosures import Ends, enclosures
-from lagc.symbolic.graph import Node
-from lagc.symbolic.walk import symbols
+from lagc.symbolic.derivative import gradient, tangent
+from lagc.symbolic.enclosures import Ends, enclosures, intervals
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import depends, reachable, substitute, symbols
 
 
 def relation_functions(natural: Places, along: Places, relations: Sequence[EventRelation]) -> list[Function]:
@@ -169,3 +174,139 @@ def whens(at: Places, along: Places) -> list[Function]:
         described = "what states are when conditions become true"
         found.append(made(at, "reinit", STATE, (("r", values),), described, rare=True))
     return found
+
+
+def contact_functions(at: Places, along: Places) -> list[Function]:
+    """Return `gaps`, `contact_rows`, `restitutions` and `frictions`, none without contacts.
+    `at` is the state alone, `along` the branches of a run."""
+    contacts = at.equations.contacts
+    if not contacts:
+        return []
+    labels = [contact.label for contact in contacts]
+    gaps = [contact.gap for contact in contacts]
+    laws = [contact.restitution for contact in contacts]
+    frictions = [
+        node for contact in along.equations.contacts for node in (contact.frictions or (at.graph.zero,) * 2)
+    ]
+    made_of = (("f", frictions),)
+    with_friction = any(contact.slips for contact in contacts)
+    return [
+        *(
+            [made(along, "frictions", along.state, made_of, "friction of each contact")]
+            if with_friction
+            else []
+        ),
+        made(at, "gaps", STATE, (("g", gaps),), "gap of each contact", labels, rare=True),
+        _rows(along),
+        *([_normals(along)] if any(contact.normals for contact in contacts) else []),
+        made(at, "restitutions", STATE, (("r", laws),), "restitution of each contact", labels, rare=True),
+    ]
+
+
+def _rows(along: Places) -> Function:
+    """Return the gradient of each row by the speeds, its rate, and its acceleration where v' = 0."""
+    equations, zero = along.equations, along.graph.zero
+    contacts, columns = equations.contacts, range(len(equations.v))
+    gradients = [own.get(j, zero) for contact in contacts for own in contact.jacobians for j in columns]
+    rates, biases = list[Node](), list[Node]()
+    for contact in contacts:
+        rates += [contact.rate, *(slip.rate for slip in contact.slips)]
+        biases += [contact.bias, *(slip.bias for slip in contact.slips)]
+    parts = (("R", gradients), ("u", rates), ("bias", biases))
+    return made(along, "contact_rows", along.state, parts, "rows of the contacts")
+
+
+def _normals(along: Places) -> Function:
+    """Return the components of the normal forces of two-sided contacts, sums of accelerations, multipliers
+    and forces of contacts: the derivatives by these, and the rest."""
+    equations, graph = along.equations, along.graph
+    nodes = [node for contact in equations.contacts for node in contact.normals]
+    known = [*equations.a, *equations.lam, *(f for contact in equations.contacts for f in contact.forces)]
+    found: list[Node] = []
+    for node in nodes:
+        slopes = gradient(graph, {node: graph.one}, known)
+        found += [slopes.get(x, graph.zero) for x in known]
+    rest = substitute(graph, nodes, dict.fromkeys(known, graph.zero))
+    return made(along, "normals", along.state, (("N", found), ("bias", rest)), "normal forces")
+
+
+_STEEP = ("exp", "tanh", "atan")
+_MOST = 10_000  # narrow terms; of more, none is looked at
+
+
+def features(equations: EquationsOfMotion) -> tuple[Node, ...]:
+    changing = [equations.time, *equations.q, *equations.v]
+    moving = depends(deciding(equations), changing)
+    moved = sorted(moving, key=lambda node: node.index)
+    found = [node for node in moved if node.op in _STEEP or (node.op == "pow" and node.args[1] in moving)]
+    graph = equations.graph
+    below = [pair for node in moved for pair in divisors(graph, node, moving)]
+    ranges = intervals([base for base, _ in below], {})
+    for base, divides in below:
+        least = ranges[base][0]
+        if least > 0.0:
+            found.append(graph.select(divides, graph.div(graph.const(least), base), graph.one))
+    found = [node for node in dict.fromkeys(found) if not node.is_const]
+    return tuple(found) if len(found) <= _MOST else ()
+
+
+def divisors(graph: Graph, node: Node, moving: Set[Node]) -> list[tuple[Node, Node]]:
+    """Return the varying bases of negative powers, each with the condition that the exponent, which may be a
+    parameter, is negative."""
+    if node.op == "mul":
+        return [(base, graph.one) for base, e in zip(node.args, node.value) if e < 0 and base in moving]
+    if node.op == "pow" and node.args[0] in moving:
+        base, exponent = node.args
+        below = graph.one if exponent in moving else graph.binary("lt", exponent, graph.zero)
+        return [] if below.is_zero else [(base, below)]
+    return []
+
+
+def poles(equations: EquationsOfMotion) -> tuple[Node, ...]:
+    """The divisors, each once, without the root that one may be; 1 on branches that ask for none."""
+    roots, graph = deciding(equations), equations.graph
+    moving = depends(roots, [equations.time, *equations.q, *equations.v])
+    found: dict[Node, list[tuple[Node, Node]]] = {}  # with the nodes that divide by them, and when these do
+    for node in reachable(roots):
+        for base, divides in divisors(graph, node, moving):
+            found.setdefault(base.args[0] if base.op == "sqrt" else base, []).append((node, divides))
+    ranges = intervals(list(found), {})
+    near = [base for base in found if ranges[base][0] <= 0.0 <= ranges[base][1]]
+    if not near or len(near) > _MOST:
+        return ()
+    asked = _asked(graph, roots)
+    return tuple([
+        _where(graph, base, [_both(graph, asked[node], divides) for node, divides in found[base]])
+        for base in near
+    ])  # fmt: skip
+
+
+def _asked(graph: Graph, roots: Sequence[Node]) -> dict[Node, Node]:
+    """Of each node the condition under which the values of `roots` depend on it."""
+    asked = dict.fromkeys(roots, graph.one)
+    for node in reversed(reachable(roots)):
+        for k, below in enumerate(node.args):
+            own = asked[node]
+            if node.op == "select" and k > 0:
+                branch = node.args[0] if k == 1 else graph.logical_not(node.args[0])
+                own = _both(graph, own, branch)
+            known = asked.get(below)
+            if known is not None and own is not known:
+                own = graph.one if graph.one in (own, known) else graph.binary("or", own, known)
+            asked[below] = own
+    return asked
+
+
+def _both(graph: Graph, x: Node, y: Node) -> Node:
+    if graph.one in (x, y):
+        return y if x is graph.one else x
+    return graph.binary("and", x, y)
+
+
+def _where(graph: Graph, base: Node, conditions: Sequence[Node]) -> Node:
+    if graph.one in conditions:
+        return base
+    found = conditions[0]
+    for condition in conditions[1:]:
+        found = graph.binary("or", found, condition)
+    return graph.select(found, base, graph.one)

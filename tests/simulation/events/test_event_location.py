@@ -7,7 +7,7 @@ import math
 import pytest
 
 import lagc
-from tests.simulation.switched import STOP, case, motion
+from tests.simulation.events.switched import STOP, case, motion
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 TIMES = [STOP * k / 7 for k in range(8)]
