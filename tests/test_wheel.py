@@ -22,7 +22,7 @@ SHIPPED = ["/pyproject.toml", "/.gitignore", *HATCH["build"]["targets"]["sdist"]
 
 def checkout(target: Path) -> Path:
     """What the repository has under version control, as far as it is shipped, in a folder of its own."""
-    leave = shutil.ignore_patterns("__pycache__", "tables.json", "kernels.json", "*.pyc")
+    leave = shutil.ignore_patterns("__pycache__", "tables.json", "kernels.*.json", "*.pyc")
     target.mkdir(parents=True)
     for pattern in SHIPPED:
         for path in ROOT.glob(pattern.removeprefix("/")):

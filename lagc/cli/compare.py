@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, TypeVar
 from lagc.cli.deliver import check_picture, spare, write_or_keep
 from lagc.cli.options import (
     add_backend_option,
-    add_general_options,
     add_model_options,
     add_start_option,
     choice_of,
@@ -22,7 +21,7 @@ from lagc.host.budgets import reached, rest
 
 if TYPE_CHECKING:
     from lagc.api import CompiledModel
-    from lagc.api_run import Run
+    from lagc.api.run import Run
 
 T = TypeVar("T")
 
@@ -35,7 +34,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--points", metavar="N", type=int, default=501, help="recorded times; default: 501")
     parser.add_argument("--plot", metavar="FILE", help="draw the scenes into FILE (.png, .svg, .pdf)")
     add_backend_option(parser)
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -61,11 +59,11 @@ def run(options: argparse.Namespace) -> int:
     # Each scene takes the values that it has; a name that none has is refused.
     parameters = [_parameters(model) for model in models]
     given = choices[0].parameters
-    own = [model.without(()).bind(_known_values(given, parameters, k)) for k, model in enumerate(models)]
+    bound = [model.without(()).bind(_known_values(given, parameters, k)) for k, model in enumerate(models)]
     states = [model.state_names for model in models]
     runs: list[Run] = []
     try:
-        for k, model in enumerate(own):
+        for k, model in enumerate(bound):
             given_starts = _known_values(starts, states, k)
             run = model.simulate(stop, accuracy=accuracy, points=options.points, starts=given_starts)
             runs.append(run)
@@ -76,21 +74,21 @@ def run(options: argparse.Namespace) -> int:
             raise
     # An interruption keeps the runs so far.
     rest()
-    found = compare(scenes[: len(runs)], runs)
-    interrupted = len(runs) < len(own) or runs[-1].interrupted
+    comparison = compare(scenes[: len(runs)], runs)
+    interrupted = len(runs) < len(bound) or runs[-1].interrupted
     written = True
     if options.plot:
         from lagc.reports.plots.compare import draw
         from lagc.reports.plots.plot import save
 
-        path = write_or_keep(options.plot, lambda name: save(draw(found), name), (OSError, ValueError))
+        path = write_or_keep(options.plot, lambda name: save(draw(comparison), name), (OSError, ValueError))
         written = path == options.plot
         if path is not None:
             say(f"written to {path}", options.quiet or options.json)
     if options.json:
-        print_json({"status": "interrupted" if interrupted else "ok", **to_dict(found)})
+        print_json({"status": "interrupted" if interrupted else "ok", **to_dict(comparison)})
     else:
-        show_report(text(found, options.verbose), color=False if options.no_color else None)
+        show_report(text(comparison, options.verbose), color=False if options.no_color else None)
     if interrupted:
         say("interrupted: these are the runs until then", options.quiet or options.json)
         return LIMITED if reached() else INTERRUPTED
@@ -112,6 +110,6 @@ def _parameters(model: CompiledModel) -> list[str]:
 
 
 def _known_values(given: Mapping[str, T], known: Sequence[Sequence[str]], k: int) -> dict[str, T]:
-    """The given values that model k has; also those that none has, so that it refuses them."""
+    """Return the given values that model k has; also those that none has, so that it refuses them."""
     others = {name for names in known for name in names}
     return {name: value for name, value in given.items() if name in known[k] or name not in others}

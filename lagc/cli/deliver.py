@@ -22,7 +22,7 @@ from lagc.host.budgets import reached, rest
 
 if TYPE_CHECKING:
     from lagc.api import CompiledModel
-    from lagc.api_run import Run
+    from lagc.api.run import Run
     from lagc.base.text import Quantity
     from lagc.compiler.pipeline import Compilation
     from lagc.compiler.stages import Choice
@@ -62,7 +62,7 @@ def check_pictures(options: argparse.Namespace) -> None:
     if options.overlays and options.animate is None and not options.panels:
         raise Usage("`--overlay` needs panels that show it: add --show, such as --show 'theta*'")
     if options.animate:
-        from lagc.api_run import check_animation
+        from lagc.api.run import check_animation
         from lagc.host.atomic_write import obstacle
 
         try:
@@ -95,12 +95,13 @@ def check_picture(options: argparse.Namespace) -> None:
 
 
 def pictures_of(interface: Interface, options: argparse.Namespace) -> tuple[str, str]:
-    """The files of the plot and of the animation; "" for none."""
+    """Return the files of the plot and of the animation; "" for none."""
     return picture_of(interface, options.plot), animation_of(interface, options.animate)
 
 
 def picture_of(interface: Interface, named: str | None) -> str:
-    """The file for the plot: the one given, one in the current folder if there is no display, or ""."""
+    """Return the file for the plot: the one given, one in the current folder if there is no display, or
+    ""."""
     if named != "":
         return named or ""
     from lagc.reports.plots.plot import has_display, path_beside
@@ -109,7 +110,7 @@ def picture_of(interface: Interface, named: str | None) -> str:
 
 
 def animation_of(interface: Interface, named: str | None) -> str:
-    """The file for the animation: the one given, one in the current folder, or "" for none."""
+    """Return the file for the animation: the one given, one in the current folder, or "" for none."""
     if named != "":
         return named or ""
     from lagc.host.atomic_write import fitting
@@ -226,7 +227,7 @@ def deliver(
 
 
 def output_beside(path: str | None) -> AbstractContextManager[object]:
-    """A block whose output goes to standard error if the file `path` is standard output."""
+    """Return a block whose output goes to standard error if the file `path` is standard output."""
     return redirect_stdout(sys.stderr) if path and output(path) == 1 else nullcontext()
 
 
@@ -341,7 +342,7 @@ def spare(compilation: Compilation, *paths: str | None) -> None:
 
 
 def _real(path: str) -> str:
-    """The path without links, or itself if the current folder no longer exists."""
+    """Return the path without links, or itself if the current folder no longer exists."""
     try:
         return os.path.realpath(path)
     except OSError:

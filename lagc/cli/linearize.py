@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 from lagc.cli.deliver import spare
 from lagc.cli.options import (
-    add_general_options,
     add_model_options,
     add_plot_option,
     add_start_option,
@@ -44,7 +43,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("-o", "--output", metavar="FILE", help="write the matrices: .json or .npz")
     add_plot_option(parser, "draw the modes: .png, .svg or .pdf")
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -65,24 +63,24 @@ def run(options: argparse.Namespace) -> int:
     model = CompiledModel(compilation if runs else compilation.differentiated, "auto" if time else "numpy")
     spare(compilation, options.output, _picture(model.interface, options.plot))
     try:
-        found = (
+        linear_models = (
             model.equilibria(starts=starts) if options.equilibrium else [_about(model, time, starts, options)]
         )
     except ArithmeticError as error:
         return _none(str(error), options)
-    if not found:
+    if not linear_models:
         return _none(
             "no equilibrium was found, neither from the initial state nor from random states", options
         )
     interface = model.interface
     facts = {"status": "ok", "model": interface.model, "scene": interface.scene,
              "effects": list(interface.effects)}  # fmt: skip
-    written = _deliver(found, facts, options)
+    written = _deliver(linear_models, facts, options)
     with output_beside(options.output):
         if options.json:
-            print_json(_document(found, facts))
+            print_json(_document(linear_models, facts))
         else:
-            show(_text(found, options))
+            show(_text(linear_models, options))
     return DONE if written else UNWRITTEN
 
 
@@ -177,7 +175,7 @@ def _deliver(found: list[Linear], facts: dict[str, Any], options: argparse.Names
 
 
 def _picture(interface: Interface, named: str | None) -> str:
-    """The file for the plot of the modes: the one given, or one in the current folder, or ""."""
+    """Return the file for the plot of the modes: the one given, or one in the current folder, or ""."""
     from lagc.host.atomic_write import fitting
 
     beside = f"{fitting(f'{interface.model}_{interface.scene}_modes')}.png"
@@ -185,7 +183,7 @@ def _picture(interface: Interface, named: str | None) -> str:
 
 
 def _content(found: list[Linear], facts: dict[str, Any], path: str) -> bytes:
-    """The content of the file: JSON, or arrays A B C D eigenvalues modes x, with the suffix _2 for the
+    """Return the content of the file: JSON, or arrays A B C D eigenvalues modes x, with the suffix _2 for the
     second model."""
     if not path.lower().endswith(".npz"):
         from lagc.base.text import json_text

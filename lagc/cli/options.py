@@ -44,7 +44,7 @@ def add_limit_options(parser: argparse.ArgumentParser) -> None:
 
 
 def limits_of(options: argparse.Namespace) -> Limits:
-    """The limits of a command; by default those of each stage and of this machine."""
+    """Return the limits of a command; by default those of each stage and of this machine."""
     from lagc.host.budgets import Limits, of_this_machine
 
     time = _limit(getattr(options, "max_time", None), "--max-time", seconds, "90, 10min or 2h")
@@ -101,7 +101,7 @@ def add_start_option(parser: argparse.ArgumentParser) -> None:
 
 
 def choice_of(options: argparse.Namespace) -> Choice:
-    """The choice that the options of `add_model_options` make."""
+    """Return the choice that the options of `add_model_options` make."""
     from lagc.compiler.stages import Choice
     from lagc.simulation.request import expression
 
@@ -130,7 +130,7 @@ def choice_of(options: argparse.Namespace) -> Choice:
 
 
 def _names(word: str | None) -> tuple[str, ...] | None:
-    """The names of `--outputs`.  Raises Usage if there is none."""
+    """Return the names of `--outputs`.  Raises Usage if there is none."""
     if word is None:
         return None
     names = tuple([name.strip(_SPACES) for name in split(word) if name.strip(_SPACES)])
@@ -177,7 +177,7 @@ def assignments(words: list[str], option: str) -> dict[str, tuple[float, str | N
 
     Raises Usage if a word has another form, or a name occurs twice.
     """
-    found: dict[str, tuple[float, str | None]] = {}
+    by_name: dict[str, tuple[float, str | None]] = {}
     for word in words:
         name, _, quantity = word.partition("=")
         name = name.strip(_SPACES)
@@ -187,10 +187,10 @@ def assignments(words: list[str], option: str) -> dict[str, tuple[float, str | N
             raise Usage(
                 f"`{option} {word}` is not of the form name=value or name=value[unit], as `{option} '{like}'`"
             )
-        if name in found:
+        if name in by_name:
             raise Usage(f"`{option} {name}` is given twice")
-        found[name] = value
-    return found
+        by_name[name] = value
+    return by_name
 
 
 def _value_of(word: str) -> tuple[float, str | None] | None:

@@ -34,8 +34,8 @@ _WRONG_PATH = {errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.EA
 
 
 def code_of(faults: Iterable[Fault]) -> int:
-    """The exit code for faults: LIMITED for a limit, REFUSED for a fault of the model, USAGE for a wrong
-    request.
+    """Return the exit code for faults: LIMITED for a limit, REFUSED for a fault of the model, USAGE for a
+    wrong request.
 
     A fault is the model's if it has a place in its text, or concerns its mechanics, code or initial state.
     """
@@ -59,7 +59,7 @@ class Unwritten(Exception):
 
 
 def cannot_write(path: str, error: OSError) -> Usage | Unwritten:
-    """The error for a `path` that cannot be written: wrong path (Usage) or full disk (Unwritten)."""
+    """Return the error for a `path` that cannot be written: wrong path (Usage) or full disk (Unwritten)."""
     message = f"`{path}` cannot be written: {error.strerror or error}"
     return Usage(message) if error.errno in _WRONG_PATH else Unwritten(message)
 
@@ -79,7 +79,7 @@ def begin() -> None:
 
 
 def code(done: int) -> int:
-    """The exit code of a command that ended with `done`; reports an error of standard output.
+    """Return the exit code of a command that ended with `done`; reports an error of standard output.
 
     A reader that closed the pipe, as in `lagc ... | head`, is no error.
     """

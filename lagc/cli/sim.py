@@ -25,7 +25,6 @@ from lagc.cli.deliver import (
 )
 from lagc.cli.options import (
     add_backend_option,
-    add_general_options,
     add_list_option,
     add_model_options,
     add_outputs_option,
@@ -83,7 +82,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="leave out effects that the accuracy lets go (see `lagc effects`)",
     )
     add_backend_option(parser)
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -101,24 +99,24 @@ def run(options: argparse.Namespace) -> int:
     # All words are read, and files checked, before anything is computed.
     check_files(options)
     request = request_of(options)
-    given, guesses = quantities(options.starts, "--start"), quantities(options.guesses, "--guess")
+    start_values, guesses = quantities(options.starts, "--start"), quantities(options.guesses, "--guess")
     scales = quantities(options.scales, "--scale")
     choice = replace(choice_of(options), until=until_of(options))
     model, stop = compiled(options, request, choice)
     more: dict[str, object] = {}
     note = ""
     if options.prune:
-        bound_starts(model.interface, given)
+        bound_starts(model.interface, start_values)
         quiet = options.quiet or options.json
-        model, request, note, more["pruned"] = prune(model, request, given, guesses, quiet)
+        model, request, note, more["pruned"] = prune(model, request, start_values, guesses, quiet)
         # The pruned model may lack what was given values.
-        given = {name: value for name, value in given.items() if name in model.state_names}
+        start_values = {name: value for name, value in start_values.items() if name in model.state_names}
         guesses = {name: value for name, value in guesses.items() if name in model.state_names}
         own = {f.name for f in (*model.interface.parameters, *model.interface.inputs, *model.artifact.unused)}
         choice = replace(choice, parameters={n: v for n, v in choice.parameters.items() if n in own})
-    starts = bound_starts(model.interface, given)
+    starts = bound_starts(model.interface, start_values)
     parameters = bound_parameters(model.interface, choice.parameters, model.artifact.unused)
-    request = replace(request, starts=starts, guesses=bound_guesses(model.interface, guesses, given))
+    request = replace(request, starts=starts, guesses=bound_guesses(model.interface, guesses, start_values))
     request = replace(request, scales=bound_scales(model.interface, scales) if scales else {})
     # The runs that pictures show beside it are bound now, and run after it.
     others = overlays_of(options, model, choice, request)
@@ -134,7 +132,7 @@ def run(options: argparse.Namespace) -> int:
             raise wrong(f"{error}; --backend numpy needs no compiler") from None
     if note:
         found.notes = (note, *found.notes)
-    found.warnings = warnings_of(model.interface, {**choice.inputs, **choice.parameters, **given})
+    found.warnings = warnings_of(model.interface, {**choice.inputs, **choice.parameters, **start_values})
     found.add_columns(*options.expressions)
     return deliver(found, options, more, runs)
 
@@ -210,7 +208,7 @@ def part_outputs(options: argparse.Namespace) -> None:
 
 
 def request_of(options: argparse.Namespace) -> Request:
-    """The request without initial values.  Raises Usage if a word is not a number."""
+    """Return the request without initial values.  Raises Usage if a word is not a number."""
     from lagc.simulation.request import Request
 
     sensitivity = tuple([name for word in options.sensitivity for name in split(word)])
@@ -253,8 +251,8 @@ def _set(
     guesses: Mapping[str, Any],
     quiet: bool,
 ) -> tuple[tuple[str, ...], float, float, str]:
-    """The effects to leave out, the change, its error bar, and how long it took to find them; "" if they were
-    known."""
+    """Return the effects to leave out, the change, its error bar, and how long it took to find them; "" if
+    they were known."""
     from lagc.cli.output import Bar
 
     begin = [sorted(starts.items()), sorted(guesses.items())]

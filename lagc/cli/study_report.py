@@ -89,7 +89,7 @@ def _write(path: str, found: Any, heading: str, report: Any, picture: str, quiet
 
 
 def _picture(path: str, drawn: Any, found: Any, heading: str) -> str:
-    """The picture of a page, or a line that says what it needs."""
+    """Return the picture of a page, or a line that says what it needs."""
     from html import escape
 
     from lagc.reports.plots.plot import svg

@@ -13,8 +13,8 @@ REPORTED = 0.1  # of the run time, and in s: a longer initialization is reported
 
 
 def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: bool = False) -> str:
-    """The lines for a run; `quiet` gives only the final values, `scene_chosen` tells that the scene is the
-    default."""
+    """Return the lines for a run; `quiet` gives only the final values, `scene_chosen` tells that the scene is
+    the default."""
     if quiet:
         return "\n".join(_final(run, verbose))
     interface = run.system.interface
@@ -60,7 +60,7 @@ def _final(run: Solution, verbose: bool) -> list[str]:
 
 
 def _shown(run: Solution, names: list[str]) -> list[str]:
-    """The first of `names`, outputs before states."""
+    """Return the first of `names`, outputs before states."""
     asked = {output.name for output in run.system.interface.outputs}
     chosen = set(sorted(names, key=lambda name: name not in asked)[:MOST])
     return [name for name in names if name in chosen]
@@ -75,7 +75,7 @@ def _events(run: Solution, verbose: bool) -> list[str]:
 
 
 def value_text(value: float, unit: str, error: float | None = None) -> str:
-    """A value with its unit and error, also in degrees for an angle."""
+    """Return a value with its unit and error, also in degrees for an angle."""
     value += 0.0  # avoids negative zero
     text = f"{value:.9g}" + (f" +- {error:.0e}" if error else "") + (f" {unit}" if unit else "")
     if unit in ("rad", "rad/s"):
@@ -92,7 +92,8 @@ def _accuracy(run: Solution) -> str:
 
 
 def _price(run: Solution) -> str:
-    """The price of the verification, and of a digit by the order p of the method: 10^(1/p) in steps."""
+    """Return the price of the verification, and of a digit by the order p of the method: 10^(1/p) in
+    steps."""
     from lagc.kernels.integrators.tableaus import order
 
     factor = 10.0 ** (1.0 / order(run.method))

@@ -35,6 +35,7 @@ FILES = (
     "dynamics/loaded_reactions",
     "contact/responses",
     "contact/normal_forces",
+    "events/sampled_indicators",
     "contact/touching",
     "integrators/explicit_runge_kutta",
     "integrators/stage_equations",

@@ -7,25 +7,30 @@ from collections.abc import Mapping, Sequence
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.lowering import program_functions
+from lagc.lowering.event_functions import (
+    changing,
+    contact_functions,
+    features,
+    in_boxes,
+    poles,
+    relation_functions,
+    whens,
+)
 from lagc.lowering.event_relations import EventRelation, frozen
-from lagc.lowering.hybrid.contact_functions import contact_functions
-from lagc.lowering.hybrid.event_functions import changing, in_boxes, relation_functions, whens
-from lagc.lowering.hybrid.narrow_terms import features, poles
-from lagc.lowering.implicit import implicit
 from lagc.lowering.interface import bounded, interface, used_parameters
 from lagc.lowering.jacobians import condition_slopes, derivatives
 from lagc.lowering.kkt import solve as kkt
 from lagc.lowering.kkt.articulated_body import plain
 from lagc.lowering.kkt.prune import independent, prune, sources, with_pivots
 from lagc.lowering.kkt.solve import Solver, forms_matrix, solvers
+from lagc.lowering.linearizations import implicit, tangents
 from lagc.lowering.loaded_reactions import loaded, loads_of
-from lagc.lowering.loops.loop_rolling import rerolled
+from lagc.lowering.loop_rolling import rerolled
 from lagc.lowering.program import Function, Program
 from lagc.lowering.scalar.parameter_hoisting import Preparation
 from lagc.lowering.scalar.scheduling import balanced
 from lagc.lowering.series import NoSeries, series
 from lagc.lowering.storage import Places, places, weight
-from lagc.lowering.tangents import tangents
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.derivative import Slopes
 from lagc.symbolic.graph import Node

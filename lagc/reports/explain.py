@@ -14,10 +14,9 @@ from lagc.reports.equations.write import Expressions
 from lagc.reports.names import ranged, where
 from lagc.semantics.joints import KINDS
 from lagc.semantics.model import UNSTATED, Contact, Joint, Lagrangian
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import derived
-from lagc.symbolic.walk import symbols
+from lagc.symbolic.walk import evaluate, symbols
 
 Facts = dict[str, Any]  # what JSON can hold
 MOST = 20  # lines of a section, without --verbose

@@ -285,7 +285,7 @@ class Builder:
             destination.items.append(entry)
             return
         try:
-            found, where = self._model_of(d, space)
+            model, where = self._model_of(d, space)
         except Wrong as wrong:
             if wrong.fault.code != "LAG0203" or not _is_quantity(d):
                 raise
@@ -295,17 +295,17 @@ class Builder:
         if source.value is not None:
             raise Wrong("LAG0221", "an instance of a model has no value", source.value.span)
         # Modifications from outside go before those of the declaration, the outermost first.
-        own = modifiers_of(source.arguments, entry.environment)
+        modifiers = modifiers_of(source.arguments, entry.environment)
         for modifier in reversed(entry.modifiers):  # the outermost last, because the last goes first
             if modifier.argument.value is not None:
                 message = f"`{entry.name}` is an instance of a model and has no value"
                 raise Wrong("LAG0209", message, modifier.argument.span)
-            for name, given in modifiers_of(modifier.argument.arguments, modifier.environment).items():
-                own[name] = [*given, *own.get(name, [])]
+            for name, outer in modifiers_of(modifier.argument.arguments, modifier.environment).items():
+                modifiers[name] = [*outer, *modifiers.get(name, [])]
         # One instance is a part; of an array each element takes its share of arrays in modifications.
         sizes = [integer(self.context, s, entry.environment, "a size") for s in source.dimensions]
         if not sizes:
-            part = self._nested_instance(found, where, entry.path + ".", own, destination)
+            part = self._nested_instance(model, where, entry.path + ".", modifiers, destination)
             entry.state, entry.value = "done", part
             return
         entry.elements = {}
@@ -315,29 +315,30 @@ class Builder:
             element.path = f"{entry.path}[{','.join(str(n) for n in numbers)}]"
             entry.elements[numbers] = element
             chosen = {
-                n: [Modifier(m.argument, m.environment, numbers) for m in given] for n, given in own.items()
+                n: [Modifier(m.argument, m.environment, numbers) for m in outer]
+                for n, outer in modifiers.items()
             }
             element.state, element.value = (
                 "done",
-                self._nested_instance(found, where, element.path + ".", chosen, destination),
+                self._nested_instance(model, where, element.path + ".", chosen, destination),
             )
 
     def _model_of(self, d: tree.Instance, space: Namespace) -> tuple[tree.ModelDeclaration, Namespace]:
         try:
-            found, where = space.find(d.type.path, d.type.span, "model or type")
+            model, where = space.find(d.type.path, d.type.span, "model or type")
         except Wrong as wrong:
             name = d.type.path[-1]
             remedy = remedy_of_word("models", name) or remedy_of_word("types", name) or wrong.fault.remedy
             remedy = remedy or did_you_mean(name, ELEMENTS)
             remedy = remedy or f"declare it, `model {name} ... end {name};`, or import its file"
             raise Wrong(wrong.fault.code, wrong.fault.message, wrong.fault.span, remedy) from None
-        if not isinstance(found, tree.ModelDeclaration):
+        if not isinstance(model, tree.ModelDeclaration):
             raise Wrong("LAG0204", f"`{'.'.join(d.type.path)}` is not a model", d.type.span)
-        if found.partial:
-            message = f"`{found.name}` is partial; it can only be extended"
-            related = ((found.name_span, "declared here"),)
+        if model.partial:
+            message = f"`{model.name}` is partial; it can only be extended"
+            related = ((model.name_span, "declared here"),)
             raise Wrong("LAG0211", message, d.type.span, related=related)
-        return found, where
+        return model, where
 
     def _nested_instance(
         self,

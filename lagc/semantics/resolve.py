@@ -120,14 +120,20 @@ def _resolve(
         raise AssertionError("a fault refuses") from None
     check_effects(context, setting)
     # Every declaration is evaluated; what it depends on is evaluated before it.
-    found = [*_evaluate(context, instance), *_probes(context, probes, environment)]
+    declared = [*_evaluate(context, instance), *_probes(context, probes, environment)]
     conditions = _conditions(context)
     whens = _whens(context)
-    if _of(found, objects.Discrete) or context.impulses:
-        refuse_in_constraints(context, _of(found, objects.Constraint), conditions, _of(found, objects.Speed))
+    if _of(declared, objects.Discrete) or context.impulses:
+        refuse_in_constraints(
+            context, _of(declared, objects.Constraint), conditions, _of(declared, objects.Speed)
+        )
     look_at_uncalled(context, instance.in_order())
     _check_given(context, instance)
-    if not context.faults and not _of(found, objects.Coordinate) and not _of(found, objects.Orientation):
+    if (
+        not context.faults
+        and not _of(declared, objects.Coordinate)
+        and not _of(declared, objects.Orientation)
+    ):
         empty = _empty(declaration)
         reason = f": {empty}" if empty else ""
         message = f"the model `{declaration.name}` has no coordinates, so nothing can move{reason}"
@@ -138,7 +144,7 @@ def _resolve(
     warnings = [*context.warnings.values(), *text_warnings(file)]
     if instance.effects:
         warnings += unused_effects(file, instance, setting, scenes)
-    return _model(context, declaration, setting, found, conditions, whens, simulate, warnings)
+    return _model(context, declaration, setting, declared, conditions, whens, simulate, warnings)
 
 
 def text_warnings(file: tree.Tree) -> list[Fault]:
@@ -215,20 +221,20 @@ def _check_given(context: Context, instance: Instance) -> None:
             if table is context.parameters
             else ("coordinate", "speed", "discrete")
         )
-        for name, given in table.items():
+        for name, value in table.items():
             if name in context.taken:
                 continue
-            reason = instance.unused.get(given.owner)
+            reason = instance.unused.get(value.owner)
             if reason is not None:
-                context.report(Wrong(code, f"`{name}` {reason}", given.span))
+                context.report(Wrong(code, f"`{name}` {reason}", value.span))
                 continue
             entries = [e for e in instance.in_order() if e.kind in kinds]
-            if context.faults and any(not e.objects and e.path == _base(given.owner) for e in entries):
+            if context.faults and any(not e.objects and e.path == _base(value.owner) for e in entries):
                 continue
             known = [n for e in entries for n in (_names(e.objects) or [e.path])]
-            remedy = _rate(instance, name, given.expression) if code == "LAG0224" else None
-            remedy = remedy or did_you_mean(name, known) or _other_kind(instance, _base(given.owner))
-            context.report(Wrong(code, f"there is no {what} `{name}`", given.span, remedy))
+            remedy = _rate(instance, name, value.expression) if code == "LAG0224" else None
+            remedy = remedy or did_you_mean(name, known) or _other_kind(instance, _base(value.owner))
+            context.report(Wrong(code, f"there is no {what} `{name}`", value.span, remedy))
 
 
 def _rate(instance: Instance, name: str, value: tree.Expression | None) -> str | None:

@@ -76,20 +76,20 @@ def tokenise(source: Source) -> Lexed:
     position = 1 if text.startswith("\ufeff") else 0  # a byte order mark
     length = len(text)
     while position < length:
-        found = match(text, position)
-        assert found is not None  # `odd` takes any character
-        kind = found.lastgroup
-        end = found.end()
+        matched = match(text, position)
+        assert matched is not None  # `odd` takes any character
+        kind = matched.lastgroup
+        end = matched.end()
         # Blanks and words are most of a text: their branches come first.
         if kind == "blank":
             pass
         elif kind == "word":
-            word = found.group()
+            word = matched.group()
             if not word.isascii():
                 lexed.faults.append(_foreign_word(source, word, position))
             tokens.append(Token(WORD, word, position, end))
         elif kind == "symbol":
-            symbol = found.group()
+            symbol = matched.group()
             if symbol == "[" and tokens and _unit_follows(tokens[-1]):
                 end = _unit(source, lexed, position)
             elif symbol in _UNKNOWN:
@@ -97,14 +97,14 @@ def tokenise(source: Source) -> Lexed:
             else:
                 tokens.append(Token(SYMBOL, symbol, position, end))
         elif kind == "comment":
-            lexed.comments.append(Token("comment", found.group(), position, end))
+            lexed.comments.append(Token("comment", matched.group(), position, end))
         elif kind == "unclosed":
-            end = _end_unclosed(source, lexed, found.group(), position)
+            end = _end_unclosed(source, lexed, matched.group(), position)
         elif kind == "odd":
-            end = end if found.group() in _BLANKS else _foreign_character(source, lexed, position)
+            end = end if matched.group() in _BLANKS else _foreign_character(source, lexed, position)
         else:
             assert kind is not None
-            tokens.append(Token(kind, found.group(), position, end))
+            tokens.append(Token(kind, matched.group(), position, end))
         position = end
     tokens.append(Token(END, "", length, length))
     return lexed

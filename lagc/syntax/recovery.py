@@ -231,6 +231,8 @@ _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     keywords.scene_arguments,
     signs.python_function,
     signs.foreign_operator,
+    signs.step_by_one,
+    signs.energy_without_name,
     signs.comma_in_list,
     keywords.brace_for_block,
     keywords.else_when,

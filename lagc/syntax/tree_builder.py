@@ -7,6 +7,8 @@ for an optional one that is not written) and the span of the whole.
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Callable
 from typing import Any, TypeAlias, TypeVar
 
 from lagc.base.records import replace
@@ -31,11 +33,36 @@ def _word(self: object, c: Children, span: Span) -> Any:
     return c[0].text
 
 
+def _all_children(self: object, c: Children, span: Span) -> tuple[Any, ...]:
+    return tuple(c)
+
+
+def _node(kind: Callable[..., Any]) -> Callable[[object, Children, Span], Any]:
+    """Return the method of a rule whose children are the fields of a node."""
+    return lambda self, c, span: kind(*c, span)
+
+
+class Requires:
+    """`requires a, b;`, until its effect is built."""
+
+    def __init__(self, names: tuple[tree.Name, ...], span: Span):
+        self.names = names
+        self.span = span
+
+
+class Excludes(Requires):
+    """`excludes a, b;`."""
+
+
 class Builder:
     """Builds the tree of `source`; `faults` are those that the grammar does not find."""
 
     uses = unless = relation = _first_child
     quantity_kind = construct_kind = _word
+    items = declarators = parameters = names = path = subscripts = _all_children
+    statement, annotation = _node(tree.Statement), _node(tree.Annotation)
+    requires, excludes = _node(Requires), _node(Excludes)
+    start, simulate = _node(tree.Start), _node(tree.Simulate)
 
     def __init__(self, source: Source):
         self.source = source
@@ -47,9 +74,6 @@ class Builder:
 
     def file(self, c: Children, span: Span) -> tree.Tree:
         return tree.Tree(self.source, arrange(c, FILE, self.faults))
-
-    def items(self, c: Children, span: Span) -> tuple[Any, ...]:
-        return tuple(c)
 
     def model(self, c: Children, span: Span) -> tree.ModelDeclaration:
         partial, name, description, items, _ = c
@@ -88,10 +112,6 @@ class Builder:
         condition, *statements = c
         return tree.When(condition, tuple(statements), span)
 
-    def statement(self, c: Children, span: Span) -> tree.Statement:
-        action, value = c
-        return tree.Statement(action, value, span)
-
     # -- one line each --------------------------------------------------------------------
 
     def import_path(self, c: Children, span: Span) -> tree.Import:
@@ -111,15 +131,6 @@ class Builder:
         path, arguments = c
         return tree.Extends(_names(path), self._span(path[0]).to(self._span(path[-1])), arguments or (), span)
 
-    def annotation(self, c: Children, span: Span) -> tree.Annotation:
-        return tree.Annotation(c[0], span)
-
-    def requires(self, c: Children, span: Span) -> Requires:
-        return Requires(c[0], span)
-
-    def excludes(self, c: Children, span: Span) -> Excludes:
-        return Excludes(c[0], span)
-
     def type_declaration(self, c: Children, span: Span) -> tree.TypeDeclaration:
         name, definition, arguments, description = c
         return tree.TypeDeclaration(
@@ -138,9 +149,6 @@ class Builder:
         if any(declarator.value is not None for declarator in declarators):
             self.faults += _misspelt_keyword(made)
         return tree.Instance(made, self._with_description(declarators, description), unless or (), span)
-
-    def declarators(self, c: Children, span: Span) -> tuple[tree.Declarator, ...]:
-        return tuple(c)
 
     def declarator(self, c: Children, span: Span) -> tree.Declarator:
         name, dimensions, arguments, value, description = c
@@ -171,9 +179,6 @@ class Builder:
         return tree.FunctionDeclaration(
             name.text, self._span(name), parameters or (), body, self._text(description), span
         )
-
-    def parameters(self, c: Children, span: Span) -> tuple[tuple[tree.TypeName, str, Span], ...]:
-        return tuple(c)
 
     def parameter(self, c: Children, span: Span) -> tuple[tree.TypeName, str, Span]:
         return c[0], c[1].text, self._span(c[1])
@@ -215,12 +220,6 @@ class Builder:
         left, relation, right, unless = c
         return tree.Initial((tree.Condition(left, right, self._span(relation), span),), unless or (), span)
 
-    def start(self, c: Children, span: Span) -> tree.Start:
-        return tree.Start(c[0], c[1], span)
-
-    def simulate(self, c: Children, span: Span) -> tree.Simulate:
-        return tree.Simulate(c[0], span)
-
     # -- parts of declarations -------------------------------------------------------------
 
     def tail(self, c: Children, span: Span) -> tuple[tuple[tree.Name, ...], str | None]:
@@ -229,9 +228,6 @@ class Builder:
     def tail_reversed(self, c: Children, span: Span) -> tuple[tuple[tree.Name, ...], str | None]:
         return c[1], self._text(c[0])
 
-    def names(self, c: Children, span: Span) -> tuple[tree.Name, ...]:
-        return tuple(c)
-
     def place(self, c: Children, span: Span) -> tree.Name:
         """`cars[2].drag`, as paths of elements are written."""
         parts = (name.text + (element or "") for name, element in zip(c[::2], c[1::2]))
@@ -239,9 +235,6 @@ class Builder:
 
     def element(self, c: Children, span: Span) -> str:
         return f"[{','.join(number.text for number in c)}]"
-
-    def path(self, c: Children, span: Span) -> tuple[Token, ...]:
-        return tuple(c)
 
     def type(self, c: Children, span: Span) -> tree.TypeName:
         path, unit = c
@@ -252,7 +245,7 @@ class Builder:
     def _with_description(
         self, declarators: tuple[tree.Declarator, ...], description: Token | None
     ) -> tuple[tree.Declarator, ...]:
-        """A description after `unless` is that of the last name."""
+        """Return a description after `unless` is that of the last name."""
         if description is None:
             return declarators
         return (*declarators[:-1], replace(declarators[-1], description=self._text(description)))
@@ -288,9 +281,6 @@ class Builder:
         remedy = "write `name = value`, or `==` to compare"
         self.faults.append(Fault("LAG0123", message, left.span, remedy=remedy))
         return tree.Argument(None, None, value or left, span)
-
-    def subscripts(self, c: Children, span: Span) -> tuple[tree.Expression, ...]:
-        return tuple(c)
 
     def range(self, c: Children, span: Span) -> tree.Range:
         first, second, third = c
@@ -393,18 +383,6 @@ class Builder:
         self.faults.append(Fault("LAG0106", f"this name has more than {MOST_PARTS} parts", span))
 
 
-class Requires:
-    """`requires a, b;`, until its effect is built."""
-
-    def __init__(self, names: tuple[tree.Name, ...], span: Span):
-        self.names = names
-        self.span = span
-
-
-class Excludes(Requires):
-    """`excludes a, b;`."""
-
-
 def _misspelt_keyword(made: tree.TypeName) -> list[Fault]:
     """Report `bod b = Particle(...);`, since an instance of a model has no value."""
     from lagc.diagnostics.suggest import closest, foreign, remedy_of_word
@@ -463,14 +441,4 @@ def text_between_quotes(text: str) -> str:
     if "\\" not in inner:
         return inner
     signs = {"n": "\n", "t": "\t", "r": "\r"}
-    parts: list[str] = []
-    escaped = False
-    for character in inner:
-        if escaped:
-            parts.append(signs.get(character, character))
-            escaped = False
-        elif character == "\\":
-            escaped = True
-        else:
-            parts.append(character)
-    return "".join(parts)
+    return re.sub(r"\\(.?)", lambda found: signs.get(found[1], found[1]), inner, flags=re.DOTALL)

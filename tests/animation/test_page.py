@@ -18,7 +18,7 @@ import pytest
 from scipy.special import ellipj, ellipk
 
 import lagc
-from lagc.api_run import Run
+from lagc.api.run import Run
 from lagc.host.model_library import library_models
 from lagc.reports.animation.channels import Channels
 from lagc.reports.animation.page import Animation

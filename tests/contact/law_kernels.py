@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 
 from lagc.codegen.kernel_compiler.c import CPrinter
+from lagc.codegen.kernel_compiler.compiler import definitions
 from lagc.codegen.kernel_compiler.layout import snake
-from lagc.codegen.kernel_compiler.linker import DERIVED, SPELLED, chosen
+from lagc.codegen.kernel_compiler.library import library
 from lagc.codegen.kernel_compiler.real_types import DOUBLE
-from lagc.codegen.kernel_compiler.shipped import parts
 from lagc.codegen.python.functions import ARITHMETIC
 from lagc.codegen.python.runtime import numbers
+from lagc.codegen.sizes import DERIVED, SPELLED
 
 OPEN, SLIPS, STICKS = 0, 1, 2
 ONE, FOUND, NONE, SEVERAL, FAILED = range(5)
@@ -35,17 +36,18 @@ class Kernels:
         own = {"NCON": contacts, "NSLIP": slips, "NSPACE": slips // 2, "NPOISSON": 1, "NBESIDE": 1}
         derived = ("NCROW", "NDELASSUS", "NDIRECT")
         own.update({name: DERIVED[name](own) for name in derived})
-        flags = {flag: flag in own for part in parts() for flag in _flags(part)}
+        self.flags = {flag: flag in own for flag in definitions().sizes}
         self.sizes = {**own, "TWO": 2}
-        self.use = chosen(parts(), flags, ROOTS)
+        self.use = library("double").chosen(ROOTS, self.flags)
         self.members = {
-            part["name"]: [(n, tuple(kind)) for n, kind, *_ in members] for part, members in self.use.records
+            part.name: [(n, tuple(kind)) for n, kind, *_ in part.members] for part in self.use.records
         }
 
     def python(self) -> dict[str, Any]:
         """Return the kernels in Python, with `make`, which returns a workspace."""
         space: dict[str, Any] = {**self.sizes, "make": lambda: Workspace(self._fields)}
-        text = [ARITHMETIC, numbers(self.use.names), *(leaf["python"] for _, leaf in self.use.functions)]
+        use = library("python").chosen(ROOTS, self.flags)
+        text = [ARITHMETIC, numbers(use.constants), *(part.text for part in use.functions)]
         exec("\n".join(text), space)
         return {**space, **{name: _called(space[name], name) for name in ROOTS}}
 
@@ -64,14 +66,14 @@ class Kernels:
         """Return the kernels compiled by gcc, likewise."""
         printer = CPrinter(DOUBLE, SPELLED, {})
         numbers = {"NCON": self.sizes["NCON"], "NSLIP": self.sizes["NSLIP"]}
-        numbers.update({p["name"]: p["value"] for p in self.use.numbers})
+        numbers.update({part.name: part.text for part in self.use.constants})
         text = ["#include <math.h>", "#include <stddef.h>"]
         text += [f"#define LAGC_{name} {value}" for name, value in numbers.items()]
         for record, members in self.members.items():
             text += ["typedef struct {"]
             text += [f"    {printer.declared(kind, name)};" for name, kind in members]
             text += [f"}} lagc_{snake(record)};"]
-        text += [leaf["c"] for _, leaf in self.use.functions]
+        text += [part.text for part in self.use.functions]
         for name in ROOTS:
             more = ", lagc_impact_work *a" if name == "impact" else ""
             given = "law, a" if name == "impact" else "law"
@@ -81,14 +83,14 @@ class Kernels:
         words = ["gcc", *FLAGS, "-fPIC", "-shared", "law.c", "-o", "law.so", "-lm"]
         done = subprocess.run(words, cwd=folder, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
-        library = ctypes.CDLL(str(folder / "law.so"))
+        compiled = ctypes.CDLL(str(folder / "law.so"))
         records: dict[str, Any] = {}
         for record, members in self.members.items():
             fields = [(n, _ctype(kind, self.sizes, records)) for n, kind in members]
             records[record] = type(record, (ctypes.Structure,), {"_fields_": fields})
 
         def function(name: str) -> Any:
-            return lambda *given: getattr(library, name)(*map(ctypes.byref, given))
+            return lambda *given: getattr(compiled, name)(*map(ctypes.byref, given))
 
         made = {"make": lambda: Workspace(lambda record: records[record]())}
         return {**made, **{name: _called(function(name), name) for name in ROOTS}}
@@ -111,16 +113,6 @@ class Workspace:
 
     def __init__(self, record: Callable[[str], Any]):
         self.law, self.impact = record("ContactLaw"), record("ImpactWork")
-
-
-def _flags(part: Any) -> set[str]:
-    if part["kind"] == "record":
-        return {flag for member in part["members"] for flag, _ in member[2]}
-    return _tree_flags(part["tree"]) if part["kind"] == "function" else set()
-
-
-def _tree_flags(tree: Any) -> set[str]:
-    return {tree[0]} | _tree_flags(tree[1]) | _tree_flags(tree[2]) if isinstance(tree, list) else set()
 
 
 KERNELS = Kernels(8, 16)

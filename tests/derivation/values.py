@@ -15,9 +15,9 @@ from lagc.reports.derivation.writer import Written
 from lagc.reports.names import slip_speeds
 from lagc.reports.patterns.formula_trees import Call, Form, Series, Symbol, Term, Total
 from lagc.symbolic.derivative import tangent
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.operators import VALUES
+from lagc.symbolic.walk import evaluate
 from tests.reports.models import derived
 
 State = dict[Node, float]

@@ -17,8 +17,8 @@ from lagc.lowering.lower_equations import optimize
 from lagc.lowering.program import Program
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import evaluate
 from tests.lowering.interpret import bound, interpret
 from tests.mechanics import models
 

@@ -6,8 +6,8 @@ import pytest
 
 from lagc.mechanics.analysis.analysis import Analysis, analyse
 from lagc.mechanics.derive import derive
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import evaluate
 from tests.mechanics.builder import Builder
 from tests.mechanics.models import (
     ALL,

@@ -18,7 +18,7 @@ from lagc.mechanics.redundancy import dependent_rows, tables
 from lagc.semantics.model import Model
 from lagc.symbolic import derivative as jacobians
 from tests.mechanics.numbers import jacobian, random_state, vector
-from tests.mechanics.random_systems import model, random_system
+from tests.mechanics.random_systems import random_system
 from tests.rejected.motion import CASES
 from tests.rejected.test_rejected import unmarked, whole
 
@@ -65,9 +65,9 @@ def by_sums(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.sample(1, 9)
 @pytest.mark.parametrize("seed", range(40))
 def test_random_systems(seed: int, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
-    plain = derive(model(random_system(seed)))
+    plain = derive(random_system(seed))
     request.getfixturevalue("by_sums")
-    found = derive(model(random_system(seed)))
+    found = derive(random_system(seed))
     assert [row.label for row in found.rows] == [row.label for row in plain.rows]
     assert [row.linear for row in found.rows] == [row.linear for row in plain.rows]
     state = random_state(plain, seed)

@@ -16,9 +16,9 @@ from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.semantics.model import Body, Coordinate, Model
 from lagc.semantics.resolve import resolve
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector
+from lagc.symbolic.walk import evaluate
 from lagc.syntax.parse import parse
 from tests.oracle.lagrange import STEP, Expressions, mp
 

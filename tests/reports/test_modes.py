@@ -13,7 +13,7 @@ from lagc.mechanics.formulation.contacts import MODE_STICKS, hold_contacts
 from lagc.mechanics.identities.samples import Chance, samples
 from lagc.reports.equations.modes import modes
 from lagc.reports.equations.write import write
-from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.walk import evaluate
 from tests.reports.models import derived, equations_of
 
 BALL = """model Ball

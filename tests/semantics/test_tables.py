@@ -17,9 +17,9 @@ from lagc.diagnostics.faults import Refused
 from lagc.reports.equations.write import write
 from lagc.semantics.names.namespace import columns
 from lagc.symbolic.derivative import tangent
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph
 from lagc.symbolic.interpolants import interpolant
+from lagc.symbolic.walk import evaluate
 from tests.codegen.tools import bits
 
 KINDS = ("held", "linear", "cubic")

@@ -156,6 +156,11 @@ def test_whole_numbers_of_many_radians_are_asked_after(written: str, warned: lis
             "coordinate Angle a(rate = 2 [kHz]); body c = Particle(mass = 1, at = {0, a*1 [m], 0});",
             ["LAG0619"],
         ),
+        (
+            "coordinate Angle a; body c = Particle(mass = 1, at = {0, a*1 [m], 0});"
+            " scene s start der(a) = 1 [Hz]; end s;",
+            ["LAG0619"],
+        ),
         ("Gravity field(g = -9.81);", ["LAG0434"]),
         ("Gravity field(g = -9.81 [m/s2], direction = {0, 0, -1});", ["LAG0434"]),
         ("effect e Gravity field(g = -9.81 [m/s2]); end e; scene s uses e;", ["LAG0434"]),

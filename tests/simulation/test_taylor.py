@@ -17,7 +17,7 @@ import pytest
 
 import lagc
 from lagc.cli.main import main
-from lagc.codegen.kernel_compiler.linker import methods_of
+from lagc.codegen.sizes import methods_of
 from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Refused, Source
 from lagc.kernels import METHODS

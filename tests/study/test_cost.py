@@ -17,7 +17,7 @@ from lagc.diagnostics.faults import Refused
 from lagc.kernels import METHODS
 from lagc.kernels.integrators.tableaus import adapts
 from lagc.simulation.backends.compile import CannotCompile
-from tests.simulation.test_generated import needs_compiler
+from tests.simulation.programs import needs_compiler
 
 np = pytest.importorskip("numpy")
 

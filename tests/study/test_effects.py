@@ -12,7 +12,7 @@ import pytest
 import lagc
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
-from tests.simulation.test_generated import needs_compiler
+from tests.simulation.programs import needs_compiler
 
 np = pytest.importorskip("numpy")
 

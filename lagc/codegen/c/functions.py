@@ -13,7 +13,7 @@ from lagc.codegen.loop_segments import in_parts
 from lagc.codegen.loops import Forms, Running, loops
 from lagc.codegen.statements import AND, OR, Dialect, lines
 from lagc.codegen.tables import NONE, Numbers, c_look_up
-from lagc.lowering.loops.loop_rolling import moves_itself
+from lagc.lowering.loop_rolling import moves_itself
 from lagc.lowering.program import Function, Program, Run, uses
 from lagc.symbolic.operators import spelling
 

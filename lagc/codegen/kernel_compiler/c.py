@@ -61,8 +61,8 @@ class CPrinter:
             return f"{self.ctype(kind)}(*{name})[{self.size(kind[2])}]"
         return ("" if written else "const ") + self.ctype(kind) + "*" + name
 
-    def head(self, types: Types, written: Sequence[bool]) -> str:
-        parts = [self.argument(k, n, w) for (n, k), w in zip(types.parameters.items(), written)]
+    def head(self, types: Types) -> str:
+        parts = [self.argument(k, n, w) for (n, k), w in zip(types.parameters.items(), types.writes)]
         if types.returns == PAIR:
             parts.append(f"{self.real.name} *pair_")
         static = "" if types.function.public else "static "
@@ -70,7 +70,7 @@ class CPrinter:
 
     # -- functions --
 
-    def function(self, types: Types, written: Sequence[bool]) -> str:
+    def function(self, types: Types) -> str:
         self.now, self.places = types, places(types.body)
         lines = [f"    {self.local(name)};" for name in types.locals if self.places[name] is None]
         unused = [n for n in types.parameters if n not in types.read]
@@ -79,7 +79,7 @@ class CPrinter:
         lead = "" if types.function.public else "".join(f"/* {line} */\n" for line in types.function.lead)
         doc = "" if types.function.public else block_comment(self.spelled(types.function.doc))
         body = "\n".join(folded(line) for line in lines)
-        return f"{lead}{doc}{self.head(types, written)}\n{{\n{body}\n}}\n"
+        return f"{lead}{doc}{self.head(types)}\n{{\n{body}\n}}\n"
 
     def spelled(self, text: str) -> str:
         """Write members of records in comments as in C: w->rank."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.codegen.heading import status_texts
+from lagc.codegen.kernel_compiler.library import library
 from lagc.lowering.program import Interface, Program, tables
 
 _ALWAYS = '''\
@@ -309,7 +310,7 @@ def public_functions(program: Program, complete: bool) -> list[str]:
 def _outputs(program: Program) -> str:
     shared = "outputs" in program.functions and "e" in program.functions["outputs"].inputs
     found = _OUTPUTS.replace("@ENERGIES@", _ENERGIES_FIRST if shared else "")
-    found = found.replace("@C@", "model.work.contact_forces, " if program.interface.contacts else "")
+    found = found.replace("@C@", "model.work.contacts.forces, " if program.interface.contacts else "")
     return found.replace("@E@", "e, " if shared else "")
 
 
@@ -334,4 +335,4 @@ def _by_groups(patterns: Mapping[str, Sequence[tuple[int, int]]]) -> str:
 
 
 def _statuses(interface: Interface) -> str:
-    return "".join(["(\n", *(f"    {text!r},\n" for text in status_texts(interface)), ")"])
+    return "".join(["(\n", *(f"    {text!r},\n" for text in status_texts(library("python"), interface)), ")"])

@@ -32,6 +32,7 @@ def row_of_all(law: ContactLaw, a: ImpactWork, i: int, k: int) -> int:
 def select_hits(law: ContactLaw, a: ImpactWork) -> bool:
     """List the contacts that approach, and two-sided ones, as those of the round, with their part of W.
     Return whether any approaches."""
+    hits = a.hits
     # A two-sided contact may take part by its friction in whatever impact there is.
     n = 0
     rows = 0
@@ -43,75 +44,78 @@ def select_hits(law: ContactLaw, a: ImpactWork) -> bool:
             found = True
         if approaches or law.two_sided[i] > 0:
             a.contact[n] = i
-            a.hits.first[n] = rows
-            a.hits.slips[n] = law.slips[i]
-            a.hits.two_sided[n] = law.two_sided[i]
-            a.hits.unit[n] = law.unit[i]
-            a.hits.sign[n] = 1
-            a.hits.mu[n] = law.friction[i]
-            a.hits.slides[n] = 0
-            a.hits.least[n] = 0.0
-            a.hits.mode[n] = -1
+            hits.first[n] = rows
+            hits.slips[n] = law.slips[i]
+            hits.two_sided[n] = law.two_sided[i]
+            hits.unit[n] = law.unit[i]
+            hits.sign[n] = 1
+            hits.mu[n] = law.friction[i]
+            hits.slides[n] = 0
+            hits.least[n] = 0.0
+            hits.mode[n] = -1
             n += 1
             rows += law.slips[i] + 1
-    a.hits.count = n
-    a.hits.rows = rows
+    hits.count = n
+    hits.rows = rows
     # Their part of W: others take no part, whatever these impulses make of their velocities.
     for i in range(n):
-        for k in range(a.hits.slips[i] + 1):
+        for k in range(hits.slips[i] + 1):
             from_row = row_of_all(law, a, i, k) * law.rows
-            to_row = (a.hits.first[i] + k) * rows
+            to_row = (hits.first[i] + k) * rows
             for j in range(n):
-                for m in range(a.hits.slips[j] + 1):
-                    a.hits.W[to_row + a.hits.first[j] + m] = law.W[from_row + row_of_all(law, a, j, m)]
+                for m in range(hits.slips[j] + 1):
+                    hits.W[to_row + hits.first[j] + m] = law.W[from_row + row_of_all(law, a, j, m)]
     return found
 
 
 def give_impulses(law: ContactLaw, a: ImpactWork) -> None:
     """Add the impulses of the round to law.p, change all velocities law.u by them, and count their terms."""
-    for i in range(a.hits.count):
-        for k in range(a.hits.slips[i] + 1):
+    hits = a.hits
+    for i in range(hits.count):
+        for k in range(hits.slips[i] + 1):
             column = row_of_all(law, a, i, k)
-            impulse = a.hits.p[a.hits.first[i] + k]
+            impulse = hits.p[hits.first[i] + k]
             law.p[column] += impulse
             for j in range(law.rows):
                 law.u[j] += law.W[j * law.rows + column] * impulse
     for j in range(law.rows):
         size = fabs(law.u[j])
-        for i in range(a.hits.count):
-            for k in range(a.hits.slips[i] + 1):
+        for i in range(hits.count):
+            for k in range(hits.slips[i] + 1):
                 entry = law.W[j * law.rows + row_of_all(law, a, i, k)]
-                size += fabs(entry * a.hits.p[a.hits.first[i] + k])
+                size += fabs(entry * hits.p[hits.first[i] + k])
         if size > a.terms[j]:
             a.terms[j] = size
 
 
 def solve_impulses(law: ContactLaw, a: ImpactWork, restitution: bool) -> int:
     """Solve the law of the round for velocities after. With `restitution`, those of Newton's law."""
-    for i in range(a.hits.count):
-        for k in range(a.hits.slips[i] + 1):
-            row = a.hits.first[i] + k
-            a.hits.b[row] = law.u[row_of_all(law, a, i, k)]
-            a.hits.terms[row] = a.terms[row_of_all(law, a, i, k)]
-        if restitution and a.hits.two_sided[i] == 0:
-            a.hits.b[a.hits.first[i]] *= 1.0 + a.restitution[a.contact[i]]
+    hits = a.hits
+    for i in range(hits.count):
+        for k in range(hits.slips[i] + 1):
+            row = hits.first[i] + k
+            hits.b[row] = law.u[row_of_all(law, a, i, k)]
+            hits.terms[row] = a.terms[row_of_all(law, a, i, k)]
+        if restitution and hits.two_sided[i] == 0:
+            hits.b[hits.first[i]] *= 1.0 + a.restitution[a.contact[i]]
     set_law_scales(a.hits)
     return search_modes(a.hits)
 
 
 def strike_twice(law: ContactLaw, a: ImpactWork) -> int:
     """Solve a round by Poisson's law, compression and then expansion. Return the result of the law."""
+    hits = a.hits
     found = solve_impulses(law, a, False)
     if found > LAW_FOUND:
         return found
     give_impulses(law, a)
     expands = False
-    for i in range(a.hits.count):
-        if a.hits.two_sided[i] == 0:
-            a.hits.least[i] = a.restitution[a.contact[i]] * a.hits.p[a.hits.first[i]]
-            if a.hits.least[i] > 0.0:
+    for i in range(hits.count):
+        if hits.two_sided[i] == 0:
+            hits.least[i] = a.restitution[a.contact[i]] * hits.p[hits.first[i]]
+            if hits.least[i] > 0.0:
                 expands = True
-            a.hits.mode[i] = -1
+            hits.mode[i] = -1
     if expands:
         found = solve_impulses(law, a, False)
         if found <= LAW_FOUND:

@@ -78,6 +78,7 @@ class NSPACE(metaclass=SizeType): ...  # contacts with two slip rows
 class NTWO(metaclass=SizeType): ...  # two-sided contacts: joints and constraints with friction
 class NNORMAL(metaclass=SizeType): ...  # components of their normal forces
 class NPOISSON(metaclass=SizeType): ...  # contacts with Poisson's law of impact
+class NSAMPLED(metaclass=SizeType): ...  # relations whose indicators are sampled
 class NBESIDE(metaclass=SizeType): ...  # NCROW - 1: rows of contacts beside one
 class NPLAIN(metaclass=SizeType): ...  # relations that are no contacts
 class NCROW(metaclass=SizeType): ...  # NCON + NSLIP: their rows

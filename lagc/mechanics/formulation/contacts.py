@@ -38,10 +38,9 @@ from lagc.semantics.model import Action, Constraint, Contact, Force, Model, Torq
 from lagc.semantics.units import S, over, si_text
 from lagc.semantics.units import unit as unit_of
 from lagc.symbolic.derivative import tangent
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector, add, cross, dot, norm, scale, sub
-from lagc.symbolic.walk import substitute, symbols
+from lagc.symbolic.walk import evaluate, substitute, symbols
 from lagc.syntax.tree import Name
 
 Gradient = Mapping[int, Node]

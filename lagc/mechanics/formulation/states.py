@@ -17,11 +17,10 @@ from lagc.mechanics.formulation.equations import StartValue, StatedRate
 from lagc.mechanics.identities.samples import samples
 from lagc.semantics.model import UNSTATED, Coordinate, Model, Orientation, Speed, Statement
 from lagc.symbolic.derivative import gradient, seeds
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.operators import Interval
 from lagc.symbolic.vectors import axis_rates
-from lagc.symbolic.walk import depends, substitute
+from lagc.symbolic.walk import depends, evaluate, substitute
 
 _LARGEST_CRAMER = 4
 _SMALL = 1e-9  # relative; a pivot that cancels is about 1e-16, one that does not about 1

@@ -16,9 +16,8 @@ from lagc.mechanics.identities.linear_algebra import Span, dimension, least_norm
 from lagc.mechanics.identities.samples import VANISHES, Chance, magnitudes, samples, unit_sizes
 from lagc.semantics.model import UNSTATED
 from lagc.symbolic.derivative import gradient
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
-from lagc.symbolic.walk import reachable
+from lagc.symbolic.walk import evaluate, reachable
 
 _ITERATIONS = 40
 _CONVERGED = 1e-12

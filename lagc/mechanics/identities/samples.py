@@ -18,10 +18,9 @@ from random import Random
 
 from lagc.base.records import dataclass
 from lagc.semantics.model import Coordinate, Model, Parameter
-from lagc.symbolic.evaluate import evaluate, value_of
 from lagc.symbolic.graph import Node
 from lagc.symbolic.operators import FLAT, LOGIC, STEP, smooth_as
-from lagc.symbolic.walk import reachable
+from lagc.symbolic.walk import evaluate, reachable, value_of
 
 _TRIES = 8  # states tried for every one wanted, where expressions leave their domain
 

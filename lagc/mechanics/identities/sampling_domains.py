@@ -24,10 +24,9 @@ from lagc.mechanics.identities.linear_algebra import Span, solve
 from lagc.mechanics.identities.samples import VANISHES, magnitudes, samples
 from lagc.mechanics.identities.zero_test import Ground, State, Truths, defaults, spelt_out
 from lagc.symbolic.derivative import gradient, tangent
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.finite_field import RIGHT, P, Point, Undefined, is_square, power, solve_exactly
 from lagc.symbolic.graph import Node
-from lagc.symbolic.walk import reachable, symbols
+from lagc.symbolic.walk import evaluate, reachable, symbols
 
 Number = TypeVar("Number", int, float)
 

@@ -22,11 +22,10 @@ from typing import TypeAlias
 from lagc.base.records import dataclass
 from lagc.mechanics.identities.samples import magnitudes
 from lagc.semantics.model import Model
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.finite_field import WRITTEN, P, Point, Undefined, has_root
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.operators import COMPARISONS, OPERATORS
-from lagc.symbolic.walk import reachable, substitute, symbols
+from lagc.symbolic.walk import evaluate, reachable, substitute, symbols
 
 Signs = dict[Node, int]  # difference of two sides -> 1 or -1, or 0: both are blended
 _SIDES = {op: row.sides for op, row in OPERATORS.items() if row.sides is not None}

@@ -12,9 +12,8 @@ from random import Random
 from lagc.diagnostics.faults import Fault
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.semantics.model import UNSTATED, Model, Orientation, Potential
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.vectors import dot
-from lagc.symbolic.walk import substitute, symbols
+from lagc.symbolic.walk import evaluate, substitute, symbols
 
 _POSES = 5
 _SAME = 0.01  # of the weight: 9.81 and 9.80665 m/s2 are meant alike

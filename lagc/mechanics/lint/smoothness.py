@@ -23,11 +23,10 @@ from lagc.mechanics.identities.samples import magnitudes
 from lagc.semantics.model import Lagrangian, Potential, When
 from lagc.symbolic.derivative import gradient
 from lagc.symbolic.enclosures import extended, intervals
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.expression_text import brief
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.operators import CORNER, LOGIC, STEP, Interval, smooth_as
-from lagc.symbolic.walk import depends, reachable, symbols
+from lagc.symbolic.walk import depends, evaluate, reachable, symbols
 
 State: TypeAlias = Mapping[Node, float]
 

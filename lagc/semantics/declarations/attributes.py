@@ -40,7 +40,7 @@ def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[
     # Attributes from outside come first: the outermost modifier wins.
     own = [Modifier(a, entry.environment) for a in source.arguments]
     outer = [Modifier(a, m.environment, m.index) for m in entry.modifiers for a in m.argument.arguments]
-    found: dict[str, Modifier] = {}
+    attributes: dict[str, Modifier] = {}
     first: dict[str | None, Span] = {}
     for modifier in own:
         argument = modifier.argument
@@ -67,8 +67,8 @@ def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[
         elif argument.value is None or argument.arguments:
             context.report(Wrong("LAG0210", f"`{argument.name}` needs a value", argument.span))
         else:
-            found.setdefault(argument.name, modifier)
-    return found
+            attributes.setdefault(argument.name, modifier)
+    return attributes
 
 
 def _unit_remedy(entry: Entry, argument: tree.Argument) -> str | None:

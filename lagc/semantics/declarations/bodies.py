@@ -254,7 +254,7 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
     if source.value is not None:
         remedy = f"write `Gravity {entry.name}(g = {source.value.span.text});`"
         raise Wrong("LAG0209", f"`{entry.name}` takes its data in parentheses", source.value.span, remedy)
-    strength, given = match(context, call, ("g", "direction"), 0, "`Gravity`")
+    strength, written_direction = match(context, call, ("g", "direction"), 0, "`Gravity`")
     if entry.modifiers:
         raise Wrong(
             "LAG0209", f"`{entry.name}` cannot be changed from outside", entry.modifiers[0].argument.span
@@ -265,14 +265,14 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
     graph = context.graph
     # The direction is that of a weight; by default it points down.
     direction: Vector = (graph.zero, graph.zero, graph.const(-1.0))
-    if given is not None:
-        written = evaluate(context, given, entry.environment)
+    if written_direction is not None:
+        written = evaluate(context, written_direction, entry.environment)
         if isinstance(written, Text) and written.text[-1:] in ("x", "y", "z"):
             remedy = f"for gravity along the negative axis write `direction = -world.{written.text[-1]}`"
             message = "a direction must be a vector {x, y, z}; this is a text"
-            raise Wrong("LAG0306", message, given.span, remedy)
-        vector = vector_in(NONE, written, given.span, "a direction")
-        direction = unit_vector(context, vector, given.span)
+            raise Wrong("LAG0306", message, written_direction.span, remedy)
+        vector = vector_in(NONE, written, written_direction.span, "a direction")
+        direction = unit_vector(context, vector, written_direction.span)
     if strength is not None and direction == (graph.zero, graph.zero, graph.const(-1.0)):
         _look_at_sign(context, entry, strength)
     # V = -sum of m g d . r over the bodies of this instance and of those in it.

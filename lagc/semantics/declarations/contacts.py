@@ -70,12 +70,12 @@ def declare_contact(context: Context, entry: Entry) -> Value:
         restitution = context.graph.zero
         if "restitution" in written:
             restitution = _number(context, entry.environment, "restitution", written["restitution"], 1.0)
-        entry.objects.append(
-            objects.Contact(
-                entry.path, label, gap, si_text(found or NONE), symbol, restitution, entry.span, entry.effect,
-                *_friction(context, entry, written, found), _is_poisson(written), bounds_rate=bounds_rate,
-            )
+        unit, rough = si_text(found or NONE), _friction(context, entry, written, found)
+        contact = objects.Contact(
+            entry.path, label, gap, unit, symbol, restitution, entry.span, entry.effect, *rough,
+            _is_poisson(written), bounds_rate=bounds_rate,
         )  # fmt: skip
+        entry.objects.append(contact)
     return Reference(entry)
 
 
@@ -102,12 +102,12 @@ def declare_rough(context: Context, entry: Entry) -> Value:
     symbol = context.graph.symbol("discrete", entry.path)
     context.clock.set_rate(symbol, context.graph.zero)
     normal = context.graph.symbol("multiplier", entry.path)
-    entry.objects.append(
-        objects.Contact(
-            entry.path, entry.path, row.residuals[0], row.units[0], symbol, context.graph.zero, entry.span,
-            entry.effect, slip, friction, static, normals=(normal,),
-        )
-    )  # fmt: skip
+    path, gap, zero = entry.path, row.residuals[0], context.graph.zero
+    where, unit = (entry.span, entry.effect), row.units[0]
+    contact = objects.Contact(
+        path, path, gap, unit, symbol, zero, *where, slip, friction, static, normals=(normal,)
+    )
+    entry.objects.append(contact)
     return value
 
 
@@ -203,21 +203,21 @@ def _slip(
     else:
         value = _velocity_at(context, entry, written)
     if isinstance(value, Array):
-        nodes, own = numbers_of(value, span, "the slip")
+        nodes, dimension = numbers_of(value, span, "the slip")
     else:
         scalar = scalar_of(value, span, "the slip")
-        nodes, own = (scalar.node,), scalar.dimension
+        nodes, dimension = (scalar.node,), scalar.dimension
     if len(nodes) > 3:
         raise Wrong("LAG0235", f"the slip has {len(nodes)} components", span, _SLIPS)
     if len(nodes) == 3:
         meant = SPEED  # the push is then taken along the normal of the surface, whatever the gap measures
-    if own == times(meant, SECOND):
+    if dimension == times(meant, SECOND):
         parts = source.elements if isinstance(source, tree.Vector) else (source,)
         rates = ", ".join([f"der({part.span.text})" for part in parts])
         remedy = f"write its rate: `slip = {{{rates}}}`" if len(parts) > 1 else f"write `slip = {rates}`"
         message = f"the slip is a position; it must be {describe(meant)}"
         raise Wrong("LAG0302", message, span, remedy)
-    expect_of(source, own, meant, "the slip", describe(meant))
+    expect_of(source, dimension, meant, "the slip", describe(meant))
     constant = [k for k, node in enumerate(nodes) if not context.clock.mask(node) & VELOCITY]
     for k, node in enumerate(nodes):
         refuse_late(context, node, span, "the slip")
@@ -274,7 +274,7 @@ def _check(
 
 def _arguments(source: tree.Constraint, known: tuple[str, ...], what: str) -> dict[str, tree.Expression]:
     """Return the arguments of a contact by name."""
-    found: dict[str, tree.Expression] = {}
+    by_name: dict[str, tree.Expression] = {}
     for argument in source.arguments:
         name, span = argument.name, argument.name_span or argument.span
         if name not in known:
@@ -284,12 +284,12 @@ def _arguments(source: tree.Constraint, known: tuple[str, ...], what: str) -> di
             elif name in _BY:
                 remedy = "write `=`: an actuator holds what is equal"
             raise Wrong("LAG0209", f"{what} has no `{name or argument.span.text}`", span, remedy)
-        if name in found:
+        if name in by_name:
             raise Wrong("LAG0209", f"`{name}` is given twice", span)
         if argument.value is None or argument.arguments:
             raise Wrong("LAG0210", f"`{name}` needs a value", argument.span)
-        found[name] = argument.value
-    return found
+        by_name[name] = argument.value
+    return by_name
 
 
 def _number(

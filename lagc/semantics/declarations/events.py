@@ -86,25 +86,25 @@ def _starts(context: Context, quantity: Quantity, boolean: bool) -> list[Node]:
     entry = quantity.entry
     what, modifier = f"the start of `{entry.path}`", quantity.attributes.get("start")
     whole = context.give(context.starts, entry.path)
-    found: list[Node | None] = [None] * len(quantity.subscripts)
+    values: list[Node | None] = [None] * len(quantity.subscripts)
     if modifier is not None and boolean:
         expression = modifier.argument.value
         assert expression is not None
         value = own_part(evaluate(context, expression, modifier.environment), modifier, quantity.sizes, what)
-        found = [_number(context, value, expression, what)] * len(found)
+        values = [_number(context, value, expression, what)] * len(values)
     elif modifier is not None:
         scalars = elements(context, modifier, quantity.sizes, quantity.type.dimension, what)
-        found = [scalar.node for scalar in scalars]
+        values = [scalar.node for scalar in scalars]
     if whole is not None and quantity.sizes and not boolean:
         outside = given_elements(context, whole, quantity.sizes, quantity.type.dimension, what)
-        found = [scalar.node for scalar in outside]
+        values = [scalar.node for scalar in outside]
     for k, subscript in enumerate(quantity.subscripts):
         given = whole if not quantity.sizes else context.give(context.starts, quantity.name(subscript))
         if given is not None:
-            found[k] = _given_number(context, given, quantity, boolean, what)
+            values[k] = _given_number(context, given, quantity, boolean, what)
     span = modifier.argument.span if modifier else entry.span
-    starts = [node for node in found if node is not None]
-    if len(starts) < len(found):
+    starts = [node for node in values if node is not None]
+    if len(starts) < len(values):
         example = "false" if boolean else "0"
         line = f"discrete {quantity.type.name} {entry.name}(start = {example});"
         raise Wrong("LAG0210", f"the discrete variable `{entry.path}` has no start", span, f"write `{line}`")

@@ -154,7 +154,7 @@ def _constant(context: Context, quantity: Quantity) -> Value:
     """Declare constants and structural integers, whose values are known at compile time."""
     entry = quantity.entry
     bounds = bounds_of(context, quantity)
-    found: list[Scalar] = []
+    values: list[Scalar] = []
     for subscript, scalar in zip(quantity.subscripts, values_of(context, quantity)):
         name = quantity.name(subscript)
         span = value_span(context, quantity, subscript)
@@ -170,14 +170,14 @@ def _constant(context: Context, quantity: Quantity) -> Value:
             whole(number, span, f"the structural parameter `{name}`")
             check_bounds(quantity, name, number, bounds, span, "")
             context.built_in.append(name)
-        found.append(scalar)
-    return array_of(found, quantity.sizes)
+        values.append(scalar)
+    return array_of(values, quantity.sizes)
 
 
 def _parameter(context: Context, quantity: Quantity) -> Value:
     entry = quantity.entry
     bounds = bounds_of(context, quantity)
-    found: list[Scalar] = []
+    values: list[Scalar] = []
     for subscript, scalar in zip(quantity.subscripts, values_of(context, quantity)):
         name = quantity.name(subscript)
         span = value_span(context, quantity, subscript)
@@ -190,7 +190,7 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
                     entry.objects.append(
                         objects.Limit(name, scalar.node, quantity.type.unit, *bounds, entry.span)
                     )
-                found.append(Scalar(scalar.node, quantity.type.dimension))
+                values.append(Scalar(scalar.node, quantity.type.dimension))
                 continue
             value = scalar.node.value
             assert value is not None
@@ -204,28 +204,28 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
             name, symbol, *quantity.units, value, *bounds, *quantity.about, is_integer
         )
         entry.objects.append(parameter)
-        found.append(Scalar(symbol, quantity.type.dimension))
-    return array_of(found, quantity.sizes)
+        values.append(Scalar(symbol, quantity.type.dimension))
+    return array_of(values, quantity.sizes)
 
 
 def _input(context: Context, quantity: Quantity) -> Value:
     entry = quantity.entry
     bounds = bounds_of(context, quantity)
-    found: list[Scalar] = []
+    values: list[Scalar] = []
     for subscript, scalar in zip(quantity.subscripts, values_of(context, quantity)):
         name, unit = quantity.name(subscript), quantity.type.unit
         if scalar is not None and not scalar.node.is_const:
             output = _output_of_input(context, quantity, name, scalar.node)
             if name in context.taken or entry.path in context.taken or not entry.modifiers:
                 entry.objects.append(output)  # else it is an expression of the model that contains this one
-            found.append(Scalar(scalar.node, quantity.type.dimension))
+            values.append(Scalar(scalar.node, quantity.type.dimension))
             continue
         default = 0.0 if scalar is None else scalar.node.value
         check_bounds(quantity, name, default, bounds, value_span(context, quantity, subscript), unit)
         symbol = context.graph.symbol("input", name)
         entry.objects.append(objects.Input(name, symbol, unit, default, *bounds, *quantity.about))
-        found.append(Scalar(symbol, quantity.type.dimension))
-    return array_of(found, quantity.sizes)
+        values.append(Scalar(symbol, quantity.type.dimension))
+    return array_of(values, quantity.sizes)
 
 
 def _output_of_input(context: Context, quantity: Quantity, name: str, node: Node) -> objects.Output:
@@ -252,22 +252,22 @@ def starts(
     what = f"the {attribute} of `{quantity.entry.path}`"
     stated = [statement_of(quantity.entry, modifier)] * count
     modifier = guess or modifier
-    found = (
+    values = (
         [zero] * count if modifier is None else elements(context, modifier, quantity.sizes, dimension, what)
     )
     whole = context.give(context.starts, name(()))
     if whole is not None and quantity.sizes:
-        found = list(given_elements(context, whole, quantity.sizes, dimension, what))
+        values = list(given_elements(context, whole, quantity.sizes, dimension, what))
         stated = [from_outside(quantity.entry, whole)] * count
     for k, subscript in enumerate(quantity.subscripts):
         given = whole if not quantity.sizes else context.give(context.starts, name(subscript))
         if given is not None:
-            found[k] = given_scalar(context, given, dimension, what)
+            values[k] = given_scalar(context, given, dimension, what)
             stated[k] = from_outside(quantity.entry, given)
-    for scalar in found:
+    for scalar in values:
         span = modifier.argument.span if modifier else quantity.entry.span
         check_constant(context, scalar.node, span, what)
-    return [scalar.node for scalar in found], stated
+    return [scalar.node for scalar in values], stated
 
 
 def _coordinate(context: Context, quantity: Quantity) -> Value:
@@ -282,7 +282,7 @@ def _coordinate(context: Context, quantity: Quantity) -> Value:
     start_stated, rate_stated = with_fixed(
         context, quantity.attributes, quantity.sizes, start_stated, rate_stated
     )
-    found: list[Scalar] = []
+    symbols: list[Scalar] = []
     for k, (subscript, start, rate) in enumerate(zip(quantity.subscripts, at_start, rates)):
         name = quantity.name(subscript)
         symbol = graph.symbol("coordinate", name)
@@ -290,13 +290,12 @@ def _coordinate(context: Context, quantity: Quantity) -> Value:
         context.clock.set_rate(symbol, speed)
         context.clock.set_rate(speed, graph.leaf(speed.record.derivative))
         stated = start_stated[k], rate_stated[k]
-        entry.objects.append(
-            objects.Coordinate(
-                name, symbol, speed, *quantity.units, start, rate, *stated, *quantity.about, entry.effect
-            )
+        coordinate = objects.Coordinate(
+            name, symbol, speed, *quantity.units, start, rate, *stated, *quantity.about, entry.effect
         )
-        found.append(Scalar(symbol, dimension))
-    return array_of(found, quantity.sizes)
+        entry.objects.append(coordinate)
+        symbols.append(Scalar(symbol, dimension))
+    return array_of(symbols, quantity.sizes)
 
 
 def _speed(context: Context, quantity: Quantity) -> Value:
@@ -310,7 +309,7 @@ def _speed(context: Context, quantity: Quantity) -> Value:
     at_start, stated = starts(context, quantity, "start", quantity.type.dimension, quantity.name)
     holds = fixed_flags(context, quantity.attributes, "fixed", quantity.sizes, len(values))
     keep_scale(context, quantity, map(quantity.name, quantity.subscripts))
-    found: list[Scalar] = []
+    symbols: list[Scalar] = []
     for k, (subscript, scalar) in enumerate(zip(quantity.subscripts, values)):
         if context.clock.mask(scalar.node) & LATE:
             message = "a speed must not depend on an acceleration or a reaction"
@@ -323,8 +322,8 @@ def _speed(context: Context, quantity: Quantity) -> Value:
         entry.objects.append(
             objects.Speed(name, symbol, scalar.node, quantity.type.unit, *quantity.about, *initial)
         )
-        found.append(Scalar(symbol, quantity.type.dimension))
-    return array_of(found, quantity.sizes)
+        symbols.append(Scalar(symbol, quantity.type.dimension))
+    return array_of(symbols, quantity.sizes)
 
 
 def _output(context: Context, quantity: Quantity) -> Value:
@@ -403,7 +402,7 @@ def _numbers(
     """Return the initial value of each of `names`, and its statement.  Raises Wrong."""
     what = f"the {attribute} of `{entry.path}`"
     modifier = attributes.get(attribute)
-    found, stated = list(default), [statement_of(entry, modifier)] * len(default)
+    components, stated = list(default), [statement_of(entry, modifier)] * len(default)
     modifier = guess_instead(attributes, attribute) or modifier
     # The scene or the command may give all components at once,
     whole = context.give(context.starts, entry.path if attribute == "start" else f"{entry.path}.rate")
@@ -421,14 +420,14 @@ def _numbers(
         for scalar in scalars:
             expect(scalar.dimension, dimension, expression.span, what)
             check_constant(context, scalar.node, expression.span, what)
-        found = [scalar.node for scalar in scalars]
+        components = [scalar.node for scalar in scalars]
     # or single ones by name, which go first.
     for k, name in enumerate(names):
         one = context.give(context.starts, name)
         if one is not None:
-            found[k] = given_scalar(context, one, dimension, f"the start of `{name}`").node
+            components[k] = given_scalar(context, one, dimension, f"the start of `{name}`").node
             stated[k] = from_outside(entry, one)
-    return found, stated
+    return components, stated
 
 
 def _unit(context: Context, entry: Entry, start: list[Node]) -> tuple[Node, Node, Node, Node]:

@@ -368,13 +368,13 @@ def coordinates_of(joint: Entry, instance: Instance) -> list[Entry]:
     assert isinstance(source, tree.Construct)
     _, kind = kind_of(source)
     assert isinstance(source.value, tree.Call)
-    given: dict[str, tuple[tree.Argument, ...]] = {}
+    attributes: dict[str, tuple[tree.Argument, ...]] = {}
     for argument in source.value.arguments:
         found = attributes_in(argument, kind)
         if found is not None:
-            if found[0] in given:
+            if found[0] in attributes:
                 raise Wrong("LAG0209", f"`{found[0]}` is given twice", argument.span)
-            given[found[0]] = found[1]
+            attributes[found[0]] = found[1]
     inner = Instance(f"{joint.path}.", instance.declaration, instance, instance.depth + 1)
     span, environment = source.name_span, joint.environment
     for name, type_name in kind.coordinates.items():
@@ -385,7 +385,7 @@ def coordinates_of(joint: Entry, instance: Instance) -> list[Entry]:
         place = Environment(inner, environment.space, environment.bindings)
         entry = Entry("coordinate", name, declaration, declarator, place, joint.effect)
         entry.modifiers = [
-            Modifier(tree.Argument(name, span, None, span, False, given.get(name, ())), environment)
+            Modifier(tree.Argument(name, span, None, span, False, attributes.get(name, ())), environment)
         ]
         inner.entries[name] = entry
     return list(inner.entries.values())

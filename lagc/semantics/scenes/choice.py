@@ -94,23 +94,23 @@ def scenes_of(
     if id(model) in seen:
         return {}
     seen.add(id(model))
-    found: dict[str, tree.Scene] = {}
+    scenes: dict[str, tree.Scene] = {}
     inner = context.importer.inside(model, space)
     for declaration in model.body:
         if isinstance(declaration, tree.Scene):
-            if declaration.name in found:
+            if declaration.name in scenes:
                 message = f"the scene `{declaration.name}` is declared twice"
-                related = ((found[declaration.name].name_span, "first here"),)
+                related = ((scenes[declaration.name].name_span, "first here"),)
                 context.report(Wrong("LAG0202", message, declaration.name_span, related=related))
                 continue
-            found[declaration.name] = declaration
+            scenes[declaration.name] = declaration
     for declaration in model.body:
         if isinstance(declaration, tree.Extends) and depth < DEEPEST:
             base, where = inner.find(declaration.path, declaration.path_span, "model")
             if isinstance(base, tree.ModelDeclaration):
                 for name, scene in scenes_of(context, base, where, depth + 1, seen).items():
-                    found.setdefault(name, scene)
-    return found
+                    scenes.setdefault(name, scene)
+    return scenes
 
 
 def choose_scene(

@@ -222,7 +222,7 @@ def match(
 ) -> list[tree.Expression | None]:
     """Return the arguments of a call in the order of the parameters; None for one that is left out. A last
     parameter `*` takes all further arguments.  Raises Poisoned after all faults are reported."""
-    found: dict[str, tree.Expression] = {}
+    by_name: dict[str, tree.Expression] = {}
     many: list[tree.Expression | None] = []
     wrong: list[Wrong] = []
     # All faults of the arguments are collected: too many, unknown or repeated names,
@@ -238,7 +238,7 @@ def match(
             continue
         try:
             name = _parameter(argument, position, parameters, who)
-            if name in found:
+            if name in by_name:
                 raise Wrong("LAG0209", f"the argument `{name}` is given twice", argument.span)
         except Wrong as one:
             wrong.append(one)
@@ -247,10 +247,10 @@ def match(
         if name == "*":
             many.append(argument.value)
         else:
-            found[name] = argument.value
+            by_name[name] = argument.value
     # and what is missing, unless a wrong name may be the missing one.
-    missing = [p for p in parameters[:required] if p not in found and p != "*"]
-    if not wrong and (missing or required > len(found) + len(many)):
+    missing = [p for p in parameters[:required] if p not in by_name and p != "*"]
+    if not wrong and (missing or required > len(by_name) + len(many)):
         lacking = missing[0] if missing else "another"
         listed = ", ".join("..." if p == "*" else p for p in parameters)
         remedy = f"the arguments are ({listed})" if len(parameters) > 1 else None
@@ -259,7 +259,7 @@ def match(
         context.report(fault)
     if wrong:
         raise Poisoned
-    ordered = [found.get(p) for p in parameters if p != "*"]
+    ordered = [by_name.get(p) for p in parameters if p != "*"]
     return [*ordered, *many]
 
 

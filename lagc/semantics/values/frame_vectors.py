@@ -154,7 +154,7 @@ def _sought(context: Context, axes: Matrix, vector: Vector, whole: Container[Nod
 
 def _moving_terms(context: Context, node: Node, whole: Container[Node], most: int) -> tuple[Terms, int]:
     """Return the terms of a sum, and the number of parts left of `most` (negative if exceeded)."""
-    graph, found = node.graph, Terms()
+    graph, terms = node.graph, Terms()
     stack = [(node, graph.one)]
     while stack and most >= 0:
         most -= 1
@@ -176,8 +176,8 @@ def _moving_terms(context: Context, node: Node, whole: Container[Node], most: in
                 factor = factor * graph.product([pair for pair in pairs if pair not in moving])
                 stack.append((graph.product(moving), factor))
                 continue
-        found[part] = found.get(part, graph.zero) + factor
-    return found, most
+        terms[part] = terms.get(part, graph.zero) + factor
+    return terms, most
 
 
 def _solve(rows: list[Row]) -> Vector | None:

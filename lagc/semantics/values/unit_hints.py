@@ -67,13 +67,13 @@ def expect_of(
 def _lone_factor(expression: tree.Expression) -> tree.Number | tree.Name | None:
     """Return the only number without a unit among the factors of a product, as in `9.81*m*x` (not `1/2*m`),
     or the only factor that the same file declares as `parameter Real`."""
-    found: list[tree.Number] = []
+    numbers: list[tree.Number] = []
     names: list[tree.Name] = []
     stack = [expression]
     while stack:
         top = stack.pop()
         if isinstance(top, tree.Number):
-            found.append(top)
+            numbers.append(top)
         elif isinstance(top, tree.Name) and re.search(
             rf"\bparameter\s+Real\s+{top.name}\b", top.span.source.text
         ):
@@ -86,8 +86,8 @@ def _lone_factor(expression: tree.Expression) -> tree.Number | tree.Name | None:
             stack += [top.left, top.right]
         elif isinstance(top, tree.Binary) and top.op == "/" and not is_bare(top):
             stack.append(top.left)
-    if len(found) == 1 and found[0] is not expression:
-        return found[0]
+    if len(numbers) == 1 and numbers[0] is not expression:
+        return numbers[0]
     return names[0] if len(names) == 1 else None
 
 
@@ -116,22 +116,32 @@ def whole_radians(file: tree.Tree) -> list[Fault]:
 
 def angular_hertz(file: tree.Tree) -> list[Fault]:
     """Return warnings for angular velocities, or rates of angles, in hertz."""
-    named = [_declarations_of(d.body) for d in _within(file.declarations) if isinstance(d, _NAMED)]
-    return [
-        fault
-        for own in (_declarations_of(file.declarations), *named)
-        for d in own
-        if isinstance(d, tree.Quantities) and d.type is not None
-        for name, value in _angular_velocities(d, d.type.path)
-        if (fault := _hertz(name, value))
-    ]
+    named = [[*_declarations_of(d.body)] for d in _within(file.declarations) if isinstance(d, _NAMED)]
+    found: list[Fault] = []
+    for own in ([*_declarations_of(file.declarations)], *named):
+        kinds = {
+            declarator.name: d.type.path
+            for d in own
+            if isinstance(d, tree.Quantities) and d.type is not None
+            for declarator in d.declarators
+        }
+        given = [each for d in own for each in _angular_velocities(d, kinds)]
+        found += [fault for name, value in given if (fault := _hertz(name, value))]
+    return found
 
 
 def _angular_velocities(
-    d: tree.Quantities, kind: tuple[str, ...]
+    d: tree.Declaration, kinds: Mapping[str, tuple[str, ...]]
 ) -> Iterator[tuple[str, tree.Expression | None]]:
-    """Yield the angular velocities that a declaration gives values to."""
-    for declarator in d.declarators:
+    """Yield the angular velocities that a declaration, or a line of a scene, gives values to."""
+    if isinstance(d, tree.Start):
+        target = d.target.span.text
+        angle = target.removeprefix("der(").removesuffix(")").strip()
+        rate = target.startswith("der(") and kinds.get(angle) == ("Angle",)
+        if rate or kinds.get(target) == ("AngularVelocity",):
+            yield target, d.value
+    for declarator in d.declarators if isinstance(d, tree.Quantities) else ():
+        kind = kinds.get(declarator.name)
         if kind == ("AngularVelocity",):
             yield declarator.name, declarator.value
             yield from ((declarator.name, a.value) for a in declarator.arguments if a.name == "start")

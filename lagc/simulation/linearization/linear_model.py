@@ -225,7 +225,7 @@ def linearize(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
 
 def _on_all_sides(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
     """The linear model at a state where modes may change, with notes on the other sides."""
-    from lagc.simulation.linearization.nonsmooth_points import branches, jumps
+    from lagc.simulation.linearization.derivatives import branches, jumps
 
     point, sizes = Point(system, t, x), size_of_states(system)
     own, others = branches(point, sizes)
@@ -241,7 +241,7 @@ def _on_all_sides(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
 
 def _branch_note(words: str, one: Linear, two: Linear) -> str:
     """A note on the entries that differ on the other side, or ""."""
-    from lagc.simulation.linearization.nonsmooth_points import differing
+    from lagc.simulation.linearization.derivatives import differing
 
     if one.indices != two.indices:
         return f"forces have a kink there, where {words}: on the other side the model has other states"

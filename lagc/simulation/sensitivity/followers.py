@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from lagc.codegen.kernel_compiler.linker import CONSTANT_SIZES
+from lagc.codegen.sizes import CONSTANT_SIZES
 from lagc.simulation.linearization.derivatives import Array
 from lagc.simulation.system import Options
 

@@ -18,6 +18,7 @@ _FUNCTIONS = {
     "lambda": re.compile(r"lambda\s+([\w\s,]*):\s*([^\n;]+)"),
 }
 _VECTORS = frozenset({"{", "velocity", "position", "acceleration", "cross", "momentum", "angular_velocity"})
+_ENERGIES = {"potential": "V", "kinetic": "T", "lagrangian": "L", "dissipation": "D"}
 FUNCTIONS = frozenset({
     "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "abs", "norm",
     "der", "velocity", "position",
@@ -76,6 +77,19 @@ def _assignment(w: Where) -> Special | None:
         return w.token, w.token, f"write `{left} = {right}`" if short else "write `x = x + 1`", None
     remedy = f"write `reinit({left}, {right});`" if short else "write `reinit(state, value);`"
     return w.token, w.token, remedy, None
+
+
+def step_by_one(w: Where) -> Explained | None:
+    """Explain `n++;` and `n--;`."""
+    sign = w.token.text
+    if sign not in ("+", "-") or w.before.kind != WORD:
+        return None
+    after = w.tokens[w.position + 1]
+    if after.text != sign or after.start != w.token.end:
+        return None
+    message = f"`{sign}{sign}` is not an operator of the language"
+    remedy = f"write `reinit({w.before.text}, {w.before.text} {sign} 1);`"
+    return Explained(Fault("LAG0117", message, w.span(w.token, after), remedy=remedy))
 
 
 def _remainder(w: Where) -> Special | None:
@@ -494,6 +508,41 @@ def size_before_name(w: Where) -> Explained | None:
     return explained("LAG0110", message, w.span(meant, w.token), remedy, Repair(w.begin + 2, 4, order))
 
 
+def multiplied(w: Where, begin: int, whole: bool) -> str:
+    """Return the product that begins with token `begin`, as `m g l (1 - cos a)`, with its signs and
+    parentheses; with `whole`, all up to the `;`."""
+    text, before, depth = "", w.tokens[begin], 0
+    for token in w.tokens[begin:]:
+        begins = token.kind in (WORD, NUMBER) or token.text == "("
+        ends = token.text == ";" or token.kind == END or (token.kind == WORD and token.text in w.keywords)
+        if ends or (token.text == ")" and not depth) or not (begins or depth or whole):
+            break
+        depth += _BRACKETS.get(token.text, 0)
+        apart = before is not token and begins and (before.kind in (WORD, NUMBER) or before.text == ")")
+        if apart and before.kind == WORD and before.text in FUNCTIONS:
+            text += token.text if token.text == "(" else f"({token.text})"
+        elif apart and (token.start > before.end or before.kind == NUMBER):
+            text += f"*{token.text}"
+        else:
+            text += w.source.text[before.end : token.start] + token.text if text else token.text
+        before = token
+    return text
+
+
+def energy_without_name(w: Where) -> Explained | None:
+    """Explain `potential m*g*z;`."""
+    name = _ENERGIES.get(w.first.text)
+    second, third = (w.tokens + [w.tokens[-1]] * 2)[w.begin + 1 : w.begin + 3]
+    called = third.kind != SYMBOL and second.text[:1].isupper()  # `potential V m*g*z;`
+    if second.kind == WORD and (third.text in ("=", "[", ";", ":=", "(") or called):
+        return None
+    if name is None or second.kind in (STRING, END) or second.text == "=" or second.text in w.keywords:
+        return None
+    remedy = f"write `{w.first.text} {name} = {multiplied(w, w.begin + 1, True)};`"
+    message = f"a name is missing after `{w.first.text}`"
+    return Explained(Fault("LAG0132", message, w.span(w.first), remedy=remedy))
+
+
 def missing_operator(w: Where) -> Explained | None:
     operand = w.token.kind in (WORD, NUMBER) or w.token.text in ("(", "{")
     if not operand or w.new_line() or not w.accepts("TIMES") or w.before.kind == STRING:
@@ -509,7 +558,10 @@ def missing_operator(w: Where) -> Explained | None:
         remedy = f"write `{w.before.text}(...)` in place of `{w.before.text}{{...}}`"
         return explained("LAG0114", "arguments stand in parentheses", w.span(w.token), remedy)
     message = f"an operator is missing between `{w.before.text}` and `{w.token.text}`"
-    remedy = f"to multiply write `{w.before.text}*{w.token.text}`"
+    product = multiplied(w, w.position - 1, False)
+    if "*" not in product or len(product) > _LONGEST:  # it begins with a bracket or a keyword, or is long
+        product = f"{w.before.text}*{w.token.text}"
+    remedy = f"to multiply write `{product}`"
     if w.before.text in FUNCTIONS and w.token.kind == WORD:
         remedy = f"write `{w.before.text}({w.token.text})`"
     return explained("LAG0130", message, w.span(w.before, w.token), remedy, w.insert("*"))
