@@ -18,6 +18,7 @@ from lagc.semantics.declarations.actions import (
     declare_frame,
     declare_free_term,
     declare_load,
+    declare_placeholder,
     declare_point,
     declare_potential,
 )
@@ -321,10 +322,6 @@ _KINDS: dict[str, type[Any]] = {  # fields of the model that hold objects of one
 }  # fmt: skip
 
 
-def _function(context: Context, entry: Entry) -> Value:
-    return Reference(entry)
-
-
 def _instance(context: Context, entry: Entry) -> Value:
     message = f"a size depends on `{entry.path}`, which is only created after the sizes are known"
     raise Wrong("LAG0205", message, entry.span)
@@ -334,12 +331,6 @@ def _without_kind(context: Context, entry: Entry) -> Value:
     from lagc.semantics.names.undeclared import refuse_without_kind  # where there is a fault
 
     return refuse_without_kind(context, entry)
-
-
-def _placeholder(context: Context, entry: Entry) -> Value:
-    from lagc.semantics.declarations.actions import declare_placeholder  # where there are some
-
-    return declare_placeholder(context, entry)
 
 
 def _joint(context: Context, entry: Entry) -> Value:
@@ -365,15 +356,13 @@ def _constraint(context: Context, entry: Entry) -> Value:
 
 
 DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
-    "constant": declare_quantity, "parameter": declare_quantity, "structural": declare_quantity,
-    "input": declare_quantity,
-    "coordinate": declare_quantity, "speed": declare_quantity, "discrete": declare_quantity,
-    "output": declare_quantity,
-    "function": _function, "instance": _instance, "quantity": _without_kind,
+    **dict.fromkeys(("constant", "parameter", "structural", "input", "output"), declare_quantity),
+    **dict.fromkeys(("coordinate", "speed", "discrete"), declare_quantity),
+    "function": lambda context, entry: Reference(entry), "instance": _instance, "quantity": _without_kind,
     "frame": declare_frame, "point": declare_point, "body": declare_body, "gravity": declare_gravity,
     "potential": declare_potential, "kinetic": declare_free_term, "lagrangian": declare_free_term,
     "dissipation": declare_dissipation, "force": declare_load, "torque": declare_load,
-    "constraint": _constraint, "joint": _joint, "placeholder": _placeholder, "draw": _figure,
+    "constraint": _constraint, "joint": _joint, "placeholder": declare_placeholder, "draw": _figure,
 }  # fmt: skip
 
 

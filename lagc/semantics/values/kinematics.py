@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from lagc.diagnostics.faults import Span, Wrong
 from lagc.semantics.context import BIT, LATE, VELOCITY, Context
 from lagc.semantics.model import (
@@ -371,19 +373,12 @@ def _wrench(context: Context, owner: str) -> Wrench:
 # -- rotations of frames ------------------------------------------------------------
 
 
-@TABLE.enter("rotate_x", "frame", "angle")
-def _rotate_x(context: Context, span: Span, frame: Argument, angle: Argument) -> Value:
-    return about_axis(context, frame, 0, angle)
+def _rotation_about(k: int) -> Callable[[Context, Span, Argument, Argument], Value]:
+    return lambda context, span, frame, angle: _about_own(context, frame_of(frame), k, 1.0, angle)
 
 
-@TABLE.enter("rotate_y", "frame", "angle")
-def _rotate_y(context: Context, span: Span, frame: Argument, angle: Argument) -> Value:
-    return about_axis(context, frame, 1, angle)
-
-
-@TABLE.enter("rotate_z", "frame", "angle")
-def _rotate_z(context: Context, span: Span, frame: Argument, angle: Argument) -> Value:
-    return about_axis(context, frame, 2, angle)
+for _k, _axis in enumerate("xyz"):
+    TABLE.enter(f"rotate_{_axis}", "frame", "angle")(_rotation_about(_k))
 
 
 @TABLE.enter("rotate", "frame", "axis", "angle", required=2)
@@ -416,10 +411,6 @@ def frame_of(argument: Argument) -> Frame:
         return argument.value
     message = f"a rotation starts from a frame; this is {kind(argument.value)}"
     raise Wrong("LAG0221", message, argument.span, "write the frame first: `rotate_z(world, angle)`")
-
-
-def about_axis(context: Context, frame: Argument, k: int, angle: Argument) -> Frame:
-    return _about_own(context, frame_of(frame), k, 1.0, angle)
 
 
 def _about_own(context: Context, parent: Frame, k: int, sense: float, angle: Argument) -> Frame:
