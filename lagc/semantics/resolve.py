@@ -217,11 +217,9 @@ def _check_given(context: Context, instance: Instance) -> None:
         (context.parameters, "parameter or input", "LAG0215"),
         (context.starts, settable, "LAG0224"),
     ):
-        kinds = (
-            ("parameter", "structural", "input")
-            if table is context.parameters
-            else ("coordinate", "speed", "discrete")
-        )
+        kinds = ("coordinate", "speed", "discrete")
+        if table is context.parameters:
+            kinds = ("parameter", "structural", "input")
         for name, value in table.items():
             if name in context.taken:
                 continue

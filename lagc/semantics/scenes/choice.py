@@ -127,13 +127,9 @@ def choose_scene(
         wanted = "default"
     scene = scenes.get(wanted)
     if scene is None and (scenes or wanted != "default"):
-        raise Wrong(
-            "LAG0215",
-            f"there is no scene `{wanted}`",
-            None,
-            did_you_mean(wanted, scenes)
-            or (f"the scenes are: {', '.join(scenes)}" if scenes else "the model has no scenes"),
-        )
+        listed = f"the scenes are: {', '.join(scenes)}" if scenes else "the model has no scenes"
+        remedy = did_you_mean(wanted, scenes) or listed
+        raise Wrong("LAG0215", f"there is no scene `{wanted}`", None, remedy)
     both = [e for e in added if e in removed]
     if both:
         raise Wrong("LAG0215", f"the effect `{both[0]}` is both added and left out", None)
@@ -237,14 +233,10 @@ def target_text(context: Context, e: tree.Expression, environment: Environment) 
     inner = _of_rate(e)
     if inner is not None:
         return derived(target_text(context, inner, environment))
-    raise Wrong(
-        "LAG0224",
-        "`start` sets a coordinate or its rate",
-        e.span,
-        f"write `start {e.function.span.text} = ...;`"
-        if isinstance(e, tree.Call) and e.function.span.text != "der"
-        else "write `start x = ...;` or `start der(x) = ...;`",
-    )
+    remedy = "write `start x = ...;` or `start der(x) = ...;`"
+    if isinstance(e, tree.Call) and e.function.span.text != "der":
+        remedy = f"write `start {e.function.span.text} = ...;`"
+    raise Wrong("LAG0224", "`start` sets a coordinate or its rate", e.span, remedy)
 
 
 def read_inputs(context: Context, inputs: Inputs, environment: Environment) -> None:

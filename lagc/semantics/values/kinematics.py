@@ -390,14 +390,9 @@ def _rotate(context: Context, span: Span, frame: Argument, axis: Argument, angle
             raise Wrong("LAG0209", "a rotation by an orientation takes no angle", angle.span)
         return turned_frame(context, parent, axis.value)
     if angle is None:
-        raise Wrong(
-            "LAG0210",
-            "`rotate` takes a frame, an axis and an angle, or a frame and an orientation",
-            span,
-            f"for a rotation about the axis z write `rotate_z(world, {axis.span.text})`"
-            if isinstance(axis.value, Scalar)
-            else None,
-        )
+        about_z = f"for a rotation about the axis z write `rotate_z(world, {axis.span.text})`"
+        message = "`rotate` takes a frame, an axis and an angle, or a frame and an orientation"
+        raise Wrong("LAG0210", message, span, about_z if isinstance(axis.value, Scalar) else None)
     if isinstance(axis.value, Scalar) and not isinstance(angle.value, Scalar):
         remedy = f"write the axis first: `rotate({frame.span.text}, {angle.span.text}, {axis.span.text})`"
         raise Wrong("LAG0306", "the axis of a rotation must be a vector {x, y, z}", axis.span, remedy)
