@@ -215,10 +215,8 @@ def _check_principal(a: Node, b: Node, c: Node, span: Span) -> None:
         if min(values) < 0 or largest > (sum(values) - largest) * (1 + 1e-9):
             shown = [f"{x:.15g} [kg.m2]" if x else "0" for x in values]
             remedy = None if min(values) < 0 else moments(shown, values.index(largest))
-            message = (
-                "each principal moment of inertia must be non-negative and at most the sum of the two others"
-            )
-            raise Wrong("LAG0308", message, span, remedy)
+            bounds = "non-negative and at most the sum of the two others"
+            raise Wrong("LAG0308", f"each principal moment of inertia must be {bounds}", span, remedy)
 
 
 def _check_matrix(diagonal: Sequence[Node], others: Sequence[Node], span: Span) -> None:
