@@ -16,7 +16,7 @@ from lagc.cli.options import (
     quantities,
     quantity,
 )
-from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show
+from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show_report
 from lagc.host.budgets import reached, rest
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print_json({"status": "interrupted" if interrupted else "ok", **to_dict(comparison)})
     else:
-        show(text(comparison, options.verbose))
+        show_report(text(comparison, options.verbose), color=False if options.no_color else None)
     if interrupted:
         say("interrupted: these are the runs until then", options.quiet or options.json)
         return LIMITED if reached() else INTERRUPTED

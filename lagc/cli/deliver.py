@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from lagc.base.records import replace
 from lagc.cli.options import add_list_option, add_plot_option, quantities, split
-from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show
+from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show_report
 from lagc.cli.signals import SIGNALS
 from lagc.host.atomic_write import output
 from lagc.host.budgets import reached, rest
@@ -237,7 +237,8 @@ def _print(found: Run, options: argparse.Namespace, more: Mapping[str, object]) 
     else:
         from lagc.cli.summary import summary
 
-        show(summary(found, options.scene is None, quiet=options.quiet, verbose=options.verbose) + "\n")
+        text = summary(found, options.scene is None, quiet=options.quiet, verbose=options.verbose)
+        show_report(text + "\n", color=False if options.no_color or options.quiet else None)
 
 
 def _save(found: Run, options: argparse.Namespace) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import sys
 from collections.abc import Iterable
 from contextlib import suppress
@@ -92,6 +93,19 @@ def show(text: str, exact: bool = False) -> None:
     """Print a result.  `exact`: without replacing characters, unless it goes to a terminal."""
     on_terminal = sys.stdout is not None and sys.stdout.isatty()
     _put(text if exact and not on_terminal else printable(text))
+
+
+def show_report(text: str, color: bool | None = None) -> None:
+    """Print a report: in colour its first line is bold, and the words that begin a line have one; those that
+    tell of a failure are red."""
+    text = printable(text)
+    if use_color(sys.stdout, color):
+        title, end, rest = text.partition("\n")
+        rest = re.sub(r"(?m)^  (failed|warning)\b", "  \033[1;31m\\1\033[0m", rest)
+        text = f"\033[1m{title}\033[0m{end}" + re.sub(
+            r"(?m)^  ([a-z][a-z ]*?)(?=  )", "  \033[36m\\1\033[0m", rest
+        )
+    _put(text)
 
 
 def _put(text: str) -> None:
