@@ -28,7 +28,7 @@ from lagc.semantics.declarations.quantities import declare_quantity
 from lagc.semantics.instantiate import Builder
 from lagc.semantics.names.namespace import Importer, Namespace
 from lagc.semantics.names.scope import Entry, Environment, Instance, Reference, Uses, Value
-from lagc.semantics.scenes.choice import (
+from lagc.semantics.scenes import (
     Inputs,
     Numbers,
     Setting,
@@ -181,7 +181,7 @@ def _evaluate(context: Context, instance: Instance) -> list[objects.ModelObject]
 def _probes(context: Context, texts: Sequence[str], environment: Environment) -> list[objects.ModelObject]:
     found: list[objects.ModelObject] = []
     for k, text in enumerate(texts):
-        from lagc.semantics.scenes.requested import parse_probe, probe_outputs  # where there are some
+        from lagc.semantics.requests import parse_probe, probe_outputs  # where there are some
 
         written = parse_probe(context, text)
         context.attempt(lambda n, w: found.extend(probe_outputs(context, n, w, environment)), k + 1, written)
