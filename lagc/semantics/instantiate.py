@@ -262,7 +262,7 @@ class Builder:
 
     def _coordinates(self, joint: Entry, destination: Destination) -> None:
         """Enter the coordinates of a joint as members: `knee.angle`."""
-        from lagc.semantics.joints.linkage import coordinates_of
+        from lagc.semantics.joints import coordinates_of
 
         self.context.has_joints = True
         joint.inner = coordinates_of(joint, self.instance)
