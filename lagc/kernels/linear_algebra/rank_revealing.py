@@ -117,14 +117,13 @@ def orthogonalise(w: Work, dependent: Real) -> None:
         row = w.factors.order[best]
         w.factors.order[best] = w.factors.order[k]
         w.factors.order[k] = row
-        # A second Gram-Schmidt pass removes what rounding left of the first: one pass of two is enough
-        # (Kahan's twice-is-enough).
+        # A second Gram-Schmidt pass removes the round-off of the first one: two passes are enough (Kahan).
         for j in range(k):
             w.factors.factor[j][row] += orthogonalise_row(w, row, w.factors.order[j])
         length = sqrt(squared_length(w, row))
         w.factors.factor[k][row] = length
         divide_row(w, row, length)
-        # What is left of the others along the new direction.
+        # Remove the new direction from the rows behind it.
         for j in range(k + 1, NC):
             w.factors.factor[k][w.factors.order[j]] = orthogonalise_row(w, w.factors.order[j], row)
     w.factors.rank = NC
