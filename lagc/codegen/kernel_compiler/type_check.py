@@ -124,8 +124,8 @@ class Types:
             self.statement(node)
 
     def statement(self, node: ast.stmt) -> None:
-        # Each case checks that the statement belongs to the subset, and types its expressions. A statement that
-        # no case takes is refused.
+        # Each case checks that the statement belongs to the subset, and types its expressions. A statement
+        # that no case takes is refused.
         match node:
             case ast.Assign(targets=[ast.Name(id=name)], value=value):
                 self.bind(node, name, value)
