@@ -151,6 +151,26 @@ def decide_loaded(p: Params, s: State, w: Work) -> Status:
     return status
 
 
+def leave_out_held(w: Work) -> bool:
+    """Leave out listed contacts whose gaps no motion changes at this place, as that of a pendulum over the
+    floor at its lowest point: neither a force nor its lack tells whether they stay closed. Return whether
+    there are any."""
+    law = w.contacts.law
+    found = False
+    for n in range(law.count):
+        i = w.contacts.touching[n]
+        k = law.first[n]
+        held = law.W[k * law.rows + k] == 0.0
+        if NTWO > 0:
+            held = held and contact_normals[i] == 0
+        if held:
+            w.contacts.touched[i] = 0
+            found = True
+    if found:
+        list_contacts(True, w)
+    return found
+
+
 def decide(p: Params, s: State, w: Work) -> Status:
     """Find which contacts in w.contacts.touched stay closed, w.settling.closed, and the rates
     w.contacts.rates."""
@@ -175,7 +195,9 @@ def decide(p: Params, s: State, w: Work) -> Status:
             return status
     else:
         status = respond(p, s.t, s.x, w)
-        if failed(status):
+        if not failed(status) and leave_out_held(w):
+            status = respond(p, s.t, s.x, w)
+        if failed(status) or law.count == 0:
             return status
         set_accelerations(w.contacts.rates, w)
         set_frictions(p, s.t, s.x, w)
