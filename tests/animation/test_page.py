@@ -20,8 +20,7 @@ from scipy.special import ellipj, ellipk
 import lagc
 from lagc.api.run import Run
 from lagc.host.model_library import library_models
-from lagc.reports.animation.channels import Channels
-from lagc.reports.animation.page import Animation
+from lagc.reports.animation.page import Animation, Channels
 from tests.animation.pages import Page
 
 G, L, M = 9.81, 0.7, 1.3

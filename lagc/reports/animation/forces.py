@@ -9,9 +9,9 @@ import numpy as np
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Refused
-from lagc.reports.animation.arrays import Array, values
 from lagc.reports.animation.frames import Frames
 from lagc.reports.animation.scene import Scene
+from lagc.reports.animation.states import Array, values
 from lagc.reports.animation.surfaces import Row
 from lagc.semantics.model import Force
 

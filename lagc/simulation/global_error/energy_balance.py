@@ -42,9 +42,9 @@ def balance(
     system: System, trajectory: Trajectory, groups: Sizes, accuracy: float, others: Sequence[Trajectory] = ()
 ) -> Balance:
     """Return the energy balance of a run; `groups` are the scaling groups with their sizes, and `others` runs
-    of other tolerances, whose works tell the error of its integral. The sum over the speeds alone is twice the
-    kinetic energy, if no part depends on time.  An imbalance below a tenth of its effect is accepted without
-    further evaluations."""
+    of other tolerances, whose works tell the error of its integral. The sum over the speeds alone is twice
+    the kinetic energy, if no part depends on time.  An imbalance below a tenth of its effect is accepted
+    without further evaluations."""
     states = trajectory.states
     if not states:
         return Balance(0.0, 0.0, 0.0)
