@@ -80,6 +80,15 @@ def set_speeds(s: State, w: Work) -> None:
         w.contacts.law.terms[r] = speed_size(row, s, w)
 
 
+def fastest_approach(w: Work) -> int:
+    """Return the listed contact that approaches fastest."""
+    fastest = w.contacts.touching[0]
+    for n in range(w.contacts.law.count):
+        if w.contacts.approach[w.contacts.touching[n]] > w.contacts.approach[fastest]:
+            fastest = w.contacts.touching[n]
+    return fastest
+
+
 def strike_contacts(p: Params, s: State, w: Work) -> Status:
     """Let the listed contacts that approach have an impact, and set w.settling.leaves: 1 for those that leave
     then."""
@@ -107,7 +116,7 @@ def strike_contacts(p: Params, s: State, w: Work) -> Status:
     found = strike_all(w)
     if found != IMPACT_NONE:
         if found != IMPACT_DONE:
-            w.culprit = w.contacts.touching[0]
+            w.culprit = fastest_approach(w)
             if found == IMPACT_ENDLESS:
                 w.culprit += NMODE - NCON
                 return CHATTERING
