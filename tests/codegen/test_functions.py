@@ -18,10 +18,10 @@ from lagc.codegen.c import runtime
 from lagc.codegen.c.functions import function_text as c_text
 from lagc.codegen.c.functions import helpers
 from lagc.codegen.identifiers import local_names
+from lagc.codegen.kernel_compiler.library import sine_cosine_kernels
 from lagc.codegen.kernel_compiler.real_types import DOUBLE
 from lagc.codegen.python.functions import ARITHMETIC, function_text, sine_cosine
 from lagc.codegen.tables import c_tables, numbered, python_tables
-from lagc.codegen.trigonometry import sine_cosine_kernels
 from lagc.lowering.program import Function, Program, operands
 from lagc.symbolic.operators import LOOKED_UP
 from tests.codegen.programs import TABLES, TRUTHS, Builder, program, random_function

@@ -14,9 +14,9 @@ from lagc.codegen.c.names import PLACE, in_header, in_source
 from lagc.codegen.c.public_functions import public_functions
 from lagc.codegen.c.runtime import Runtime, sine_cosine
 from lagc.codegen.identifiers import local_names, prefix
+from lagc.codegen.kernel_compiler.library import sine_cosine_kernels
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.tables import c_tables, numbered
-from lagc.codegen.trigonometry import sine_cosine_kernels
 from lagc.lowering.program import Program
 
 _REORDERED = """\

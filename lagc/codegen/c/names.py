@@ -23,6 +23,7 @@ def in_header(text: str, own: str) -> str:
 def in_source(text: str, header: str, own: str) -> str:
     """Return the text of the source; `header`: the header before its names got their form."""
     public, used = set(_NAME.findall(header)), set(_NAME.findall(text))
+    taken = {in_header(name, own) for name in public}  # reset_conditions, of a model Reset
     types = {name: _type(name) for name in re.findall(r"\} (lagc_\w+);", header + text)}
     tables = {
         n: f"{n.removeprefix('lagc_')}_table"
@@ -33,7 +34,8 @@ def in_source(text: str, header: str, own: str) -> str:
         name = match[0]
         if name == _KEPT or (name in public and name.startswith("lagc_") and name not in types):
             return in_header(name, own)
-        return types.get(name) or tables.get(name) or name[len("lagc_") :]
+        plain = types.get(name) or tables.get(name) or name[len("lagc_") :]
+        return f"{plain}_" if plain in taken else plain
 
     named = [name for name in dict.fromkeys(_NAME.findall(header)) if name in used and name != _KEPT]
     lines = [f"typedef {in_header(name, own)} {types[name]};" for name in named if name in types]

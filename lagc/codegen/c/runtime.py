@@ -10,8 +10,7 @@ from typing import Any
 from lagc.codegen.c import header
 from lagc.codegen.c.convolution import convolution
 from lagc.codegen.heading import rates, status_texts, statuses
-from lagc.codegen.kernel_compiler.c import CPrinter
-from lagc.codegen.kernel_compiler.layout import block_comment, snake
+from lagc.codegen.kernel_compiler.c import CPrinter, block_comment, snake
 from lagc.codegen.kernel_compiler.library import Chosen, Library, library
 from lagc.codegen.kernel_compiler.parts import Part
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic

@@ -17,6 +17,8 @@ from lagc.codegen.kernel_compiler.parts import FUNCTION, RECORD, Part
 from lagc.host import cache as store
 from lagc.host.cache import tool_fingerprint
 
+SINE_COSINE = ("sine_cosine", "sine_cosine_two")
+
 
 @dataclass(frozen=True)
 class Chosen:
@@ -87,6 +89,12 @@ def library(language: str) -> Library:
     """Return the library of a language, with what an earlier process or the installation left."""
     rows = store.load("kernels", store.key(_key(), language), json.loads)
     return Library(language, _shipped(language) if rows is None else rows)
+
+
+def sine_cosine_kernels(functions: Iterable[str], language: str) -> Chosen:
+    """Return the kernels of sine and cosine that the printed `functions` of a model call."""
+    text = "\n".join(functions)
+    return library(language).chosen([name for name in SINE_COSINE if f"{name}(" in text], {})
 
 
 def shipped_path(language: str) -> str:

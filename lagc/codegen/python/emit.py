@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from lagc.codegen.heading import ABI_VERSION, LICENCE, SPDX, equation, origin
 from lagc.codegen.identifiers import Names, local_names, prefix
+from lagc.codegen.kernel_compiler.library import sine_cosine_kernels
 from lagc.codegen.python import runtime
 from lagc.codegen.python.functions import ARITHMETIC, CALLS, function_text, sine_cosine
 from lagc.codegen.python.public_functions import public_functions
 from lagc.codegen.tables import numbered, python_tables
-from lagc.codegen.trigonometry import sine_cosine_kernels
 from lagc.lowering.program import Field, Interface, Program
 
 _IMPORTS = """\

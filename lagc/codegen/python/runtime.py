@@ -50,22 +50,7 @@ def fn_convolve(k, left, right, squares, sums):
         half = [s + a * a for s, a in zip(half, squares[k // 2])]
     sums[:] = found + half
 """
-PUBLIC = (
-    "NQ",
-    "NV",
-    "NZ",
-    "NX",
-    "NC",
-    "NH",
-    "NP",
-    "NALL",
-    "NY",
-    "NWORK",
-    "NMODE",
-    "NWHEN",
-    "NCON",
-    "NHEALTH",
-)
+PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NALL", "NY", "NWORK", "NMODE", "NWHEN", "NHEALTH")
 
 
 def definitions(program: Program, complete: bool, given: frozenset[str]) -> list[str]:
@@ -75,7 +60,7 @@ def definitions(program: Program, complete: bool, given: frozenset[str]) -> list
     checks = ("is_bound",) if complete and program.interface.prepared else ()
     use = _needed(program.interface, (*ROOTS, *embedded, *search, *checks), complete)
     interface = program.interface
-    more = support(("contacts.py",)) if interface.contacts else ()
+    more = support(("contacts.py" if interface.contacts else "plain.py",))
     return [_constants(interface, use, given), *_support(interface), *more, _work(program), *kernels(use),
             *([_CONVOLVE] if "fn_convolve" in use.names else ()),
             *([_observe(program)] if "fn_observe" in use.names else ()),

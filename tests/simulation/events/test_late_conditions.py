@@ -210,4 +210,4 @@ def test_models_without_such_conditions_carry_none_of_it() -> None:
         program = pipeline.program(Source("string.lag", text), Choice())
         assert ("late" in program.functions) == there == bool(program.interface.late_relations)
         (code,) = [v for k, v in pipeline.render(program, "c").items() if k.endswith(".c")]
-        assert ("late_values" in code) == there
+        assert ("w->late.values" in code) == there

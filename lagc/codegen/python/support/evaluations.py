@@ -13,7 +13,6 @@ from lagc.codegen.python.support.generated import (
     LEAST_PIVOT,
     NALL,
     NC,
-    NCON,
     NH,
     NHEALTH,
     NMANY,
@@ -53,6 +52,7 @@ from lagc.codegen.python.support.generated import (
     reach_start,
 )  # fmt: skip
 from lagc.codegen.python.support.integrator import _integrate
+from lagc.codegen.python.support.plain import is_plain, other_inputs
 from lagc.kernels.language.statuses import OK
 
 # -- what follows is part of generated modules --
@@ -210,8 +210,7 @@ def outputs(t: float, x: Sequence[float], p: Sequence[float] | None = None) -> l
     names = fn_outputs.__code__.co_varnames[: fn_outputs.__code__.co_argcount - 1]
     if "e" in names:
         given["e"] = energies(t, x, p)
-    if NCON:
-        given["contact_forces"] = model.work.contacts.forces
+    given.update(other_inputs(model.work))
     y = [0.0] * NY
     fn_outputs(*(given[name] for name in names), y)
     return y
@@ -316,8 +315,7 @@ def rhs_many(t: Any, x: Any, p: Any = None) -> Any:
             if NC:
                 sound = sound & (health[1] <= REFINED_RESIDUAL * NMANY * NMANY)
             sound = sound & numpy.isfinite(xdot).all(axis=1)
-            if NCON:
-                sound = sound & (x[:, NX - NCON :] == 0.0).all(axis=1)
+            sound = sound & is_plain(x)
         rest = numpy.flatnonzero(~sound)
     # The others one by one.
     for i in rest:

@@ -7,11 +7,9 @@ from math import inf
 from typing import Any
 
 from lagc.codegen.python.support.base import MOST_CORNERS, MOST_EVENTS, Options, Trajectory
-from lagc.codegen.python.support.contacts import ContactTrajectory, contact_events
 from lagc.codegen.python.support.equations import Equations
 from lagc.codegen.python.support.generated import (
     METHODS,
-    NCON,
     NMODE,
     NOTED,
     NWHEN,
@@ -23,6 +21,7 @@ from lagc.codegen.python.support.generated import (
     record,
     step,
 )  # fmt: skip
+from lagc.codegen.python.support.plain import other_events, others_so_far, trajectory
 from lagc.codegen.python.support.slices import invalid_call, record_in_slices
 from lagc.kernels.language.statuses import INVALID, OK
 
@@ -115,7 +114,7 @@ def _integrate(
     events: list[tuple[float, int]] = []
     jumps: list[float] = []
     corners: list[Any] = []
-    contacts: list[Any] = []
+    others: list[Any] = []
 
     # Each slice calls the kernel `record`, then stores the events that it ended at: a slice ends at the first
     # one with `report`.
@@ -126,19 +125,19 @@ def _integrate(
         run.x, kernel_options.max_steps = run.x[:], max_steps
         try:
             seen = run.changes if NMODE else 0
-            settled = run.settlements if NCON else 0
+            before_others = others_so_far(run)
             status: int = record(problem.p, run, kernel_options, times, len(times), states, done, steps, work)
             if NMODE and kernel_options.report and run.changes > seen:
                 events.extend((run.t, k) for k in NOTED if run.changed[k])
                 if len(corners) < MOST_CORNERS:
-                    jumped = (NWHEN and run.jumps > len(jumps)) or (NCON and run.settlements > settled)
+                    jumped = (NWHEN and run.jumps > len(jumps)) or others_so_far(run) > before_others
                     corners.append((run.t, run.x_before_event[:] if jumped else run.x[:], run.x[:]))
                 if NWHEN:
                     events.extend((run.t, NMODE + k) for k in run.acted[: run.acts])
                     jumps.extend([run.t] * (run.jumps - len(jumps)))
-                if NCON and run.settlements > settled:
-                    contacts.extend(contact_events(run))
-                kernel_options.report = max(len(events), len(contacts)) < MOST_EVENTS
+                if others_so_far(run) > before_others:
+                    others.extend(other_events(run))
+                kernel_options.report = max(len(events), len(others)) < MOST_EVENTS
             return status
         except BaseException:
             for name, value in zip(names, before):
@@ -147,9 +146,8 @@ def _integrate(
             raise
 
     def result(status: int) -> Trajectory:
-        of_contacts = {"contacts": contacts, "penetration": run.penetration} if NCON else {}
-        make = ContactTrajectory if NCON else Trajectory
-        return make(
+        return trajectory(
+            run, others,
             times=list(times[: done[0]]), states=states[: done[0]], t=run.t, x=run.x[:], status=status,
             culprit=-1 if status == OK else run.culprit, steps=run.steps, rejected=run.rejected, rhs=run.rhs,
             stiff=run.stiff, step=run.t - run.t_old, fallbacks=work.fallbacks - fallbacks,
@@ -157,7 +155,7 @@ def _integrate(
             velocity_drift=run.velocity_drift, sizes=run.sizes[:],
             lowest=run.lowest[:], highest=run.highest[:],
             event_roundoff=run.event_roundoff[:] if NMODE else (), events=events,
-            jumps=jumps, corners=corners, changes=run.changes if NMODE else 0, **of_contacts,
+            jumps=jumps, corners=corners, changes=run.changes if NMODE else 0,
         )  # fmt: skip
 
     return record_in_slices(run, options, record_steps, result, progress, clock)
