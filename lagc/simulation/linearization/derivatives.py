@@ -105,7 +105,7 @@ class Point:
         """The derivatives of the stack by a group of variables, with a and lam fixed."""
         if group not in self._groups:
             entries = self._entries(group)
-            for k, other in enumerate(self.beside if self.clean else ()):
+            for k, other in enumerate(self.perturbed if self.clean else ()):
                 if k >= FEW and not _doubtful(entries).any():
                     break
                 changes = np.abs(other.by(group) - entries)
@@ -141,7 +141,7 @@ class Point:
         return [(bind(perturb(p)), perturb([self.t])[0], perturb(self.x)) for _ in range(ENOUGH)]
 
     @cached_property
-    def beside(self) -> list[Point]:
+    def perturbed(self) -> list[Point]:
         """This point with all numbers perturbed by rounding units."""
         perturb = _Perturbation(1)
         return [
@@ -218,7 +218,7 @@ class Point:
         than the sums of terms, as perturbations by rounding units show."""
         found, terms = np.abs(self.motion(group)), self.sizes(group)
         changes = np.zeros_like(found)
-        for k, other in enumerate(self.beside):
+        for k, other in enumerate(self.perturbed):
             if k >= FEW and not ((SHARE * found > changes) & (found <= ROUNDING * terms)).any():
                 break
             changes = np.maximum(changes, np.abs(other.motion(group) - self.motion(group)))
@@ -331,7 +331,7 @@ def _changing(point: Point) -> list[int]:
     sides, modes = point.value("indicator"), system.modes(point.t, point.x)
     rows, n = interface.stack["indicator"], len(interface.relations)
     doubt = np.zeros(n)
-    for other in point.beside:
+    for other in point.perturbed:
         there = other.system.stack(other.t, other.x, other.a, other.lam, modes)[rows.start : rows.stop]
         doubt = np.maximum(doubt, np.abs(np.array(there) - sides))
     edges = [0.0] * (2 * n)
