@@ -10,7 +10,7 @@ import os
 
 from lagc.base.text import one_line
 from lagc.cli.deliver import spare
-from lagc.cli.options import add_general_options, add_model_options, add_outputs_option, choice_of
+from lagc.cli.options import add_model_options, add_outputs_option, choice_of
 from lagc.cli.output import DONE, Usage, cannot_write, print_json, say, show
 from lagc.cli.signals import SIGNALS
 from lagc.host.atomic_write import Files, folder, no_folder
@@ -42,7 +42,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         type=methods,
         help=f"the methods of integration that the code has: some of {', '.join(METHODS)}",
     )
-    add_general_options(parser)
 
 
 def methods(text: str) -> tuple[str, ...]:

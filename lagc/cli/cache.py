@@ -9,7 +9,6 @@ import argparse
 from typing import Any
 
 from lagc.base.text import one_line
-from lagc.cli.options import add_general_options
 from lagc.cli.output import DONE, REFUSED, print_json, show
 from lagc.host import cache
 from lagc.host.cache import upkeep
@@ -21,7 +20,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--verify", action="store_true", help="read every entry and remove damaged ones (exit code 1)"
     )
     what.add_argument("--clear", action="store_true", help="remove every entry")
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:

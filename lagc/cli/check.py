@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from lagc.cli.options import add_general_options, add_limit_options, add_parameter_option, quantities
+from lagc.cli.options import add_limit_options, add_parameter_option, quantities
 from lagc.cli.output import DONE, Usage, code_of, print_faults, print_json, say, show
 from lagc.diagnostics.faults import Fault, Refused
 
@@ -26,7 +26,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_parameter_option(parser)
     parser.add_argument("--explain", metavar="CODE", help="explain an error code, with an example")
     add_limit_options(parser)
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:

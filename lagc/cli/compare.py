@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, TypeVar
 from lagc.cli.deliver import check_picture, spare, write_or_keep
 from lagc.cli.options import (
     add_backend_option,
-    add_general_options,
     add_model_options,
     add_start_option,
     choice_of,
@@ -35,7 +34,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--points", metavar="N", type=int, default=501, help="recorded times; default: 501")
     parser.add_argument("--plot", metavar="FILE", help="draw the scenes into FILE (.png, .svg, .pdf)")
     add_backend_option(parser)
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -13,7 +13,7 @@ import os
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from lagc.cli.options import add_general_options, add_model_options, choice_of
+from lagc.cli.options import add_model_options, choice_of
 from lagc.cli.output import DONE, Usage, cannot_write, print_faults, print_json, say, show
 from lagc.cli.signals import SIGNALS
 
@@ -32,7 +32,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--full", action="store_true", help="write all terms of long formulas")
     about = "the file to write, .md, .tex, .html or .pdf; - prints Markdown"
     parser.add_argument("-o", "--output", metavar="FILE", default="-", help=about)
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:

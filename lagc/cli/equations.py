@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import argparse
 
-from lagc.cli.options import add_general_options, add_model_options, choice_of
+from lagc.cli.options import add_model_options, choice_of
 from lagc.cli.output import DONE, Usage, print_faults, print_json, say, show
 
 
@@ -25,7 +25,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     forms = ("divided", "undivided", "solved", "matrix", "hamilton")
     parser.add_argument("--form", choices=forms, default="divided", help=about)
     parser.add_argument("--full", action="store_true", help="print every term, also of large models")
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import argparse
 
-from lagc.cli.options import add_general_options, add_model_options, add_outputs_option, choice_of
+from lagc.cli.options import add_model_options, add_outputs_option, choice_of
 from lagc.cli.output import DONE, print_json, show
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
     add_outputs_option(parser)
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:

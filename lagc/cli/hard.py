@@ -10,7 +10,7 @@ import argparse
 import os
 from typing import TYPE_CHECKING
 
-from lagc.cli.options import add_general_options, add_limit_options
+from lagc.cli.options import add_limit_options
 from lagc.cli.output import DONE, FAILED, Usage, show
 from lagc.cli.study_report import add_output_option, check_reports, deliver
 
@@ -28,7 +28,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_output_option(parser)
     add_limit_options(parser)
     parser.set_defaults(max_time="none")  # the models are known; a busy machine is slow
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 from lagc.cli.deliver import spare
 from lagc.cli.options import (
-    add_general_options,
     add_model_options,
     add_plot_option,
     add_start_option,
@@ -44,7 +43,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("-o", "--output", metavar="FILE", help="write the matrices: .json or .npz")
     add_plot_option(parser, "draw the modes: .png, .svg or .pdf")
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:

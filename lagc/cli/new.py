@@ -6,7 +6,6 @@ import argparse
 import os
 import re
 
-from lagc.cli.options import add_general_options
 from lagc.cli.output import DONE, Usage, cannot_write, say, show
 from lagc.cli.signals import SIGNALS
 from lagc.host import atomic_write, model_library
@@ -45,6 +44,8 @@ model {name} "A mass on a massless string"
 end {name};
 """
 
+JSON = False  # no option `--json`
+
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
@@ -53,7 +54,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument("--list", action="store_true", help="list the models of the library")
     parser.add_argument("--force", action="store_true", help="replace an existing file")
-    add_general_options(parser, json=False)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -25,7 +25,6 @@ from lagc.cli.deliver import (
 )
 from lagc.cli.options import (
     add_backend_option,
-    add_general_options,
     add_list_option,
     add_model_options,
     add_outputs_option,
@@ -83,7 +82,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="leave out effects that the accuracy lets go (see `lagc effects`)",
     )
     add_backend_option(parser)
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:

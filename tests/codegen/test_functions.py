@@ -59,7 +59,10 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
     numbers = numbered(made)
     own = [function_text(f, names, numbers) for f in functions]
     exec(
-        "\n".join([ARITHMETIC, *python_tables(numbers), *sine_cosine(sine_cosine_kernels(own)), *own]), python
+        "\n".join(
+            [ARITHMETIC, *python_tables(numbers), *sine_cosine(sine_cosine_kernels(own, "python")), *own]
+        ),
+        python,
     )
     body = "".join(
         c_text(f, names, members, DOUBLE, numbers).replace(
@@ -75,7 +78,7 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
     shared = (
         helpers(made)
         + "".join(c_tables(numbers, DOUBLE))
-        + "".join(runtime.sine_cosine(sine_cosine_kernels([body])))
+        + "".join(runtime.sine_cosine(sine_cosine_kernels([body], "double")))
     )
     source = folder / "made.c"
     source.write_text("#include <math.h>\n" + types + shared + head + body)

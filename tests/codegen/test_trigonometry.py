@@ -45,7 +45,7 @@ HARD = (
 
 
 def printed_c(calls: Iterable[str]) -> str:
-    text = "\n".join(runtime.sine_cosine(sine_cosine_kernels(calls))).replace("lagc_real", "double")
+    text = "\n".join(runtime.sine_cosine(sine_cosine_kernels(calls, "double"))).replace("lagc_real", "double")
     return f"#include <math.h>\n#ifdef __clang__\n#pragma STDC FP_CONTRACT OFF\n#endif\n{text}\n"
 
 
@@ -63,7 +63,7 @@ def printed_python() -> Any:
 @cache
 def printed_names() -> dict[str, Any]:
     space: dict[str, Any] = {}
-    exec("\n\n".join([ARITHMETIC, *functions.sine_cosine(sine_cosine_kernels(CALLS))]), space)
+    exec("\n\n".join([ARITHMETIC, *functions.sine_cosine(sine_cosine_kernels(CALLS, "python"))]), space)
     return space
 
 
@@ -245,7 +245,7 @@ def test_functions_of_a_model_call_it_once_an_angle(calls: int, tmp_path: Path) 
         "\n\n".join(
             [
                 ARITHMETIC,
-                *functions.sine_cosine(sine_cosine_kernels(CALLS)),
+                *functions.sine_cosine(sine_cosine_kernels(CALLS, "python")),
                 functions.function_text(f, names),
             ]
         ),

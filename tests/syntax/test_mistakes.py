@@ -249,6 +249,11 @@ def test_one_fault_a_declaration() -> None:
     assert len(faults) == 1
 
 
+def test_a_call_of_a_solver_may_stay_open_to_the_end_of_the_file() -> None:
+    _, faults = parse_recovering(Source("x", "model M\n  [t, y] = ode45(f, [0, 10];\nend M;\n"))
+    assert faults[0].code == "LAG0118"
+
+
 @pytest.mark.parametrize("code", sorted(ENTRIES))
 def test_catalogue(code: str) -> None:
     entry = ENTRIES[code]

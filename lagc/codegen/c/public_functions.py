@@ -196,7 +196,7 @@ def _of_accelerations(program: Program, name: str, comment: str, output: str) ->
     """A function that may need energies, accelerations or multipliers."""
     function = program.functions[name]
     given = {"p": "p", "t": "t", "x": "x", "modes": "w->modes", "e": "e", "a": "w->xdot + LAGC_NQ",
-             "lam": "w->lam", "contact_forces": "w->contact_forces"}  # fmt: skip
+             "lam": "w->lam", "contact_forces": "w->contacts.forces"}  # fmt: skip
     call = f"    lagc_fn_{function.spelled}({', '.join(given[i] for i in function.inputs)}, {output});\n"
     if "e" in function.inputs:
         call = f"    lagc_fn_energies(p, t, x, e);\n{call}"

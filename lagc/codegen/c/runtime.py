@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from fractions import Fraction
+from collections.abc import Iterable, Sequence
 from textwrap import fill
 from typing import Any
 
@@ -24,6 +23,7 @@ from lagc.lowering.program import Program
 ROOTS = ("begin", "step", "dense", "advance", "record", "verified", "check")
 EMBEDDED = ("verified", "check")  # of these the kernels that a run of lagc does itself
 CALLED = ("rhs_at", "system_at", "assemble_at", "solve_at")  # called by `public_functions`
+NUMBERS = ("int", "Real", "Reals")  # kinds of constants that are not in the header
 FOLLOWING = ("follow", "event_facts")  # with sensitivities
 _COPY_STATE = """\
 static void lagc_fn_copy_state(const lagc_state *s, lagc_state *kept)
@@ -65,6 +65,13 @@ class Runtime:
         self.sizes = sizes_of(interface)
         self.public = {name for name, _, _ in header.sizes(interface)}
 
+    @property
+    def constants(self) -> frozenset[str]:
+        """The names of constants, sizes, statuses and tables."""
+        found = statuses(self.kernels, self.program.interface)
+        named = {part.name for part in (*self.use.constants, *found)}
+        return frozenset({*named, *self.sizes, *tables_of(self.program.interface)})
+
     def types(self) -> str:
         """Return enumerations and structs for the header."""
         records, public = self._records(), self._public()
@@ -99,13 +106,15 @@ class Runtime:
                 found.append(block_comment(part.note) + part.head + ";\n")
         return "\n".join(found)
 
-    def definitions(self) -> list[str]:
-        """Return constants, tables and functions for the source."""
+    def definitions(self, header: str) -> list[str]:
+        """Return constants, tables and functions for the source, without constants of the header."""
         values, names = tables_of(self.program.interface), self.use.names
         spelled = " ".join([SPELLED[name] for name in names if name in SPELLED])
         used = {*names, *re.findall(r"LAGC_(\w+)", spelled)}
         own = [n for n in self.sizes if n in used and n not in self.public and n not in SPELLED]
-        found = ["".join(f"#define LAGC_{n} {self.sizes[n]}\n" for n in own), _work(self.program)]
+        sizes = fill(", ".join(f"LAGC_{n} = {self.sizes[n]}" for n in own), 98, initial_indent="    ",
+                     subsequent_indent="    ")  # fmt: skip
+        found = [f"enum {{ /* sizes */\n{sizes}\n}};\n" if own else "", _work(self.program)]
         found += [_table(name, values[name], self.real) for name in values if name in names]
         public = self._public()
         found += [text for name, text in self._records().items() if name not in public]
@@ -113,7 +122,9 @@ class Runtime:
             found.append(convolution(self.sizes["NLANE"], self.sizes["NSQUARE"], self.real))
         found += [_OBSERVE] if "fn_observe" in names else []
         found += [_COPY_STATE] if "fn_copy_state" in names else []
-        found += _printed(self.kernels, self.use)
+        declared = set(re.findall(r"LAGC_(\w+)", header))
+        constants = [part for part in self.use.constants if part.name not in declared]
+        found += _printed(self.kernels, constants, self.use.functions)
         # Not in the subset of kernels: structs by value, their sizes, texts.
         (options,) = [part for part in self.use.records if part.name == "Options"]
         found.append(_default_options(options.members, self.real, methods_of(self.program.interface)))
@@ -162,22 +173,19 @@ class Runtime:
 
 def sine_cosine(use: Chosen) -> list[str]:
     """Return the sine and cosine kernels that functions of the model call, in double precision."""
-    return _printed(library(DOUBLE.language), use, "((double){})")
+    return [text.replace("lagc_real", "double") for text in
+            _printed(library(DOUBLE.language), use.constants, use.functions)]  # fmt: skip
 
 
-def _printed(kernels: Library, use: Chosen, inexact: str = "{}") -> list[str]:
-    """Return constants and functions, with the title of each file.  `inexact` formats a constant that its
-    decimal digits do not represent exactly: a cast rounds it where compilers keep more digits."""
+def _printed(kernels: Library, constants: Iterable[Part], functions: Iterable[Part]) -> list[str]:
+    """Return constants and functions, with the title of each file."""
+    texts = [(tuple(part.place[:2]), _constant(part)) for part in constants if part.kind in NUMBERS]
+    texts += [(tuple(part.place[:2]), part.text) for part in functions]
     found = list[str]()
-    constants = [part for part in use.constants if part.kind in ("int", "Real", "Reals")]
-    for place in sorted({tuple(part.place[:2]) for part in (*constants, *use.functions)}):
+    for place in sorted({place for place, _ in texts}):
         title = kernels.title(place)
-        found.append(_section(title.text, title.note))
-        found.append(
-            "".join([_constant(part, inexact) for part in constants if tuple(part.place[:2]) == place])
-        )
-        found += [part.text for part in use.functions if tuple(part.place[:2]) == place]
-    return [text for text in found if text]
+        found += [_section(title.text, title.note), *(text for where, text in texts if where == place)]
+    return found
 
 
 def _annotated(line: str, note: str) -> list[str]:
@@ -213,16 +221,16 @@ def _codes(found: Sequence[Part]) -> str:
     return f"{block_comment(fill(head, 98))}enum {{\n{''.join(lines)}}};\n"
 
 
-def _constant(part: Part, inexact: str) -> str:
+def _constant(part: Part) -> str:
     value, note = part.text, part.note
     if part.kind == "Reals":
         values = value.split(", ")
         rows = ",\n    ".join(", ".join(values[k : k + 8]) for k in range(0, len(values), 8))
         head = f"static const lagc_real lagc_{part.name.lower()}[]"
         return f"{block_comment(note)}{head} = {{\n    {rows}\n}};\n"
-    if inexact != "{}" and Fraction(value) != Fraction(float(value)):
-        value = inexact.format(value)
-    text = f"#define LAGC_{part.name} {value}"
+    text = f"static const lagc_real LAGC_{part.name} = {value};"
+    if part.kind == "int":
+        text = f"static const int LAGC_{part.name} = {value};"
     if not note:
         return text + "\n"
     return (

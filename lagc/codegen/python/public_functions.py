@@ -310,7 +310,7 @@ def public_functions(program: Program, complete: bool) -> list[str]:
 def _outputs(program: Program) -> str:
     shared = "outputs" in program.functions and "e" in program.functions["outputs"].inputs
     found = _OUTPUTS.replace("@ENERGIES@", _ENERGIES_FIRST if shared else "")
-    found = found.replace("@C@", "model.work.contact_forces, " if program.interface.contacts else "")
+    found = found.replace("@C@", "model.work.contacts.forces, " if program.interface.contacts else "")
     return found.replace("@E@", "e, " if shared else "")
 
 

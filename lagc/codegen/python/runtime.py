@@ -172,7 +172,7 @@ def _observe(program: Program) -> str:
     """Return the function of the outputs at one state, with the arguments of the kernels."""
     function = program.functions["outputs"]
     given = {"a": "w.xdot[NQ : NQ + NV]", "lam": "w.lam", "modes": "w.modes",
-             "contact_forces": "w.contact_forces"}  # fmt: skip
+             "contact_forces": "w.contacts.forces"}  # fmt: skip
     first = "    e = [0.0] * 3\n    fn_energies(p, t, x, e)\n" if "e" in function.inputs else ""
     values = ", ".join(given.get(name, name) for name in function.inputs)
     return (f"def fn_observe(p, t, x, y, w):\n    {rates(program.interface)}(p, t, x, w.xdot, w.lam, w)\n"

@@ -18,28 +18,28 @@ from lagc.kernels.language.vocabulary import *
 
 
 def set_normals_given(a: Vec[NX], lam: Vec[NC], w: Work) -> None:
-    """Set w.normal_given by accelerations, in the rates `a`, and multipliers."""
+    """Set w.contacts.normal_given by accelerations, in the rates `a`, and multipliers."""
     for k in range(NNORMAL):
-        total = w.normal_bias[k]
+        total = w.contacts.normal_bias[k]
         for j in range(NV):
-            total += w.normal_rows[k * NKNOWN + j] * a[NQ + j]
+            total += w.contacts.normal_rows[k * NKNOWN + j] * a[NQ + j]
         for j in range(NC):
-            total += w.normal_rows[k * NKNOWN + NV + j] * lam[j]
-        w.normal_given[k] = total
+            total += w.contacts.normal_rows[k * NKNOWN + NV + j] * lam[j]
+        w.contacts.normal_given[k] = total
 
 
 def set_normal_effects(w: Work) -> None:
-    """Set w.normal_effects: the derivatives of components by the forces of listed rows."""
+    """Set w.contacts.normal_effects: the derivatives of components by the forces of listed rows."""
     for k in range(NNORMAL):
-        for r in range(w.law.rows):
-            total = w.normal_rows[k * NKNOWN + NR + w.touching_rows[r]]
+        for r in range(w.contacts.law.rows):
+            total = w.contacts.normal_rows[k * NKNOWN + NR + w.contacts.touching_rows[r]]
             for j in range(NR):
-                total += w.normal_rows[k * NKNOWN + j] * w.contact_responses[r * NR + j]
-            w.normal_effects[k * w.law.rows + r] = total
+                total += w.contacts.normal_rows[k * NKNOWN + j] * w.contacts.responses[r * NR + j]
+            w.contacts.normal_effects[k * w.contacts.law.rows + r] = total
 
 
 def set_normal_axis(i: int, forces: Vec[NNORMAL], w: Work) -> Real:
-    """Set w.normal_axes of a contact to the direction of its components; return their change."""
+    """Set w.contacts.normal_axes of a contact to the direction of its components; return their change."""
     first = normal_first[i]
     total = 0.0
     for k in range(contact_normals[i]):
@@ -50,64 +50,64 @@ def set_normal_axis(i: int, forces: Vec[NNORMAL], w: Work) -> Real:
         axis = forces[first + k] / length if length > 0.0 else 0.0
         if not length > 0.0 and k == 0:
             axis = 1.0
-        if fabs(axis - w.normal_axes[first + k]) > turned:
-            turned = fabs(axis - w.normal_axes[first + k])
-        w.normal_axes[first + k] = axis
+        if fabs(axis - w.contacts.normal_axes[first + k]) > turned:
+            turned = fabs(axis - w.contacts.normal_axes[first + k])
+        w.contacts.normal_axes[first + k] = axis
     return turned
 
 
 def aim_normals(held: bool, w: Work) -> None:
     """Set the directions of the normal forces of listed contacts to those without the forces of contacts; if
-    `held`, signs to w.normal_signs."""
+    `held`, signs to w.contacts.normal_signs."""
     set_normal_effects(w)
-    for n in range(w.law.count):
-        i = w.touching[n]
+    for n in range(w.contacts.law.count):
+        i = w.contacts.touching[n]
         if contact_normals[i] > 0:
-            w.law.two_sided[n] = 1 if contact_normals[i] == 1 else 2
-            w.law.sign[n] = 1
-            set_normal_axis(i, w.normal_given, w)
-            if held and contact_normals[i] == 1 and w.normal_signs[i] != 0:
-                w.normal_axes[normal_first[i]] = float(w.normal_signs[i])
+            w.contacts.law.two_sided[n] = 1 if contact_normals[i] == 1 else 2
+            w.contacts.law.sign[n] = 1
+            set_normal_axis(i, w.contacts.normal_given, w)
+            if held and contact_normals[i] == 1 and w.contacts.normal_signs[i] != 0:
+                w.contacts.normal_axes[normal_first[i]] = float(w.contacts.normal_signs[i])
 
 
 def set_normal_laws(w: Work) -> None:
     """Set the rows of the law of normal forces for their directions."""
-    law = w.law
+    law = w.contacts.law
     for n in range(law.count):
-        i = w.touching[n]
+        i = w.contacts.touching[n]
         if contact_normals[i] > 0:
             row = law.first[n]
             total = 0.0
             size = 0.0
             for m in range(contact_normals[i]):
                 k = normal_first[i] + m
-                total -= w.normal_axes[k] * w.normal_given[k]
-                size += fabs(w.normal_given[k])
+                total -= w.contacts.normal_axes[k] * w.contacts.normal_given[k]
+                size += fabs(w.contacts.normal_given[k])
             law.b[row] = total
             law.terms[row] = size
             for r in range(law.rows):
                 total = 0.0
                 for m in range(contact_normals[i]):
                     k = normal_first[i] + m
-                    total -= w.normal_axes[k] * w.normal_effects[k * law.rows + r]
+                    total -= w.contacts.normal_axes[k] * w.contacts.normal_effects[k * law.rows + r]
                 law.W[row * law.rows + r] = total
             law.W[row * law.rows + row] = 1.0
 
 
 def turn_normals(held: bool, w: Work) -> bool:
-    """Turn the directions of normal forces to those of w.law.p; if `held`, not the signs. Return whether one
-    has turned."""
-    law = w.law
+    """Turn the directions of normal forces to those of w.contacts.law.p; if `held`, not the signs. Return
+    whether one has turned."""
+    law = w.contacts.law
     forces = vector(NNORMAL)
     turned = 0.0
     for n in range(law.count):
-        i = w.touching[n]
+        i = w.contacts.touching[n]
         if contact_normals[i] > 0 and not (held and contact_normals[i] == 1):
             for m in range(contact_normals[i]):
                 k = normal_first[i] + m
-                forces[k] = w.normal_given[k]
+                forces[k] = w.contacts.normal_given[k]
                 for r in range(law.rows):
-                    forces[k] += w.normal_effects[k * law.rows + r] * law.p[r]
+                    forces[k] += w.contacts.normal_effects[k * law.rows + r] * law.p[r]
             own = set_normal_axis(i, forces, w)
             if not own <= turned:
                 turned = own
@@ -120,13 +120,13 @@ def solve_touching(w: Work) -> bool:
         aim_normals(w.modes_fixed, w)
         for n in range(MOST_TURNS):
             set_normal_laws(w)
-            if not solve_frozen(w.law):
+            if not solve_frozen(w.contacts.law):
                 return False
             if not turn_normals(w.modes_fixed, w):
                 return True
-        w.law.culprit = 0
+        w.contacts.law.culprit = 0
         return False
-    return solve_frozen(w.law)
+    return solve_frozen(w.contacts.law)
 
 
 def find_law(w: Work) -> int:
@@ -135,18 +135,20 @@ def find_law(w: Work) -> int:
         aim_normals(False, w)
         for n in range(MOST_TURNS):
             set_normal_laws(w)
-            found = set_law(w.law)
+            found = set_law(w.contacts.law)
             if found > LAW_FOUND or not turn_normals(True, w):
                 return found
-        w.law.culprit = 0
+        w.contacts.law.culprit = 0
         return LAW_FAILED
-    return set_law(w.law)
+    return set_law(w.contacts.law)
 
 
 def normal_sign(n: int, w: Work) -> int:
     """Return the sign of the normal force of a listed contact with one component."""
-    i = w.touching[n]
-    return w.law.sign[n] if w.normal_axes[normal_first[i]] > 0.0 else -w.law.sign[n]
+    i = w.contacts.touching[n]
+    return (
+        w.contacts.law.sign[n] if w.contacts.normal_axes[normal_first[i]] > 0.0 else -w.contacts.law.sign[n]
+    )
 
 
 def strike_all(w: Work) -> int:
@@ -155,12 +157,12 @@ def strike_all(w: Work) -> int:
     its sum over all rounds."""
     if NTWO > 0:
         for k in range(NNORMAL):
-            w.normal_given[k] = 0.0
+            w.contacts.normal_given[k] = 0.0
         aim_normals(False, w)
         for n in range(MOST_TURNS):
             set_normal_laws(w)
-            found = impact(w.law, w.impact)
+            found = impact(w.contacts.law, w.contacts.impact)
             if found == IMPACT_NONE or not turn_normals(True, w):
                 return found
         return IMPACT_FAILED
-    return impact(w.law, w.impact)
+    return impact(w.contacts.law, w.contacts.impact)

@@ -22,25 +22,25 @@ from lagc.kernels.language.vocabulary import *
 
 
 def take_hits(s: State, w: Work) -> bool:
-    """Move contacts from w.crossed to w.contact_hit; return whether there are any."""
+    """Move contacts from w.events.crossed to w.settling.hit; return whether there are any."""
     found = False
     for i in range(NCON):
         k = NMODE - NCON + i
-        w.contact_hit[i] = 0
+        w.settling.hit[i] = 0
         mode = s.x[NX - NCON + i]
         if NSLIP > 0:
             if contact_slips[i] > 0:
-                if w.crossed[slip_relation(i)] > 0:
-                    w.crossed[slip_relation(i)] = 0
-                    w.contact_hit[i] = SLIDES if mode == 2.0 else STOPS
+                if w.events.crossed[slip_relation(i)] > 0:
+                    w.events.crossed[slip_relation(i)] = 0
+                    w.settling.hit[i] = SLIDES if mode == 2.0 else STOPS
                     w.culprit = k
                     found = True
-        if w.crossed[k] > 0:
-            w.crossed[k] = 0
-            w.contact_hit[i] = RELEASES if mode != 0.0 else REACHES
+        if w.events.crossed[k] > 0:
+            w.events.crossed[k] = 0
+            w.settling.hit[i] = RELEASES if mode != 0.0 else REACHES
             if NTWO > 0:
                 if contact_normals[i] > 0:
-                    w.contact_hit[i] = TURNS
+                    w.settling.hit[i] = TURNS
             w.culprit = k
             found = True
     return found
@@ -49,7 +49,7 @@ def take_hits(s: State, w: Work) -> bool:
 def others_cross(w: Work) -> bool:
     """Return whether relations cross that are no contacts."""
     for k in range(NMODE):
-        if w.crossed[k] > 0:
+        if w.events.crossed[k] > 0:
             return True
     return False
 
@@ -67,7 +67,7 @@ def force_roundoff(n: int, k: int, w: Work) -> Real:
     """Return the round-off of the force along row k of a listed contact: that of its acceleration over its
     response. It is zero for contacts that share a load, which cross at once, and along a slip that
     constraints hold."""
-    law = w.law
+    law = w.contacts.law
     row = law.first[n] + k
     response = law.W[row * law.rows + row]
     if law.shared[n] > 0 or not response > 0.0:
@@ -77,45 +77,45 @@ def force_roundoff(n: int, k: int, w: Work) -> Real:
 
 def set_force_slack(s: State, w: Work) -> None:
     """Set the slack of the listed contacts: of their forces, and of friction that they could still bear."""
-    for n in range(w.law.count):
-        i = w.touching[n]
+    for n in range(w.contacts.law.count):
+        i = w.contacts.touching[n]
         least = force_roundoff(n, 0, w)
-        margin = w.force_margins[i]
+        margin = w.contacts.force_margins[i]
         s.slack[NMODE - NCON + i] = least - (2.0 * margin if margin < 0.0 else 0.0)
         if NSLIP > 0:
-            if w.law.mode[n] == CONTACT_STICKS:
-                for m in range(w.law.slips[n]):
+            if w.contacts.law.mode[n] == CONTACT_STICKS:
+                for m in range(w.contacts.law.slips[n]):
                     least += force_roundoff(n, 1 + m, w)
-                margin = w.cone_margins[i]
+                margin = w.contacts.cone_margins[i]
                 s.slack[slip_relation(i)] = least - (2.0 * margin if margin < 0.0 else 0.0)
 
 
 def set_contact_slack(p: Params, s: State, w: Work) -> None:
     """Set the slack of contacts: of open ones by the round-off of their gaps, of those that touch by the
-    round-off of their forces, w.contact_forces at (s.t, s.x)."""
+    round-off of their forces, w.contacts.forces at (s.t, s.x)."""
     for i in range(NQ + NV):
-        w.x_part_middle[i] = reach_of(i, s)
-    estimate_indicator_roundoff(p, s, w.x_part_middle, w)
+        w.search.x_part_middle[i] = reach_of(i, s)
+    estimate_indicator_roundoff(p, s, w.search.x_part_middle, w)
     # One that leaves after an impact has no slack: its gap is watched from zero on.
     set_gaps(p, s.t, s.x, w)
-    w.indicators[:] = w.contact_indicators
+    w.events.indicators[:] = w.contacts.indicators
     for i in range(NCON):
-        beyond = -w.contact_gaps[i] if w.contact_gaps[i] < 0.0 else 0.0
-        if w.contact_leaves[i] == 0:
-            beyond += SLACK_GROWTH * w.indicator_roundoff[NFREE - NCON + i]
+        beyond = -w.contacts.gaps[i] if w.contacts.gaps[i] < 0.0 else 0.0
+        if w.settling.leaves[i] == 0:
+            beyond += SLACK_GROWTH * w.events.roundoff[NFREE - NCON + i]
         s.slack[NMODE - NCON + i] = beyond
         if NSLIP > 0:
             if contact_slips[i] > 0:
                 k = slip_relation(i)
-                speed = s.x[NX - NCON + i] * w.indicators[k]
-                least = SLACK_GROWTH * w.indicator_roundoff[k - NTIMED]
+                speed = s.x[NX - NCON + i] * w.events.indicators[k]
+                least = SLACK_GROWTH * w.events.roundoff[k - NTIMED]
                 if NSPACE > 0:
                     if contact_slips[i] == 2:
-                        speed = slip_along(i, w.indicators, w)
-                        least += SLACK_GROWTH * w.indicator_roundoff[k + 1 - NTIMED]
+                        speed = slip_along(i, w.events.indicators, w)
+                        least += SLACK_GROWTH * w.events.roundoff[k + 1 - NTIMED]
                 s.slack[k] = least - (2.0 * speed if speed < 0.0 else 0.0)
     if find_touching(s.x, w):
-        status = rates_at(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
+        status = rates_at(p, s.t, s.x, w.contacts.rates, w.contacts.lam, w)
         s.rhs += 1
         if not failed(status):
             set_force_slack(s, w)
@@ -127,46 +127,48 @@ def act_after_contacts(p: Params, s: State, direction: Real, since: Real, w: Wor
     if NWHEN > 0:
         status = act_on_conditions(p, s, direction, since, w)
         if NJUMP > 0:
-            if w.at_event_time and (status == TERMINATED or not failed(status)):
+            if w.clauses.at_event_time and (status == TERMINATED or not failed(status)):
                 set_contact_slack(p, s, w)
     return status
 
 
 def find_unmoved(p: Params, s: State, w: Work) -> None:
-    """Set w.indicators_unmoved: indicators of the state that are w.indicators_before at (s.t, s.x) too."""
-    fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
+    """Set w.settling.indicators_unmoved: indicators of the state that are w.events.indicators_before at (s.t,
+    s.x) too."""
+    fn_indicators_on(p, s.t, s.x, w.modes, w.events.indicators)
     for k in range(NMODE):
-        w.indicators_unmoved[k] = 0
-        if k < NMODE - NCON - NSLIP - NLATE and w.indicators[k] == w.indicators_before[k]:
-            w.indicators_unmoved[k] = 1
+        w.settling.indicators_unmoved[k] = 0
+        if k < NMODE - NCON - NSLIP - NLATE and w.events.indicators[k] == w.events.indicators_before[k]:
+            w.settling.indicators_unmoved[k] = 1
 
 
 def settle_event(p: Params, s: State, direction: Real, jumps: bool, w: Work) -> Status:
     """Let contacts act, then find the modes of relations that they change, and let clauses `when` act.
     `jumps`: a bound has jumped."""
-    fn_indicators_on(p, s.t, s.x, w.modes, w.indicators_before)
-    w.contacts_go_on = True
+    fn_indicators_on(p, s.t, s.x, w.modes, w.events.indicators_before)
+    w.settling.go_on = True
     status = settle_jump(p, s, w) if jumps else settle(p, s, False, w)
     if failed(status):
         return status
     find_unmoved(p, s, w)
-    w.rates_settled[:] = s.k[0]
+    w.settling.rates[:] = s.k[0]
     status = choose_modes(p, s, direction, w)
-    w.contact_rates[:] = s.k[0]
-    s.k[0][:] = w.rates_settled  # the dense output of the step before needs it
+    w.contacts.rates[:] = s.k[0]
+    s.k[0][:] = w.settling.rates  # the dense output of the step before needs it
     s.rate_place = ABSENT
     if failed(status):
         return status
     for k in range(NMODE):
-        w.crossed[k] = 0
+        w.events.crossed[k] = 0
     if NWHEN > 0:
-        w.xdot[:] = w.contact_rates
+        w.xdot[:] = w.contacts.rates
     set_contact_slack(p, s, w)
     return act_after_contacts(p, s, direction, 0.0, w)
 
 
 def pass_hits(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """Do what happens where contacts in w.contact_hit and relations in w.crossed cross, at (s.t, s.x)."""
+    """Do what happens where contacts in w.settling.hit and relations in w.events.crossed cross, at (s.t,
+    s.x)."""
     if contacts_chatter(s):
         return CHATTERING
     jumps = False
@@ -185,7 +187,7 @@ def pass_hits(p: Params, s: State, direction: Real, w: Work) -> Status:
 
 
 def pass_relations(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """Do what happens where relations in w.crossed cross, at (s.t, s.x)."""
+    """Do what happens where relations in w.events.crossed cross, at (s.t, s.x)."""
     status = change_modes(p, s, direction, w)
     if status != OK:
         return status
@@ -199,9 +201,9 @@ def pass_relations(p: Params, s: State, direction: Real, w: Work) -> Status:
 
 
 def pass_event(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """Do what happens where relations or contacts in w.crossed cross, at (s.t, s.x)."""
-    w.contacts_acted = False
-    w.modes_before[:] = s.modes
+    """Do what happens where relations or contacts in w.events.crossed cross, at (s.t, s.x)."""
+    w.settling.has_acted = False
+    w.settling.modes_before[:] = s.modes
     if NWHEN > 0:
         save_state(s, w)
     status = OK
@@ -223,13 +225,13 @@ def start_contacts(p: Params, s: State, direction: Real, elsewhere: bool, w: Wor
     if elsewhere:
         fn_modes(p, s.t, s.x, w.modes)
     update_edges(w)
-    w.contacts_acted = False
+    w.settling.has_acted = False
     for i in range(NCON):
-        w.contact_hit[i] = 0
+        w.settling.hit[i] = 0
     for k in range(NMODE):
-        w.indicators_unmoved[k] = 0
+        w.settling.indicators_unmoved[k] = 0
     begins = not s.parameters_known
-    w.contacts_go_on = False
+    w.settling.go_on = False
     status = settle(p, s, True, w) if begins else settle_jump(p, s, w)
     if failed(status):
         return status

@@ -16,7 +16,7 @@ def extend_groups_at_rest(s: State, h: Real, w: Work, sizes: Vec[NGROUP]) -> Non
     """Raise the sizes of scaling groups that are exactly at rest to those that they would reach over the
     longest step so far. If a motion begins with a kink, its sizes after a short step are as small as its
     errors, and no step would be accepted."""
-    longer = w.longest_step / fabs(h)
+    longer = w.error.longest_step / fabs(h)
     for i in range(NQ + NV):
         if s.sizes[scaling_group[i]] == 0.0:
             distance = fabs(s.x_new[i] - s.x[i]) * longer
@@ -33,28 +33,28 @@ def size_alone(s: State, i: int, h: Real, of_group: Real, w: Work) -> Real:
         size = s.highest[i]
     if -s.lowest[i] > size:
         size = -s.lowest[i]
-    if w.longest_step > 0.0 and s.lowest[i] == 0.0 and s.highest[i] == 0.0:
-        if w.longest_step > fabs(h):
-            size *= w.longest_step / fabs(h)
+    if w.error.longest_step > 0.0 and s.lowest[i] == 0.0 and s.highest[i] == 0.0:
+        if w.error.longest_step > fabs(h):
+            size *= w.error.longest_step / fabs(h)
     return size if size > LEAST_SIZE * of_group else LEAST_SIZE * of_group
 
 
 def set_error_weights(s: State, o: Options, h: Real, w: Work) -> None:
-    """Set w.error_weights for a step over h, and w.trial_sizes. An error is scaled by atol + rtol * size
-    of its group + round-off, w.rate_roundoff and w.coordinate_roundoff over ten steps. An angle that winds
-    is scaled by its own magnitude, so that it does not weaken others. With the option `alone` the size is
-    that of the state. With constraints, such a weight below MIXED_SIZE of the group is at least
+    """Set w.error.weights for a step over h, and w.error.sizes. An error is scaled by atol + rtol * size of
+    its group + round-off, w.error.rate_roundoff and w.error.coordinate_roundoff over ten steps. An angle that
+    winds is scaled by its own magnitude, so that it does not weaken others. With the option `alone` the size
+    is that of the state. With constraints, such a weight below MIXED_SIZE of the group is at least
     PROJECTION_ROUNDOFF of its size: a projection mixes the states."""
     sizes = vector(NGROUP)
     for k in range(NGROUP):
         sizes[k] = 0.0
-    if w.longest_step > 0.0:
+    if w.error.longest_step > 0.0:
         extend_groups_at_rest(s, h, w, sizes)
-    w.trial_sizes[:] = s.sizes
-    enlarge_sizes(s.x_new, w.trial_sizes)
+    w.error.sizes[:] = s.sizes
+    enlarge_sizes(s.x_new, w.error.sizes)
     for k in range(NGROUP):
-        if w.trial_sizes[k] > sizes[k]:
-            sizes[k] = w.trial_sizes[k]
+        if w.error.sizes[k] > sizes[k]:
+            sizes[k] = w.error.sizes[k]
     rtol = o.rtol
     atol = o.atol
     ten_steps = 10.0 * fabs(h)
@@ -67,14 +67,16 @@ def set_error_weights(s: State, o: Options, h: Real, w: Work) -> None:
         if NC > 0:
             if o.alone and size < MIXED_SIZE * of_group and weight < PROJECTION_ROUNDOFF * of_group:
                 weight = PROJECTION_ROUNDOFF * of_group
-        weight += atol + ten_steps * (w.rate_roundoff[i] + w.coordinate_roundoff[i])
-        w.error_weights[i] = weight if weight > TINY else TINY
+        weight += atol + ten_steps * (w.error.rate_roundoff[i] + w.error.coordinate_roundoff[i])
+        w.error.weights[i] = weight if weight > TINY else TINY
     if NQUAT > 0:
         if o.alone:
             for k in range(NQUAT):
                 for i in range(quaternion[k], quaternion[k] + 4):
-                    weight = atol + rtol + ten_steps * (w.rate_roundoff[i] + w.coordinate_roundoff[i])
-                    w.error_weights[i] = weight
+                    weight = (
+                        atol + rtol + ten_steps * (w.error.rate_roundoff[i] + w.error.coordinate_roundoff[i])
+                    )
+                    w.error.weights[i] = weight
 
 
 def event_time_roundoff(s: State) -> Real:

@@ -15,8 +15,8 @@ def keep_discrete(x: Vec[NX], other: Vec[NX]) -> None:
 
 
 def box_discrete(s: State, w: Work) -> None:
-    """Store the discrete variables behind the ends of w.box."""
+    """Store the discrete variables behind the ends of w.search.box."""
     if NDISC > 0:
         if NSEARCH > 0:
             for i in range(NDISC):
-                w.box[2 * (NQ + NV) + 2 + i] = s.x[NINT + i]
+                w.search.box[2 * (NQ + NV) + 2 + i] = s.x[NINT + i]

@@ -9,9 +9,9 @@ def mass_entry(w: Work, i: int, j: int) -> Real:
     """Return an entry of M, or of M + penalty G^T G."""
     value = w.M[i * (i + 1) // 2 + j]
     if NC > 0:
-        if w.penalty > 0.0:
+        if w.factors.penalty > 0.0:
             for k in range(NC):
-                value += w.penalty * w.G[k * NV + i] * w.G[k * NV + j]
+                value += w.factors.penalty * w.G[k * NV + i] * w.G[k * NV + j]
     return value
 
 

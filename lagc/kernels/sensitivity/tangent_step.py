@@ -435,5 +435,5 @@ def event_facts(
     changed with others."""
     modes[:] = s.modes
     modes_old[:] = s.modes_old
-    crossed[:] = w.crossed
-    jumped[:] = w.indicator_jumped
+    crossed[:] = w.events.crossed
+    jumped[:] = w.events.jumped

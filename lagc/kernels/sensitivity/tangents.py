@@ -38,13 +38,13 @@ def solve_tangents(w: Work, v: TangentWork) -> None:
         solve_at(v.dr, v.solution, w)
         if STRAIGHT:
             if NM > 0:
-                if not w.is_dense:
+                if not w.rows.is_dense:
                     fn_refine(w.kkt_entries, v.dr, v.solution)
             else:
-                fn_rest(w.kkt_entries, v.dr, v.solution, w.kkt_residual)
-                fn_solve(w.kkt_entries, w.kkt_residual, w.kkt_correction)
+                fn_rest(w.kkt_entries, v.dr, v.solution, w.rows.residual)
+                fn_solve(w.kkt_entries, w.rows.residual, w.rows.correction)
                 for i in range(NR):
-                    v.solution[i] += w.kkt_correction[i]
+                    v.solution[i] += w.rows.correction[i]
     else:
         if STRAIGHT:
             if not v.dense:

@@ -251,19 +251,16 @@ def declare_load(context: Context, entry: Entry) -> Value:
         vector, (velocity, at, on_body) = both(
             context, load, lambda: _where_applied(context, source, place, body, reaction)
         )
-        entry.objects.append(
-            objects.Force(
-                entry.path, vector, velocity, entry.span, entry.effect, source.target.span, mentioned, at,
-                on_body,
-            )
-        )  # fmt: skip
+        force = objects.Force(
+            entry.path, vector, velocity, entry.span, entry.effect, source.target.span, mentioned, at, on_body
+        )
+        entry.objects.append(force)
     else:
         vector, (frame, opposite) = both(context, load, lambda: _frames(source, target, reaction))
-        entry.objects.append(
-            objects.Torque(
-                entry.path, vector, frame, opposite, entry.span, entry.effect, source.target.span, mentioned
-            )
+        torque = objects.Torque(
+            entry.path, vector, frame, opposite, entry.span, entry.effect, source.target.span, mentioned
         )
+        entry.objects.append(torque)
     return Reference(entry)
 
 
@@ -327,11 +324,10 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
             units.append(si_text(found or NONE))
     sides = source.left, source.right
     by = "" if motor is None else motor.path
-    entry.objects.append(
-        objects.Constraint(
-            entry.path, tuple(labels), tuple(rows), tuple(units), entry.span, *sides, entry.effect, by
-        )
+    constraint = objects.Constraint(
+        entry.path, tuple(labels), tuple(rows), tuple(units), entry.span, *sides, entry.effect, by
     )
+    entry.objects.append(constraint)
     if motor is not None and len(labels) != 1:
         message = f"`{motor.name}` is one actuator; `{entry.name}` has {len(labels)} equations"
         raise Wrong("LAG0221", message, entry.span, "write a constraint and an actuator for each equation")

@@ -70,12 +70,12 @@ def declare_contact(context: Context, entry: Entry) -> Value:
         restitution = context.graph.zero
         if "restitution" in written:
             restitution = _number(context, entry.environment, "restitution", written["restitution"], 1.0)
-        entry.objects.append(
-            objects.Contact(
-                entry.path, label, gap, si_text(found or NONE), symbol, restitution, entry.span, entry.effect,
-                *_friction(context, entry, written, found), _is_poisson(written), bounds_rate=bounds_rate,
-            )
+        unit, rough = si_text(found or NONE), _friction(context, entry, written, found)
+        contact = objects.Contact(
+            entry.path, label, gap, unit, symbol, restitution, entry.span, entry.effect, *rough,
+            _is_poisson(written), bounds_rate=bounds_rate,
         )  # fmt: skip
+        entry.objects.append(contact)
     return Reference(entry)
 
 
@@ -102,12 +102,12 @@ def declare_rough(context: Context, entry: Entry) -> Value:
     symbol = context.graph.symbol("discrete", entry.path)
     context.clock.set_rate(symbol, context.graph.zero)
     normal = context.graph.symbol("multiplier", entry.path)
-    entry.objects.append(
-        objects.Contact(
-            entry.path, entry.path, row.residuals[0], row.units[0], symbol, context.graph.zero, entry.span,
-            entry.effect, slip, friction, static, normals=(normal,),
-        )
-    )  # fmt: skip
+    path, gap, zero = entry.path, row.residuals[0], context.graph.zero
+    where, unit = (entry.span, entry.effect), row.units[0]
+    contact = objects.Contact(
+        path, path, gap, unit, symbol, zero, *where, slip, friction, static, normals=(normal,)
+    )
+    entry.objects.append(contact)
     return value
 
 

@@ -290,11 +290,10 @@ def _coordinate(context: Context, quantity: Quantity) -> Value:
         context.clock.set_rate(symbol, speed)
         context.clock.set_rate(speed, graph.leaf(speed.record.derivative))
         stated = start_stated[k], rate_stated[k]
-        entry.objects.append(
-            objects.Coordinate(
-                name, symbol, speed, *quantity.units, start, rate, *stated, *quantity.about, entry.effect
-            )
+        coordinate = objects.Coordinate(
+            name, symbol, speed, *quantity.units, start, rate, *stated, *quantity.about, entry.effect
         )
+        entry.objects.append(coordinate)
         symbols.append(Scalar(symbol, dimension))
     return array_of(symbols, quantity.sizes)
 

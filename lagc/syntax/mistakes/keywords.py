@@ -136,7 +136,13 @@ def solver_call(w: Where) -> Explained | None:
         return None
     message = f"`{solver.text}` is not needed: lagc integrates the equations of motion"
     remedy = f"delete this; {foreign('keywords')['solve']}"
-    return explained("LAG0118", message, w.span(solver), remedy, Repair(w.begin, last - w.begin + 1, ()))
+    return explained(
+        "LAG0118",
+        message,
+        w.span(solver),
+        remedy,
+        Repair(w.begin, last - w.begin + (w.tokens[last].kind != END), ()),
+    )
 
 
 def without_kind(w: Where) -> Explained | None:

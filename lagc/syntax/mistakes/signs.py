@@ -558,7 +558,10 @@ def missing_operator(w: Where) -> Explained | None:
         remedy = f"write `{w.before.text}(...)` in place of `{w.before.text}{{...}}`"
         return explained("LAG0114", "arguments stand in parentheses", w.span(w.token), remedy)
     message = f"an operator is missing between `{w.before.text}` and `{w.token.text}`"
-    remedy = f"to multiply write `{multiplied(w, w.position - 1, False)}`"
+    product = multiplied(w, w.position - 1, False)
+    if "*" not in product or len(product) > _LONGEST:  # it begins with a bracket or a keyword, or is long
+        product = f"{w.before.text}*{w.token.text}"
+    remedy = f"to multiply write `{product}`"
     if w.before.text in FUNCTIONS and w.token.kind == WORD:
         remedy = f"write `{w.before.text}({w.token.text})`"
     return explained("LAG0130", message, w.span(w.before, w.token), remedy, w.insert("*"))
