@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -199,7 +200,7 @@ class Point:
         scaled = d[:, None] * k * d
         if not np.isfinite(scaled).all():
             raise ArithmeticError("the derivatives have no finite value there")
-        found: Array = d[:, None] * _inverse(scaled) * d
+        found: Array = d[:, None] * pseudo_inverse(scaled, DEPENDENT) * d
         return found
 
     def motion(self, group: str) -> Array:
@@ -261,21 +262,16 @@ def largest_beside(entries: Array) -> Any:
     return np.maximum(sizes.max(axis=0, initial=0.0), sizes.max(axis=1, initial=0.0, keepdims=True))
 
 
-def _inverse(table: Array) -> Any:
-    """The inverse, or the pseudo-inverse if rows depend on each other."""
-    try:
-        found = np.linalg.inv(table)
-        if np.linalg.norm(table) * np.linalg.norm(found) * DEPENDENT < 1.0:  # bounds the condition
-            return found
-    except np.linalg.LinAlgError:
-        pass
-    left, sizes, right = np.linalg.svd(table)
-    if sizes.size and sizes[-1] > DEPENDENT * sizes[0]:
-        found = np.linalg.inv(table)
-    else:
-        kept = sizes > DEPENDENT * sizes[:1]
-        found = (right[kept].T / sizes[kept]) @ left[:, kept].T
-    return found
+def pseudo_inverse(table: Array, dependent: float) -> Any:
+    """Return the pseudo-inverse, where singular values below the share `dependent` of the largest count as
+    zero. A square matrix whose condition, by Frobenius norms, is small has its inverse, in a tenth of the
+    time."""
+    if table.shape[0] == table.shape[1]:
+        with suppress(np.linalg.LinAlgError):
+            found = np.linalg.inv(table)
+            if np.linalg.norm(table) * np.linalg.norm(found) * dependent < 1.0:
+                return found
+    return np.linalg.pinv(table, rcond=dependent)
 
 
 def rounded(found: Array, terms: Array | float) -> Array:
