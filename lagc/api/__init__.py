@@ -23,7 +23,7 @@ from lagc.base.text import Quantity
 from lagc.compiler.loaded import Loaded
 from lagc.compiler.pipeline import Compilation
 from lagc.compiler.stages import Choice
-from lagc.diagnostics.faults import Fault, Refused, Source
+from lagc.diagnostics.faults import Fault, Source
 from lagc.host import model_library
 from lagc.host.budgets import of_this_machine, running
 from lagc.simulation.request import (
@@ -39,8 +39,7 @@ from lagc.simulation.supervision import check_memory
 from lagc.simulation.system import System
 
 if TYPE_CHECKING:
-    from lagc.compiler.artifact import Artifact
-    from lagc.lowering.program import Interface, Program
+    from lagc.lowering.program import Program
     from lagc.mechanics.formulation.equations import EquationsOfMotion
     from lagc.reports.derivation.derivation import Derivation
     from lagc.reports.equations.script import Matrices
@@ -192,11 +191,6 @@ class CompiledModel(Differentiable, Measurable, Comparable):
         return self._loaded.asked
 
     @property
-    def artifact(self) -> Artifact:
-        """The generated code and its interface."""
-        return self._loaded.artifact
-
-    @property
     def compile_s(self) -> float:
         """The time of compilation so far, in s."""
         return self._loaded.seconds
@@ -215,11 +209,6 @@ class CompiledModel(Differentiable, Measurable, Comparable):
     def program(self) -> Program:
         """The functions that the code generators print, with their operation counts."""
         return self.compilation.program
-
-    @property
-    def interface(self) -> Interface:
-        """Names, units and sizes of states, parameters, inputs and outputs."""
-        return self.artifact.interface
 
     @property
     def operations(self) -> int:
@@ -251,7 +240,7 @@ class CompiledModel(Differentiable, Measurable, Comparable):
         return found
 
     def _with(self, parameters: Mapping[str, Value] | None) -> System:
-        """The system for one call, with `parameters` in place of those of this model."""
+        """Return the system for one call, with `parameters` in place of those of this model."""
         own, given = self.system, quantities("parameters", parameters)
         if not given and not any(v != v for v in own.parameters):
             return own
@@ -333,7 +322,7 @@ class CompiledModel(Differentiable, Measurable, Comparable):
     def _with_courses(
         self, numbers: Mapping[str, float | Quantity], courses: Inputs, until: str | None
     ) -> CompiledModel:
-        """This model with other inputs and another end condition in its code."""
+        """Return this model with other inputs and another end condition in its code."""
         choice, built_in = self.compilation.choice, self.artifact.built_in
         fixed = {name: value for name, value in numbers.items() if name in built_in}
         if not courses and not fixed and until is None:
@@ -410,20 +399,6 @@ class CompiledModel(Differentiable, Measurable, Comparable):
 
         with self.compilation.lock:
             return matrices(self.equations)
-
-    def _bound(self, parameters: Mapping[str, Value] | None, demanding: bool = True) -> list[float]:
-        given = self._with_given(parameters) if parameters is not None else self._given
-        return bound_parameters(self.interface, given, self.artifact.unused, demanding)
-
-    def _with_given(self, parameters: Mapping[str, Value]) -> dict[str, float | Quantity]:
-        """The values of this model, replaced by those of `parameters`."""
-        more = quantities("parameters", parameters)
-        for name in self.artifact.built_in:
-            if name in more and more[name] != self._given.get(name):
-                fault = Fault("LAG0607", f"`{name}` is built into the compiled model: no run can change it",
-                              remedy="give it to `compile(parameters=...)`")  # fmt: skip
-                raise Refused([fault])
-        return {**self._given, **more}
 
     def derivation(self, language: str = "en", *, full: bool = False) -> Derivation:
         """Return the worked solution: from the declarations to the equations, as a person writes it.

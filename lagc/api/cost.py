@@ -8,13 +8,11 @@ from random import Random
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
-from lagc.api.values import quantities, seconds
-from lagc.compiler.loaded import Loaded
+from lagc.api.values import Parametrized, quantities, seconds
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.simulation.request import Request, bound_starts
 
 if TYPE_CHECKING:
-    from lagc.lowering.program import Interface
     from lagc.mechanics.formulation.equations import EquationsOfMotion
     from lagc.simulation.solution import Solution
     from lagc.simulation.system import System
@@ -27,18 +25,10 @@ NEAR = 0.01  # part of a parameter by which nearby ones differ
 LOOKED = 8  # states of a motion at which the sizes of terms are taken
 
 
-class Measurable:
+class Measurable(Parametrized):
     """A compiled model whose accuracy has a price that can be measured."""
 
-    _loaded: Loaded
     run: Callable[..., Any]
-
-    @property
-    def interface(self) -> Interface:
-        raise NotImplementedError
-
-    def _bound(self, parameters: Mapping[str, Any] | None, demanding: bool = True) -> list[float]:
-        raise NotImplementedError
 
     def cost(
         self,
@@ -92,7 +82,8 @@ class Measurable:
             return _verified(run, accuracy, process_time() - start, names)
 
         def nearby(k: int) -> Probe | None:
-            """The probe with parameters of up to 1 % more or less; None where that has no initial state."""
+            """Return the probe with parameters of up to 1 % more or less; None where that has no initial
+            state."""
             dice = Random(k)
             moved = [value * (1.0 + dice.uniform(-NEAR, NEAR)) for value in values]
             with suppress(Refused, ValueError, ArithmeticError):
@@ -117,8 +108,8 @@ class Measurable:
 def term_sizes(
     equations: EquationsOfMotion, system: System, x0: Sequence[float], times: Sequence[float], table: Array
 ) -> Array:
-    """The size of the terms of each state and output over a motion from the state x0 of a system in Python,
-    from LOOKED rows of its values; contacts are as in x0.
+    """Return the size of the terms of each state and output over a motion from the state x0 of a system in
+    Python, from LOOKED rows of its values; contacts are as in x0.
 
     A state has the largest value of its unit."""
     import numpy as np

@@ -7,13 +7,11 @@ from contextlib import suppress
 from operator import index
 from typing import TYPE_CHECKING, Any
 
-from lagc.api.values import real, reals
-from lagc.compiler.loaded import Loaded
+from lagc.api.values import Parametrized, real, reals
 from lagc.compiler.stages import PER_OPERATION
 from lagc.host.budgets import Exhausted, reached
 
 if TYPE_CHECKING:
-    from lagc.lowering.program import Interface
     from lagc.simulation.backends.python import NumpySystem
     from lagc.simulation.linearization.derivatives import Array, Point
     from lagc.simulation.linearization.linear_model import Linear
@@ -27,25 +25,17 @@ FIXED = {"inertia": "inertia", "forces": "force", "rows": "row", "conditions": "
         "indicators": "indicator"}  # fmt: skip
 
 
-class Differentiable:
+class Differentiable(Parametrized):
     """A compiled model with derivatives, whose code is compiled when it is first needed."""
 
-    _loaded: Loaded
     simulate: Callable[..., Solution]
-
-    @property
-    def interface(self) -> Interface:
-        raise NotImplementedError
-
-    def _bound(self, parameters: Mapping[str, Any] | None, demanding: bool = True) -> list[float]:
-        raise NotImplementedError
 
     def differentiated(
         self, parameters: Mapping[str, Any] | None = None, x: Sequence[float] | None = None
     ) -> NumpySystem:
-        """The system with derivatives and the parameters of this model, replaced by those given. Discrete
-        variables are inputs that are held at their values in the whole state `x` (None: at their starts).
-        Contacts are held in their modes in `x`, as equations and loads."""
+        """Return the system with derivatives and the parameters of this model, replaced by those given.
+        Discrete variables are inputs that are held at their values in the whole state `x` (None: at their
+        starts). Contacts are held in their modes in `x`, as equations and loads."""
         values, own = self._bound(parameters), self.interface
         if own.contacts and x is not None:
             from lagc.simulation.linearization.contact_modes import modes_of
@@ -108,7 +98,7 @@ class Differentiable:
         return found
 
     def _on_one_side(self, point: Point, of: str, words: Sequence[str], found: Array) -> Array:
-        """The derivatives at a state where modes change; warns if they differ on the other side."""
+        """Return the derivatives at a state where modes change; warns if they differ on the other side."""
         import warnings
 
         import numpy
@@ -178,7 +168,7 @@ class Differentiable:
         return replace(found, notes=(*notes, *found.notes)) if notes else found
 
     def _acting(self, parameters: Mapping[str, Any] | None) -> NumpySystem:
-        """The system without derivatives."""
+        """Return the system without derivatives."""
         from lagc.simulation.backends.python import NumpySystem
 
         found = self._loaded.system("numpy").bind(self._bound(parameters))
@@ -186,8 +176,8 @@ class Differentiable:
         return found
 
     def _whole(self, t: float, x: Sequence[float], parameters: Mapping[str, Any] | None) -> list[float]:
-        """The whole state of x = (q, v): discrete variables have their starts, contacts are in their modes
-        there."""
+        """Return the whole state of x = (q, v): discrete variables have their starts, contacts are in their
+        modes there."""
         if not self.interface.discretes:
             return list(x)
         system = self._acting(parameters)
@@ -252,8 +242,8 @@ class Differentiable:
     def _at_rest(
         self, start: list[float], parameters: Mapping[str, Any] | None
     ) -> Iterator[tuple[NumpySystem, list[float], float]]:
-        """The systems in which equilibria are looked for, with whole states and shares of the tries: with
-        contacts, one for each of their modes."""
+        """Return the systems in which equilibria are looked for, with whole states and shares of the tries:
+        with contacts, one for each of their modes."""
         yield self.differentiated(parameters, start), start, 1.0
         if self.interface.contacts:
             from lagc.diagnostics.faults import Refused
@@ -272,8 +262,8 @@ class Differentiable:
         progress: Callable[[float], None] | None = None,
         search: bool = False,
     ) -> tuple[list[float], tuple[str, ...]]:
-        """The whole state at a time, and notes on its accuracy. At an impact there is no linear model, but a
-        state where a search begins."""
+        """Return the whole state at a time, and notes on its accuracy. At an impact there is no linear model,
+        but a state where a search begins."""
         run = self.simulate(
             t, accuracy=ACCURACY, points=2, parameters=parameters, starts=starts, progress=progress
         )
@@ -299,7 +289,7 @@ class Differentiable:
         return table[:, columns]
 
     def _places(self, word: str, fixed: bool) -> tuple[str, slice]:
-        """The group of variables that contains a word, and its columns in the group."""
+        """Return the group of variables that contains a word, and its columns in the group."""
         interface = self.interface
         nq, nv, n = interface.nq, interface.nv, len(interface.parameters)
         groups = {

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from time import process_time
 from typing import TYPE_CHECKING, Any
 
-from lagc.api.values import quantities, seconds
+from lagc.api.values import Parametrized, quantities, seconds
 from lagc.base.records import replace
 from lagc.compiler.loaded import Loaded
 from lagc.compiler.pipeline import Compilation
@@ -24,11 +24,8 @@ ACCURACIES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 ALIKE = 4e-15  # difference of rates, over the largest of their unit on the motion, that is round-off
 
 
-class Comparable:
+class Comparable(Parametrized):
     """A compiled model whose scene can be compared with scenes of fewer effects."""
-
-    _loaded: Loaded
-    _given: Mapping[str, Any]
 
     def effects(
         self,
@@ -92,7 +89,7 @@ class Comparable:
             return make
 
         def closure(effects: Names) -> Names | None:
-            """The effects with all that need them: those that are refused without them."""
+            """Return the effects with all that need them: those that are refused without them."""
             while True:
                 found = _compiled(compilation, effects, frozenset())
                 if not isinstance(found, Refused):
@@ -122,7 +119,8 @@ class Comparable:
 def without(
     loaded: Loaded, given: Mapping[str, Any], effects: Sequence[str]
 ) -> tuple[Loaded, dict[str, Any]]:
-    """The scene without these effects, and the given values of parameters that it has.  Raises Refused."""
+    """Return the scene without these effects, and the given values of parameters that it has.  Raises
+    Refused."""
     found = _compiled(loaded.compilation, frozenset(effects), frozenset(), loaded.asked)
     if isinstance(found, Refused):
         raise found
@@ -133,7 +131,7 @@ def without(
 
 
 def _compiled(compilation: Compilation, without: Names, more: Names, backend: str = "c") -> Loaded | Refused:
-    """The scene with other effects; a fault of the text, if it has one then."""
+    """Return the scene with other effects; a fault of the text, if it has one then."""
     choice = compilation.choice
     kept = tuple([name for name in choice.with_effects if name not in without])
     added = tuple(sorted(more))
@@ -146,7 +144,7 @@ def _compiled(compilation: Compilation, without: Names, more: Names, backend: st
 
 
 def _event_names(interface: Interface) -> list[str]:
-    """The names of all events that a run may have."""
+    """Return the names of all events that a run may have."""
     from lagc.simulation.simulate import KINDS
 
     contacts = [c.name for c in interface.contacts]
@@ -221,7 +219,8 @@ class _Variant:
                       ends, cut, frozenset(_event_names(self.loaded.artifact.interface)))  # fmt: skip
 
     def plain(self, setting: Motion, repeats: int) -> tuple[float, int]:
-        """The CPU time and the evaluations of a run without verification, recorded at its end alone."""
+        """Return the CPU time and the evaluations of a run without verification, recorded at its end
+        alone."""
         system = self.loaded.system("c").bind(self.values)
         if not hasattr(self, "x0"):
             self.x0 = self.loaded.initialize(system, Request(stop=self.times[-1], starts=self.starts,

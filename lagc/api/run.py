@@ -29,7 +29,7 @@ class Run(Solution):
     request: Request | None = None
 
     def __getitem__(self, name: str) -> Array:
-        """The values of a column, (points,), or of any expression of the model, such as
+        """Return the values of a column, (points,), or of any expression of the model, such as
         `norm(velocity(bob))`; of a vector (points, 3).  Raises KeyError."""
         if not isinstance(name, str) or name in self.units or self.loaded is None:
             return super().__getitem__(name)

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, SupportsFloat, TypeAlias
 
-from lagc.base.text import Quantity, number
+from lagc.base.text import Given, Quantity, number
+from lagc.compiler.loaded import Loaded
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.simulation.request import expression, si
+from lagc.simulation.request import bound_parameters, expression, si
 
 if TYPE_CHECKING:
+    from lagc.compiler.artifact import Artifact
+    from lagc.lowering.program import Interface
     from lagc.semantics.context import Points
 
 MOST_LISTED = 8  # names of entries in a message
@@ -50,7 +53,7 @@ def quantities(what: str, given: Mapping[str, Value] | None) -> dict[str, float 
 
 
 def _named(what: str, given: Any) -> Mapping[str, Any]:
-    """The mapping of values by name; empty for None.  Raises TypeError."""
+    """Return the mapping of values by name; empty for None.  Raises TypeError."""
     if given is None:
         return {}
     if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in given):
@@ -74,7 +77,7 @@ def _quantity(name: str, value: Value) -> float | Quantity:
 
 
 def real(name: str, value: object) -> float:
-    """A number; a text is read as strictly as on the command line.  Raises ValueError or TypeError."""
+    """Return a number; a text is read as strictly as on the command line.  Raises ValueError or TypeError."""
     if isinstance(value, SupportsFloat):
         try:
             return float(value)
@@ -110,14 +113,14 @@ def words(what: str, given: str | Sequence[str]) -> tuple[str, ...]:
 
 
 def word(what: str, given: str | None) -> str | None:
-    """A text or None.  Raises TypeError."""
+    """Return a text or None.  Raises TypeError."""
     if not isinstance(given, str | None):
         raise TypeError(f"`{what}` must be a text, not {given!r}")
     return given
 
 
 def condition(given: str | None) -> str | None:
-    """The condition `until`.  Raises TypeError, or Refused if the text is empty."""
+    """Return the condition `until`.  Raises TypeError, or Refused if the text is empty."""
     if word("until", given) is not None and not str(given).strip():
         raise Refused([Fault("LAG0604", "`until` needs a condition, such as 'x > 3 [m]'")])
     return given
@@ -131,3 +134,34 @@ def seconds(name: str, value: Value | None) -> float | None:
     if faults:
         raise Refused(faults)
     return found
+
+
+class Parametrized:
+    """A compiled model with values of its parameters."""
+
+    _loaded: Loaded
+    _given: Given
+
+    @property
+    def artifact(self) -> Artifact:
+        """The generated code and its interface."""
+        return self._loaded.artifact
+
+    @property
+    def interface(self) -> Interface:
+        """Names, units and sizes of states, parameters, inputs and outputs."""
+        return self.artifact.interface
+
+    def _bound(self, parameters: Mapping[str, Value] | None, demanding: bool = True) -> list[float]:
+        given = self._with_given(parameters) if parameters is not None else self._given
+        return bound_parameters(self.interface, given, self.artifact.unused, demanding)
+
+    def _with_given(self, parameters: Mapping[str, Value]) -> dict[str, float | Quantity]:
+        """Return the values of this model, replaced by those of `parameters`."""
+        more = quantities("parameters", parameters)
+        for name in self.artifact.built_in:
+            if name in more and more[name] != self._given.get(name):
+                fault = Fault("LAG0607", f"`{name}` is built into the compiled model: no run can change it",
+                              remedy="give it to `compile(parameters=...)`")  # fmt: skip
+                raise Refused([fault])
+        return {**self._given, **more}

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 FINEST = 1e-15  # least relative tolerance, set by round-off
+WIDTH, NARROW = 80, 20  # characters of a line on a terminal; of a column that is broken into lines
 MOST_POINTS = sys.maxsize // 2  # limit on the length of a list
 # Compiled at the first use, which most runs never need.
 _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
@@ -72,9 +73,36 @@ def one_line(text: str) -> str:
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """Return the lines of a table with columns as wide as they need, indented by two."""
+    """Return the lines of a table with columns as wide as they need, indented by two. The last column breaks
+    its words into lines where the table is wider than a terminal."""
     widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
-    return ["  " + "  ".join(cell.ljust(w) for cell, w in zip(row, widths)).rstrip() for row in (head, *rows)]
+    before = 2 + sum(width + 2 for width in widths[:-1])
+    found = []
+    for row in (head, *rows):
+        cells = "".join([f"{cell:{width}}  " for cell, width in zip(row[:-1], widths)])
+        first, *more = broken(row[-1], max(WIDTH - before, NARROW))
+        found += [f"  {cells}{first}".rstrip(), *[f"{'':{before}}{line}" for line in more]]
+    return found
+
+
+def broken(text: str, width: int) -> list[str]:
+    """Return the words of a text in lines that are not longer than `width`, if its words are not."""
+    if len(text) <= width:
+        return [text]
+    lines = [""]
+    for word in text.split(" "):
+        if lines[-1] and len(lines[-1]) + 1 + len(word) > width:
+            lines.append(word)
+        else:
+            lines[-1] += f" {word}" if lines[-1] else word
+    return lines
+
+
+def entry(key: str, text: str, indent: int = 12) -> list[str]:
+    """Return a line `key text` of a report, the text from the column `indent` on, in lines that fit a
+    terminal."""
+    first, *more = broken(text, WIDTH - indent)
+    return [f"  {key:{indent - 2}}{first}".rstrip(), *[f"{'':{indent}}{line}" for line in more]]
 
 
 def json_text(value: object, indent: int | None = None, encoding: str = "utf-8") -> str:

@@ -65,7 +65,7 @@ def _done(place: cache.Folder, options: argparse.Namespace) -> dict[str, Any]:
 
 
 def text(facts: dict[str, Any], quiet: bool) -> list[str]:
-    """The lines that are printed."""
+    """Return the lines that are printed."""
     if facts["status"] == "refused":
         return [str(facts["reason"])]
     if facts["folder"] is None:
@@ -90,7 +90,7 @@ def text(facts: dict[str, Any], quiet: bool) -> list[str]:
 
 
 def size(count: float) -> str:
-    """A number of bytes as text in B, kB, MB or GB."""
+    """Return a number of bytes as text in B, kB, MB or GB."""
     for unit in ("B", "kB", "MB"):
         if count < 1000:
             return f"{count:.3g} {unit}"

@@ -16,7 +16,7 @@ from lagc.cli.options import (
     quantities,
     quantity,
 )
-from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show
+from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show_report
 from lagc.host.budgets import reached, rest
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print_json({"status": "interrupted" if interrupted else "ok", **to_dict(comparison)})
     else:
-        show(text(comparison, options.verbose))
+        show_report(text(comparison, options.verbose), color=False if options.no_color else None)
     if interrupted:
         say("interrupted: these are the runs until then", options.quiet or options.json)
         return LIMITED if reached() else INTERRUPTED
@@ -110,6 +110,6 @@ def _parameters(model: CompiledModel) -> list[str]:
 
 
 def _known_values(given: Mapping[str, T], known: Sequence[Sequence[str]], k: int) -> dict[str, T]:
-    """The given values that model k has; also those that none has, so that it refuses them."""
+    """Return the given values that model k has; also those that none has, so that it refuses them."""
     others = {name for names in known for name in names}
     return {name: value for name, value in given.items() if name in known[k] or name not in others}

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from lagc.base.records import replace
 from lagc.cli.options import add_list_option, add_plot_option, quantities, split
-from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show
+from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show_report
 from lagc.cli.signals import SIGNALS
 from lagc.host.atomic_write import output
 from lagc.host.budgets import reached, rest
@@ -95,12 +95,13 @@ def check_picture(options: argparse.Namespace) -> None:
 
 
 def pictures_of(interface: Interface, options: argparse.Namespace) -> tuple[str, str]:
-    """The files of the plot and of the animation; "" for none."""
+    """Return the files of the plot and of the animation; "" for none."""
     return picture_of(interface, options.plot), animation_of(interface, options.animate)
 
 
 def picture_of(interface: Interface, named: str | None) -> str:
-    """The file for the plot: the one given, one in the current folder if there is no display, or ""."""
+    """Return the file for the plot: the one given, one in the current folder if there is no display, or
+    ""."""
     if named != "":
         return named or ""
     from lagc.reports.plots.plot import has_display, path_beside
@@ -109,7 +110,7 @@ def picture_of(interface: Interface, named: str | None) -> str:
 
 
 def animation_of(interface: Interface, named: str | None) -> str:
-    """The file for the animation: the one given, one in the current folder, or "" for none."""
+    """Return the file for the animation: the one given, one in the current folder, or "" for none."""
     if named != "":
         return named or ""
     from lagc.host.atomic_write import fitting
@@ -226,7 +227,7 @@ def deliver(
 
 
 def output_beside(path: str | None) -> AbstractContextManager[object]:
-    """A block whose output goes to standard error if the file `path` is standard output."""
+    """Return a block whose output goes to standard error if the file `path` is standard output."""
     return redirect_stdout(sys.stderr) if path and output(path) == 1 else nullcontext()
 
 
@@ -236,7 +237,8 @@ def _print(found: Run, options: argparse.Namespace, more: Mapping[str, object]) 
     else:
         from lagc.cli.summary import summary
 
-        show(summary(found, options.scene is None, quiet=options.quiet, verbose=options.verbose) + "\n")
+        text = summary(found, options.scene is None, quiet=options.quiet, verbose=options.verbose)
+        show_report(text + "\n", color=False if options.no_color or options.quiet else None)
 
 
 def _save(found: Run, options: argparse.Namespace) -> bool:
@@ -340,7 +342,7 @@ def spare(compilation: Compilation, *paths: str | None) -> None:
 
 
 def _real(path: str) -> str:
-    """The path without links, or itself if the current folder no longer exists."""
+    """Return the path without links, or itself if the current folder no longer exists."""
     try:
         return os.path.realpath(path)
     except OSError:

@@ -79,7 +79,7 @@ def _backends(wanted: str) -> tuple[str, ...]:
 
 
 def _machine() -> str:
-    """The date, the processor and the versions."""
+    """Return the date, the processor and the versions."""
     import platform
     from datetime import date
 

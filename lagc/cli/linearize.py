@@ -175,7 +175,7 @@ def _deliver(found: list[Linear], facts: dict[str, Any], options: argparse.Names
 
 
 def _picture(interface: Interface, named: str | None) -> str:
-    """The file for the plot of the modes: the one given, or one in the current folder, or ""."""
+    """Return the file for the plot of the modes: the one given, or one in the current folder, or ""."""
     from lagc.host.atomic_write import fitting
 
     beside = f"{fitting(f'{interface.model}_{interface.scene}_modes')}.png"
@@ -183,7 +183,7 @@ def _picture(interface: Interface, named: str | None) -> str:
 
 
 def _content(found: list[Linear], facts: dict[str, Any], path: str) -> bytes:
-    """The content of the file: JSON, or arrays A B C D eigenvalues modes x, with the suffix _2 for the
+    """Return the content of the file: JSON, or arrays A B C D eigenvalues modes x, with the suffix _2 for the
     second model."""
     if not path.lower().endswith(".npz"):
         from lagc.base.text import json_text

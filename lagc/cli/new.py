@@ -80,7 +80,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _listing() -> str:
-    """One line for each model of the library, with the description of the last model in its file."""
+    """Return one line for each model of the library, with the description of the last model in its file."""
     models = model_library.library_models()
     width = max(map(len, models), default=0)
     found = []

@@ -44,7 +44,7 @@ def add_limit_options(parser: argparse.ArgumentParser) -> None:
 
 
 def limits_of(options: argparse.Namespace) -> Limits:
-    """The limits of a command; by default those of each stage and of this machine."""
+    """Return the limits of a command; by default those of each stage and of this machine."""
     from lagc.host.budgets import Limits, of_this_machine
 
     time = _limit(getattr(options, "max_time", None), "--max-time", seconds, "90, 10min or 2h")
@@ -101,7 +101,7 @@ def add_start_option(parser: argparse.ArgumentParser) -> None:
 
 
 def choice_of(options: argparse.Namespace) -> Choice:
-    """The choice that the options of `add_model_options` make."""
+    """Return the choice that the options of `add_model_options` make."""
     from lagc.compiler.stages import Choice
     from lagc.simulation.request import expression
 
@@ -130,7 +130,7 @@ def choice_of(options: argparse.Namespace) -> Choice:
 
 
 def _names(word: str | None) -> tuple[str, ...] | None:
-    """The names of `--outputs`.  Raises Usage if there is none."""
+    """Return the names of `--outputs`.  Raises Usage if there is none."""
     if word is None:
         return None
     names = tuple([name.strip(_SPACES) for name in split(word) if name.strip(_SPACES)])

@@ -208,7 +208,7 @@ def part_outputs(options: argparse.Namespace) -> None:
 
 
 def request_of(options: argparse.Namespace) -> Request:
-    """The request without initial values.  Raises Usage if a word is not a number."""
+    """Return the request without initial values.  Raises Usage if a word is not a number."""
     from lagc.simulation.request import Request
 
     sensitivity = tuple([name for word in options.sensitivity for name in split(word)])
@@ -251,8 +251,8 @@ def _set(
     guesses: Mapping[str, Any],
     quiet: bool,
 ) -> tuple[tuple[str, ...], float, float, str]:
-    """The effects to leave out, the change, its error bar, and how long it took to find them; "" if they were
-    known."""
+    """Return the effects to leave out, the change, its error bar, and how long it took to find them; "" if
+    they were known."""
     from lagc.cli.output import Bar
 
     begin = [sorted(starts.items()), sorted(guesses.items())]

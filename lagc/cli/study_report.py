@@ -10,7 +10,7 @@ from typing import Any
 
 from lagc.cli.deliver import write_or_keep
 from lagc.cli.options import add_list_option
-from lagc.cli.output import DONE, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show
+from lagc.cli.output import DONE, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show_report
 from lagc.host.budgets import reached, rest
 from lagc.host.packages import PICTURES, is_installed
 
@@ -60,7 +60,7 @@ def deliver(
     if options.json:
         print_json({"status": "ok" if found.complete else "interrupted", **data})
     else:
-        show(text)
+        show_report(text, color=False if options.no_color else None)
     if not found.complete:
         return LIMITED if late or reached() else INTERRUPTED
     return DONE if all(written) else UNWRITTEN
@@ -89,7 +89,7 @@ def _write(path: str, found: Any, heading: str, report: Any, picture: str, quiet
 
 
 def _picture(path: str, drawn: Any, found: Any, heading: str) -> str:
-    """The picture of a page, or a line that says what it needs."""
+    """Return the picture of a page, or a line that says what it needs."""
     from html import escape
 
     from lagc.reports.plots.plot import svg

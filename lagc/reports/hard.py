@@ -6,7 +6,7 @@ from textwrap import fill
 from typing import Any
 
 from lagc.base.text import printable, table
-from lagc.reports.cost import stand_alone
+from lagc.reports.stand_alone import stand_alone
 from lagc.study.hard.case import Case, Figure, Hard, Row
 
 NAMES = {"c": "C", "numpy": "Python"}
@@ -156,4 +156,4 @@ def to_dict(found: Hard) -> dict[str, Any]:
 
 def page(found: Hard, heading: str, picture: str) -> str:
     """Return one stand-alone HTML page; `picture` is an element `<svg>`."""
-    return stand_alone(heading, picture, text(found, heading))
+    return stand_alone(heading, headline(found), (), picture, text(found, heading))

@@ -245,7 +245,7 @@ class Builder:
     def _with_description(
         self, declarators: tuple[tree.Declarator, ...], description: Token | None
     ) -> tuple[tree.Declarator, ...]:
-        """A description after `unless` is that of the last name."""
+        """Return a description after `unless` is that of the last name."""
         if description is None:
             return declarators
         return (*declarators[:-1], replace(declarators[-1], description=self._text(description)))

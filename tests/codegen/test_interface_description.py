@@ -11,7 +11,6 @@ import pytest
 from lagc.codegen.c.emit import render
 from lagc.codegen.identifiers import prefix
 from lagc.codegen.kernel_compiler.library import library
-from lagc.codegen.python.classes import STATES
 from lagc.codegen.python.support import slices
 from lagc.codegen.python.support.base import Options
 from lagc.codegen.sizes import methods_of
@@ -28,8 +27,6 @@ DOCS = Path(__file__).parents[2] / "docs"
 def test_options_are_those_of_the_kernels() -> None:
     names = [name for name, *_ in library("double").part("Options", {"NMODE": True}).members]
     assert sorted(names) == sorted(vars(Options()).keys() - {"watch"})
-    slots = re.search(r"__slots__ = \((.*?)\)", STATES, re.S)
-    assert slots is not None and re.findall(r'"(\w+)"', slots[1]) == sorted(names)
     bad = [part.name for part in library("double").constants("language/records", "Code")]
     assert [f"BAD_{name.upper()}" for name in slices.OPTIONS] == bad[: len(slices.OPTIONS)]
 

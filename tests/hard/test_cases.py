@@ -125,14 +125,14 @@ def _no_guard(module: dict[str, Any]) -> None:
         indicate(p, t, x, w)
         for i in range(contacts):
             if x[len(x) - contacts + i] != 0.0:
-                w.indicators[relations - contacts + i] = 1.0
+                w.events.indicators[relations - contacts + i] = 1.0
 
     def enclosed(s: Any, w: Any) -> None:
         enclose(s, w)
         for i in range(contacts):
             if s.x[len(s.x) - contacts + i] != 0.0:
                 j = free - contacts + i
-                w.enclosures[2 * j : 2 * j + 2] = [1.0, 1.0]
+                w.events.enclosures[2 * j : 2 * j + 2] = [1.0, 1.0]
 
     module.update(indicate_forces=indicated, enclose_forces=enclosed)
 

@@ -258,7 +258,7 @@ def test_derivatives_by_columns_are_those_by_entries(monkeypatch: pytest.MonkeyP
             [0.5, 0.0, 0.5, 1.5, 0.0, 0.5, pi / 2.0, pi / 2.0, *[0.0] * 8],
         )  # fmt: skip
         assert run.step(0.1) == 0
-        found.append((run.t, run.slopes[:], run.mass[:], run.x))
+        found.append((run.t, run.newton.slopes[:], run.newton.mass[:], run.x))
     assert found[0][0] == found[1][0]
     for one, two in zip(found[0][1:], found[1][1:]):
         scale = max(map(abs, one))

@@ -313,6 +313,22 @@ def test_an_interruption_keeps_what_was_measured() -> None:
 
 @needs_compiler
 @pytest.mark.full
+def test_a_run_longer_than_the_budget_ends_the_study(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The exit code is that of a limit, not that of Ctrl-C."""
+
+    def late(*given: object) -> None:
+        raise Late("a run takes longer than the budget")
+
+    monkeypatch.setattr(cost, "look_nearby", late)
+    (tmp_path / "spring.lag").write_text(SPRING)
+    assert main(["cost", str(tmp_path / "spring.lag"), "--points", "21", "--budget", "3", "-q"]) == 4
+    assert "a run took too long: the results so far" in capsys.readouterr().out
+
+
+@needs_compiler
+@pytest.mark.full
 def test_without_quadruple_precision_the_report_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     own = Probe.__init__
 

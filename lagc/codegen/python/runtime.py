@@ -9,7 +9,6 @@ from functools import cache
 from lagc.codegen.heading import rates, statuses
 from lagc.codegen.kernel_compiler.library import Chosen, library
 from lagc.codegen.kernel_compiler.parts import Part
-from lagc.codegen.python.classes import EQUATIONS, states
 from lagc.codegen.sizes import flags_of, methods_of, sizes_of, tables_of
 from lagc.kernels import DEFAULT_METHOD, METHODS
 from lagc.lowering.program import Interface, Program
@@ -17,7 +16,6 @@ from lagc.lowering.program import Interface, Program
 PYTHON = "python"  # the language
 MARK = "# -- what follows is part of generated modules --\n"
 SUPPORT = ("base.py", "slices.py")  # runs of lagc use them too
-OF_CONTACTS = ("contacts.py",)
 # Kernels of every model, and of models with constraints.
 ROOTS = ("begin", "step", "dense", "advance", "record", "factor_safely", "system_at")
 OF_SYSTEM = ("system_at",)  # if the program has the dense system
@@ -52,7 +50,22 @@ def fn_convolve(k, left, right, squares, sums):
         half = [s + a * a for s, a in zip(half, squares[k // 2])]
     sums[:] = found + half
 """
-PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NALL", "NY", "NWORK", "NMODE", "NWHEN")
+PUBLIC = (
+    "NQ",
+    "NV",
+    "NZ",
+    "NX",
+    "NC",
+    "NH",
+    "NP",
+    "NALL",
+    "NY",
+    "NWORK",
+    "NMODE",
+    "NWHEN",
+    "NCON",
+    "NHEALTH",
+)
 
 
 def definitions(program: Program, complete: bool, given: frozenset[str]) -> list[str]:
@@ -62,16 +75,17 @@ def definitions(program: Program, complete: bool, given: frozenset[str]) -> list
     checks = ("is_bound",) if complete and program.interface.prepared else ()
     use = _needed(program.interface, (*ROOTS, *embedded, *search, *checks), complete)
     interface = program.interface
-    more = support(OF_CONTACTS) if interface.contacts else ()
+    more = support(("contacts.py",)) if interface.contacts else ()
     return [_constants(interface, use, given), *_support(interface), *more, _work(program), *kernels(use),
             *([_CONVOLVE] if "fn_convolve" in use.names else ()),
             *([_observe(program)] if "fn_observe" in use.names else ()),
             *([_COPY_STATE] if "fn_copy_state" in use.names else ()), _equations(interface),
-            states(bool(interface.contacts))]  # fmt: skip
+            *support(("integrator.py",))]  # fmt: skip
 
 
 def _equations(interface: Interface) -> str:
-    return EQUATIONS.replace("rhs_at(", f"{rates(interface)}(")
+    (text,) = support(("equations.py",))
+    return text.replace("rhs_at(", f"{rates(interface)}(")
 
 
 def _support(interface: Interface) -> tuple[str, ...]:

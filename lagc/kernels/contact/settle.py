@@ -80,6 +80,15 @@ def set_speeds(s: State, w: Work) -> None:
         w.contacts.law.terms[r] = speed_size(row, s, w)
 
 
+def fastest_approach(w: Work) -> int:
+    """Return the listed contact that approaches fastest."""
+    fastest = w.contacts.touching[0]
+    for n in range(w.contacts.law.count):
+        if w.contacts.approach[w.contacts.touching[n]] > w.contacts.approach[fastest]:
+            fastest = w.contacts.touching[n]
+    return fastest
+
+
 def strike_contacts(p: Params, s: State, w: Work) -> Status:
     """Let the listed contacts that approach have an impact, and set w.settling.leaves: 1 for those that leave
     then."""
@@ -107,7 +116,7 @@ def strike_contacts(p: Params, s: State, w: Work) -> Status:
     found = strike_all(w)
     if found != IMPACT_NONE:
         if found != IMPACT_DONE:
-            w.culprit = w.contacts.touching[0]
+            w.culprit = fastest_approach(w)
             if found == IMPACT_ENDLESS:
                 w.culprit += NMODE - NCON
                 return CHATTERING
@@ -151,6 +160,26 @@ def decide_loaded(p: Params, s: State, w: Work) -> Status:
     return status
 
 
+def leave_out_held(w: Work) -> bool:
+    """Leave out listed contacts whose gaps no motion changes at this place, as that of a pendulum over the
+    floor at its lowest point: neither a force nor its lack tells whether they stay closed. Return whether
+    there are any."""
+    law = w.contacts.law
+    found = False
+    for n in range(law.count):
+        i = w.contacts.touching[n]
+        k = law.first[n]
+        held = law.W[k * law.rows + k] == 0.0
+        if NTWO > 0:
+            held = held and contact_normals[i] == 0
+        if held:
+            w.contacts.touched[i] = 0
+            found = True
+    if found:
+        list_contacts(True, w)
+    return found
+
+
 def decide(p: Params, s: State, w: Work) -> Status:
     """Find which contacts in w.contacts.touched stay closed, w.settling.closed, and the rates
     w.contacts.rates."""
@@ -175,7 +204,9 @@ def decide(p: Params, s: State, w: Work) -> Status:
             return status
     else:
         status = respond(p, s.t, s.x, w)
-        if failed(status):
+        if not failed(status) and leave_out_held(w):
+            status = respond(p, s.t, s.x, w)
+        if failed(status) or law.count == 0:
             return status
         set_accelerations(w.contacts.rates, w)
         set_frictions(p, s.t, s.x, w)

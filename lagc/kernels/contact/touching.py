@@ -56,6 +56,7 @@ def list_contacts(sliding: bool, w: Work) -> None:
     friction, and with slip rows if `sliding`; else for displacements, which bounds of velocities do not
     restrict."""
     law = w.contacts.law
+    # Entry n of the law is contact touching[n]; its row r is row touching_rows[r] of all contacts.
     n = 0
     m = 0
     for i in range(NCON):

@@ -196,6 +196,7 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
     """Return the part of the step where the smallest margin changes sign, to one unit in the last place of
     the time and just beyond the crossing, with w.events.crossed. Illinois method (M. Dowell, P. Jarratt, BIT
     11 (1971) 168-174); each third iteration bisects."""
+    # Margins of several indicators are compared by what each changes over the part.
     low = left
     high = right
     method_dense_at(method, low, s, w.search.x_part_middle)
@@ -208,6 +209,7 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
     above = smallest_margin(p, s.t + high * h, w.search.x_part_middle, s, w)
     method_dense_at(method, low, s, w.search.x_part_middle)
     below = smallest_margin(p, s.t + low * h, w.search.x_part_middle, s, w)
+    # The end that stays halves its value, so that the secant does not keep to one side.
     least = 2.0 * SPACING * (1.0 + fabs(s.t / h))
     turn = 0
     while high - low > least:
@@ -464,6 +466,7 @@ def next_time_event(p: Params, s: State, t1: Real, direction: Real, w: Work) -> 
             first = k
     if not fabs(earliest) < inf:
         return t1
+    # Once more from there: far from zero a time is known to its round-off there, not here.
     fn_indicators_on(p, earliest, s.x, w.modes, w.events.indicators)
     earliest = crossing_time(first, earliest, direction, w)
     near = 8.0 * SPACING * (fabs(earliest) + fabs(s.t))
@@ -473,6 +476,7 @@ def next_time_event(p: Params, s: State, t1: Real, direction: Real, w: Work) -> 
         earliest = t1
     if (earliest - t1) * direction > 0.0:
         return t1
+    # Relations that change at one time do so together.
     for k in range(NTIMED):
         if fabs(w.events.times[k] - earliest) <= near:
             w.events.crossed[k] = 1

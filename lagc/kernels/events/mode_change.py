@@ -238,6 +238,7 @@ def is_driven_back(p: Params, s: State, direction: Real, w: Work) -> bool:
 def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Change the modes of the relations in w.events.crossed at (s.t, s.x). Returns CHATTERING, with the
     relation as the culprit, if an indicator is driven back on both sides and does not slide."""
+    # Rates, indicators and edges before the change: what crosses is confirmed by these.
     if NEDGES > 0:
         for i in range(NEDGES):
             w.events.old_edges[i] = w.events.edges[i]
@@ -254,6 +255,7 @@ def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
         if NWHEN > 0:
             if not drop_contacts(p, s, w):
                 return OK
+    # New modes of what crosses, then of what these move; clauses `when` may act before the motion slides.
     w.events.old_rates[:] = w.events.rates
     leave_modes(s, direction, w)
     propagate_changes(p, s, direction, w.events.old_state_rates, w)
@@ -265,6 +267,7 @@ def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
         if slide_together(p, s, direction, w):
             update_edges(w)
             indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
+    # By the rates in the new modes an indicator goes on, was only touched, slides, or is driven back.
     status = update_indicator_rates(p, s, w)
     if failed(status):
         return status

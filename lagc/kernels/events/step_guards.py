@@ -224,6 +224,7 @@ def first_hidden_part(p: Params, s: State, method: int, a: Trial, w: Work) -> Re
     width = LONGEST_PART
     w.search.x_part_begin[:] = s.x
     while left < 1.0:
+        # A part that may hide something is halved; one that does not makes the next one longer.
         right = left + width if left + width < 1.0 else 1.0
         enclose_dense_output(s, method, a, left, right, w)
         if hides_nothing(p, s.t, a.h, left, right, w):
@@ -258,6 +259,7 @@ def first_part_near_zero(p: Params, s: State, method: int, a: Trial, w: Work) ->
 def find_hidden_event(p: Params, s: State, method: int, a: Trial, rtol: Real, w: Work) -> Real:
     """Return the part of the step from s.x to s.x_new after which something begins that its ends do not
     show, NO_EVENT, or a negative number if the dense output failed."""
+    # Features at the ends come first, which need no enclosure. The dense output is made once, where needed.
     far = False
     if NFEAT > 0:
         features_at(p, s.t, s.x, w.guards.feature_low, w)

@@ -159,6 +159,7 @@ def reinitialize(p: Params, s: State, giver: int, direction: Real, w: Work) -> S
     if NZ > 0:
         fn_energies(p, s.t, s.x, w.clauses.energies)
         before = w.clauses.energies[2]
+    # Clauses act in the order of the text, each on the values that those before it gave.
     given = 0
     for k in range(giver + 1):
         if w.clauses.triggered[k] > 0 and apply_reinit(p, s, k, w):
@@ -179,6 +180,7 @@ def reinitialize(p: Params, s: State, giver: int, direction: Real, w: Work) -> S
     if NZ > 0:
         fn_energies(p, s.t, s.x, w.clauses.energies)
         s.x[NINT - 1] += w.clauses.energies[2] - before
+    # Contacts act on the new values before the modes of relations are known.
     if NCON > 0:
         status = settle_jump(p, s, w)
         if failed(status):
@@ -223,6 +225,7 @@ def act_in_order(p: Params, s: State, direction: Real, since: Real, w: Work) -> 
     new values the state goes back by `since`, the time since the crossing, and w.clauses.at_event_time is
     set."""
     ended = OK
+    # New values may make other conditions true, which trigger their clauses in the next round.
     while update_conditions(p, s, w):
         if s.acts == 0 and not has_left_crossing(p, s, direction, w):
             return report_chattering(w)
@@ -347,6 +350,7 @@ def start_modes(p: Params, s: State, direction: Real, elsewhere: bool, w: Work) 
             s.conditions_known = True
             for j in range(NFREE):
                 s.crossing_times[j] = -inf
+        # Later calls compare with the conditions before: what the caller changed may trigger clauses.
         save_state(s, w)
         if elsewhere:
             status = choose_modes(p, s, direction, w)

@@ -303,7 +303,7 @@ class SettlingWork:
     indicators_unmoved: IVec[NMODE]  # 1: contacts do not change it
     near: IVec[NCON]
     leaves: IVec[NCON]
-    closed: IVec[NCON]  # as contact_modes
+    closed: IVec[NCON]  # modes that the law has found
     rests: IVec[NCON]
     struck: Vec[NCON]  # impulse
     lost: Vec[NCON]  # energy
@@ -376,7 +376,7 @@ class Work:
 
 @struct
 class NewtonState:
-    """What an implicit method keeps from step to step."""
+    """Jacobian and estimates that an implicit method keeps from step to step."""
 
     kept_step: Count  # steps behind which the stages of the last one are kept; -1: none
     jacobian_step: Count  # steps at which the derivatives were computed; -1: not known

@@ -59,7 +59,7 @@ def placeholder_value(entry: Entry) -> Modifier:
 
 
 def _not_given(inner: Instance, parent: Instance) -> Wrong:
-    """The fault of an instance that lacks placeholders, at its own line, with all of them."""
+    """Return the fault of an instance that lacks placeholders, at its own line, with all of them."""
     instance = parent.entries[inner.path[len(parent.path) : -1].partition("[")[0]]
     written, source = instance.declaration, instance.source
     assert isinstance(written, tree.Instance) and isinstance(source, tree.Declarator)
@@ -80,7 +80,7 @@ def _text(written: tree.Argument | tree.Expression) -> str:
 
 
 def _candidate(parent: Instance, kind: str) -> str:
-    """The only thing of the model that may be meant, or dots."""
+    """Return the only thing of the model that may be meant, or dots."""
     kinds = ("body", "point") if kind == "point" else (kind,)
     known = [e.name for e in parent.entries.values() if e.elements is None and _kind(e) in kinds]
     if not known and kind == "frame":

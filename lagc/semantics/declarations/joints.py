@@ -122,7 +122,7 @@ _SQUARE = {NO_TURN: ("yz", "zx", "xy"), ABOUT_Z: ("xz", "yz"), ABOUT_Z_AND_X: ("
 
 
 def _pair(context: Context, joint: Joint, a: Pose, b: Pose) -> list[Row]:
-    """The slides and turns of b against a that a pair does not allow."""
+    """Return the slides and turns of b against a that a pair does not allow."""
     kind, at = joint.kind, joint.point("at")
     assert isinstance(kind, Pair)
     drawn = joint.axes()
@@ -139,7 +139,7 @@ def _pair(context: Context, joint: Joint, a: Pose, b: Pose) -> list[Row]:
 
 
 def _distance(context: Context, joint: Joint, a: Pose, b: Pose) -> list[Row]:
-    """A massless rod between a point of each body, as long as it is drawn."""
+    """Return a massless rod between a point of each body, as long as it is drawn."""
     at, to = joint.point("at"), joint.point("to")
     length = norm(sub(to, at))
     if length.is_zero:
@@ -150,7 +150,7 @@ def _distance(context: Context, joint: Joint, a: Pose, b: Pose) -> list[Row]:
 
 
 def _rolling(context: Context, joint: Joint, a: Pose, b: Pose) -> list[Row]:
-    """A ball, or a disc with an axis, that rolls without slipping on a plane of a."""
+    """Return a ball, or a disc with an axis, that rolls without slipping on a plane of a."""
     graph, at = context.graph, joint.point("at")
     normal, radius = a.direction_of(joint.direction("normal")), joint.number("radius", M)
     centre, foot = b.place_of(at), a.place_of(at)

@@ -38,10 +38,13 @@ class Balance:
         return not self.imbalance > self.explained
 
 
-def balance(system: System, trajectory: Trajectory, groups: Sizes, accuracy: float) -> Balance:
-    """Return the energy balance of a run; `groups` are the scaling groups with their sizes. The sum over the
-    speeds alone is twice the kinetic energy, if no part depends on time.  An imbalance below a tenth of its
-    effect is accepted without further evaluations."""
+def balance(
+    system: System, trajectory: Trajectory, groups: Sizes, accuracy: float, others: Sequence[Trajectory] = ()
+) -> Balance:
+    """Return the energy balance of a run; `groups` are the scaling groups with their sizes, and `others` runs
+    of other tolerances, whose works tell the error of its integral. The sum over the speeds alone is twice
+    the kinetic energy, if no part depends on time.  An imbalance below a tenth of its effect is accepted
+    without further evaluations."""
     states = trajectory.states
     if not states:
         return Balance(0.0, 0.0, 0.0)
@@ -52,7 +55,7 @@ def balance(system: System, trajectory: Trajectory, groups: Sizes, accuracy: flo
     if found.imbalance <= 0.1 * explained:
         return found
     drawn = _Drawn(system, times, states, _picked(len(states), RECORDED))
-    explained = accuracy * WORK_MARGIN * drawn.work()
+    explained = accuracy * WORK_MARGIN * drawn.work() + MARGIN * drawn.error_of_work(system, others)
     found = drawn.balance(explained)
     if found.holds:  # without the derivatives of the energy, which cost one evaluation for each state
         return found
@@ -65,6 +68,7 @@ class _Drawn:
     def __init__(
         self, system: System, times: Sequence[float], states: Sequence[Sequence[float]], picked: list[int]
     ):
+        self.picked = picked
         self.times = [times[k] for k in picked]
         self.energies = [system.energies(times[k], states[k]) for k in picked]
         self.works = [work_of(system, states[k]) for k in picked]
@@ -78,6 +82,16 @@ class _Drawn:
     def work(self) -> float:
         """The sum of the magnitudes of the work done."""
         return sum(abs(b - a) for a, b in pairwise(self.works))
+
+    def error_of_work(self, system: System, others: Sequence[Trajectory]) -> float:
+        """The largest difference from the works of other runs at the same times: where the motion is known
+        exactly, as on a path that a motor holds, steps are long, and the power may not be smooth on them."""
+        found = 0.0
+        for run in others:
+            for k, t, work in zip(self.picked, self.times, self.works):
+                if k < len(run.times) and run.times[k] == t:
+                    found = max(found, abs(work_of(system, run.states[k]) - work))
+        return found
 
     def balance(self, explained: float) -> Balance:
         """The largest imbalance."""

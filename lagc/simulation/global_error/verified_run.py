@@ -371,7 +371,8 @@ class _Search:
         from lagc.simulation.global_error.energy_balance import balance
 
         tol = min(self.runs)
-        return balance(self.system, self.runs[tol], self._sizes(tol), self.accuracy)
+        others = [run for other, run in self.runs.items() if other != tol]
+        return balance(self.system, self.runs[tol], self._sizes(tol), self.accuracy, others)
 
     def _sizes(self, tol: float) -> Sizes:
         return self.measure.sizes(self.runs[tol])
