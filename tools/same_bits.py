@@ -41,7 +41,7 @@ from lagc.cli.main import main as run_command  # noqa: E402
 from lagc.compiler.checking import check  # noqa: E402
 from lagc.compiler.stages import Choice, render  # noqa: E402
 from lagc.diagnostics.faults import Refused, Source, report  # noqa: E402
-from lagc.semantics.scenes.variants import Variant, variants  # noqa: E402
+from lagc.semantics.scenes import Variant, variants  # noqa: E402
 from lagc.simulation.request import Request  # noqa: E402
 from lagc.syntax.parse import parse  # noqa: E402
 

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from lagc.reports.derivation.derivation import Derivation
     from lagc.reports.equations.script import Matrices
     from lagc.semantics.model import Model
-    from lagc.semantics.scenes.choice import Inputs
+    from lagc.semantics.scenes import Inputs
     from lagc.simulation.solution import Array
 
 Progress: TypeAlias = Callable[[float], None]

@@ -72,15 +72,15 @@ def one_line(text: str) -> str:
     return printable(text).replace("\n", "\\n")
 
 
-def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+def table(head: Sequence[str], rows: Sequence[Sequence[str]], width: int = WIDTH) -> list[str]:
     """Return the lines of a table with columns as wide as they need, indented by two. The last column breaks
-    its words into lines where the table is wider than a terminal."""
+    its words into lines where the table is wider than `width`."""
     widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
-    before = 2 + sum(width + 2 for width in widths[:-1])
+    before = 2 + sum([w + 2 for w in widths[:-1]])
     found = []
     for row in (head, *rows):
-        cells = "".join([f"{cell:{width}}  " for cell, width in zip(row[:-1], widths)])
-        first, *more = broken(row[-1], max(WIDTH - before, NARROW))
+        cells = "".join([f"{cell:{w}}  " for cell, w in zip(row[:-1], widths)])
+        first, *more = broken(row[-1], max(width - before, NARROW))
         found += [f"  {cells}{first}".rstrip(), *[f"{'':{before}}{line}" for line in more]]
     return found
 

@@ -74,19 +74,9 @@ def run(options: argparse.Namespace) -> int:
     warnings = warnings_of(program.interface, {**compilation.choice.inputs, **compilation.choice.parameters})
     if options.json:
         interface = program.interface
-        print_json(
-            {
-                "status": "ok",
-                "model": interface.model,
-                "scene": interface.scene,
-                "effects": interface.effects,
-                "target": options.target,
-                "files": paths,
-                "operations": interface.operations,
-                "warnings": warnings,
-                "dropped": interface.dropped,
-            }
-        )
+        facts = {name: getattr(interface, name) for name in ("model", "scene", "effects")}
+        facts |= {"target": options.target, "files": paths, "operations": interface.operations}
+        print_json({"status": "ok", **facts, "warnings": warnings, "dropped": interface.dropped})
     elif not options.quiet:
         for warning in warnings:
             say(f"warning: {warning}")

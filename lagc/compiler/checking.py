@@ -56,7 +56,7 @@ def look(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Checked
 
 def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[int]) -> list[Fault]:
     from lagc.semantics.resolve import text_warnings
-    from lagc.semantics.scenes.variants import ByScene, variants
+    from lagc.semantics.scenes import ByScene, variants
 
     try:
         tree = parse(source)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from lagc.lowering.program import Program
     from lagc.mechanics.formulation.equations import EquationsOfMotion
     from lagc.semantics.model import Model
-    from lagc.semantics.scenes.choice import Inputs
+    from lagc.semantics.scenes import Inputs
     from lagc.syntax.tree import Tree
 
 PER_CHARACTER = 1e-3  # s of additional time limit of a stage for each character of the model
@@ -126,7 +126,7 @@ def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
             model = hold_contacts(model, choice.contact_modes)
         if choice.outputs is None:
             return model
-        from lagc.semantics.scenes.requested import PROBE, asked_for
+        from lagc.semantics.requests import PROBE, asked_for
 
         return asked_for(model, (*choice.outputs, *(o.name for o in model.outputs if PROBE in o.name)))
 

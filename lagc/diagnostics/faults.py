@@ -142,13 +142,8 @@ def place(span: Span) -> dict[str, object]:
     """Return 1-based lines and columns; the end is the first character after the span."""
     line, column = span.source.place(span.start)
     end_line, end_column = span.source.place(span.end)
-    return {
-        "file": span.source.name,
-        "line": line,
-        "column": column,
-        "end_line": end_line,
-        "end_column": end_column,
-    }
+    end = {"end_line": end_line, "end_column": end_column}
+    return {"file": span.source.name, "line": line, "column": column, **end}
 
 
 def _order(fault: Fault) -> tuple[bool, str, int]:

@@ -22,18 +22,8 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-KINDS = (
-    "parameter",
-    "input",
-    "time",
-    "coordinate",
-    "rate",
-    "speed",
-    "discrete",
-    "acceleration",
-    "multiplier",
-    *QUANTITIES,
-)
+_LEAVES = "parameter input time coordinate rate speed discrete acceleration multiplier"
+KINDS = (*_LEAVES.split(), *QUANTITIES)
 BIT = {kind: 1 << k for k, kind in enumerate(KINDS)}
 MOVING = BIT["input"] | BIT["time"] | BIT["coordinate"] | BIT["rate"] | BIT["speed"] | BIT["discrete"]
 # Known once the equations are solved.

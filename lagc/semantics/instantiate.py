@@ -230,11 +230,8 @@ class Builder:
                 tree.Construct | tree.Load | tree.Constraint | tree.ForLoop | tree.Initial | tree.When,
             ):
                 continue
-            remedy = (
-                "declare an array before the loop, `coordinate Angle th[n];`"
-                if isinstance(declaration, tree.Quantities)
-                else None
-            )
+            before = "declare an array before the loop, `coordinate Angle th[n];`"
+            remedy = before if isinstance(declaration, tree.Quantities) else None
             raise Wrong("LAG0221", "this is not allowed in a loop", declaration.span, remedy)
         for number in integers(self.context, d.range, destination.environment):
             self.context.grow(d.span)
@@ -265,7 +262,7 @@ class Builder:
 
     def _coordinates(self, joint: Entry, destination: Destination) -> None:
         """Enter the coordinates of a joint as members: `knee.angle`."""
-        from lagc.semantics.joints.linkage import coordinates_of
+        from lagc.semantics.joints import coordinates_of
 
         self.context.has_joints = True
         joint.inner = coordinates_of(joint, self.instance)

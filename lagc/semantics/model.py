@@ -434,25 +434,9 @@ class Figure:
     effect: str | None = None
 
 
-ModelObject: TypeAlias = (
-    Parameter
-    | Input
-    | Coordinate
-    | Orientation
-    | Speed
-    | Discrete
-    | Frame
-    | Point
-    | Body
-    | Action
-    | Constraint
-    | Contact
-    | Output
-    | Limit
-    | Joint
-    | Release
-    | Figure
-)
+StateOrGiven: TypeAlias = Parameter | Input | Coordinate | Orientation | Speed | Discrete
+Shape: TypeAlias = Frame | Point | Body | Joint | Figure
+ModelObject: TypeAlias = StateOrGiven | Shape | Action | Constraint | Contact | Output | Limit | Release
 
 
 @dataclass(frozen=True, slots=True)

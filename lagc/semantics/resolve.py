@@ -18,6 +18,7 @@ from lagc.semantics.declarations.actions import (
     declare_frame,
     declare_free_term,
     declare_load,
+    declare_placeholder,
     declare_point,
     declare_potential,
 )
@@ -27,7 +28,7 @@ from lagc.semantics.declarations.quantities import declare_quantity
 from lagc.semantics.instantiate import Builder
 from lagc.semantics.names.namespace import Importer, Namespace
 from lagc.semantics.names.scope import Entry, Environment, Instance, Reference, Uses, Value
-from lagc.semantics.scenes.choice import (
+from lagc.semantics.scenes import (
     Inputs,
     Numbers,
     Setting,
@@ -180,7 +181,7 @@ def _evaluate(context: Context, instance: Instance) -> list[objects.ModelObject]
 def _probes(context: Context, texts: Sequence[str], environment: Environment) -> list[objects.ModelObject]:
     found: list[objects.ModelObject] = []
     for k, text in enumerate(texts):
-        from lagc.semantics.scenes.requested import parse_probe, probe_outputs  # where there are some
+        from lagc.semantics.requests import parse_probe, probe_outputs  # where there are some
 
         written = parse_probe(context, text)
         context.attempt(lambda n, w: found.extend(probe_outputs(context, n, w, environment)), k + 1, written)
@@ -216,11 +217,9 @@ def _check_given(context: Context, instance: Instance) -> None:
         (context.parameters, "parameter or input", "LAG0215"),
         (context.starts, settable, "LAG0224"),
     ):
-        kinds = (
-            ("parameter", "structural", "input")
-            if table is context.parameters
-            else ("coordinate", "speed", "discrete")
-        )
+        kinds = ("coordinate", "speed", "discrete")
+        if table is context.parameters:
+            kinds = ("parameter", "structural", "input")
         for name, value in table.items():
             if name in context.taken:
                 continue
@@ -321,10 +320,6 @@ _KINDS: dict[str, type[Any]] = {  # fields of the model that hold objects of one
 }  # fmt: skip
 
 
-def _function(context: Context, entry: Entry) -> Value:
-    return Reference(entry)
-
-
 def _instance(context: Context, entry: Entry) -> Value:
     message = f"a size depends on `{entry.path}`, which is only created after the sizes are known"
     raise Wrong("LAG0205", message, entry.span)
@@ -334,12 +329,6 @@ def _without_kind(context: Context, entry: Entry) -> Value:
     from lagc.semantics.names.undeclared import refuse_without_kind  # where there is a fault
 
     return refuse_without_kind(context, entry)
-
-
-def _placeholder(context: Context, entry: Entry) -> Value:
-    from lagc.semantics.declarations.actions import declare_placeholder  # where there are some
-
-    return declare_placeholder(context, entry)
 
 
 def _joint(context: Context, entry: Entry) -> Value:
@@ -365,15 +354,13 @@ def _constraint(context: Context, entry: Entry) -> Value:
 
 
 DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
-    "constant": declare_quantity, "parameter": declare_quantity, "structural": declare_quantity,
-    "input": declare_quantity,
-    "coordinate": declare_quantity, "speed": declare_quantity, "discrete": declare_quantity,
-    "output": declare_quantity,
-    "function": _function, "instance": _instance, "quantity": _without_kind,
+    **dict.fromkeys(("constant", "parameter", "structural", "input", "output"), declare_quantity),
+    **dict.fromkeys(("coordinate", "speed", "discrete"), declare_quantity),
+    "function": lambda context, entry: Reference(entry), "instance": _instance, "quantity": _without_kind,
     "frame": declare_frame, "point": declare_point, "body": declare_body, "gravity": declare_gravity,
     "potential": declare_potential, "kinetic": declare_free_term, "lagrangian": declare_free_term,
     "dissipation": declare_dissipation, "force": declare_load, "torque": declare_load,
-    "constraint": _constraint, "joint": _joint, "placeholder": _placeholder, "draw": _figure,
+    "constraint": _constraint, "joint": _joint, "placeholder": declare_placeholder, "draw": _figure,
 }  # fmt: skip
 
 

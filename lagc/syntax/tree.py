@@ -152,22 +152,9 @@ class Range:
     span: Span
 
 
-Expression: TypeAlias = (
-    Number
-    | Boolean
-    | String
-    | Quantity
-    | Name
-    | Member
-    | Index
-    | Call
-    | Unary
-    | Binary
-    | Conditional
-    | Vector
-    | Family
-    | Range
-)
+Literal: TypeAlias = Number | Boolean | String | Quantity
+Path: TypeAlias = Name | Member | Index | Call
+Expression: TypeAlias = Literal | Path | Unary | Binary | Conditional | Vector | Family | Range
 
 # -- declarations -----------------------------------------------------------------
 

@@ -21,9 +21,7 @@ from lagc.kernels.language.statuses import OK, SINGULAR_MASS
 from lagc.simulation.backends import python
 from lagc.simulation.backends.compile import compiler
 from lagc.study.hard.case import Lab, Row, measured
-from lagc.study.hard.cases import CASES
-from lagc.study.hard.contacts import REFERENCES
-from lagc.study.hard.published import HARD
+from lagc.study.hard.cases import CASES, HARD
 
 OWN = {
     case.name: case for case in CASES if case.name not in HARD
@@ -71,7 +69,7 @@ def test_quick_case(name: str) -> None:
 
 def test_every_file_of_references_is_a_case() -> None:
     files = {path.stem for path in Path(references_folder()).glob("*.json")}
-    assert files - set(HARD) - set(REFERENCES) == {
+    assert files - {case.name for case in CASES} == {
         "andrews_squeezer",
         "rolling_disc",
     }  # a case; accelerations in test_closed_forms

@@ -15,7 +15,7 @@ from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.semantics.model import Coordinate, Model
 from lagc.semantics.resolve import resolve
-from lagc.semantics.scenes.variants import variants
+from lagc.semantics.scenes import variants
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import evaluate, symbols
 from lagc.syntax.parse import parse

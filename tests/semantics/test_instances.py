@@ -10,7 +10,7 @@ from lagc.compiler.checking import check
 from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Refused, Source
 from lagc.semantics.resolve import resolve
-from lagc.semantics.scenes.variants import Variant, variants
+from lagc.semantics.scenes import Variant, variants
 from lagc.syntax.parse import parse
 from tests.semantics.reading import read, value
 

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lagc.reports.animation.arrays import Array, values
 from lagc.reports.animation.frames import Frames
 from lagc.reports.animation.links import Link
 from lagc.reports.animation.places import Solid
 from lagc.reports.animation.scene import Scene
 from lagc.reports.animation.shown import Shown
+from lagc.reports.animation.states import Array, values
 from lagc.reports.animation.surfaces import Row
 from lagc.reports.plots.plot import COLORS as PALETTE
 

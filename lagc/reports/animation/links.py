@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from lagc.base.records import dataclass
-from lagc.reports.animation.arrays import Array, Given
 from lagc.reports.animation.places import EXACT, Sample
-from lagc.reports.animation.states import SAMPLES
+from lagc.reports.animation.states import SAMPLES, Array, Given
 from lagc.semantics.model import Coordinate, Dissipation, Potential
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import reachable, symbols

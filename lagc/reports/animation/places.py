@@ -7,8 +7,15 @@ from typing import Any
 import numpy as np
 
 from lagc.base.records import dataclass, field
-from lagc.reports.animation.arrays import Array, Given, values
-from lagc.reports.animation.states import SAMPLES, of_states, random_configurations, rates_of
+from lagc.reports.animation.states import (
+    SAMPLES,
+    Array,
+    Given,
+    of_states,
+    random_configurations,
+    rates_of,
+    values,
+)
 from lagc.semantics.model import Figure, Frame, Model, Potential
 from lagc.simulation.solution import Solution
 from lagc.symbolic.graph import Node

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from lagc.base.records import dataclass
-from lagc.reports.animation.arrays import Array
 from lagc.reports.animation.links import Distances, Link, arms, rods, springs
 from lagc.reports.animation.places import EXACT, Place, Sample, Solid, names_of
 from lagc.reports.animation.shapes import Shape, declared_shape, find_shapes
+from lagc.reports.animation.states import Array
 from lagc.reports.animation.surfaces import Row, Rows, radii_at_contact, read_rows
 from lagc.semantics.model import Model
 from lagc.simulation.solution import Solution

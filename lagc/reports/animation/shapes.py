@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from lagc.reports.animation.arrays import Array
 from lagc.reports.animation.links import Link
 from lagc.reports.animation.places import Sample, Solid
+from lagc.reports.animation.states import Array
 from lagc.semantics.model import Figure, Joint
 
 Shape = dict[str, Any]

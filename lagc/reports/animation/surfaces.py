@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 from lagc.base.records import dataclass, field, replace
-from lagc.reports.animation.arrays import Array
 from lagc.reports.animation.links import Distances, Link
 from lagc.reports.animation.places import EXACT, Sample, positions
-from lagc.reports.animation.states import SAMPLES
+from lagc.reports.animation.states import SAMPLES, Array
 from lagc.semantics.model import Constraint, Contact
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import symbols

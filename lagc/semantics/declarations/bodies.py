@@ -72,7 +72,7 @@ def declare_body(context: Context, entry: Entry) -> Value:
         position, frame = _place_by_joints(context, entry, position, frame)
         place = Argument(vector_value(position, M), place.span)
     if entry.path in context.released:
-        from lagc.semantics.joints.linkage import release_frame, release_place
+        from lagc.semantics.joints import release_frame, release_place
 
         position = release_place(context, entry, position)
         frame = frame and release_frame(context, entry, frame)
@@ -86,7 +86,7 @@ def declare_body(context: Context, entry: Entry) -> Value:
 def _drawn_frame(context: Context, entry: Entry, call: tree.Call) -> Argument:
     """Return the frame of a solid without one: the axes of the drawing, if a joint places it."""
     if context.has_joints:
-        from lagc.semantics.joints.linkage import linkage_of
+        from lagc.semantics.joints import linkage_of
 
         linkage = linkage_of(context, entry)
         if entry in linkage.placing:
@@ -104,7 +104,7 @@ def _place_by_joints(
     context: Context, entry: Entry, position: Vector, frame: objects.Frame | None
 ) -> tuple[Vector, objects.Frame | None]:
     """Return the position and the frame of a body that joints may place.  Raises Wrong."""
-    from lagc.semantics.joints.linkage import linkage_of
+    from lagc.semantics.joints import linkage_of
     from lagc.semantics.values.frame_vectors import is_constant
 
     linkage = linkage_of(context, entry)
@@ -213,14 +213,10 @@ def _check_principal(a: Node, b: Node, c: Node, span: Span) -> None:
         values = [float(x.value) for x in (a, b, c)]
         largest = max(values)
         if min(values) < 0 or largest > (sum(values) - largest) * (1 + 1e-9):
-            raise Wrong(
-                "LAG0308",
-                "each principal moment of inertia must be non-negative and at most the sum of the two others",
-                span,
-                None
-                if min(values) < 0
-                else moments([f"{x:.15g} [kg.m2]" if x else "0" for x in values], values.index(largest)),
-            )
+            shown = [f"{x:.15g} [kg.m2]" if x else "0" for x in values]
+            remedy = None if min(values) < 0 else moments(shown, values.index(largest))
+            bounds = "non-negative and at most the sum of the two others"
+            raise Wrong("LAG0308", f"each principal moment of inertia must be {bounds}", span, remedy)
 
 
 def _check_matrix(diagonal: Sequence[Node], others: Sequence[Node], span: Span) -> None:
@@ -317,7 +313,7 @@ def releases_of(context: Context, entry: Entry, symbol: Node, unit: str) -> list
     """Return the release of a parameter, if an output asks for its reaction."""
     if symbol.record.owner not in context.released:
         return []
-    from lagc.semantics.joints.linkage import release_parameter
+    from lagc.semantics.joints import release_parameter
 
     return release_parameter(context, entry, symbol, unit)
 

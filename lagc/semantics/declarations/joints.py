@@ -13,8 +13,7 @@ from lagc.diagnostics.faults import Poisoned, Span, Wrong
 from lagc.semantics import model as objects
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.contacts import coefficients
-from lagc.semantics.joints import ABOUT_Z, ABOUT_Z_AND_X, NO_TURN, Pair, Pose
-from lagc.semantics.joints.linkage import TWO_PI, Joint, linkage_of
+from lagc.semantics.joints import ABOUT_Z, ABOUT_Z_AND_X, NO_TURN, TWO_PI, Joint, Pair, Pose, linkage_of
 from lagc.semantics.model import Constraint
 from lagc.semantics.names.scope import Entry, Reference, Scalar, Value
 from lagc.semantics.units import NONE, M, S, over
@@ -53,7 +52,7 @@ def declare_joint(context: Context, entry: Entry) -> Value:
     else:
         a, b = (linkage.pose(end) for end in joint.ends)
         if entry.path in context.released:
-            from lagc.semantics.joints.linkage import release_far_side
+            from lagc.semantics.joints import release_far_side
 
             b = release_far_side(context, entry, b, joint.point("at"))
         rows = _ROWS.get(joint.name, _pair)(context, joint, a, b)

@@ -418,10 +418,6 @@ def _unknown(name: str, e: tree.Call, environment: Environment) -> Wrong:
         remedy = f"write `body b = {name}(...);`" if name != "Gravity" else "write `Gravity field;`"
         return Wrong("LAG0221", message, span, remedy)
     functions = [n for n, entry in environment.instance.entries.items() if entry.kind == "function"]
-    return Wrong(
-        "LAG0201",
-        f"there is no function `{name}`",
-        span,
-        foreign_call(name, [argument.span.text for argument in e.arguments])
-        or did_you_mean(name, [*functions, *BUILTINS, *environment.space.known()]),
-    )
+    meant = foreign_call(name, [argument.span.text for argument in e.arguments])
+    meant = meant or did_you_mean(name, [*functions, *BUILTINS, *environment.space.known()])
+    return Wrong("LAG0201", f"there is no function `{name}`", span, meant)

@@ -90,11 +90,9 @@ def integers(context: Context, expression: tree.Expression, environment: Environ
         raise Wrong("LAG0208", "a loop needs a range, such as `1:n`", expression.span, _range(expression))
     first = integer(context, expression.start, environment, "the start of a range")
     last = integer(context, expression.stop, environment, "the end of a range")
-    step = (
-        1
-        if expression.step is None
-        else integer(context, expression.step, environment, "the step of a range")
-    )
+    step = 1
+    if expression.step is not None:
+        step = integer(context, expression.step, environment, "the step of a range")
     if step == 0:
         span = expression.step.span if expression.step else expression.span
         raise Wrong("LAG0208", "the step of a range must not be 0", span)

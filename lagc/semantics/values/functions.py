@@ -142,9 +142,8 @@ def _abs(context: Context, span: Span, x: Argument) -> Value:
 
 @TABLE.enter("sign", "x")
 def _sign(context: Context, span: Span, x: Argument) -> Value:
-    return Scalar(
-        context.graph.unary("sign", scalar_of(x.value, x.span, "the argument of `sign`").node), NONE
-    )
+    node = scalar_of(x.value, x.span, "the argument of `sign`").node
+    return Scalar(context.graph.unary("sign", node), NONE)
 
 
 @TABLE.enter("floor", "x")
@@ -159,10 +158,7 @@ def _ceil(context: Context, span: Span, x: Argument) -> Value:
 
 @TABLE.enter("mod", "x", "y")
 def _mod(context: Context, span: Span, x: Argument, y: Argument) -> Value:
-    a, b = (
-        scalar_of(x.value, x.span, "the argument of `mod`"),
-        scalar_of(y.value, y.span, "the argument of `mod`"),
-    )
+    a, b = (scalar_of(g.value, g.span, "the argument of `mod`") for g in (x, y))
     dimension = dimension_shared([x, y], "`mod`")
     return Scalar(a.node - b.node * context.graph.unary("floor", a.node / b.node), dimension)
 
@@ -170,10 +166,7 @@ def _mod(context: Context, span: Span, x: Argument, y: Argument) -> Value:
 @TABLE.enter("atan2", "y", "x")
 def _atan2(context: Context, span: Span, y: Argument, x: Argument) -> Value:
     dimension_shared([y, x], "`atan2`")
-    a, b = (
-        scalar_of(y.value, y.span, "the argument of `atan2`"),
-        scalar_of(x.value, x.span, "the argument of `atan2`"),
-    )
+    a, b = (scalar_of(g.value, g.span, "the argument of `atan2`") for g in (y, x))
     return Scalar(context.graph.binary("atan2", a.node, b.node), NONE)
 
 

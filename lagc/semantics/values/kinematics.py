@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from lagc.diagnostics.faults import Span, Wrong
 from lagc.semantics.context import BIT, LATE, VELOCITY, Context
 from lagc.semantics.model import (
@@ -371,19 +373,12 @@ def _wrench(context: Context, owner: str) -> Wrench:
 # -- rotations of frames ------------------------------------------------------------
 
 
-@TABLE.enter("rotate_x", "frame", "angle")
-def _rotate_x(context: Context, span: Span, frame: Argument, angle: Argument) -> Value:
-    return about_axis(context, frame, 0, angle)
+def _rotation_about(k: int) -> Callable[[Context, Span, Argument, Argument], Value]:
+    return lambda context, span, frame, angle: _about_own(context, frame_of(frame), k, 1.0, angle)
 
 
-@TABLE.enter("rotate_y", "frame", "angle")
-def _rotate_y(context: Context, span: Span, frame: Argument, angle: Argument) -> Value:
-    return about_axis(context, frame, 1, angle)
-
-
-@TABLE.enter("rotate_z", "frame", "angle")
-def _rotate_z(context: Context, span: Span, frame: Argument, angle: Argument) -> Value:
-    return about_axis(context, frame, 2, angle)
+for _k, _axis in enumerate("xyz"):
+    TABLE.enter(f"rotate_{_axis}", "frame", "angle")(_rotation_about(_k))
 
 
 @TABLE.enter("rotate", "frame", "axis", "angle", required=2)
@@ -395,14 +390,9 @@ def _rotate(context: Context, span: Span, frame: Argument, axis: Argument, angle
             raise Wrong("LAG0209", "a rotation by an orientation takes no angle", angle.span)
         return turned_frame(context, parent, axis.value)
     if angle is None:
-        raise Wrong(
-            "LAG0210",
-            "`rotate` takes a frame, an axis and an angle, or a frame and an orientation",
-            span,
-            f"for a rotation about the axis z write `rotate_z(world, {axis.span.text})`"
-            if isinstance(axis.value, Scalar)
-            else None,
-        )
+        about_z = f"for a rotation about the axis z write `rotate_z(world, {axis.span.text})`"
+        message = "`rotate` takes a frame, an axis and an angle, or a frame and an orientation"
+        raise Wrong("LAG0210", message, span, about_z if isinstance(axis.value, Scalar) else None)
     if isinstance(axis.value, Scalar) and not isinstance(angle.value, Scalar):
         remedy = f"write the axis first: `rotate({frame.span.text}, {angle.span.text}, {axis.span.text})`"
         raise Wrong("LAG0306", "the axis of a rotation must be a vector {x, y, z}", axis.span, remedy)
@@ -416,10 +406,6 @@ def frame_of(argument: Argument) -> Frame:
         return argument.value
     message = f"a rotation starts from a frame; this is {kind(argument.value)}"
     raise Wrong("LAG0221", message, argument.span, "write the frame first: `rotate_z(world, angle)`")
-
-
-def about_axis(context: Context, frame: Argument, k: int, angle: Argument) -> Frame:
-    return _about_own(context, frame_of(frame), k, 1.0, angle)
 
 
 def _about_own(context: Context, parent: Frame, k: int, sense: float, angle: Argument) -> Frame:

@@ -38,14 +38,9 @@ def member(context: Context, value: Value, e: tree.Member) -> Value:
         return value.entry.parts[e.name]
     known = _members(value)
     if e.name not in known:
-        raise Wrong(
-            "LAG0206",
-            f"{kind(value)} has no `{e.name}`",
-            e.name_span,
-            _call_remedy(value, e)
-            or did_you_mean(e.name, known)
-            or (f"it has {', '.join(known)}" if known else None),
-        )
+        listed = f"it has {', '.join(known)}" if known else None
+        remedy = _call_remedy(value, e) or did_you_mean(e.name, known) or listed
+        raise Wrong("LAG0206", f"{kind(value)} has no `{e.name}`", e.name_span, remedy)
     if isinstance(value, Frame):
         axis = _AXES.index(e.name)
         return vector_value((value.axes[0][axis], value.axes[1][axis], value.axes[2][axis]), NONE)

@@ -194,14 +194,9 @@ def _two_bounds(w: Where, first: Token) -> str | None:
     if w.first.text != "constraint" or colon is None:
         return None
     name = w.source.text[w.first.end : colon.start].strip()
-    left, middle, right = (
-        w.source.text[start:end].strip()
-        for start, end in (
-            (colon.end, first.start),
-            (first.end, w.token.start),
-            (w.token.end, len(w.source.text)),
-        )
-    )
+    text = w.source.text
+    left, middle = text[colon.end : first.start].strip(), text[first.end : w.token.start].strip()
+    right = text[w.token.end :].strip()
     last = right.partition(";")[0]
     found = _ARGUMENTS.search(last)
     own, bound = (found[0], last[: found.start()]) if found else ("", last)  # arguments belong to both
