@@ -168,6 +168,7 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
     """Return the tables of a model (`lagc.kernels.language.model_tables`)."""
     fields = (*interface.parameters, *interface.inputs)
     bounded = [i for i, f in enumerate(fields) if isfinite(f.minimum) or isfinite(f.maximum)]
+    # Initial equations: where the derivatives of each end, and runs of consecutive unknowns.
     ends, columns = with_quaternions(
         interface.condition_ends, interface.condition_columns, interface.quaternions
     )

@@ -410,7 +410,10 @@ def places(body: Sequence[ast.stmt]) -> dict[str, ast.stmt | None]:
             if inner:
                 walk(inner, path)
 
+    # A use is known by the blocks around it, outermost first.
     walk(body, ())
+    # The innermost block around all uses is their common beginning. The first assignment may declare the
+    # local if it stands directly in that block.
     found: dict[str, ast.stmt | None] = {}
     for name, paths in uses.items():
         shared = paths[0]

@@ -136,6 +136,7 @@ class Statics:
     # -- expressions --
 
     def expression(self, node: ast.expr) -> ast.expr:
+        # Kernels that are another one without some size.
         if isinstance(node, ast.Call) and identifier(node.func) in FEWER_WITHOUT:
             flag, other, count = FEWER_WITHOUT[identifier(node.func)]
             if not self.flags[flag]:
@@ -146,6 +147,7 @@ class Statics:
             flag, other = SAME_WITHOUT[node.id]
             if not self.flags[flag]:
                 return self.expression(ast.copy_location(ast.Name(other, ast.Load()), node))
+        # Then words of tableaus: a known test, a combination, a number, a kernel or constant of a method.
         if isinstance(node, ast.IfExp):
             test = self.test(node.test)
             if isinstance(test, bool):
@@ -165,6 +167,7 @@ class Statics:
                 return ast.copy_location(ast.Name(value.id, ast.Load()), node)
             kernel = ast.Name(f"{owner.NAME}_{node.attr}", ast.Load())
             return ast.copy_location(kernel, node)
+        # Arithmetic of known names is done here and now.
         elif any(isinstance(n, ast.Name) and n.id in self.known for n in ast.walk(node)):
             try:
                 value = self.static(node)
@@ -173,6 +176,7 @@ class Statics:
             else:
                 if isinstance(value, int | Fraction):
                     return _number(value, node)
+        # All else is copied with its parts specialised.
         copy = _bare(node)
         for name, value in ast.iter_fields(node):
             if isinstance(value, ast.expr):

@@ -124,6 +124,8 @@ class Types:
             self.statement(node)
 
     def statement(self, node: ast.stmt) -> None:
+        # Each case checks that the statement belongs to the subset, and types its expressions. A statement
+        # that no case takes is refused.
         match node:
             case ast.Assign(targets=[ast.Name(id=name)], value=value):
                 self.bind(node, name, value)
@@ -277,6 +279,7 @@ class Types:
         return found
 
     def _of(self, node: ast.expr) -> Type:
+        # A case returns the type, or falls through to the refusal at the end.
         match node:
             case ast.Constant(value=value):
                 if type(value) in (bool, int, float):

@@ -110,6 +110,7 @@ def constraint_rates_of(e: Vec[NX], w: Work) -> None:
 def project_error(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
     """Remove from the error estimates, near a state x, the part of the speeds that the projection removes:
     what is not along the constraints, in the metric of the mass matrix. Return False if that fails."""
+    # The solve must leave no trace: an estimate is no evaluation of the motion.
     lost = w.rank_deficient
     culprit = w.culprit
     for i in range(NC):
@@ -118,6 +119,8 @@ def project_error(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
         system_at(p, t, x, w)
     status = assemble_at(p, t, x, w)
     if not failed(status):
+        # Both estimates e are projected as speeds are: M d = G^T mu, G d = -(rates of the constraints along
+        # e).
         for j in range(NV):
             w.rows.rhs[j] = 0.0
         for k in range(2):
@@ -182,11 +185,13 @@ def project_positions(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     fn_position(p, t, x, w.rows.values)
     w.position_residual = scaled_residual(w.rows.values, NH, w.rows.scales)
     for n in range(MOST_ITERATIONS):
+        # Small residuals are left: a projection would only add round-off. Once begun it goes to round-off.
         if w.position_residual <= (UNPROJECTED_RESIDUAL if n == 0 else ROUNDOFF_RESIDUAL):
             break
         status = assemble_once(p, t, x, w)
         if failed(status):
             return status
+        # The factors of the first iteration serve all of them. Rates of velocity constraints do not change.
         for i in range(NC):
             w.rows.rhs[NV + i] = 0.0
         for i in range(NH):
@@ -197,6 +202,7 @@ def project_positions(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
             normalise(w.rows.x_candidate)
         fn_position(p, t, w.rows.x_candidate, w.rows.values)
         size = scaled_residual(w.rows.values, NH, w.rows.scales)
+        # A step that does not reduce the residual is not made: it is at its round-off.
         if not size < w.position_residual:
             break
         for i in range(NQ):
@@ -213,6 +219,7 @@ def project_speeds(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     fn_velocity(p, t, x, w.rows.values)
     w.velocity_residual = scaled_residual(w.rows.values, NC, w.rows.rate_scales)
     for n in range(MOST_ITERATIONS):
+        # As for the coordinates; the equations are linear, so that one iteration reaches round-off.
         if w.velocity_residual <= (UNPROJECTED_RESIDUAL if n == 0 else ROUNDOFF_RESIDUAL):
             break
         status = assemble_once(p, t, x, w)
@@ -226,6 +233,7 @@ def project_speeds(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
             w.rows.x_candidate[NQ + i] += w.rows.solution[i]
         fn_velocity(p, t, w.rows.x_candidate, w.rows.values)
         size = scaled_residual(w.rows.values, NC, w.rows.rate_scales)
+        # A step that does not reduce the residual is not made.
         if not size < w.velocity_residual:
             break
         for i in range(NQ, NQ + NV):

@@ -83,6 +83,7 @@ def eliminate_load(w: Work) -> Real:
     with w.culprit if the matrix is singular to round-off of its terms."""
     sign = 1.0
     for k in range(NLOADED):
+        # Partial pivoting; `sizes` go with their rows.
         best = k
         for i in range(k + 1, NLOADED):
             if fabs(w.loads.matrix[i * NLOADED + k]) > fabs(w.loads.matrix[best * NLOADED + k]):
@@ -99,6 +100,7 @@ def eliminate_load(w: Work) -> Real:
             kept = w.loads.step[k]
             w.loads.step[k] = w.loads.step[best]
             w.loads.step[best] = kept
+        # A pivot is zero if it is round-off of the terms that were summed to it.
         pivot = w.loads.matrix[k * NLOADED + k]
         if not fabs(pivot) > CONTACT_ROUNDOFF * w.loads.sizes[k * NLOADED + k]:
             w.culprit = loading_row[k]
@@ -111,6 +113,7 @@ def eliminate_load(w: Work) -> Real:
                 w.loads.matrix[i * NLOADED + j] -= factor * w.loads.matrix[k * NLOADED + j]
                 w.loads.sizes[i * NLOADED + j] += fabs(factor) * w.loads.sizes[k * NLOADED + j]
             w.loads.step[i] -= factor * w.loads.step[k]
+    # Back substitution.
     for back in range(NLOADED):
         last = NLOADED - 1 - back
         for j in range(last + 1, NLOADED):
@@ -132,12 +135,14 @@ def solve_load(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
     """Find w.loads.lam and w.loads.total, the accelerations and multipliers that the loads add. It ends where
     the residual is 64 units in the last place of its terms, or a step 1e-10 of them. Return whether it
     ends."""
+    # Newton's method for lam = free + response to the loads at lam, from the reactions without loads.
     w.loads.lam[:] = w.loads.free
     if NHELD > 0:
         for k in range(NLOADED):
             if load_held[k] > 0:
                 w.loads.lam[loading_row[k]] = 0.0
     for turn in range(MOST_LOAD_STEPS):
+        # Residual of each loading row, and the size of its terms. A held row demands that the sum vanishes.
         update_load(p, t, x, w)
         load_response(w)
         w.loads.total[:] = w.loads.answer
@@ -155,6 +160,7 @@ def solve_load(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
                 w.loads.reach[k] = fabs(w.loads.lam[row])
         if done and (not NHELD > 0 or turn > 0):
             return True
+        # The step by the derivatives of the loads; accelerations and multipliers follow linearly.
         linearize_load(w)
         if eliminate_load(w) == 0.0:
             return False
@@ -195,6 +201,7 @@ def motion_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wo
     w.culprit = loading_row[0]
     if status == REDUNDANT:  # multipliers of equations that depend on each other are open
         return PARADOX
+    # The motion without loads, then their share on top of it, with the same factors.
     w.loads.free[:] = lam
     factored = assemble_at(p, t, x, w)
     if failed(factored):
@@ -205,6 +212,7 @@ def motion_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wo
         xdot[NQ + i] += w.loads.total[i]
     for i in range(NC):
         lam[i] += w.loads.total[NV + i]
+    # The multiplier of a held row is that of its actuator.
     if NHELD > 0:
         for k in range(NLOADED):
             if load_held[k] > 0:
@@ -212,6 +220,7 @@ def motion_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wo
     if NCURVED > 0:
         if is_one_of_many(p, t, x, lam, w):
             return PARADOX
+    # The power depends on the loads.
     if NZ > 0:
         w.a[:] = part(xdot, NQ, NQ + NV)
         w.qdot[:] = part(xdot, 0, NQ)

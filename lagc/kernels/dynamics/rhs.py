@@ -163,6 +163,8 @@ def factor_safely(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
         w.culprit = fault
         return NOT_FINITE
     if NC > 0:
+        # Rows whose gradient nearly vanishes count by their regularity, so that they are not taken for
+        # dependent.
         measure_regularity(p, t, x, w)
         mark_faint_gradients(p, t, x, w)
         if NM > 0:
@@ -173,6 +175,7 @@ def factor_safely(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
         else:
             assemble_entries(p, t, x, w)
             status = factor_sparse(p, t, x, least_share(w), w)
+        # Later evaluations look for the dependent rows from the beginning.
         w.rank_deficient = status == REDUNDANT
         return status
     return OK if cholesky(w) else SINGULAR_MASS
@@ -194,6 +197,7 @@ def store_rates(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
 
 def rhs_any_rank(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
     """Compute rates and multipliers for any rank of G."""
+    # Without dense equations the right-hand side is made before the factors, which need its entries.
     if not NM > 0:
         assemble_rhs(p, t, x, w)
         unfit = system_fault(x, w)
@@ -204,6 +208,7 @@ def rhs_any_rank(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w:
     if failed(status):
         return status
     if NM > 0:
+        # Solve with the factors: M a - G^T lam = r, G a = gamma.
         w.a[:] = w.force
         if NC > 0:
             status = solve_rank_revealing(w, w.gamma, w.a, lam)
@@ -218,6 +223,7 @@ def rhs_any_rank(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w:
             return status
         w.a[:] = part(w.rows.solution, 0, NV)
         lam[:] = part(w.rows.solution, NV, NV + NC)
+    # Rates that overflow are refused here, before a step uses them.
     store_rates(p, t, x, xdot, lam, w)
     fault = not_finite(xdot, NINT)
     if fault >= 0:
@@ -258,6 +264,7 @@ def rhs_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work)
     for any rank."""
     if STRAIGHT:
         if NC > 0:
+            # The sparse factors have no pivoting: they serve while the rows are independent.
             if w.rank_deficient:
                 return rhs_any_rank(p, t, x, xdot, lam, w)
         if NMODE > 0:
@@ -266,6 +273,8 @@ def rhs_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work)
         else:
             fn_rhs(p, t, x, xdot, lam, w.health)
         if NM > 0 or NC > 0:
+            # Judge the solve by its smallest pivot and its residual, from good to bad: as it is, one
+            # refinement, the factorization for any rank.
             least = LEAST_PIVOT if NC > 0 else SINGULAR
             if NC > 0:
                 if not w.health[0] >= TRUSTED_PIVOT:

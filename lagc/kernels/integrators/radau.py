@@ -55,6 +55,8 @@ def newton_increments(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work
         keep_discrete(x, w.newton.x_stage)
     for i in range(NX):
         w.newton.x_stage[i] = x[i]
+    # Residual of each stage at its state x + z_j and its rates, the row of A^-1 z / h. Dependent constraint
+    # equations have none.
     for j in static(range(len(C))):
         for i in range(NQ + NV):
             w.newton.x_stage[i] = x[i] + s.k[1 + j][i]
@@ -66,6 +68,8 @@ def newton_increments(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work
                     w.newton.residual[NQ + NV + i] = 0.0
         w.newton.stage_residuals[j][:] = w.newton.residual
     s.rhs += len(C)
+    # In the basis of A^-1's eigenvectors the three stages fall into one real and one complex system (HW
+    # IV.8.5).
     for i in range(NNEWTON):
         first = combination(FORTH[0], w.newton.stage_residuals, i)
         second = combination(FORTH[1], w.newton.stage_residuals, i)
@@ -82,6 +86,7 @@ def newton_increments(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work
         w.newton.stage_residuals[2],
         w,
     )
+    # Back from this basis.
     for j in static(range(len(C))):
         for i in range(NNEWTON):
             w.newton.increments[j][i] = combination(BACK[j], w.newton.stage_residuals, i)
@@ -103,6 +108,7 @@ def estimate_roundoff(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work
     """Raise w.error.rate_roundoff to the round-off of a step over h, divided by h: the solution of the real
     system for the change of the residual when state, rates, multipliers and the sums of M a are perturbed by
     four units in the last place. Costs two evaluations."""
+    # The residual as it is, then with its inputs perturbed, by turns up and down.
     for turn in range(2):
         w.newton.x_stage[:] = x
         w.newton.rates_stage[:] = s.k[0]
@@ -117,6 +123,7 @@ def estimate_roundoff(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work
                 w.lam[i] *= 1.0 + FOUR_ULPS if i % 2 == 0 else 1.0 - FOUR_ULPS
         residual_at(p, t, w.lam, w)
     s.rhs += 2
+    # The difference, and the round-off of the sums of M a, which the perturbation does not reach.
     for i in range(NNEWTON):
         w.newton.residual[i] -= w.newton.residual_before[i]
     for i in range(NV):
@@ -124,6 +131,7 @@ def estimate_roundoff(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work
         for j in range(NV):
             terms += fabs(s.newton.mass[i * NV + j] * s.k[0][NQ + j])
         w.newton.residual[NQ + i] += FOUR_ULPS * terms if i % 2 == 0 else -FOUR_ULPS * terms
+    # A step amplifies it as the real system does.
     solve_shifted(number(SHIFT) / h, s, w.newton.residual, w)
     for i in range(NQ + NV):
         change = fabs(w.newton.residual[i] / h)
@@ -173,6 +181,7 @@ def solve_stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> 
     before = 0.0
     ratio_before = 1.0
     for n in range(w.newton.most):
+        # `eta` estimates the sum of the increments that follow over the last one, theta / (1 - theta).
         newton_increments(p, t, x, h, s, w)
         now = add_increments(s, x, w)
         if not now <= LARGEST:
@@ -188,6 +197,8 @@ def solve_stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> 
                 left = eta * now
                 for k in range(w.newton.most - 1 - n):
                     left *= theta
+            # `left` is what the last allowed iteration would leave: give up as soon as that is too much (HW
+            # IV.8.11).
             if (theta >= DIVERGENT or left > w.newton.tolerance) and (n > 1 or theta > MOST_GROWN):
                 if not are_roundoff(h, w):
                     estimate_roundoff(p, t, x, h, s, w)
@@ -232,6 +243,7 @@ def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status
             return status
     solved = False
     while not solved:
+        # The factors belong to one step size.
         if s.newton.factored != h:
             s.newton.factored = h
             if not factor_stages(number(SHIFT) / h, number(SHIFTS[0]) / h, number(SHIFTS[1]) / h, s):
@@ -240,6 +252,8 @@ def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status
         start_stages(h, s)
         solved = solve_stages(p, t, x, h, s, w)
         if not solved:
+            # A failure with old derivatives is tried again with new ones; with new ones the step is
+            # shortened.
             s.newton.eta = 1.0
             if s.newton.jacobian_step == s.steps:
                 return NOT_CONVERGED

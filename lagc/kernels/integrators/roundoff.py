@@ -52,6 +52,7 @@ def estimate_rate_roundoff(p: Params, s: State, h: Real, w: Work) -> None:
     Costs three evaluations."""
     x = vector(NX)
     other = params()
+    # The change at the accepted state, against its rates s.k[0].
     t = perturb_inputs(p, s, x, other)
     s.rhs += 1
     if failed(rates_at(other, t, x, w.xdot, w.lam, w)):
@@ -60,6 +61,7 @@ def estimate_rate_roundoff(p: Params, s: State, h: Real, w: Work) -> None:
     for i in range(NINT):
         change[i] = 0.0
     enlarge_differences(w.xdot, s.k[0], change)
+    # The change after an Euler step, with both motions one step on.
     moved = vector(NX)
     if NDISC > 0:
         keep_discrete(s.x, moved)
@@ -71,6 +73,7 @@ def estimate_rate_roundoff(p: Params, s: State, h: Real, w: Work) -> None:
     if not failed(rates_at(p, s.t + h, moved, rates, w.lam, w)):
         if not failed(rates_at(other, t + h, x, w.xdot, w.lam, w)):
             enlarge_differences(w.xdot, rates, change)
+    # The round-off is the largest of all estimates in this attempt.
     for i in range(NINT):
         if change[i] > w.error.rate_roundoff[i]:
             w.error.rate_roundoff[i] = change[i]
@@ -99,6 +102,7 @@ def is_nearly_dependent(p: Params, s: State, h: Real, w: Work) -> bool:
     less than the residual of the projection are round-off: sets w.error.coordinate_roundoff."""
     if not perturb_off_constraints(p, s.t, s.x, s.sizes, w):
         return False
+    # In each group: the motion of the step, and what a projection leaves of a perturbation.
     moved = vector(NGROUP)
     for k in range(NGROUP):
         moved[k] = 0.0
@@ -111,9 +115,12 @@ def is_nearly_dependent(p: Params, s: State, h: Real, w: Work) -> bool:
             moved[own] = fabs(s.x_new[i] - s.x[i])
         if fabs(w.error.x_perturbed[i] - s.x[i]) > left[own]:
             left[own] = fabs(w.error.x_perturbed[i] - s.x[i])
+    # A group that moves by less than its projection leaves is known to that only.
     for i in range(NQ):
         if left[scaling_group[i]] > w.error.sizes[scaling_group[i]]:
             w.error.coordinate_roundoff[i] = left[scaling_group[i]] / fabs(h)
+    # Near dependent rows a perturbation grows as 1 / distance, so that the product of motion and remainder
+    # tells whether the motion crosses them.
     for k in range(NGROUP):
         reach = w.error.sizes[k]
         if w.rows.reaches[NC + NH + k] > reach:

@@ -46,6 +46,7 @@ def derive_columns(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
 def update_jacobian(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Status:
     """Compute the derivatives of the equations at (t, x), whose rates are s.k[0]."""
     if NC > 0:
+        # Which equations depend on others at this state: these are left out of the stages.
         w.rows.redundant_before[:] = w.redundant
         for i in range(NC):
             w.redundant[i] = 0
@@ -58,6 +59,7 @@ def update_jacobian(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Status
         if failed(status):
             return status
         s.newton.start_lam[:] = w.lam
+    # Derivatives by coordinates, speeds and multipliers, and the mass matrix.
     w.a[:] = part(s.k[0], NQ, NQ + NV)
     if NDIRECTION > 0:
         derive_columns(p, t, x, s, w)
@@ -71,6 +73,7 @@ def update_jacobian(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Status
                 for j in range(NNEWTON):
                     s.newton.slopes[(NQ + NV + i) * NNEWTON + j] = 0.0
                 s.newton.slopes[(NQ + NV + i) * NNEWTON + NQ + NV + i] = 1.0
+    # Factors of other derivatives are void.
     s.newton.jacobian_step = s.steps
     s.newton.factored = 0.0
     return OK
@@ -80,6 +83,7 @@ def factor_stages(real: Real, re: Real, im: Real, s: State) -> bool:
     """Factor J + real B and J + (re + i im) B with B = diag(1, M, 0); return whether they are regular. Where
     qdot = v, the coordinates are eliminated: their increments follow from those of the speeds."""
     first = 0 if HAS_DISPLACE else size(NQ)
+    # J, less the rows and columns of the coordinates if they are eliminated.
     for i in range(NLINEAR):
         for j in range(NLINEAR):
             own = s.newton.slopes[(first + i) * NNEWTON + first + j]
@@ -92,6 +96,7 @@ def factor_stages(real: Real, re: Real, im: Real, s: State) -> bool:
             s.newton.complex_factors[i * NLINEAR + i] += re
             s.newton.imaginary_factors[i * NLINEAR + i] += im
     else:
+        # Where qdot = v, a shift sigma gives dq = dv / sigma: its columns go to those of the speeds.
         square = re * re + im * im
         for i in range(NR):
             for j in range(NQ):
@@ -99,6 +104,7 @@ def factor_stages(real: Real, re: Real, im: Real, s: State) -> bool:
                 s.newton.real_factors[i * NLINEAR + j] += own / real
                 s.newton.complex_factors[i * NLINEAR + j] += own * re / square
                 s.newton.imaginary_factors[i * NLINEAR + j] -= own * im / square
+    # The shift times M.
     first = size(NQ) - first
     for i in range(NV):
         for j in range(NV):
@@ -153,6 +159,7 @@ def solve_turned(re: Real, im: Real, s: State, r: Vec[NNEWTON], q: Vec[NNEWTON],
         square = re * re + im * im
         away = re / square  # the real and imaginary part of 1 / (re + i im)
         back = -im / square
+        # Put the residuals of the coordinates, divided by the shift, into the equations of the speeds.
         for i in range(NR):
             own = r[NQ + i]
             turned = q[NQ + i]
@@ -169,6 +176,7 @@ def solve_turned(re: Real, im: Real, s: State, r: Vec[NNEWTON], q: Vec[NNEWTON],
             w.newton.linear,
             w.newton.linear_imaginary,
         )
+        # The coordinates follow from the speeds, again by 1 / (re + i im).
         for i in range(NV):
             own = r[i] + w.newton.linear[i]
             turned = q[i] + w.newton.linear_imaginary[i]

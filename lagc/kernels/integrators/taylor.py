@@ -71,6 +71,7 @@ def expand(p: Params, t: Real, x: Vec[NX], scale: Real, s: State, w: Work) -> St
     s.series.step = -1
     s.series.scale = scale
     s.rhs += 1
+    # The model's own function gives the first rates, and the values that its recurrences need.
     if NMODE > 0:
         fn_series_on(p, t, x, w.modes, w.xdot, w.series.values)
     else:
@@ -81,6 +82,8 @@ def expand(p: Params, t: Real, x: Vec[NX], scale: Real, s: State, w: Work) -> St
     order = s.series.order
     for i in range(NINT):
         s.series.coefficients[1][i] = scale * w.xdot[i]
+    # Coefficient k + 1 from those up to k: products are convolutions of the factors' coefficients, the rest
+    # is a recurrence of the model.
     for k in range(1, order):
         inverse = 1.0 / float(k)
         w.series.scaled[NX] = float(k)
@@ -98,6 +101,7 @@ def expand(p: Params, t: Real, x: Vec[NX], scale: Real, s: State, w: Work) -> St
             w.series.squares[k],
             w.series.rates_next,
         )
+        # From rates of coefficients to the next coefficient of x: integration divides by k + 1.
         share = scale / float(k + 1)
         for i in range(NINT):
             w.series.scaled[i] = scale * w.series.rates_next[i]
@@ -119,6 +123,7 @@ def planned_size(s: State, w: Work) -> Real:
     """Return the size of a step: the radius of convergence over s.series.ratio (JZ 3.2.2). The radius is the
     least one of four orders, since some vanish at symmetric states.  Coefficients are compared with those of
     steps of the same size, so that logarithms are small."""
+    # The largest coefficient of the last orders, over the error weights.
     first = s.series.order - COUNTED
     largest = vector(FOUR)
     for k in range(COUNTED + 1):
@@ -129,6 +134,7 @@ def planned_size(s: State, w: Work) -> Real:
             own = share * fabs(s.series.coefficients[first + k][i])
             if own > largest[k]:
                 largest[k] = own
+    # |c_k| (h/scale)^k is the tolerance at h: take roots by logarithms.
     known = False
     least = 0.0
     fall = s.series.fall
@@ -139,6 +145,7 @@ def planned_size(s: State, w: Work) -> Real:
                 least = room
             known = True
         fall *= s.series.ratio
+    # A margin of e^(-0.7 / (order - 1)) (JZ 3.2.2); the size grows by the factor GROW at most.
     factor = number(GROW)
     if known:
         own = exponential(least - 0.7 / (float(s.series.order) - 1.0))
@@ -149,6 +156,7 @@ def planned_size(s: State, w: Work) -> Real:
 
 def begin_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     """Compute the coefficients of a step and its size, a.size, with the last size as their scale."""
+    # The order follows from the tolerance; a fixed step asks for round-off.
     tolerance = 0.0
     if o.step == 0.0:
         largest = 0.0
@@ -160,10 +168,13 @@ def begin_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     scale = a.size
     status = expand(p, s.t, s.x, scale * a.direction, s, w)
     turns = 0
+    # Coefficients overflow where the scale is far beyond the radius of convergence.
     while status == NOT_FINITE and o.step == 0.0 and turns < MOST_SHORTENED:
         scale *= SHORTENED
         status = expand(p, s.t, s.x, scale * a.direction, s, w)
         turns += 1
+    # The straight-line series has no pivoting: where it fails or differs from the rates, another method goes
+    # on.
     if NC > 0 or NM > 0:
         if status == NOT_FINITE:
             return NOT_CONVERGED
@@ -172,6 +183,7 @@ def begin_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     if NC > 0 or NM > 0:
         if not follows_rates(a.size, s, w):
             return NOT_CONVERGED
+    # The coefficients tell the size, so no step is rejected for its error.
     if o.step == 0.0:
         s.series.size = planned_size(s, w)
         a.size = s.series.size
@@ -247,6 +259,7 @@ def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
         early = 0.0
         middle = 0.0
         late = 0.0
+        # Slopes at 1/4, 1/2 and 3/4 by Horner's rule.
         for k in range(s.series.order, 0, -1):
             own = float(k) * s.series.coefficients[k][i]
             early = own + 0.25 * part * early
@@ -255,6 +268,7 @@ def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
         slopes[0] = early
         slopes[1] = middle
         slopes[2] = late
+        # Slope of the cubic Hermite interpolant there.
         mean = (s.x_new[i] - s.x[i]) / h
         for j in range(3):
             c = 0.25 * float(j + 1)

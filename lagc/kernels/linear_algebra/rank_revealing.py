@@ -102,6 +102,8 @@ def orthogonalise(w: Work, dependent: Real) -> None:
         normalise_row(w, i)
         w.factors.order[i] = i
     for k in range(NC):
+        # The row with the longest remainder is next, as in QR with column pivoting: the remainders fall, so
+        # that the first one below `dependent` ends the independent rows.
         longest = 0.0
         for j in range(k, NC):
             value = squared_length(w, w.factors.order[j])
@@ -115,11 +117,13 @@ def orthogonalise(w: Work, dependent: Real) -> None:
         row = w.factors.order[best]
         w.factors.order[best] = w.factors.order[k]
         w.factors.order[k] = row
+        # A second Gram-Schmidt pass removes the round-off of the first one: two passes are enough (Kahan).
         for j in range(k):
             w.factors.factor[j][row] += orthogonalise_row(w, row, w.factors.order[j])
         length = sqrt(squared_length(w, row))
         w.factors.factor[k][row] = length
         divide_row(w, row, length)
+        # Remove the new direction from the rows behind it.
         for j in range(k + 1, NC):
             w.factors.factor[k][w.factors.order[j]] = orthogonalise_row(w, w.factors.order[j], row)
     w.factors.rank = NC
@@ -132,11 +136,14 @@ def factor_rank_revealing(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) 
     w.factors.penalty = 0.0
     for i in range(NC):
         w.rows.gamma_sizes[i] = 0.0
+    # First as if all rows were independent and M regular, which nearly all states have.
     if not w.rank_deficient:
         if cholesky(w):
             orthogonalise(w, least)
             if w.factors.rank == NC:
                 return OK
+    # M + penalty G^T G with a penalty that makes both terms equally large. It is regular if M is along the
+    # constraints, and with G a = gamma it has the same accelerations.
     trace = 0.0
     for i in range(NV):
         trace += w.M[i * (i + 1) // 2 + i]
@@ -147,6 +154,7 @@ def factor_rank_revealing(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) 
         w.factors.penalty = trace / squares if trace > 0.0 else 1.0 / squares
     if not cholesky(w):
         return SINGULAR_MASS
+    # Sizes of the right-hand sides tell whether dependent rows contradict each other.
     fn_gamma_sizes(p, t, x, w.rows.gamma_sizes)
     orthogonalise(w, least)
     if w.factors.rank == NC:
@@ -173,14 +181,18 @@ def shortest_multipliers(w: Work, c: Vec[NC], lam: Vec[NC]) -> None:
     rank = w.factors.rank
     count = NC - w.factors.rank
     y = w.rows.buffer
+    # One solution: dependent rows have no multiplier.
     solve_triangle(w, c)
     for k in range(rank):
         lam[w.factors.order[k]] = c[k]
+    # Each dependent row is a combination T of the independent ones, so its multiplier y can move to them.
     for f in range(count):
         i = w.factors.order[rank + f]
         for k in range(rank):
             w.factors.dependence[f][k] = w.factors.factor[k][i] * w.factors.lengths[i]
         solve_triangle(w, w.factors.dependence[f])
+    # Normal equations (1 + T T^T) y = T c by Cholesky, row by row with the forward substitution. They are
+    # well-conditioned by the 1.
     for f in range(count):
         column = w.factors.dependence[f]
         for e in range(f + 1):
@@ -197,6 +209,7 @@ def shortest_multipliers(w: Work, c: Vec[NC], lam: Vec[NC]) -> None:
         for k in range(f):
             total -= w.factors.normal_matrix[f][k] * y[k]
         y[f] = total / w.factors.normal_matrix[f][f]
+    # Back substitution; each y moves its share from the independent rows.
     for f in range(count - 1, -1, -1):
         column = w.factors.dependence[f]
         total = y[f]
@@ -215,12 +228,15 @@ def solve_rank_revealing(w: Work, r2: Vec[NC], z: Vec[NV], lam: Vec[NC]) -> Stat
     rank = w.factors.rank
     status = OK if w.factors.rank == NC else REDUNDANT
     c = w.rows.buffer2
+    # The right-hand side of M + penalty G^T G.
     if w.factors.penalty > 0.0:
         for i in range(NC):
             factor = w.factors.penalty * r2[i]
             for j in range(NV):
                 z[j] += factor * w.G[i * NV + j]
     solve_lower(w, z)
+    # c becomes Q^T L^-1 of the accelerations along the rows: F^T c = r2 / lengths. `size` is the size of
+    # these terms.
     size = 0.0
     for j in range(NV):
         size += z[j] * z[j]
@@ -235,6 +251,7 @@ def solve_rank_revealing(w: Work, r2: Vec[NC], z: Vec[NV], lam: Vec[NC]) -> Stat
         if w.factors.lengths[row] > longest:
             longest = w.factors.lengths[row]
     size = longest * sqrt(size)
+    # A dependent row is consistent if its r2 is that of its combination of the others.
     worst = CONTRADICTION
     for k in range(rank, NC):
         row = w.factors.order[k]
@@ -247,12 +264,14 @@ def solve_rank_revealing(w: Work, r2: Vec[NC], z: Vec[NV], lam: Vec[NC]) -> Stat
             status = INCONSISTENT
             w.culprit = row
             worst = share
+    # The change along the rows is what G z lacks: c - Q^T z.
     for k in range(rank):
         q = w.factors.q_rows[w.factors.order[k]]
         value = c[k]
         for j in range(NV):
             value -= q[j] * z[j]
         c[k] = value
+    # Add it, and go back from L^T z to z.
     for k in range(rank):
         q = w.factors.q_rows[w.factors.order[k]]
         for j in range(NV):

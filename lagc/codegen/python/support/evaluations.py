@@ -291,6 +291,7 @@ def rhs_many(t: Any, x: Any, p: Any = None) -> Any:
     p = numpy.broadcast_to(p, (len(x), len(PARAMETERS)))
     xdot = numpy.empty_like(x)
     rest: Any = range(len(x))
+    # All states at once through the function of the model, with arrays in the place of numbers.
     if STRAIGHT:
         health: list[Any] = [1.0] + [0.0] * (NHEALTH - 1)
         columns: list[Any] = [0.0] * NX
@@ -310,6 +311,7 @@ def rhs_many(t: Any, x: Any, p: Any = None) -> Any:
                 _vectorised(fn_watch)(given, health)
             for k, value in enumerate(columns):
                 xdot[:, k] = value
+            # The tests of `rhs_at`: a state that passes them has the same rates, up to NumPy's functions.
             sound = health[0] >= (LEAST_PIVOT if NC else SINGULAR)
             if NC:
                 sound = sound & (health[1] <= REFINED_RESIDUAL * NMANY * NMANY)
@@ -317,6 +319,7 @@ def rhs_many(t: Any, x: Any, p: Any = None) -> Any:
             if NCON:
                 sound = sound & (x[:, NX - NCON :] == 0.0).all(axis=1)
         rest = numpy.flatnonzero(~sound)
+    # The others one by one.
     for i in rest:
         row = [0.0] * NX
         failed = equations(p[i]).rhs(float(t[i]), x[i].tolist(), row, [0.0] * NC) in FAILED

@@ -117,6 +117,8 @@ def _integrate(
     corners: list[Any] = []
     contacts: list[Any] = []
 
+    # Each slice calls the kernel `record`, then stores the events that it ended at: a slice ends at the first
+    # one with `report`.
     def record_steps(steps: int, max_steps: int) -> int:
         """Call the kernel `record`; an exception leaves everything as it was before."""
         names = ("t", "x", "t_old", "culprit", "steps", "rejected", "rhs", "position_drift", "velocity_drift")
