@@ -576,8 +576,8 @@ def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales
     positive, else the range of the quantity. Write states[n*NX] and outputs[n*NY] at the times, which
     increase, errors and scales to v->error and v->scale, and the rest of what is known to *r. The accuracy is
     met if r->estimated is at most g->accuracy; it is infinite if the end is not reached: r->done times are
-    written, and it is met until r->until. o->method and o->max_step are used; o->rtol and o->alone are set. Begin with
-    v->phase = 0. INTERRUPTED after g->slice steps: call again to continue."""
+    written, and it is met until r->until. o->method and o->max_step are used; o->rtol and o->alone are
+    set. Begin with v->phase = 0. INTERRUPTED after g->slice steps: call again to continue."""
     if v.phase == 0:
         status = begin_search(p, x0, times, n, g, o, r, v)
         if status != OK:

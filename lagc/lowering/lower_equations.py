@@ -75,7 +75,7 @@ def optimize(
         power = program_functions.power(whole) if loads.pushed else None
         if power is not None:
             made[power.name] = preparation.separated(power)
-    # What is asked for in addition: derivatives, sensitivities, implicit methods, series.
+    # Functions that are asked for in addition: derivatives, sensitivities, implicit methods, series.
     factored = solver if equations.rows or equations.contacts or differentiate or sensitive else None
     differentiated = derivatives(whole, relations) if differentiate else None
     more = [*(differentiated.functions if differentiated else ()), *(tangents(along) if sensitive else ())]

@@ -264,7 +264,7 @@ def residual(
                 force = block.sub(force, right[k])
         for u in structure.definitions[k]:
             products[u].append(block.mul(matrix.coefficients[(k, u)], force))
-    # What is left of each row, and its size in the norm of the inverse pivots.
+    # The residual of each row, and its size in the norm of the inverse pivots.
     right = [*right, *[block.zero] * (structure.unknowns - len(right))]
     watched = {*range(plan.size), *ties, *ties.values()}
     rest = {k: _remainder(block, right[k], products[k]) for k in watched}

@@ -117,7 +117,7 @@ def _without(equations: EquationsOfMotion, components: Components, reached: set[
     def gone(symbol: Node) -> bool:
         return symbol in components.leader and components.find(symbol) not in reached
 
-    # What is left out rests at its start, with all rates zero.
+    # Symbols that are left out rest at their starts, with all rates zero.
     rest = {s: start.value for s, start in zip(equations.q, equations.starts_q) if gone(s)}
     rest.update((s, graph.zero) for s in (*equations.v, *equations.a, *equations.lam) if gone(s))
     rest.update((x.symbol, x.start) for x in model.discretes if gone(x.symbol))

@@ -110,7 +110,7 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
     integrable = integrable_rows(states, asked, met.all)
     relations = places.rank + integrable.relations
     cyclic = _cyclic(states)
-    # What the motion conserves is asked with independent rows, whose multipliers are unique.
+    # Conserved quantities are looked for with independent rows, whose multipliers are unique.
     kept = [(k, row) for k, row in enumerate(rows) if k not in moving.spare]
     spare = tuple([rows[k].label for k in sorted(moving.spare)])
     conserved, left = _conserved(equations, states, kept, met, cyclic, moving.proved)

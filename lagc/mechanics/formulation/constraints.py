@@ -48,8 +48,8 @@ def classify(states: States) -> list[Classified]:
     gammas = tangent(states.graph, rates, states.drift)
     in_time = depends(residuals, [model.time])
     jacobians = gradients(states.graph, rates, states.place_of_v)
-    # A row is affine if its gradient does not depend on the speeds. What gradients are formed of is
-    # asked first, because the gradients of long chains are not formed.
+    # A row is affine if its gradient does not depend on the speeds. The nodes that gradients
+    # are formed of are asked first, because the gradients of long chains are not formed.
     varies = depends(formed_of(jacobians), states.v)
     affine = [
         residual in rate_of or not varies or not depends(own.values(), states.v)

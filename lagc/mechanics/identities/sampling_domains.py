@@ -40,13 +40,7 @@ LARGEST = 160  # accelerations and multipliers that are solved for
 
 def anywhere(states: States) -> Ground:
     """Positions, rates, speeds and time are free."""
-    tries = [*samples(states.model, _STATES), *far_away(states)]
-
-    def place(point: Point, truths: Truths) -> bool:
-        _turn(states, point)
-        return True
-
-    return Ground(states.graph, defaults(states.model), (), place, lambda truths: tries)
+    return on_rows(states, (), [*samples(states.model, _STATES), *far_away(states)])
 
 
 def far_away(states: States) -> list[dict[Node, float]]:

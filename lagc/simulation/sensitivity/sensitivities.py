@@ -39,7 +39,7 @@ def directions(
 ) -> tuple[Direction, ...]:
     """The directions named `l`, `start(theta)` or `start(der(theta))`, each once; all entries of an array.
     Raises Refused: LAG0601, LAG0606 for an unknown name, LAG0607 for a parameter that is part of the code."""
-    # What is not differentiated: friction of two-sided contacts, loads of reactions, discrete variables.
+    # Not differentiated are friction of two-sided contacts, loads of reactions, discrete variables.
     rough = [contact.name for contact in interface.contacts if contact.normals]
     if rough:
         message = f"sensitivities do not follow the friction of `{rough[0]}` yet"
