@@ -33,7 +33,7 @@ def relation_functions(natural: Places, along: Places, relations: Sequence[Event
     relations = [replace(x, side=zero, own=one, natural=one) if x.late else x for x in relations]
     found = [_modes(natural, relations), _indicators(along, relations), _rates(along, relations)]
     if len(relations) > sum(1 + len(contact.slips) for contact in along.equations.contacts):
-        found.append(_own(along, relations))
+        found.append(_indicator_modes(along, relations))
     if any(relation.edges for relation in relations):
         found.append(_edges(along, relations))
     timed = [relation for relation in relations if relation.slope is not None]
@@ -70,7 +70,7 @@ def _indicators(along: Places, relations: Sequence[EventRelation]) -> Function:
     return made(along, "indicators", along.state, (("e", values),), "event indicators", rare=True)
 
 
-def _own(along: Places, relations: Sequence[EventRelation]) -> Function:
+def _indicator_modes(along: Places, relations: Sequence[EventRelation]) -> Function:
     values = [relation.own for relation in relations]
     return made(
         along, "own_modes", along.state, (("e", values),), "the mode that each indicator gives", rare=True

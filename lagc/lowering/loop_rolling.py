@@ -43,16 +43,17 @@ def rerolled(function: Function, often: bool = False) -> Function:
     if straight <= STRAIGHT:
         return function
     if not moves_itself(function):
-        cost, found = _looped(function, often)
+        cost, found = _with_loops(function, often)
         if often and cost > _MUCH * straight:
-            cost, found = min((cost, found), _looped(local(function), often), key=lambda form: form[0])
+            cost, found = min((cost, found), _with_loops(local(function), often), key=lambda form: form[0])
         if cost < _cost(often, straight):
             return found
     return ordered(function)
 
 
-def _looped(function: Function, often: bool) -> tuple[float, Function]:
-    """With the runs that are in its order, and what they cost."""
+def _with_loops(function: Function, often: bool) -> tuple[float, Function]:
+    """Return the cost of the function with loops, and the function: its operations stay in their order, and
+    runs of equal ones are loops."""
     function, letters = lettered(function)
     text = _Text(function, letters)
     runs = tuple(text.runs())
@@ -64,14 +65,14 @@ def lettered(function: Function) -> tuple[Function, list[Letter]]:
     """Return the operations with commutative operands in one order, and a letter for each: operation or store
     without the places of operands."""
     kinds = _kinds(function)
-    operations = tuple([_alike(o, kinds) for o in function.operations])
+    operations = tuple([_in_one_order(o, kinds) for o in function.operations])
     letters: list[Letter] = [(o.op, *_table(o), *[kinds[k] for k in o.operands]) for o in operations]
     letters += [(store.array, kinds[store.value]) for store in function.stores]
     return replace(function, operations=operations), letters
 
 
 def _cost(often: bool, text: int, indexing: int = 0) -> float:
-    """Of so many operations of text, iterations and indices from tables."""
+    """Return the cost of so many operations of text, and indices from tables."""
     if often:
         return _TEXT * text + max(text - _LONG, 0) + indexing
     return text + indexing / _ENTRIES
@@ -128,8 +129,8 @@ def _table(o: Operation) -> tuple[str, ...]:
     return () if o.payload is None else (repr(o.payload),)
 
 
-def _alike(o: Operation, kinds: Sequence[str]) -> Operation:
-    """With operands that may change places in the order of their kinds."""
+def _in_one_order(o: Operation, kinds: Sequence[str]) -> Operation:
+    """Return an operation with operands that may change places in the order of their kinds."""
     if o.op in _COMMUTE and kinds[o.operands[0]] > kinds[o.operands[1]]:
         return Operation(o.op, o.operands[::-1])
     return o

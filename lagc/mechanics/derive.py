@@ -32,19 +32,24 @@ _OF_MOTION = ("acceleration", "multiplier", *QUANTITIES)
 def derive(model: Model) -> EquationsOfMotion:
     """Return the equations of motion of `model`. Raises Refused with LAG04xx for mechanical errors."""
     graph = model.graph
+    # Kinematics: states and speeds, and the parts that carry inertia.
     states = build_states(model)
     cuts, stops = _cuts(states)
     parts = moving_parts(states)
     free = free_terms(states, with_rates(states))
+    # Virtual power: what acts, and the rows that hold.
     acting = act(states)
     classified, dropped, doubts = _constrained(states)
     totals = energies(states, parts, acting, free, classified)
+    # h: inertial forces at the accelerations that speeds leave, and the free terms of Lagrangians.
     inertial = inertial_loads(states, parts)
     bias = added(graph, [states.to_speeds(inertial), free.bias])
     servos = [x.row for x in classified if x.row.law is Law.SERVO]  # their loads act, not their gradients
     held = [{j: -(row.multiplier * slope) for j, slope in row.jacobian.items()} for row in servos]
+    # tau: given forces, less what the gradients of servo rows would add.
     given = added(graph, [*(x.contribution.forces for x in acting), *held])
     initial = [c.residual for c in model.initial_conditions]
+    # Outputs and conditions may depend on the motion: accelerations, multipliers, energies.
     zero, labels = graph.zero, [x.label for x in dropped]
     _refuse_reactions(model, dropped, classified, states)
     conditions = [when.condition for when in model.whens]

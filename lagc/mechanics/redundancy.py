@@ -310,7 +310,7 @@ def tables(
         if all(math.isfinite(size) for _, size in values):
             value = iter(values)
             own = [{j: next(value) for j in line.slopes} for line in lines]
-            yield sample, Reduced(numbers, _measured(lines, own))
+            yield sample, Reduced(numbers, _scaled(lines, own))
 
 
 class _Line(NamedTuple):
@@ -339,8 +339,9 @@ def _lines(rows: Sequence[Mapping[int, Node]]) -> Iterator[_Line]:
         yield _Line(k, None, own)
 
 
-def _measured(lines: Sequence[_Line], found: Sequence[Columns]) -> list[Columns]:
-    """`found` with sums measured by what speeds of 1 bring to them, so that their units count for nothing."""
+def _scaled(lines: Sequence[_Line], found: Sequence[Columns]) -> list[Columns]:
+    """Return the columns with each sum in units of its size at speeds of 1, so that units of sums do not
+    count."""
     units: dict[int, float] = {}
     measured: list[Columns] = []
     for line, columns in zip(lines, found):

@@ -1,4 +1,8 @@
-"""The LALR(1) parser.  `recovery` handles faults."""
+"""The LALR(1) parser.  `recovery` handles faults.
+
+The tables are those of Lark; its interactive parser takes twice as long with them, and to import it takes a
+fifth of the time in which a small model is checked.
+"""
 
 from __future__ import annotations
 

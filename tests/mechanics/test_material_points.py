@@ -215,7 +215,6 @@ model Scene
   parameter Force f = 3;
   parameter RotationalDamping d = 0.4;
   parameter Damping bad = -2;
-  parameter RotationalDamping worse = -0.4;
   coordinate Length x, y, h, s;
   coordinate Angle phi, lean, th, pin, elbow;
   frame L = rotate_x(world, lean);
@@ -281,19 +280,6 @@ TAKING = [
     "torque T = -d*(der(th) + der(elbow))*world.z on arm;",
     "torque T = -d*(der(th) - der(phi))*world.z on rod;",
     "force F = -c*der(s)*rod.x at slider;",
-    "dissipation D = 1/2*c*norm(velocity(disc, at = G - R*world.z))^2;",
-    "dissipation D = 1/2*c*(der(y) - 3 [m/s])^2;",
-    "dissipation D = 1/2*c*(der(x)^2 + der(y)^2 + 1.999*der(x)*der(y));",
-    "dissipation D = 1/2*c*(der(x)^2 + der(y)^2 - 2*der(x)*der(y));",
-    "dissipation D = 1/2*c*(der(x) - der(y) + 3 [m/s])^2;",
-    "dissipation D = 1/2*c*(der(x) - R*der(phi))^2 + 1/2*d*(der(th) - der(phi))^2;",
-    "dissipation D = c*der(x)^4/(4 [m2/s2]);",
-    "dissipation D = c*(der(x) - der(y) - 1 [m/s])^4/(4 [m2/s2]);",
-    "dissipation D = c*(1 [m/s])*sqrt(der(x)^2 + der(y)^2);",
-    "dissipation D = f*abs(der(x) - der(y));",
-    "dissipation D = f*abs(der(x) - 2 [m/s]);",
-    "dissipation D = 1/2*c*(1 + (x/l)^2)*der(x)^2;",
-    "constraint same: x = y; dissipation D = 1/2*c*(der(x)^2 + der(y)^2 - 3*(der(x) - der(y))^2);",
 ]
 FEEDING = [
     f"force F = -c*velocity(disc) on disc at {UNDER};",

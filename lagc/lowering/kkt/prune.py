@@ -117,6 +117,7 @@ def _without(equations: EquationsOfMotion, components: Components, reached: set[
     def gone(symbol: Node) -> bool:
         return symbol in components.leader and components.find(symbol) not in reached
 
+    # Symbols that are left out rest at their starts, with all rates zero.
     rest = {s: start.value for s, start in zip(equations.q, equations.starts_q) if gone(s)}
     rest.update((s, graph.zero) for s in (*equations.v, *equations.a, *equations.lam) if gone(s))
     rest.update((x.symbol, x.start) for x in model.discretes if gone(x.symbol))
@@ -136,6 +137,7 @@ def _without(equations: EquationsOfMotion, components: Components, reached: set[
             return graph.zero
         return at_rest([node])[0]
 
+    # Bodies that rest without what is left out, and did not before, carry no energy any more.
     known = {*equations.q, *equations.v, *equations.a, *equations.lam, *(x.symbol for x in model.discretes)}
     parts = [_at_rest(part, at_rest) for part in equations.inertias]
     idle = {id(part.body) for part in equations.inertias} - {
@@ -145,6 +147,7 @@ def _without(equations: EquationsOfMotion, components: Components, reached: set[
     sums = [own(x) for x in (equations.kinetic, equations.potential, equations.energy, equations.power)]
     whens = [replace(w, changes=tuple([(s, x) for s, x in w.changes if not gone(s)]))
              for w in equations.whens if _is_asked(w) or not all(gone(s) for s, _ in w.changes)]  # fmt: skip
+    # Loads on velocities that are constant now do nothing; those on one velocity add.
     velocities = at_rest([*equations.loads, *equations.loads.values()])
     loads: dict[Node, Node] = {}
     for velocity, weight in zip(velocities, velocities[len(equations.loads) :]):
@@ -201,7 +204,7 @@ def prune(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[str, .
     if model.asked is not None:
         equations, (q, v) = leave_out(equations)
         equations = _restricted(equations, q, v) if len(v) < len(equations.v) else equations
-    q, v = _kept(equations)
+    q, v = _in_use(equations)
     if v and not (len(q) == len(equations.q) and len(v) == len(equations.v)):
         equations = _restricted(equations, q, v)
     kept = {*equations.q, *equations.v}
@@ -210,7 +213,7 @@ def prune(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[str, .
     return equations, tuple(names)
 
 
-def _kept(equations: EquationsOfMotion) -> tuple[list[int], list[int]]:
+def _in_use(equations: EquationsOfMotion) -> tuple[list[int], list[int]]:
     """Indices of the q and v that stay."""
     reached = symbols(sources(equations))
     moving = set(equations.massive) | {j for at in equations.further_inertia for j in at}
@@ -307,6 +310,7 @@ def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]
 def independent(equations: EquationsOfMotion, system: ArticulatedBody) -> tuple[str, ...]:
     """Return a note if the motion consists of parts that no inertia, force, constraint or event couples.
     `system` are its equations in any form."""
+    # First by the structure of M and G, and by the rates of coordinates: most models are one part.
     parts = _Parts(system.structure.unknowns)
     ties = [*system.entries.items(), *system.coefficients.items()]
     for (i, j), _ in ties:
@@ -321,6 +325,7 @@ def independent(equations: EquationsOfMotion, system: ArticulatedBody) -> tuple[
             number[q] = near[0]
     if parts.count() == 1:
         return ()
+    # Then by what entries, forces, rows, contacts and events read.
     for (i, _), node in ties:
         _tie_to(parts, i, [node], number)
     for j, (h, tau) in enumerate(zip(equations.bias_forces, equations.given_forces)):

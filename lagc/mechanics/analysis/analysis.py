@@ -21,7 +21,7 @@ from lagc.mechanics.formulation.inertia import moving_parts
 from lagc.mechanics.formulation.states import States, build_states
 from lagc.mechanics.identities.constraint_manifold import Consistent, onto, walk
 from lagc.mechanics.identities.samples import samples
-from lagc.mechanics.identities.sampling_domains import LARGEST, along, anywhere, far_away, on_rows
+from lagc.mechanics.identities.sampling_domains import LARGEST, anywhere, far_away, on_motion, on_rows
 from lagc.mechanics.identities.zero_test import ZeroTest
 from lagc.semantics.model import Coordinate, Lagrangian, Potential
 from lagc.symbolic.derivative import gradient, tangent
@@ -100,14 +100,17 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
     """Counts, kinds, cyclic coordinates and conserved quantities of a system."""
     states = build_states(equations.model)
     rows = equations.rows
+    # Ranks are asked for on the rows, where closed loops lose some that they have elsewhere.
     met = walk(states, rows)
     moving = mobility(states, rows, met)
     holonomic = [row for row in rows if row.holonomic]
     places = mobility(states, holonomic, met) if len(holonomic) < len(rows) else moving
+    # Velocity rows that are integrable restrict positions, beside the independent holonomic ones.
     asked = [row for k, row in enumerate(rows) if not row.holonomic or k not in places.spare]
     integrable = integrable_rows(states, asked, met.all)
     relations = places.rank + integrable.relations
     cyclic = _cyclic(states)
+    # Conserved quantities are looked for with independent rows, whose multipliers are unique.
     kept = [(k, row) for k, row in enumerate(rows) if k not in moving.spare]
     spare = tuple([rows[k].label for k in sorted(moving.spare)])
     conserved, left = _conserved(equations, states, kept, met, cyclic, moving.proved)
@@ -219,14 +222,16 @@ def _conserved(
         energy = equations.balance if equations.balance != WHOLE else "energy"
         return [], [f"{energy} and momenta: loads depend on reactions, which are not known without a run"]
     kept = [row for _, row in rows]
+    # The motion itself, with accelerations and multipliers, is sampled for small systems only.
     small = len(equations.v) + len(rows) <= LARGEST
     tries = _tries(states, kept, met, small)
     parts = moving_parts(states)
     free = free_terms(states, with_rates(states))
     found: list[Conserved] = []
     positions = on_rows(states, kept, tries)
-    motion = ZeroTest(along(equations, states, rows, tries) if small else positions)
+    motion = ZeroTest(on_motion(equations, states, rows, tries) if small else positions)
     at_rows = ZeroTest(positions)
+    # Energy is constant where its power vanishes: on the motion, or already on the rows.
     fed = small or symbols([equations.power]).isdisjoint([*equations.a, *equations.lam])
     steady = motion.vanish([equations.power]) if fed else None
     if steady is not None:
@@ -238,6 +243,7 @@ def _conserved(
                 "only what drives brings power: Jacobi's integral, not the energy",
             )
         found.append(Conserved(name, equations.energy, reason, proved))
+    # A cyclic coordinate has a constant momentum if no force acts along its rate.
     forces = _along_rates(equations, states)
     for c in states.model.coordinates:
         if isinstance(c, Coordinate) and c.name in cyclic:
@@ -247,6 +253,7 @@ def _conserved(
                 reason = f"`{c.name}` is cyclic and no force acts along it"
                 proved = unpushed and cyclic[c.name]
                 found.append(Conserved(Symbol("momentum", c.name).name, momentum, reason, proved))
+    # Of the whole system: momenta whose derivatives along the motion vanish.
     if equations.model.bodies and small:
         quantities = Quantities(states, parts, (), free, equations.kinetic, equations.potential)
         found.extend(_totals(states, quantities, motion, at_rows, sure))

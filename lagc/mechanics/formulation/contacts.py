@@ -207,7 +207,7 @@ def _without_gap(row: ContactRow) -> ContactRow:
     return replace(row, gap=zero, rate=zero, jacobian={}, bias=zero)
 
 
-def held(contact: ContactRow) -> Row:
+def touching_row(contact: ContactRow) -> Row:
     """Return the row of a contact that touches."""
     return Row(
         contact.label, contact.contact.name, Level.POSITION, Law.PERFECT,

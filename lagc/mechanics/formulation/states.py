@@ -322,6 +322,7 @@ def build_states(model: Model) -> States:
     graph = model.graph
     rates_in_order = [r for c in model.coordinates for r in rate_symbols(c)]
     chosen = choose_speeds(model, rates_in_order)
+    # The speed in the place of each rate: the rate itself, or a declared speed.
     v: list[Node] = []
     v_units: list[str] = []
     units = [u for c in model.coordinates for u in _rate_units(c)]
@@ -330,6 +331,7 @@ def build_states(model: Model) -> States:
         v.append(rate if speed is None else speed.symbol)
         v_units.append(units[i] if speed is None else speed.unit)
     rates = {r: chosen.solved.get(r, r) for r in rates_in_order}
+    # How the coordinates move: q' is a rate, or for a quaternion e' = 1/2 e*(0, w).
     q: list[Node] = []
     q_units: list[str] = []
     qdot: list[Node] = []

@@ -203,6 +203,7 @@ class _Manifold:
         below = reachable(flat)
         for _ in range(_ITERATIONS):
             values = magnitudes(flat, state, below)
+            # Residuals that are round-off of their terms are met, and also those that the gradient makes so.
             if not any(value for value, _ in values[: len(residuals)]):
                 return True  # whatever the slopes: a norm has none where it is zero
             if not all(math.isfinite(size) for _, size in values):
@@ -219,6 +220,7 @@ class _Manifold:
                 slow = len(lengths) > _QUICK and lengths[-1] > _SLOW**_QUICK * lengths[-1 - _QUICK]
                 self.tangential = self.tangential or slow
                 return True
+            # The step of least norm, in units of the sizes of the unknowns (Gauss-Newton).
             step = least_norm(matrix, wanted)
             lengths.append(max(map(abs, step)))
             if lengths[-1] == 0.0:

@@ -120,13 +120,13 @@ def magnitudes(
     size = [abs(value[node]) for node in nodes]
     chance = Random(0)
     for _ in range(_DRAWS):
-        moved = _moved(order, state, value, chance)
+        moved = _perturbed(order, state, value, chance)
         for k, node in enumerate(nodes):
             size[k] = max(size[k], abs(moved[node] - value[node]) / _OFF)
     return [(value[node], own) for node, own in zip(nodes, size)]
 
 
-def _moved(
+def _perturbed(
     order: Sequence[Node], state: Mapping[Node, float], value: Mapping[Node, float], chance: Random
 ) -> dict[Node, float]:
     """The values, where each is off; what has none there is as it is."""

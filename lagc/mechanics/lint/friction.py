@@ -16,7 +16,7 @@ import numpy as np
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Span
-from lagc.mechanics.formulation.contacts import held
+from lagc.mechanics.formulation.contacts import touching_row
 from lagc.mechanics.formulation.equations import ContactRow, Row
 from lagc.mechanics.formulation.states import States
 from lagc.mechanics.identities.constraint_manifold import jacobian, onto, scales
@@ -221,7 +221,7 @@ def slips_held(states: States, rows: Sequence[Row], contacts: Sequence[ContactRo
         return
     sizes = [scales(states)[v] for v in states.v]
     for contact in contacts:
-        touching = rows if contact.normals else [*rows, held(contact)]
+        touching = rows if contact.normals else [*rows, touching_row(contact)]
         if not contact.slips or not columns.issuperset(j for slip in contact.slips for j in slip.jacobian):
             continue
         linear, found = [row for row in touching if row.linear], _states(states, touching)

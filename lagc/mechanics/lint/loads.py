@@ -25,6 +25,7 @@ def doubled_weights(model: Model) -> Iterator[Fault]:
     """Yield LAG0435 of each potential that is the weight of a body, or of all, beside `Gravity`."""
     potentials = [action for action in model.actions if isinstance(action, Potential)]
     written = [action for action in potentials if action.gravity is None]
+    # The weights that a potential may repeat: of all bodies together, and of each.
     weights = [(field, "all bodies", field.energy) for field in potentials if field.gravity is not None]
     for field in potentials:
         if field.gravity is not None:
@@ -35,6 +36,7 @@ def doubled_weights(model: Model) -> Iterator[Fault]:
             ]
     if not written or not weights or len(written) * len(weights) > _MOST:
         return
+    # Changes between random poses tell potentials apart, whatever constant they contain.
     random = Random(0)
     values = {p.symbol: p.value for p in model.parameters if p.value is not None} | {model.time: 0.0}
     moving = [

@@ -51,6 +51,7 @@ def find_cuts(states: States, relations: Collection[Node]) -> Cuts:
     """Return warnings LAG0421 of constraints and LAG0422 of places with a jump or kink, LAG0423 of energies
     and LAG0424 of declared speeds with a jump; `relations` are the candidates."""
     model = states.model
+    # Expressions above no relation are smooth, and are not looked at.
     above = set(relations)
     for node in states.graph.nodes:
         if not above.isdisjoint(node.args):
@@ -82,6 +83,8 @@ def find_cuts(states: States, relations: Collection[Node]) -> Cuts:
             warnings.append(fault)
         stopping.append((fault, found))
 
+    # Rows of positions may have neither jump nor kink, as their gradients are forces. Rows of speeds
+    # may have kinks.
     remedy = f"{_ROUND}, or let a force act in its place"
     in_rates = depends([x for c in model.constraints for x in c.residuals], rates)
     for c in model.constraints:
@@ -93,6 +96,8 @@ def find_cuts(states: States, relations: Collection[Node]) -> Cuts:
         axes = [x for row in body.frame.axes for x in row] if body.frame is not None else []
         what = f"the place of `{body.name}`"
         look([*body.position, *axes], place, True, "LAG0422", what, _ROUND, body.span)
+    # Energies may have kinks in the coordinates, where forces jump, but none in the rates, where momenta
+    # would.
     remedy = "let it change over a distance, or write the forces that are meant with `force`"
     for action in model.actions:
         what = f"the energy `{action.name}`"
@@ -212,7 +217,7 @@ class _Point:
     leaf: Node
     step: float
 
-    def beside(self, distance: float) -> State:
+    def displaced(self, distance: float) -> State:
         return {**self.state, self.leaf: self.state[self.leaf] + distance}
 
 
@@ -268,7 +273,7 @@ def _knots(piece: Node, value: float) -> list[float]:
 
 def _kind(graph: Graph, nodes: Sequence[Node], leaves: Sequence[Node], point: _Point) -> str:
     """Return "jump" where values on both sides differ, "kink" where slopes along `leaves` do, or ""."""
-    before, at, after = (point.beside(d) for d in (-point.step, 0.0, point.step))
+    before, at, after = (point.displaced(d) for d in (-point.step, 0.0, point.step))
     kind = ""
     for a, b in zip(_branch(graph, nodes, before), _branch(graph, nodes, after)):
         if a is b:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from lagc.base.records import dataclass
+from lagc.base.records import dataclass, replace
 from lagc.reports.animation.links import Distances, Link, arms, rods, springs
 from lagc.reports.animation.places import EXACT, Place, Sample, Solid, names_of
 from lagc.reports.animation.shapes import Shape, declared_shape, find_shapes
@@ -131,6 +131,7 @@ def infer(model: Model, run: Solution) -> Scene:
     for i, radius in radii_at_contact(sample, rows):
         radii[i] = min(radii.get(i, radius), radius)
     find_shapes(sample, links, radii)
+    rows.surfaces = [_under_round(sample, row) for row in rows.surfaces]
     held: dict[int, int] = {}
     for body in sample.solids:
         for i, _ in body.attached:
@@ -138,6 +139,14 @@ def infer(model: Model, run: Solution) -> Scene:
     hinges = [i for i, count in held.items() if count > 1 and sample.moves(i)]
     drawn = [link for link in links if not _is_covered(sample, link)]
     return Scene(sample, rows, drawn, elastic, figures, feet, hinges, travels)
+
+
+def _under_round(sample: Sample, row: Row) -> Row:
+    """Return the plane that round solids touch, where their centres stay on a plane: it goes through the
+    origin, as far from the centres as their radius."""
+    round_ = [b.shape.get("r") for b in sample.solids if b.place in row.places and b.inertia is not None]
+    same = all(r is not None and abs(r - abs(row.c)) <= 1e-6 * r for r in round_)
+    return replace(row, c=0.0) if row.kind == "plane" and round_ and same else row
 
 
 def _declared(sample: Sample, rows: Rows, links: list[Link], elastic: list[Link]) -> list[Drawn]:

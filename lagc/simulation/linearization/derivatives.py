@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -105,7 +106,7 @@ class Point:
         """The derivatives of the stack by a group of variables, with a and lam fixed."""
         if group not in self._groups:
             entries = self._entries(group)
-            for k, other in enumerate(self.beside if self.clean else ()):
+            for k, other in enumerate(self.perturbed if self.clean else ()):
                 if k >= FEW and not _doubtful(entries).any():
                     break
                 changes = np.abs(other.by(group) - entries)
@@ -141,7 +142,7 @@ class Point:
         return [(bind(perturb(p)), perturb([self.t])[0], perturb(self.x)) for _ in range(ENOUGH)]
 
     @cached_property
-    def beside(self) -> list[Point]:
+    def perturbed(self) -> list[Point]:
         """This point with all numbers perturbed by rounding units."""
         perturb = _Perturbation(1)
         return [
@@ -199,7 +200,7 @@ class Point:
         scaled = d[:, None] * k * d
         if not np.isfinite(scaled).all():
             raise ArithmeticError("the derivatives have no finite value there")
-        found: Array = d[:, None] * _inverse(scaled) * d
+        found: Array = d[:, None] * pseudo_inverse(scaled, DEPENDENT) * d
         return found
 
     def motion(self, group: str) -> Array:
@@ -218,7 +219,7 @@ class Point:
         than the sums of terms, as perturbations by rounding units show."""
         found, terms = np.abs(self.motion(group)), self.sizes(group)
         changes = np.zeros_like(found)
-        for k, other in enumerate(self.beside):
+        for k, other in enumerate(self.perturbed):
             if k >= FEW and not ((SHARE * found > changes) & (found <= ROUNDING * terms)).any():
                 break
             changes = np.maximum(changes, np.abs(other.motion(group) - self.motion(group)))
@@ -261,21 +262,16 @@ def largest_beside(entries: Array) -> Any:
     return np.maximum(sizes.max(axis=0, initial=0.0), sizes.max(axis=1, initial=0.0, keepdims=True))
 
 
-def _inverse(table: Array) -> Any:
-    """The inverse, or the pseudo-inverse if rows depend on each other."""
-    try:
-        found = np.linalg.inv(table)
-        if np.linalg.norm(table) * np.linalg.norm(found) * DEPENDENT < 1.0:  # bounds the condition
-            return found
-    except np.linalg.LinAlgError:
-        pass
-    left, sizes, right = np.linalg.svd(table)
-    if sizes.size and sizes[-1] > DEPENDENT * sizes[0]:
-        found = np.linalg.inv(table)
-    else:
-        kept = sizes > DEPENDENT * sizes[:1]
-        found = (right[kept].T / sizes[kept]) @ left[:, kept].T
-    return found
+def pseudo_inverse(table: Array, dependent: float) -> Any:
+    """Return the pseudo-inverse, where singular values below the share `dependent` of the largest count as
+    zero. A square matrix whose condition, by Frobenius norms, is small has its inverse, in a tenth of the
+    time."""
+    if table.shape[0] == table.shape[1]:
+        with suppress(np.linalg.LinAlgError):
+            found = np.linalg.inv(table)
+            if np.linalg.norm(table) * np.linalg.norm(found) * dependent < 1.0:
+                return found
+    return np.linalg.pinv(table, rcond=dependent)
 
 
 def rounded(found: Array, terms: Array | float) -> Array:
@@ -331,7 +327,7 @@ def _changing(point: Point) -> list[int]:
     sides, modes = point.value("indicator"), system.modes(point.t, point.x)
     rows, n = interface.stack["indicator"], len(interface.relations)
     doubt = np.zeros(n)
-    for other in point.beside:
+    for other in point.perturbed:
         there = other.system.stack(other.t, other.x, other.a, other.lam, modes)[rows.start : rows.stop]
         doubt = np.maximum(doubt, np.abs(np.array(there) - sides))
     edges = [0.0] * (2 * n)
