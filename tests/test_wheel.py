@@ -86,7 +86,8 @@ def test_nothing_is_left_behind(installed: Path) -> None:
     for name in (
         "grammar/lag.lark",
         "syntax/tables.json",
-        "codegen/kernel_compiler/kernels.json",
+        "codegen/kernel_compiler/kernels.double.json",
+        "codegen/kernel_compiler/kernels.python.json",
         "models/classic/kepler.lag",
         "messages/syntax.md",
     ):

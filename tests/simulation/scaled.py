@@ -37,20 +37,20 @@ def factor(dimension: Dimension, factors: Factors) -> float:
 @contextmanager
 def units(factors: Factors) -> Iterator[None]:
     """Within it, models are read with all their numbers in the other units."""
-    to_si, dressed = Unit.to_si, evaluate._dressed
+    to_si, with_dimension = Unit.to_si, evaluate._with_dimension
 
     def other_si(self: Unit, value: float) -> float:
         return to_si(self, value) * factor(self.dimension, factors)
 
-    def other_dressed(value: Value, dimension: Dimension, bare: bool) -> Value:
-        found = dressed(value, dimension, bare)
+    def other_with_dimension(value: Value, dimension: Dimension, bare: bool) -> Value:
+        found = with_dimension(value, dimension, bare)
         if isinstance(value, Array) or not isinstance(found, Scalar) or found is value:
             return found
         return Scalar(factor(dimension, factors) * found.node, found.dimension)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Unit, "to_si", other_si)
-        patch.setattr(evaluate, "_dressed", other_dressed)
+        patch.setattr(evaluate, "_with_dimension", other_with_dimension)
         patch.setattr(bodies, "STANDARD", bodies.STANDARD * factor(bodies.GRAVITY, factors))
         yield
 

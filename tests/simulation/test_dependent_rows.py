@@ -32,7 +32,6 @@ from lagc.simulation.backends.compile import compiler as compiler_of_c
 from lagc.simulation.system import INCONSISTENT, OK, REDUNDANT, Options, System
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import evaluate
-from tests.hard.test_mechanisms import BENNETT
 from tests.hard.test_vanishing_rows import text as track
 from tests.lowering import large
 from tests.lowering.exact import values as in_digits
@@ -298,9 +297,10 @@ def test_rows_that_vanish_share_no_force() -> None:
     assert_solved(found, e, state)
 
 
+BENNETT = read_model("bennett").text
 MANY_BENNETTS = f"""
 model Loop
-{BENNETT.split("model Bennett")[1].split("  effect")[0]}
+{BENNETT.split("that moves")[1][1:].split("  effect")[0]}
   dissipation brake = 1/2*0.5 [N.m.s/rad2]*der(th1)^2;
 end Loop;
 

@@ -334,13 +334,13 @@ def test_models_that_are_compiled_one_after_the_other_do_not_pile_up() -> None:
 
 def test_each_scene_is_checked_without_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[int] = []
-    one = Builder._one
+    one = Builder._register_one
 
     def counting(self: Builder, *arguments: Any) -> None:
         seen[-1] += 1
         one(self, *arguments)
 
-    monkeypatch.setattr(Builder, "_one", counting)
+    monkeypatch.setattr(Builder, "_register_one", counting)
     for n in (5, 10, 20):
         seen.append(0)
         found = checking.check(Source("m.lag", scenes(n)), Choice())
