@@ -1,30 +1,35 @@
-"""Integrable velocity constraints.
+"""Integrable velocity constraints, alone or in combination.
 
-Velocity rows restrict positions if their forms are closed along each other and the holonomic rows: dw(X, Y) =
-0 for all X, Y that all of them annihilate (F. W. Warner, *Foundations of Differentiable Manifolds and Lie
-Groups*, th. 2.32). The largest such set of rows is taken. All steps are linear algebra at points of a finite
-field on the constraints, so no tolerance is involved.
+A combination of velocity rows restricts positions if it annihilates all directions that motions reach, Lie
+brackets of allowed motions included. These combinations are the last derived flag of the rows' forms (R. L.
+Bryant et al., *Exterior Differential Systems*, 1991, ch. II). All steps are linear algebra at points of a
+finite field on the constraints, so no tolerance is involved.
 
-Combinations of rows may restrict positions where no row does. They are in the first derived system: the w in
-the span of all forms with dw = 0 on what all annihilate (R. L. Bryant et al., *Exterior Differential
-Systems*, 1991, ch. II). Where this is larger than what the rows bring, the number of relations is not proved.
+The largest set of rows that are closed along each other lies in this flag: dw(X, Y) = 0 for all X, Y that
+all of them and the holonomic rows annihilate (F. W. Warner, *Foundations of Differentiable Manifolds and Lie
+Groups*, th. 2.32). Brackets are formed only where the first derived system is larger. If they become too
+long, those that were formed bound the number of relations.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from lagc.base.records import dataclass, field
 from lagc.mechanics.formulation.equations import Row
-from lagc.mechanics.formulation.states import States, quaternion_rate, rate_symbols
+from lagc.mechanics.formulation.states import States, quaternion_rate, rate_symbols, solve_rows
 from lagc.mechanics.identities.sampling_domains import on_rows
 from lagc.mechanics.identities.zero_test import ZeroTest, spelt_out
 from lagc.semantics.model import Coordinate
 from lagc.symbolic.derivative import gradient, seeds, tangent
 from lagc.symbolic.finite_field import Echelon, Entries, P, Point, Undefined
-from lagc.symbolic.graph import Node
-from lagc.symbolic.walk import substitute, symbols
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import reachable, substitute, symbols
+
+LONGEST = 10_000  # nodes that the brackets of a step differentiate
+
+Field: TypeAlias = dict[Node, Node]  # position -> its rate
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +59,7 @@ class Integrable:
 
 class _Verdict(NamedTuple):
     """The verdict of a point: the reasons of the integrable rows, the rows that may be integrable with
-    combinations of others, the number of relations that the integrable rows add, and the most that all may
-    add."""
+    combinations of others, the number of relations that are found, and the most that there may be."""
 
     reasons: dict[str, str]
     doubtful: set[str]
@@ -116,7 +120,7 @@ def integrable_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping
     lengths = [graph.sum(states.q[i + k] ** 2 for k in range(4)) for i in states.quaternions]
     units = [_exact_form(states, length) for length in lengths]
     holonomic = [_exact_form(states, row.residual) for row in rows if row.holonomic]
-    test = _Closedness(forms, units, holonomic)
+    test = _Test(graph, forms, units, holonomic)
     verdicts: list[_Verdict] = []
     exact = True
     points = ZeroTest(on_rows(states, [row for row in rows if row.linear], tries)).points(test.nodes)
@@ -141,11 +145,20 @@ def integrable_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping
     return Integrable(reasons, relations, proved, doubtful=frozenset(doubtful))
 
 
-class _Closedness:
+def _bracket(graph: Graph, x: Field, y: Field) -> Field:
+    """Return [x, y] = dy.x - dx.y."""
+    ahead = dict(zip(y, tangent(graph, list(y.values()), x)))
+    back = dict(zip(x, tangent(graph, list(x.values()), y)))
+    return {k: ahead.get(k, graph.zero) - back.get(k, graph.zero) for k in {**ahead, **back}}
+
+
+class _Test:
     """The test of velocity forms by label, beside the exact ones of unit quaternions and holonomic rows."""
 
-    def __init__(self, forms: dict[str, Form], units: Sequence[Form], holonomic: Sequence[Form]):
-        self.forms, self.units, self.exact = forms, units, [*units, *holonomic]
+    def __init__(
+        self, graph: Graph, forms: dict[str, Form], units: Sequence[Form], holonomic: Sequence[Form]
+    ):
+        self.graph, self.forms, self.units, self.exact = graph, forms, units, [*units, *holonomic]
         every = [*forms.values(), *self.exact]
         self.nodes = [node for form in every for node in form.nodes]
         places = {x for form in every for x in form.coefficients}
@@ -154,32 +167,68 @@ class _Closedness:
 
     def at(self, point: Point, truths: Mapping[Node, int]) -> _Verdict:
         """Return the verdict of a point. Raises Undefined."""
-        self._values = {id(f): self._row(f, point, truths) for f in (*self.forms.values(), *self.exact)}
-        inside = self._closed(self.forms, point, truths)
-        alike = set(inside)
+        every = [*self.exact, *self.forms.values()]
+        self._values = {id(f): self._entries(f.coefficients, point, truths) for f in every}
+        inside = alike = self._closed(self.forms, point, truths)
         while len(closed := self._closed(inside, point, truths)) < len(inside):
             inside = closed
+        exact = self._echelon(self.exact).rank
+        relations = self._echelon([*self.exact, *inside.values()]).rank - exact
+        rows, taken = Echelon(), list[Form]()
+        for form in every:
+            if rows.grows(self._values[id(form)]):
+                taken.append(form)
+        most = self._derived(rows, taken, point, truths) - exact
+        if relations < most:
+            reach, whole = self._reach(rows, taken, point, truths)
+            most = min(most, len(self._column) - reach.rank - exact)
+            alike = {label: form for label, form in alike.items() if self._annuls(form, reach)}
+            if whole:
+                relations, inside = most, alike
         reasons = {label: self._reason(form, point, truths) for label, form in inside.items()}
-        relations = self._echelon([*self.exact, *inside.values()]).rank - self._echelon(self.exact).rank
-        return _Verdict(reasons, alike - set(inside), relations, self._most(point, truths))
+        return _Verdict(reasons, set(alike) - set(inside), relations, most)
+
+    def _derived(self, rows: Echelon, taken: Sequence[Form], point: Point, truths: Mapping[Node, int]) -> int:
+        """Return the dimension of the first derived system of the independent forms `taken`."""
+        vanishing = Echelon()  # of c with sum of c_i dw_i(a, b) = 0, drawn pairs a, b in turn
+        for _ in taken:
+            motions = self._motions(rows, point)
+            slopes = [self._slope(form, motions, point, truths) for form in taken]
+            vanishing.grows(dict(enumerate(slopes)))
+        return len(taken) - vanishing.rank
+
+    def _reach(
+        self, rows: Echelon, taken: Sequence[Form], point: Point, truths: Mapping[Node, int]
+    ) -> tuple[Echelon, bool]:
+        """Return the span of the motions that `taken` allow and of their brackets, and whether all brackets
+        are in it."""
+        # A field for each position that is free, the others solved for.
+        zero, where = self.graph.zero, list(self._column)
+        matrix = [{self._column[x]: node for x, node in form.coefficients.items()} for form in taken]
+        fields = list[Field]()
+        for k, x in enumerate(where):
+            if k not in rows.rows:
+                right = [-row.get(k, zero) for row in matrix]
+                solved = solve_rows(self.graph, matrix, right, list(rows.rows))
+                fields.append({x: self.graph.one, **{where[j]: node for j, node in solved.items()}})
+        # Brackets with the fields, of those that were new in the step before.
+        reach = Echelon()
+        latest = [x for x in fields if reach.grows(self._entries(x, point, truths))]
+        while latest:
+            if len(fields) * len(reachable([node for x in latest for node in x.values()])) > LONGEST:
+                return reach, False
+            brackets = (_bracket(self.graph, x, y) for x in fields for y in latest)
+            latest = [z for z in brackets if reach.grows(self._entries(z, point, truths))]
+        return reach, True
+
+    def _annuls(self, form: Form, directions: Echelon) -> bool:
+        values = self._values[id(form)]
+        return not any(sum(e * x.get(j, 0) for j, e in values.items()) % P for x in directions.rows.values())
 
     def _closed(self, forms: Mapping[str, Form], point: Point, truths: Mapping[Node, int]) -> dict[str, Form]:
         """Return the forms that are closed along all of them."""
         motions = self._motions(self._echelon([*forms.values(), *self.exact]), point)
         return {x: form for x, form in forms.items() if not self._slope(form, motions, point, truths)}
-
-    def _most(self, point: Point, truths: Mapping[Node, int]) -> int:
-        """Return the dimension of the first derived system beside the exact forms."""
-        rows, columns = self._echelon(self.exact), list[Form]()
-        for form in self.forms.values():
-            if rows.grows(self._values[id(form)]):
-                columns.append(form)
-        vanishing = Echelon()  # of c with sum of c_i dw_i(a, b) = 0, drawn pairs a, b in turn
-        for _ in columns:
-            motions = self._motions(rows, point)
-            slopes = [self._slope(form, motions, point, truths) for form in columns]
-            vanishing.grows(dict(enumerate(slopes)))
-        return len(columns) - vanishing.rank
 
     def _reason(self, form: Form, point: Point, truths: Mapping[Node, int]) -> str:
         """Return why a form is integrable, with as few others as will do."""
@@ -189,9 +238,9 @@ class _Closedness:
                 return f"{words} it is the rate of a relation between positions"
         return "with other velocity rows it is the rate of a relation between positions"
 
-    def _row(self, form: Form, point: Point, truths: Mapping[Node, int]) -> Entries:
-        values = point.values(list(form.coefficients.values()), truths)
-        return {self._column[x]: value for x, value in zip(form.coefficients, values)}
+    def _entries(self, nodes: Mapping[Node, Node], point: Point, truths: Mapping[Node, int]) -> Entries:
+        values = point.values(list(nodes.values()), truths)
+        return {self._column[x]: value for x, value in zip(nodes, values)}
 
     def _echelon(self, forms: Iterable[Form]) -> Echelon:
         found = Echelon()
