@@ -194,7 +194,7 @@ def definitions() -> Definitions:
 
 def _tree(name: str) -> ast.Module:
     with open(os.path.join(folder(), f"{name}.py"), encoding="utf-8") as file:
-        return ast.parse(file.read())
+        return ast.parse(file.read(), file.name)
 
 
 def declared_sizes() -> frozenset[str]:

@@ -80,7 +80,7 @@ def read(name: str) -> Module:
 
 
 def module(file: str, text: str) -> Module:
-    tree = ast.parse(text, file)
+    tree = ast.parse(text, os.path.join(folder(), file))
     attach(tree.body, _comments(text), 0)
     parts: list[Function | Record | Constant] = []
     for node in tree.body:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from copy import copy
 
 from lagc.codegen.kernel_compiler.kernel_syntax import clone
 from lagc.codegen.kernel_compiler.type_check import Types
@@ -59,7 +60,8 @@ class Words(ast.NodeTransformer):
         self.generic_visit(node)
         if not isinstance(node.op, ast.Div) or self.is_number(node.value):
             return node
-        before = ast.parse(ast.unparse(node.target), mode="eval").body
+        before = copy(node.target)
+        before.ctx = ast.Load()
         return ast.Assign([node.target], self.visit_BinOp(ast.BinOp(before, node.op, node.value)))
 
     def is_number(self, node: ast.expr) -> bool:
