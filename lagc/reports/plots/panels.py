@@ -104,7 +104,7 @@ def matching(word: str, names: Sequence[str]) -> list[str]:
     found = [name for name in names if rule.fullmatch(name)]
     if found or "(" in word:
         return found or [word]
-    remedy = did_you_mean(word, names) or f"there are {', '.join(names[:12])}"
+    remedy = did_you_mean(word, names) or f"there are {', '.join([*dict.fromkeys(names)][:12])}"
     raise ValueError(f"`--show {word}`: no column of the run has this name; {remedy}")
 
 
