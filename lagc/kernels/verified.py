@@ -15,6 +15,7 @@ from typing import Any
 from lagc.kernels.arguments import check_call
 from lagc.kernels.call_boundary import begin, enter_call, leave_call
 from lagc.kernels.driver import begin_trajectory, step_once
+from lagc.kernels.integrators.dispatch import has_series
 from lagc.kernels.language.vocabulary import *
 from lagc.kernels.trajectory import are_in_order, interpolate_at
 
@@ -36,10 +37,14 @@ CONSTANT = 1e-9  # of its terms: range of a quantity that does not move
 SURELY_MOVES = 1e-3
 BY_CHANCE = 20.0  # differences of the two runs: range of a quantity that only errors move
 OFFSET = by_type(2.4e-4, 1.5e-8, "1e-17")  # relative change of a state that shows the terms of outputs
+KEPT = 7  # times of jumps that are kept for comparison
+FINER_SERIES = 0.1  # tolerance of the check over that of the run, for a method whose order follows from it
+FAILED_CHANGE = 1e-3  # of the tolerance, after an attempt that an error ended
+MOST_FAILURES = 2
 
 
 def state_quantities(p: Params, t: Real, x: Vec[NX], y: Vec[NQUANTITY], w: Work) -> None:
-    """Set y to the coordinates, speeds and outputs at (t, x)."""
+    """Set y to the coordinates, speeds, outputs and discrete variables at (t, x)."""
     for i in range(NQ + NV):
         y[i] = x[i]
     if NY > 0:
@@ -47,13 +52,18 @@ def state_quantities(p: Params, t: Real, x: Vec[NX], y: Vec[NQUANTITY], w: Work)
         fn_observe(p, t, x, observed, w)
         for i in range(NY):
             y[NQ + NV + i] = observed[i]
+    for i in range(NDISC):
+        y[NQ + NV + NY + i] = x[NINT + i]
 
 
 def compare_quantities(v: Verification) -> None:
-    """Enlarge the gaps to the differences of the two runs, and the ranges to the values of the run."""
+    """Enlarge the gaps to the differences of the two runs, and the ranges to the values of the run. Values
+    of outputs that are not finite are left out."""
     for i in range(NQUANTITY):
         gap = fabs(v.of_run[i] - v.of_check[i])
-        if not gap <= v.gap[i]:
+        if not gap - gap == 0.0:
+            continue
+        if gap > v.gap[i]:
             v.gap[i] = gap
         if v.of_run[i] < v.low[i]:
             v.low[i] = v.of_run[i]
@@ -62,7 +72,11 @@ def compare_quantities(v: Verification) -> None:
 
 
 def known_part(method: int) -> Real:
-    """Return the difference of the two runs over the error of the run: 1 - (5/6)^order."""
+    """Return the difference of the two runs over the error of the run: 1 - (5/6)^order, or the part that the
+    tolerance of the check leaves."""
+    if NSERIES > 0:
+        if has_series(method):
+            return 1.0 - FINER_SERIES
     rest = 1.0
     for m in static(METHODS):
         if method == m.NUMBER:
@@ -71,9 +85,38 @@ def known_part(method: int) -> Real:
     return 1.0 - rest
 
 
-def estimate_errors(g: Goal, scales: Vec[NQUANTITY], method: int, underway: bool, v: Verification) -> Real:
+def scale_of(i: Size, group: Real, underway: bool, scales: Vec[NQUANTITY], v: Verification) -> Real:
+    """Return the scale of a quantity: the one that is given, the range, or for a quantity that does not move
+    the size of its terms. `group` is the size of the scaling group of a state."""
+    largest = fabs(v.low[i]) if fabs(v.low[i]) > fabs(v.high[i]) else fabs(v.high[i])
+    # A state below its noise cannot be told from zero beside the others of its group.
+    noise = LEAST_COMPARED * group
+    if NC > 0 or NCON > 0:
+        noise = PROJECTED_NOISE * group
+    size = v.terms[i] if v.terms[i] > largest else largest
+    if 0.1 * noise > size:
+        size = 0.1 * noise
+    v.size[i] = size
+    v.constant[i] = 0
+    scale = v.high[i] - v.low[i]
+    if present(scales):
+        if scales[i] > 0.0:
+            return scales[i]
+    if scale <= CONSTANT * size or (scale <= SURELY_MOVES * size and scale <= BY_CHANCE * v.gap[i]):
+        scale = group if largest <= noise else size
+        v.constant[i] = 1
+    if NQUAT > 0:
+        for k in range(NQUAT):
+            if i >= quaternion[k] and i < quaternion[k] + 4:
+                scale = 1.0
+    # A quantity that has hardly begun to move has no range yet.
+    least = EARLY * (group if i < NQ + NV else size)
+    return least if underway and scale < least else scale
+
+
+def estimate_errors(scales: Vec[NQUANTITY], method: int, underway: bool, v: Verification) -> Real:
     """Set errors and scales of the quantities from what was compared so far; return the largest error over
-    scale."""
+    scale. That of the times of jumps is relative to the time of the run."""
     events: Count = 0
     if NMODE > 0:
         events = v.run.changes
@@ -83,49 +126,24 @@ def estimate_errors(g: Goal, scales: Vec[NQUANTITY], method: int, underway: bool
     worst = 0.0
     v.misses_by_small = False
     for i in range(NQUANTITY):
-        largest = fabs(v.low[i]) if fabs(v.low[i]) > fabs(v.high[i]) else fabs(v.high[i])
-        group = 0.0
-        noise = 0.0
-        if i < NQ + NV:
-            group = v.run.sizes[scaling_group[i]]
-            if NC > 0 or NCON > 0:
-                noise = PROJECTED_NOISE * group
-            else:
-                noise = LEAST_COMPARED * group
-        size = v.terms[i] if v.terms[i] > largest else largest
-        if 0.1 * noise > size:
-            size = 0.1 * noise
-        span = v.high[i] - v.low[i]
-        scale = span
-        given = False
-        if present(scales):
-            given = scales[i] > 0.0
-        v.constant[i] = 0
-        if given:
-            scale = scales[i]
-        elif span <= CONSTANT * size or (span <= SURELY_MOVES * size and span <= BY_CHANCE * v.gap[i]):
-            scale = group if largest <= noise else size
-            v.constant[i] = 1
-        if NQUAT > 0:
-            for k in range(NQUAT):
-                if i >= quaternion[k] and i < quaternion[k] + 4:
-                    scale = 1.0
-        if underway:
-            least = EARLY * (group if i < NQ + NV else size)
-            if scale < least:
-                scale = least
+        group = v.run.sizes[scaling_group[i]] if i < NQ + NV else 0.0
+        scale = scale_of(i, group, underway, scales, v)
         v.scale[i] = scale
-        v.error[i] = margin * v.gap[i] + SPACING * size
+        v.error[i] = margin * v.gap[i] + SPACING * v.size[i]
         if scale > 0.0 and not v.error[i] <= worst * scale:
             worst = v.error[i] / scale
-            v.misses_by_small = i < NQ + NV and largest < SMALL * group
+            v.misses_by_small = i < NQ + NV and v.size[i] < SMALL * group
+    if NLEAP > 0:
+        v.time_error = margin * v.time_gap
+        if v.time_error > worst * v.duration:
+            worst = v.time_error / v.duration
     return worst
 
 
 def begin_attempt(p: Params, x0: Vec[NX], begin_time: Real, o: Options, r: Report, v: Verification) -> None:
     """Set both runs to the beginning."""
     o.rtol = v.tolerance
-    o.alone = v.sizes_alone
+    o.alone = v.alone
     begin(v.run, begin_time, x0)
     begin(v.check, begin_time, x0)
     state_quantities(p, begin_time, x0, v.of_run, v.run_work)
@@ -134,6 +152,14 @@ def begin_attempt(p: Params, x0: Vec[NX], begin_time: Real, o: Options, r: Repor
     for i in range(NQUANTITY):
         v.gap[i] = 0.0
         v.terms[i] = 0.0
+    if NMODE > 0:
+        v.lag = 0
+        v.changes_before = 0
+        v.check_before = 0
+    if NLEAP > 0:
+        v.time_gap = 0.0
+        v.jump_lag = 0
+    v.check_ended = False
     v.steps_done = 0
     v.checked = 0
     v.predicted = 0.0
@@ -156,28 +182,46 @@ def record_times(p: Params, times: Vec[Any], n: Length, o: Options, states: Rows
     return OK
 
 
+def note_jumps(s: State, before: Count, lag: Count, own: Vec[SEVEN], other: Vec[SEVEN], passed: Count,
+               v: Verification) -> None:  # fmt: skip
+    """Keep the times of the jumps of one run since `before`, and compare them with those of the other, which
+    has `passed` jumps. Jump k of this run is jump k + lag of the other."""
+    if NLEAP > 0:
+        k = before
+        while k < s.jumps:
+            own[k % KEPT] = s.t
+            there = k + lag
+            if there >= 0 and there < passed and passed - there <= KEPT:
+                gap = fabs(s.t - other[there % KEPT])
+                if gap > v.time_gap:
+                    v.time_gap = gap
+            k += 1
+
+
 def step_run(p: Params, times: Vec[Any], n: Length, o: Options, states: Rows[NX], outputs: Rows[NY],
              r: Report, v: Verification) -> Status:  # fmt: skip
     """Make one step of the run, and keep what its check is compared with."""
-    changes: Count = 0
+    m = v.steps_done
     if NMODE > 0:
-        changes = v.run.changes
+        v.block_changes[m] = float(v.run.changes)
+    if NLEAP > 0:
+        jumps = v.run.jumps
     recorded = r.done
     ended = step_once(p, v.run, times[n - 1], o, v.run_work)
     if failed(ended) and ended != TERMINATED:
         return ended
     v.run.is_new_call = False
+    if NLEAP > 0:
+        note_jumps(v.run, jumps, -v.jump_lag, v.run_jumps, v.check_jumps, v.check.jumps, v)
     status = record_times(p, times, n, o, states, outputs, r, v)
     if failed(status):
         return status
-    m = v.steps_done
     if not v.run.t > v.block_times[m]:
         return ended
     # The check reaches its next time within this step of the run.  Where the dense output of the run exists,
     # it is compared there.
     there = v.block_times[m] + (1.0 - (m + 1.0) / (BLOCK + 1.0)) * (v.run.t - v.block_times[m])
     v.check_times[m] = there
-    v.block_changes[m] = float(changes)
     v.compared[m] = 0
     if v.run.dense_place == READY or r.done > recorded:
         status = interpolate_at(v.run, there, o, v.x, v.run_work)
@@ -190,49 +234,65 @@ def step_run(p: Params, times: Vec[Any], n: Length, o: Options, states: Rows[NX]
     return ended
 
 
-def passed_alike(s: State, changes: Real) -> bool:
-    """Return whether a run has passed this number of events."""
+def check_is_alike(step: Size, v: Verification) -> bool:
+    """Return whether the check has passed the events that the run had passed before a step of the block."""
     if NMODE > 0:
-        return s.changes == changes
+        return float(v.check.changes + v.lag) == v.block_changes[step]
     return True
 
 
 def compare_recorded(p: Params, times: Vec[Any], o: Options, states: Rows[NX], outputs: Rows[NY],
-                     target: Real, r: Report, v: Verification) -> Status:  # fmt: skip
-    """Compare the recorded times up to a time that the check has reached with its dense output."""
-    while v.checked < r.done and times[v.checked] <= target:
+                     changes: Real, r: Report, v: Verification) -> Status:  # fmt: skip
+    """Compare the recorded times within the last step of the check with its dense output. `changes` is the
+    number of events before that step: an event of a step is at its end."""
+    while v.checked < r.done and times[v.checked] <= v.check.t:
         t = times[v.checked]
         step = 0
-        while step + 1 < v.steps_done and t > v.block_times[step + 1]:
+        while step + 1 < v.steps_done and t >= v.block_times[step + 1]:
             step += 1
-        if t < target and t > v.check.t_old and t < v.block_times[step + 1]:
-            if passed_alike(v.check, v.block_changes[step]) and passed_alike(v.run, v.block_changes[step]):
-                status = interpolate_at(v.check, t, o, v.x, v.check_work)
-                if failed(status):
-                    return status
-                state_quantities(p, t, v.x, v.of_check, v.check_work)
-                for i in range(NQ + NV):
-                    v.of_run[i] = states[v.checked][i]
-                if NY > 0:
-                    for i in range(NY):
-                        v.of_run[NQ + NV + i] = outputs[v.checked][i]
-                compare_quantities(v)
+        alike = t < v.check.t and t > v.check.t_old and t < v.block_times[step + 1]
+        if NMODE > 0:
+            alike = alike and changes == v.block_changes[step]
+        if alike:
+            status = interpolate_at(v.check, t, o, v.x, v.check_work)
+            if failed(status):
+                return status
+            if NMODE > 0:
+                v.check_work.modes[:] = v.check.modes_old
+            state_quantities(p, t, v.x, v.of_check, v.check_work)
+            for i in range(NQ + NV):
+                v.of_run[i] = states[v.checked][i]
+            if NY > 0:
+                for i in range(NY):
+                    v.of_run[NQ + NV + i] = outputs[v.checked][i]
+            for i in range(NDISC):
+                v.of_run[NQ + NV + NY + i] = states[v.checked][NINT + i]
+            compare_quantities(v)
         v.checked += 1
     return OK
 
 
-def agree(one: State, other: State) -> bool:
-    """Return whether two runs have passed the same number of events."""
+def agree(v: Verification) -> bool:
+    """Return whether both runs have passed the same events at the end of a block. Where they had none in it
+    they count as the same: round-off decides about the last of many bounces, or whether one touches."""
     if NMODE > 0:
-        return one.changes == other.changes
+        if v.run.changes != v.check.changes + v.lag:
+            if v.run.changes != v.changes_before or v.check.changes != v.check_before:
+                return False
+            v.lag = v.run.changes - v.check.changes
+            if NLEAP > 0:
+                v.jump_lag = v.run.jumps - v.check.jumps
+        v.changes_before = v.run.changes
+        v.check_before = v.check.changes
     return True
 
 
 def measure_terms(p: Params, v: Verification) -> None:
     """Enlarge the terms of the outputs to their change under a small relative change of the state: the sum of
     the magnitudes of what an output is made of, which bounds its round-off."""
-    for i in range(NX):
-        v.x[i] = v.run.x[i] * (1.0 + (OFFSET if i % 2 == 1 else -OFFSET))
+    v.x[:] = v.run.x
+    for i in range(NQ + NV):
+        v.x[i] *= 1.0 + (OFFSET if i % 2 == 1 else -OFFSET)
     state_quantities(p, v.run.t, v.run.x, v.of_run, v.run_work)
     state_quantities(p, v.run.t, v.x, v.of_check, v.run_work)
     for i in range(NQ + NV, NQUANTITY):
@@ -241,15 +301,55 @@ def measure_terms(p: Params, v: Verification) -> None:
             v.terms[i] = term
 
 
-def follow_to(p: Params, target: Real, o: Options, v: Verification) -> Status:
-    """Let the check reach a time, by one step if it is accurate enough, or a clause that ends it."""
-    while v.check.t < target:
+def follow_to(p: Params, target: Real, times: Vec[Any], o: Options, states: Rows[NX], outputs: Rows[NY],
+              r: Report, v: Verification) -> Status:  # fmt: skip
+    """Let the check reach a time, by one step if it is accurate enough, or a clause that ends it; compare the
+    recorded times on the way."""
+    changes = 0.0
+    ended = OK
+    while (ended == OK or ended == REDUNDANT) and v.check.t < target:
         v.check.h = target - v.check.t
-        status = step_once(p, v.check, target, o, v.check_work)
+        if NMODE > 0:
+            changes = float(v.check.changes + v.lag)
+        if NLEAP > 0:
+            jumps = v.check.jumps
+        if NSERIES > 0:
+            if has_series(o.method):
+                o.rtol = FINER_SERIES * v.tolerance
+        ended = step_once(p, v.check, target, o, v.check_work)
+        o.rtol = v.tolerance
+        if failed(ended) and ended != TERMINATED:
+            return ended
+        v.check.is_new_call = False
+        if NLEAP > 0:
+            note_jumps(v.check, jumps, v.jump_lag, v.check_jumps, v.run_jumps, v.run.jumps, v)
+        status = compare_recorded(p, times, o, states, outputs, changes, r, v)
         if failed(status):
             return status
-        v.check.is_new_call = False
-    return OK
+    return ended
+
+
+def compare_ends(p: Params, ended: Status, r: Report, v: Verification) -> None:
+    """Compare both runs at their ends. Where one has passed a jump that the other has not, at the end of the
+    time, their distance in time is that to the end at least."""
+    if NLEAP > 0:
+        if ended == TERMINATED or v.check_ended:
+            gap = fabs(v.run.t - v.check.t)
+            if gap > v.time_gap:
+                v.time_gap = gap
+            if not (ended == TERMINATED and v.check_ended):
+                r.skipped += 1
+                return
+        elif not agree(v):
+            r.skipped += 1
+            if v.run.jumps != v.check.jumps + v.jump_lag:
+                later = v.run.t_changed if v.run.changes > v.check.changes + v.lag else v.check.t_changed
+                if v.run.t - later > v.time_gap:
+                    v.time_gap = v.run.t - later
+            return
+    state_quantities(p, v.run.t, v.run.x, v.of_run, v.run_work)
+    state_quantities(p, v.check.t, v.check.x, v.of_check, v.check_work)
+    compare_quantities(v)
 
 
 def check_block(p: Params, times: Vec[Any], n: Length, ended: Status, o: Options, states: Rows[NX],
@@ -258,30 +358,27 @@ def check_block(p: Params, times: Vec[Any], n: Length, ended: Status, o: Options
     ended the run, it ends the check too, at another time, and both ends are compared."""
     last = v.steps_done
     final = ended == TERMINATED or not v.run.t < times[n - 1]
-    closed = OK
     for m in range(last + 1):
         target = v.run.t if m == last else v.check_times[m]
-        if closed == OK:
-            closed = follow_to(p, target, o, v)
-        if m == last and ended == TERMINATED and closed == OK:
-            closed = follow_to(p, times[n - 1], o, v)
-        if failed(closed) and closed != TERMINATED:
-            return closed
-        if closed == TERMINATED and m < last:
+        if m == last and ended == TERMINATED:
+            target = times[n - 1]
+        if not v.check_ended:
+            status = follow_to(p, target, times, o, states, outputs, r, v)
+            if failed(status) and status != TERMINATED:
+                v.run.culprit = v.check.culprit
+                return status
+            v.check_ended = status == TERMINATED
+        if v.check_ended and not (m == last and final):
             continue
-        status = compare_recorded(p, times, o, states, outputs, target, r, v)
-        if failed(status):
-            return status
-        alike = m == last and final
-        if not alike:
-            alike = passed_alike(v.check, v.block_changes[m]) if m < last else agree(v.run, v.check)
-        if not alike:
+        if m == last and final:
+            compare_ends(p, ended, r, v)
+        elif not (agree(v) if m == last else check_is_alike(m, v)):
             r.skipped += 1
-        elif m == last:
-            state_quantities(p, target, v.run.x, v.of_run, v.run_work)
-        elif v.compared[m] == 1:
-            v.of_run[:] = v.before[m]
-        if alike and (m == last or v.compared[m] == 1):
+        elif m == last or v.compared[m] == 1:
+            if m == last:
+                state_quantities(p, target, v.run.x, v.of_run, v.run_work)
+            else:
+                v.of_run[:] = v.before[m]
             state_quantities(p, target, v.check.x, v.of_check, v.check_work)
             compare_quantities(v)
     v.steps_done = 0
@@ -296,17 +393,33 @@ def check_block(p: Params, times: Vec[Any], n: Length, ended: Status, o: Options
     return OK
 
 
+def gives_up(g: Goal, error: Real, part: Real, last: bool, r: Report, v: Verification) -> bool:
+    """Return whether an attempt ends after this part of the time: it surely misses the accuracy, or has no
+    meaning any more if it is the last one."""
+    v.predicted = error / (part if part > LEAST_PART else LEAST_PART)
+    if not part < 1.0:
+        return False
+    if last:
+        if error > MEANINGLESS_ERROR and error > g.accuracy:
+            return True
+    elif part > TRUSTED_PART and (error > g.accuracy or v.predicted > GIVEN_UP * g.accuracy):
+        return True
+    return g.most > 0 and r.rhs + v.run.rhs + v.check.rhs > g.most
+
+
 def run_attempt(p: Params, times: Vec[Any], n: Length, g: Goal, scales: Vec[NQUANTITY], o: Options,
                 states: Rows[NX], outputs: Rows[NY], last: bool, r: Report,
                 v: Verification) -> Status:  # fmt: skip
     """Advance both runs to the end, until the accuracy is surely missed, or until the slice of steps is
-    made (INTERRUPTED).  The last attempt goes on as long as its result has a meaning."""
-    first = times[0]
+    made, or an event is to be reported (INTERRUPTED).  The last attempt goes on as long as its result has a
+    meaning."""
     final = times[n - 1]
     before = v.run.steps
     while v.run.t < final:
         if g.slice > 0 and v.run.steps - before >= g.slice:
             return INTERRUPTED
+        if NMODE > 0:
+            changes = v.run.changes
         ended = step_run(p, times, n, o, states, outputs, r, v)
         if failed(ended) and ended != TERMINATED:
             return ended
@@ -314,40 +427,49 @@ def run_attempt(p: Params, times: Vec[Any], n: Length, g: Goal, scales: Vec[NQUA
             status = check_block(p, times, n, ended, o, states, outputs, r, v)
             if failed(status):
                 return status
-            error = estimate_errors(g, scales, o.method, ended == OK and v.run.t < final, v)
-            part = (v.run.t - first) / (final - first)
+            error = estimate_errors(scales, o.method, ended == OK and v.run.t < final, v)
             if error <= g.accuracy:
                 r.until = v.run.t
             if ended == TERMINATED:
                 return ended
-            v.predicted = error / (part if part > LEAST_PART else LEAST_PART)
-            if part < 1.0:
-                if last:
-                    if error > MEANINGLESS_ERROR and error > g.accuracy:
-                        return OK
-                elif part > TRUSTED_PART and (error > g.accuracy or v.predicted > GIVEN_UP * g.accuracy):
-                    return OK
-                if g.most > 0 and r.rhs + v.run.rhs + v.check.rhs > g.most:
-                    return OK
+            if gives_up(g, error, (v.run.t - times[0]) / v.duration, last, r, v):
+                return OK
+        if NMODE > 0:
+            if o.report != 0 and v.run.changes > changes and v.run.t < final:
+                return INTERRUPTED
     return OK
 
 
-def next_tolerance(g: Goal, whole: bool, lost: bool, r: Report, v: Verification) -> None:
+def next_tolerance(g: Goal, whole: bool, r: Report, v: Verification) -> None:
     """Set the tolerance of the next attempt by the law of this one."""
     error = r.estimated if whole else v.predicted
-    if v.misses_by_small and not v.sizes_alone:
-        v.sizes_alone = True
+    if v.misses_by_small and not v.alone:
+        v.alone = True
         v.tolerance = g.accuracy / PRIOR
         return
     most = 0.3 if r.attempts < 2 else 0.1 if r.attempts < 3 else 0.01  # a second miss goes farther
     change = AIM * g.accuracy / error if error > 0.0 else most
-    if lost:
-        change = 0.01
-    elif not change < most:
+    if not change < most:
         change = most
     elif change < 1e-6:
         change = 1e-6
     v.tolerance *= change
+
+
+def begin_both(p: Params, times: Vec[Any], n: Length, o: Options, states: Rows[NX], outputs: Rows[NY],
+               r: Report, v: Verification) -> Status:  # fmt: skip
+    """Let contacts act at the beginning of both runs, and record the first times. Return INTERRUPTED after an
+    impact that is to be reported."""
+    begun = OK
+    if NCON > 0:
+        begun = begin_trajectory(p, v.run, 1.0, o, v.run_work)
+        if failed(begun) and begun != INTERRUPTED:
+            return begun
+        status = begin_trajectory(p, v.check, 1.0, o, v.check_work)
+        if failed(status) and status != INTERRUPTED:
+            return status
+    status = record_times(p, times, n, o, states, outputs, r, v)
+    return status if failed(status) else begun
 
 
 @public
@@ -373,7 +495,9 @@ def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales
             return INVALID
         r.attempts = 0
         r.rhs = 0
-        v.sizes_alone = False
+        v.failures = 0
+        v.alone = False
+        v.duration = times[n - 1] - times[0]
         v.tolerance = AIM * g.accuracy / g.law if g.law > 0.0 else g.accuracy / PRIOR
         if not v.tolerance < COARSEST:
             v.tolerance = COARSEST
@@ -388,17 +512,12 @@ def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales
         enter_call(v.run, v.run_work)
         enter_call(v.check, v.check_work)
         if not begins:
-            v.run.is_new_call = False
-            v.check.is_new_call = False
+            v.run.is_new_call = not v.run.parameters_known
+            v.check.is_new_call = not v.check.parameters_known
         status = OK
         if begins:
-            if NCON > 0:
-                status = begin_trajectory(p, v.run, 1.0, o, v.run_work)
-                if not failed(status):
-                    status = begin_trajectory(p, v.check, 1.0, o, v.check_work)
-            if not failed(status):
-                status = record_times(p, times, n, o, states, outputs, r, v)
-        if not failed(status):
+            status = begin_both(p, times, n, o, states, outputs, r, v)
+        if status == OK:
             status = run_attempt(p, times, n, g, scales, o, states, outputs, last, r, v)
         status = leave_call(v.run, status, v.run_work)
         leave_call(v.check, status, v.check_work)
@@ -409,11 +528,19 @@ def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales
         r.rhs += v.run.rhs + v.check.rhs
         r.steps = v.run.steps
         r.rtol = v.tolerance
-        r.estimated = estimate_errors(g, scales, o.method, False, v)
+        r.estimated = estimate_errors(scales, o.method, False, v)
         whole = v.run.t >= times[n - 1] or status == TERMINATED
         g.law = (r.estimated if whole else v.predicted) / v.tolerance
         if not whole:
             r.estimated = inf
+        lost = failed(status) and status != TERMINATED
+        if lost:
+            v.failures += 1
         if last or (whole and r.estimated <= g.accuracy) or (g.most > 0 and r.rhs > g.most):
             return status
-        next_tolerance(g, whole, failed(status) and status != TERMINATED, r, v)
+        if not lost:
+            next_tolerance(g, whole, r, v)
+        elif v.failures == MOST_FAILURES:
+            return status
+        else:
+            v.tolerance *= FAILED_CHANGE

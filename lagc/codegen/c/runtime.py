@@ -31,7 +31,7 @@ from lagc.lowering.program import Interface, Program
 
 # Public kernels of every model; a run of lagc does the last ones itself.
 ROOTS = ("begin", "step", "dense", "advance", "record", "verified", "check")
-EMBEDDED = ("verified", "check")  # of these the kernels that a run of lagc does itself
+EMBEDDED = ("check",)  # of these the kernels that a run of lagc does itself
 CALLED = ("rhs_at", "system_at", "assemble_at", "solve_at")  # called by `public_functions`
 FOLLOWING = ("follow", "event_facts")  # with sensitivities
 _COPY_STATE = """\
@@ -78,7 +78,7 @@ class Runtime:
         records = self._records()
         found = [self._enumeration("Status"), records["Work"], self._enumeration("Method")]
         found += [records["Options"], _codes(codes(self.parts, "language/records")), records["State"]]
-        found += [records[name] for name in ("Goal", "Report", "Verification") if self.complete]
+        found += [records[name] for name in ("Goal", "Report", "Verification")]
         found += [records["TangentWork"]] if self.program.interface.follows else []
         if self.searches:
             found += [_codes(codes(self.parts, "initialization/workspace")), records["StartWork"]]
@@ -87,7 +87,8 @@ class Runtime:
     def declarations(self) -> str:
         """Return the declarations of the functions that integrate, for the header."""
         found = ["lagc_options lagc_default_options(void);\n"
-                 "size_t lagc_work_size(void);\nsize_t lagc_state_size(void);\n"]  # fmt: skip
+                 "size_t lagc_work_size(void);\nsize_t lagc_state_size(void);\n"
+                 "size_t lagc_verification_size(void);\n"]  # fmt: skip
         if self.program.interface.follows:
             found.append("size_t lagc_tangent_work_size(void);\n")
         if self.complete:
@@ -118,7 +119,7 @@ class Runtime:
         # Not in the subset of kernels: structs by value, their sizes, texts.
         (options,) = [members for part, members in self.use.records if part["name"] == "Options"]
         found.append(_default_options(options, self.real, methods_of(self.program.interface)))
-        sized = ("work", "state", *(("tangent_work",) if self.program.interface.follows else ()))
+        sized = ("work", "state", "verification", *(("tangent_work",) if self.program.interface.follows else ()))
         found += [f"size_t lagc_{n}_size(void) {{ return sizeof(lagc_{n}); }}\n" for n in sized]
         found += [_status_text(self.program.interface)] if self.complete else []
         return [part for part in found if part]

@@ -25,7 +25,7 @@ class Report:
     attempts: Count  # pairs of runs
     rhs: Count  # evaluations of the right-hand side in all
     steps: Count  # of the returned run
-    skipped: Count  # comparisons left out, since the runs had not passed the same number of events
+    skipped: Count  # comparisons left out, since the runs had not passed the same events
     done: Length  # recorded times
 
 
@@ -35,14 +35,18 @@ class Verification:
     first use."""
 
     phase: int  # of the call: 0 a new run, 1 continues
-    run: State
-    check: State
-    run_work: Work
-    check_work: Work
+    alone: bool  # error weights are relative to each state alone
     error: Vec[NQUANTITY]  # estimated error of each quantity
     scale: Vec[NQUANTITY]  # what it is relative to
+    size: Vec[NQUANTITY]  # of the terms of the quantity
     constant: IVec[NQUANTITY]  # 1: the quantity does not move
+    if NLEAP > 0:
+        time_error: Real  # estimated error of the times of jumps, and of the end by a clause
+    run: State
+    run_work: Work
     # Private from here on: the library alone reads and writes these fields.
+    check: State
+    check_work: Work
     gap: Vec[NQUANTITY]  # largest difference of the two runs
     low: Vec[NQUANTITY]  # range of the quantity
     high: Vec[NQUANTITY]
@@ -53,11 +57,22 @@ class Verification:
     before: Mat[SEVEN, NQUANTITY]  # quantities of the run at the ends of the check's steps
     block_times: Vec[SEVEN]  # ends of the steps of the block
     check_times: Vec[SEVEN]  # ends of the check's steps
-    block_changes: Vec[SEVEN]  # events of the run before each of its steps
+    if NMODE > 0:
+        block_changes: Vec[SEVEN]  # events of the run before each of its steps
+        lag: Count  # events of the run that the check has not, and will not have
+        changes_before: Count  # events of both before this block
+        check_before: Count
+    if NLEAP > 0:
+        time_gap: Real  # largest difference of the times of a jump
+        run_jumps: Vec[SEVEN]  # times of the last jumps, each at its number modulo 7
+        check_jumps: Vec[SEVEN]
+        jump_lag: Count
     compared: IVec[SEVEN]  # 1: `before` has this row
     steps_done: int  # steps of the run in this block
     checked: Length  # recorded times that were compared
     tolerance: Real  # of the attempt
+    duration: Real  # of the whole run
+    check_ended: bool  # a clause has ended the check
     predicted: Real  # estimated error at the end, by that so far
-    sizes_alone: bool  # error weights are relative to each state alone
+    failures: int  # attempts that ended by an error
     misses_by_small: bool  # the worst quantity is small in its scaling group
