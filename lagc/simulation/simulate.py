@@ -8,7 +8,7 @@ from math import log
 from time import perf_counter
 from typing import Any
 
-from lagc.base.records import dataclass, replace
+from lagc.base.records import dataclass
 from lagc.base.text import FINEST
 from lagc.codegen.python.support.contacts import CLOSES, OPENS, RESTS, SLIPS, STICKS, STRIKES
 from lagc.diagnostics.faults import Refused

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from lagc.base.records import dataclass, replace
 from lagc.host.budgets import reached
 from lagc.simulation.error_measure import quantity_names, quantity_units
+from lagc.simulation.global_error.energy_balance import Balance, balance
 from lagc.simulation.global_error.verified_run import MEANINGLESS, ULP, Verified
 from lagc.simulation.system import (
     CHATTERING,
@@ -80,6 +81,9 @@ def verified_verdict(system: System, found: Verified, asked: float, stop: float)
         return Verdict("failed", _nearly_dependent(system, *kept), run, inf)
     if estimated > asked:
         return _inaccurate(system, found, asked, stop)
+    balanced = balance(system, run, asked)
+    if not balanced.holds:
+        return Verdict("failed", _unbalanced(balanced, asked), run, estimated)
     return Verdict(status, message, run, estimated)
 
 
@@ -300,7 +304,9 @@ def _inaccurate(system: System, found: Verified, asked: float, stop: float) -> V
     hint = f". {_rounded(system, found)}" if found.limit[1] > max(NOTABLE * asked, FEWEST_DIGITS) else ""
     best = f"the best is estimated at {estimated:.2g}{_worst(system, found)}"
     if found.options.rtol > FINEST:
-        return Verdict("failed", f"the accuracy {asked:g} was not reached: {best}{until}{hint}", run, estimated)
+        return Verdict(
+            "failed", f"the accuracy {asked:g} was not reached: {best}{until}{hint}", run, estimated
+        )
     why = f"{best}, at the finest tolerance, where round-off decides"
     if not until:
         until = f"; about {estimated:.0e} can be reached, and more by the code of `lagc build --real quad`"
@@ -355,10 +361,18 @@ def _tenfold_time(system: System, found: Verified) -> float | None:
     run, own = found.trajectory, found.options
     times = [run.times[0] + (run.t - run.times[0]) * k / COMPARED for k in range(COMPARED + 1)]
     options = [
-        Options(method=own.method, rtol=factor * own.rtol, alone=own.alone, max_step=own.max_step, max_steps=0)
+        Options(
+            method=own.method, rtol=factor * own.rtol, alone=own.alone, max_step=own.max_step, max_steps=0
+        )
         for factor in (1.0, 10.0)
     ]
     return tenfold_time(system, *(system.integrate(each, times[0], run.states[0], times) for each in options))
+
+
+def _unbalanced(balance: Balance, asked: float) -> str:
+    return (f"at t = {balance.t:.6g} s the energy is out of balance by {balance.imbalance:.2g} J, and errors "
+            f"of {asked:g} in the states explain {balance.explained:.2g} J at most: the motion is wrong, "
+            "although runs of different steps agree; perhaps the energy jumps, as at the cut of an angle")  # fmt: skip
 
 
 def _kept_share(system: System, run: Trajectory) -> tuple[int, float] | None:

@@ -10,7 +10,8 @@ from typing import Any
 from lagc.base.records import replace
 from lagc.codegen.python.emit import render
 from lagc.lowering.program import Program
-from lagc.simulation.system import FAILED, Options, Trajectory, Vector
+from lagc.simulation.backends.python import verify as verify_module
+from lagc.simulation.system import FAILED, Checked, Options, Trajectory, Vector
 
 
 @cache
@@ -29,7 +30,7 @@ def module(program: Program) -> Any:
 def of_system(system: Any) -> Any:
     """The module of a model of these sizes, with the methods of `system` in place of the kernels that solve
     the equations of motion and of the model's functions.  What errors of rounding do to them is not asked."""
-    found = module(Program(replace(system.interface, solve="dense", prepared=0, read=()), {}))
+    found = module(Program(replace(system.interface, solve="dense", prepared=0, read=(), outputs=()), {}))
 
     def rhs_at(p: Vector, t: float, x: Vector, xdot: list[float], lam: list[float], w: Any) -> int:
         status: int = system.rhs(t, x, xdot, lam)
@@ -76,6 +77,21 @@ def integrate(
     equations = found.Equations(list(system.parameters))
     done: Trajectory = found._integrate(equations, options, t0, list(x0), list(times), progress)
     return done
+
+
+def verify(
+    system: Any,
+    options: Options,
+    x0: Sequence[float],
+    times: Sequence[float],
+    accuracy: float,
+    scales: Sequence[float],
+    progress: Callable[[float], None] | None = None,
+) -> Checked:
+    """A verified run; outputs are left out."""
+    interface = replace(system.interface, outputs=())
+    return verify_module(vars(of_system(system)), interface, list(system.parameters), options, list(x0),
+                         list(times), accuracy, list(scales), progress)  # fmt: skip
 
 
 def project(system: Any, t: float, x: list[float], sizes: list[float]) -> tuple[int, float, float]:

@@ -119,7 +119,12 @@ class Runtime:
         # Not in the subset of kernels: structs by value, their sizes, texts.
         (options,) = [members for part, members in self.use.records if part["name"] == "Options"]
         found.append(_default_options(options, self.real, methods_of(self.program.interface)))
-        sized = ("work", "state", "verification", *(("tangent_work",) if self.program.interface.follows else ()))
+        sized = (
+            "work",
+            "state",
+            "verification",
+            *(("tangent_work",) if self.program.interface.follows else ()),
+        )
         found += [f"size_t lagc_{n}_size(void) {{ return sizeof(lagc_{n}); }}\n" for n in sized]
         found += [_status_text(self.program.interface)] if self.complete else []
         return [part for part in found if part]

@@ -29,10 +29,7 @@ class EventLog:
 
     def seen(self) -> tuple[int, int]:
         """The numbers of events, and of impacts, before a call."""
-        return (
-            self.state.changes if self.relations else 0,
-            self.state.settlements if self.touching else 0,
-        )
+        return (self.state.changes if self.relations else 0, self.state.settlements if self.touching else 0)
 
     def add(self, seen: tuple[int, int]) -> None:
         """Add the event of a call, if there was one."""
