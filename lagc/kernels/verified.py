@@ -9,11 +9,12 @@ If the estimated error is above what is asked, the run is repeated with a smalle
 model is close to proportional to the tolerance; this law gives the next tolerance.
 """
 
-from math import fabs, inf
+from math import fabs, floor, inf
 from typing import Any
 
 from lagc.kernels.arguments import check_call
 from lagc.kernels.call_boundary import begin, enter_call, leave_call
+from lagc.kernels.contact.touching import rates_at
 from lagc.kernels.driver import begin_trajectory, step_once
 from lagc.kernels.integrators.dispatch import has_series
 from lagc.kernels.language.vocabulary import *
@@ -21,7 +22,7 @@ from lagc.kernels.trajectory import are_in_order, interpolate_at
 
 BLOCK = 5  # steps of the run between two comparisons; the check makes one more
 SAFETY = 1.2  # of the estimated error
-FINEST_SAFETY = 3.0  # at the finest tolerance, where the difference is one sample of round-off
+FINEST_SAFETY = 1.5  # at the finest tolerance, where the difference is one sample of round-off
 PRIOR = 30.0  # error over tolerance of a model without a law: the mean over the library
 AIM = 0.5  # of the accuracy: error that the next attempt aims at
 COARSEST = 1e-3  # tolerances
@@ -37,6 +38,7 @@ CONSTANT = 1e-9  # of its terms: range of a quantity that does not move
 SURELY_MOVES = 1e-3
 BY_CHANCE = 20.0  # differences of the two runs: range of a quantity that only errors move
 OFFSET = by_type(2.4e-4, 1.5e-8, "1e-17")  # relative change of a state that shows the terms of outputs
+SEVERAL = 10.0  # factor on the round-off of rates at a few states
 KEPT = 7  # times of jumps that are kept for comparison
 FINER_SERIES = 0.1  # tolerance of the check over that of the run, for a method whose order follows from it
 FAILED_CHANGE = 1e-3  # of the tolerance, after an attempt that an error ended
@@ -85,7 +87,20 @@ def known_part(method: int) -> Real:
     return 1.0 - rest
 
 
-def scale_of(i: Size, group: Real, underway: bool, scales: Vec[NQUANTITY], v: Verification) -> Real:
+def roundoff_of(i: Size, v: Verification) -> Real:
+    """Return a bound of how far round-off of the rates moves a state over the time of the run so far."""
+    if i >= NQ + NV:
+        return 0.0
+    time = v.run.t - v.begin_time
+    if i >= NQ:
+        return SEVERAL * SPACING * time * v.rate_terms[i]
+    if not HAS_DISPLACE:
+        return SEVERAL * SPACING * time * time * v.rate_terms[i + NQ]
+    return 0.0
+
+
+def scale_of(i: Size, group: Real, accuracy: Real, underway: bool, scales: Vec[NQUANTITY],
+             v: Verification) -> Real:  # fmt: skip
     """Return the scale of a quantity: the one that is given, the range, or for a quantity that does not move
     the size of its terms. `group` is the size of the scaling group of a state."""
     largest = fabs(v.low[i]) if fabs(v.low[i]) > fabs(v.high[i]) else fabs(v.high[i])
@@ -111,10 +126,21 @@ def scale_of(i: Size, group: Real, underway: bool, scales: Vec[NQUANTITY], v: Ve
                 scale = 1.0
     # A quantity that has hardly begun to move has no range yet.
     least = EARLY * (group if i < NQ + NV else size)
-    return least if underway and scale < least else scale
+    if underway and scale < least:
+        return least
+    # Round-off alone moves this state, or keeps it, beside others of its group, from the accuracy.
+    roundoff = roundoff_of(i, v)
+    if largest <= roundoff:
+        v.constant[i] = 0
+        return 0.0
+    if group > scale and largest < SMALL * group and roundoff > accuracy * scale:
+        v.constant[i] = 2
+        return group
+    return scale
 
 
-def estimate_errors(scales: Vec[NQUANTITY], method: int, underway: bool, v: Verification) -> Real:
+def estimate_errors(scales: Vec[NQUANTITY], accuracy: Real, method: int, underway: bool,
+                    v: Verification) -> Real:  # fmt: skip
     """Set errors and scales of the quantities from what was compared so far; return the largest error over
     scale. That of the times of jumps is relative to the time of the run."""
     events: Count = 0
@@ -127,7 +153,7 @@ def estimate_errors(scales: Vec[NQUANTITY], method: int, underway: bool, v: Veri
     v.misses_by_small = False
     for i in range(NQUANTITY):
         group = v.run.sizes[scaling_group[i]] if i < NQ + NV else 0.0
-        scale = scale_of(i, group, underway, scales, v)
+        scale = scale_of(i, group, accuracy, underway, scales, v)
         v.scale[i] = scale
         v.error[i] = margin * v.gap[i] + SPACING * v.size[i]
         if scale > 0.0 and not v.error[i] <= worst * scale:
@@ -140,18 +166,36 @@ def estimate_errors(scales: Vec[NQUANTITY], method: int, underway: bool, v: Veri
     return worst
 
 
+def displace_check(p: Params, x0: Vec[NX], v: Verification) -> None:
+    """Begin the check with data that differ from those of the run in the last place: what rounding of states
+    and parameters does to a motion is then part of the difference, as large as it grows. Integers are exact.
+    Models with relations begin alike, since the last place may decide on which side of one they are."""
+    v.x[:] = x0
+    v.p[:] = p
+    if NMODE == 0:
+        for i in range(NQ + NV):
+            v.x[i] *= 1.0 + (SPACING if i % 2 == 0 else -SPACING)
+        for k in range(NALL):
+            if p[k] != floor(p[k]):
+                v.p[k] = p[k] * (1.0 + (SPACING if k % 2 == 0 else -SPACING))
+
+
 def begin_attempt(p: Params, x0: Vec[NX], begin_time: Real, o: Options, r: Report, v: Verification) -> None:
     """Set both runs to the beginning."""
     o.rtol = v.tolerance
     o.alone = v.alone
     begin(v.run, begin_time, x0)
-    begin(v.check, begin_time, x0)
+    displace_check(p, x0, v)
+    begin(v.check, begin_time, v.x)
     state_quantities(p, begin_time, x0, v.of_run, v.run_work)
     v.low[:] = v.of_run
     v.high[:] = v.of_run
     for i in range(NQUANTITY):
         v.gap[i] = 0.0
         v.terms[i] = 0.0
+    for i in range(NQ + NV):
+        v.rate_terms[i] = 0.0
+    v.begin_time = begin_time
     if NMODE > 0:
         v.lag = 0
         v.changes_before = 0
@@ -259,7 +303,7 @@ def compare_recorded(p: Params, times: Vec[Any], o: Options, states: Rows[NX], o
                 return status
             if NMODE > 0:
                 v.check_work.modes[:] = v.check.modes_old
-            state_quantities(p, t, v.x, v.of_check, v.check_work)
+            state_quantities(v.p, t, v.x, v.of_check, v.check_work)
             for i in range(NQ + NV):
                 v.of_run[i] = states[v.checked][i]
             if NY > 0:
@@ -288,17 +332,36 @@ def agree(v: Verification) -> bool:
 
 
 def measure_terms(p: Params, v: Verification) -> None:
-    """Enlarge the terms of the outputs to their change under a small relative change of the state: the sum of
-    the magnitudes of what an output is made of, which bounds its round-off."""
+    """Enlarge the terms of the outputs, and of the rates of speeds, to their change under a small relative
+    change of the state without a pattern: the sum of the magnitudes of what each is made of, which bounds its
+    round-off (J. Vignes, Math. Comput. Simul. 35, 1993)."""
     v.x[:] = v.run.x
+    part = 0.5
     for i in range(NQ + NV):
-        v.x[i] *= 1.0 + (OFFSET if i % 2 == 1 else -OFFSET)
-    state_quantities(p, v.run.t, v.run.x, v.of_run, v.run_work)
-    state_quantities(p, v.run.t, v.x, v.of_check, v.run_work)
-    for i in range(NQ + NV, NQUANTITY):
-        term = fabs(v.of_run[i] - v.of_check[i]) / OFFSET
-        if term > v.terms[i]:
-            v.terms[i] = term
+        part += 0.6180339887498949
+        if part >= 1.0:
+            part -= 1.0
+        v.x[i] *= 1.0 + OFFSET * (0.5 + part) * (1.0 if i % 2 == 1 else -1.0)
+    # In the workspace of the check, whose next step sets its modes: that of the run tells of the run alone.
+    if NMODE > 0:
+        v.check_work.modes[:] = v.run_work.modes
+    if NY > 0:
+        state_quantities(p, v.run.t, v.run.x, v.of_run, v.check_work)
+        state_quantities(p, v.run.t, v.x, v.of_check, v.check_work)
+        for i in range(NQ + NV, NQ + NV + NY):
+            term = fabs(v.of_run[i] - v.of_check[i]) / OFFSET
+            if term > v.terms[i] and term < inf:
+                v.terms[i] = term
+    rates = vector(NX)
+    v.check.rhs += 2
+    if failed(rates_at(p, v.run.t, v.run.x, rates, v.check_work.lam, v.check_work)):
+        return
+    if failed(rates_at(p, v.run.t, v.x, v.check_work.xdot, v.check_work.lam, v.check_work)):
+        return
+    for i in range(NQ, NQ + NV):
+        term = fabs(v.check_work.xdot[i] - rates[i]) / OFFSET
+        if term > v.rate_terms[i] and term < inf:
+            v.rate_terms[i] = term
 
 
 def follow_to(p: Params, target: Real, times: Vec[Any], o: Options, states: Rows[NX], outputs: Rows[NY],
@@ -316,7 +379,7 @@ def follow_to(p: Params, target: Real, times: Vec[Any], o: Options, states: Rows
         if NSERIES > 0:
             if has_series(o.method):
                 o.rtol = FINER_SERIES * v.tolerance
-        ended = step_once(p, v.check, target, o, v.check_work)
+        ended = step_once(v.p, v.check, target, o, v.check_work)
         o.rtol = v.tolerance
         if failed(ended) and ended != TERMINATED:
             return ended
@@ -348,7 +411,7 @@ def compare_ends(p: Params, ended: Status, r: Report, v: Verification) -> None:
                     v.time_gap = v.run.t - later
             return
     state_quantities(p, v.run.t, v.run.x, v.of_run, v.run_work)
-    state_quantities(p, v.check.t, v.check.x, v.of_check, v.check_work)
+    state_quantities(v.p, v.check.t, v.check.x, v.of_check, v.check_work)
     compare_quantities(v)
 
 
@@ -379,7 +442,7 @@ def check_block(p: Params, times: Vec[Any], n: Length, ended: Status, o: Options
                 state_quantities(p, target, v.run.x, v.of_run, v.run_work)
             else:
                 v.of_run[:] = v.before[m]
-            state_quantities(p, target, v.check.x, v.of_check, v.check_work)
+            state_quantities(v.p, target, v.check.x, v.of_check, v.check_work)
             compare_quantities(v)
     v.steps_done = 0
     v.block_times[0] = v.run.t
@@ -388,8 +451,7 @@ def check_block(p: Params, times: Vec[Any], n: Length, ended: Status, o: Options
             v.low[i] = v.run.lowest[i]
         if v.run.highest[i] > v.high[i]:
             v.high[i] = v.run.highest[i]
-    if NY > 0:
-        measure_terms(p, v)
+    measure_terms(p, v)
     return OK
 
 
@@ -427,7 +489,7 @@ def run_attempt(p: Params, times: Vec[Any], n: Length, g: Goal, scales: Vec[NQUA
             status = check_block(p, times, n, ended, o, states, outputs, r, v)
             if failed(status):
                 return status
-            error = estimate_errors(scales, o.method, ended == OK and v.run.t < final, v)
+            error = estimate_errors(scales, g.accuracy, o.method, ended == OK and v.run.t < final, v)
             if error <= g.accuracy:
                 r.until = v.run.t
             if ended == TERMINATED:
@@ -465,7 +527,7 @@ def begin_both(p: Params, times: Vec[Any], n: Length, o: Options, states: Rows[N
         begun = begin_trajectory(p, v.run, 1.0, o, v.run_work)
         if failed(begun) and begun != INTERRUPTED:
             return begun
-        status = begin_trajectory(p, v.check, 1.0, o, v.check_work)
+        status = begin_trajectory(v.p, v.check, 1.0, o, v.check_work)
         if failed(status) and status != INTERRUPTED:
             return status
     status = record_times(p, times, n, o, states, outputs, r, v)
@@ -528,7 +590,7 @@ def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales
         r.rhs += v.run.rhs + v.check.rhs
         r.steps = v.run.steps
         r.rtol = v.tolerance
-        r.estimated = estimate_errors(scales, o.method, False, v)
+        r.estimated = estimate_errors(scales, g.accuracy, o.method, False, v)
         whole = v.run.t >= times[n - 1] or status == TERMINATED
         g.law = (r.estimated if whole else v.predicted) / v.tolerance
         if not whole:

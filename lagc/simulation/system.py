@@ -79,7 +79,8 @@ class Checked:
     """A run whose error is known by a check in lock step (`kernels/verified`).
 
     By quantity (coordinates, speeds, outputs, discrete variables): `errors`, their `scales`, the `sizes` of
-    their terms, and whether it is `constant`.  `estimated` is the largest error over scale, infinite if the
+    their terms, and 1 in `constant` if it does not move, 2 if round-off keeps it from
+    the accuracy of its own range, so that it has the scale of its scaling group.  `estimated` is the largest error over scale, infinite if the
     run did not reach its end; the accuracy is met `until` this time.  `rtol` is the tolerance of the run,
     `alone` tells that it is relative to each state alone.  `rhs` counts the evaluations of all `attempts`."""
 
@@ -87,7 +88,7 @@ class Checked:
     errors: list[float]
     scales: list[float]
     sizes: list[float]
-    constant: list[bool]
+    constant: list[int]
     estimated: float
     until: float
     rtol: float

@@ -343,10 +343,10 @@ def _until_horizon(system: System, found: Verified, asked: float) -> Verdict:
     tenfold, beyond = _tenfold_time(system, found), "runs of different steps differ"
     if tenfold is not None:
         beyond += f"; differences grow tenfold every {tenfold:.2g} s (it is chaotic, or unstable)"
-    elif found.options.rtol <= FINEST:
-        beyond += " by round-off"
     else:
-        beyond += f"; {cause(system, run, run.times[kept - 1], run.states[kept - 1]) or UNKNOWN}"
+        why = cause(system, run, run.t, run.x) or cause(system, run, times[-1], states[-1])
+        rounds = "round-off" if found.options.rtol <= FINEST else UNKNOWN
+        beyond += f"; {why or rounds}"
     message = f"the motion is predictable to {asked:g} only until t = {horizon:.6g} s: beyond it, {beyond}"
     events, corners = ([e for e in own if e[0] <= times[-1]] for own in (run.events, run.corners))
     cut = run.changed(times=times, states=states, t=times[-1], x=states[-1], events=events, corners=corners)

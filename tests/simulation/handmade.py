@@ -11,6 +11,7 @@ from lagc.base.records import replace
 from lagc.codegen.python.emit import render
 from lagc.lowering.program import Program
 from lagc.simulation.backends.python import verify as verify_module
+from lagc.simulation.error_measure import quantity_names
 from lagc.simulation.system import FAILED, Checked, Options, Trajectory, Vector
 
 
@@ -89,9 +90,12 @@ def verify(
     progress: Callable[[float], None] | None = None,
 ) -> Checked:
     """A verified run; outputs are left out."""
-    interface = replace(system.interface, outputs=())
-    return verify_module(vars(of_system(system)), interface, list(system.parameters), options, list(x0),
-                         list(times), accuracy, list(scales), progress)  # fmt: skip
+    names = len(quantity_names(system.interface))
+    found = verify_module(vars(of_system(system)), replace(system.interface, outputs=()), list(system.parameters),
+                          options, list(x0), list(times), accuracy, list(scales), progress)  # fmt: skip
+    rest = [0.0] * (names - len(found.errors))
+    return replace(found, errors=found.errors + rest, scales=found.scales + rest, sizes=found.sizes + rest,
+                   constant=found.constant + [False] * len(rest))  # fmt: skip
 
 
 def project(system: Any, t: float, x: list[float], sizes: list[float]) -> tuple[int, float, float]:

@@ -136,7 +136,7 @@ def test_past_a_saddle_again_and_again(seed: int) -> None:
     at 1e-10 one motion of six is 4 % above what was asked.
     """
     chance = Random(seed)
-    near, stop, accuracy = 10.0 ** chance.uniform(-3.0, -1.0), chance.uniform(30.0, 60.0), 1e-9
+    near, stop, accuracy = 10.0 ** chance.uniform(-3.0, -1.0), chance.uniform(30.0, 60.0), 1e-10
     text = f"""model Wells
   coordinate Length x(start = {near!r} [m]);
   body b = Particle(mass = 1 [kg], at = {{x, 0, 0}});

@@ -186,6 +186,6 @@ def test_a_potential_that_jumps_in_time_does_work() -> None:
 def test_what_doubles_cannot_tell_is_no_fault_of_the_model() -> None:
     run = lagc.load("simple_pendulum").compile(backend="numpy").simulate(1.0, accuracy=1e-18)
     assert run.status == "failed" and run.estimated is not None
-    assert "double precision has 16 digits" in run.message and "ill-conditioned" not in run.message
+    assert "double precision" in run.message and "ill-conditioned" not in run.message
     limit = f"about {run.estimated:.0e} can be reached, and more by the code of `lagc build --real quad`"
     assert limit in run.message

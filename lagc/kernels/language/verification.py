@@ -2,7 +2,7 @@
 
 from lagc.kernels.language.records import State, Work
 from lagc.kernels.language.sizes import *
-from lagc.kernels.language.words import Count, IVec, Length, Mat, Real, Vec, struct
+from lagc.kernels.language.words import Count, IVec, Length, Mat, Params, Real, Vec, struct
 
 
 @struct
@@ -39,7 +39,7 @@ class Verification:
     error: Vec[NQUANTITY]  # estimated error of each quantity
     scale: Vec[NQUANTITY]  # what it is relative to
     size: Vec[NQUANTITY]  # of the terms of the quantity
-    constant: IVec[NQUANTITY]  # 1: the quantity does not move
+    constant: IVec[NQUANTITY]  # 1: the quantity does not move; 2: round-off keeps it from its own range
     if NLEAP > 0:
         time_error: Real  # estimated error of the times of jumps, and of the end by a clause
     run: State
@@ -47,10 +47,13 @@ class Verification:
     # Private from here on: the library alone reads and writes these fields.
     check: State
     check_work: Work
+    p: Params  # of the check
     gap: Vec[NQUANTITY]  # largest difference of the two runs
     low: Vec[NQUANTITY]  # range of the quantity
     high: Vec[NQUANTITY]
     terms: Vec[NQUANTITY]  # sum of the magnitudes of the terms of an output
+    rate_terms: Vec[NX]  # of the rates of speeds
+    begin_time: Real
     of_run: Vec[NQUANTITY]  # the quantities at one time
     of_check: Vec[NQUANTITY]
     x: Vec[NX]

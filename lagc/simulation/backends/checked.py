@@ -53,7 +53,7 @@ def checked(trajectory: Trajectory, v: Any, report: Any, options: Any) -> Checke
     ended = trajectory.status not in (INTERRUPTED, MAX_STEPS)
     return Checked(
         trajectory=trajectory, errors=v.error[:], scales=v.scale[:], sizes=v.size[:],
-        constant=[bool(each) for each in v.constant], estimated=report.estimated if ended else inf,
+        constant=v.constant[:], estimated=report.estimated if ended else inf,
         until=report.until, rtol=options.rtol, alone=bool(v.alone), attempts=report.attempts,
         rhs=report.rhs if ended else report.rhs + 2 * trajectory.rhs,
     )  # fmt: skip

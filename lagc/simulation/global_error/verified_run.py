@@ -7,7 +7,7 @@ or for one that does not move the size of its terms.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from lagc.base.records import dataclass, field
 from lagc.kernels import DEFAULT_METHOD
@@ -67,7 +67,7 @@ def verified_run(
     floors = [ULP * size / scale if scale else 0.0 for size, scale in zip(found.sizes, found.scales)]
     return Verified(
         found.trajectory, options, found.estimated, found.until, found.errors, found.scales, found.attempts,
-        found.rhs, constant_note(system, found), max(enumerate(floors), key=lambda each: each[1], default=(0, 0.0)),
+        found.rhs, notes_on(system, found), max(enumerate(floors), key=lambda each: each[1], default=(0, 0.0)),
     )  # fmt: skip
 
 
@@ -101,14 +101,26 @@ class _Watch:
         return is_stuck(self.system, run, self.end, self.longest, self.checks)
 
 
-def constant_note(system: System, found: Checked) -> list[str]:
-    """A note on the quantities that do not move."""
+def notes_on(system: System, found: Checked) -> list[str]:
+    """Notes on the quantities that do not move, and on those that round-off keeps from the accuracy."""
     if not arrived(found.trajectory):
         return []
-    names, units = quantity_names(system.interface), quantity_units(system.interface)
-    continuous = len(names) - len(system.interface.discretes)
-    shown = [f"`{names[k]}` ({found.scales[k]:.1g} {units[k]}".rstrip() + ")"
-             for k in range(continuous) if found.constant[k] and found.scales[k]]  # fmt: skip
-    listed = ", ".join(shown[:MOST_NAMED]) + more(shown, MOST_NAMED)
-    what = "constant, so that the accuracy is relative to the size of the terms"
-    return [f"{what}: {listed}"] if shown else []
+    interface = system.interface
+    names, units = quantity_names(interface), quantity_units(interface)
+    continuous, states = range(len(names) - len(interface.discretes)), range(interface.nq + interface.nv)
+
+    def named(places: Iterable[int], values: Sequence[float]) -> str:
+        shown = [f"`{names[k]}` ({values[k]:.1g} {units[k]}".rstrip() + ")" for k in places if values[k]]
+        return ", ".join(shown[:MOST_NAMED]) + more(shown, MOST_NAMED)
+
+    run = found.trajectory
+    largest = [max(abs(low), abs(high)) for low, high in zip(run.lowest, run.highest)]
+    said = {
+        "moved only by round-off, and not accurate": named(
+            [k for k in states if not found.scales[k] and largest[k]], largest),
+        "constant, so that the accuracy is relative to the size of the terms": named(
+            [k for k in continuous if found.constant[k] == 1], found.scales),
+        "so small beside others of the unit that round-off exceeds the accuracy of the own range "
+        "(in brackets the error)": named([k for k in states if found.constant[k] == 2], found.errors),
+    }  # fmt: skip
+    return [f"{what}: {which}" for what, which in said.items() if which]
