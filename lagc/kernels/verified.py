@@ -17,6 +17,7 @@ from lagc.kernels.call_boundary import begin, enter_call, leave_call
 from lagc.kernels.contact.touching import rates_at
 from lagc.kernels.driver import begin_trajectory, step_once
 from lagc.kernels.integrators.dispatch import has_series
+from lagc.kernels.integrators.roundoff import perturb_inputs
 from lagc.kernels.language.vocabulary import *
 from lagc.kernels.trajectory import are_in_order, interpolate_at
 
@@ -38,7 +39,7 @@ CONSTANT = 1e-9  # of its terms: range of a quantity that does not move
 SURELY_MOVES = 1e-3
 BY_CHANCE = 20.0  # differences of the two runs: range of a quantity that only errors move
 OFFSET = by_type(2.4e-4, 1.5e-8, "1e-17")  # relative change of a state that shows the terms of outputs
-SEVERAL = 10.0  # factor on the round-off of rates at a few states
+SEVERAL = 3.0  # factor on the round-off of rates at a few states
 KEPT = 7  # times of jumps that are kept for comparison
 FINER_SERIES = 0.1  # tolerance of the check over that of the run, for a method whose order follows from it
 FAILED_CHANGE = 1e-3  # of the tolerance, after an attempt that an error ended
@@ -89,13 +90,12 @@ def known_part(method: int) -> Real:
 
 def roundoff_of(i: Size, v: Verification) -> Real:
     """Return a bound of how far round-off of the rates moves a state over the time of the run so far."""
-    if i >= NQ + NV:
-        return 0.0
-    time = v.run.t - v.begin_time
-    if i >= NQ:
-        return SEVERAL * SPACING * time * v.rate_terms[i]
+    time = SEVERAL * (v.run.t - v.begin_time)
+    if i >= NQ and i < NQ + NV:
+        return time * v.roundoff[i]
     if not HAS_DISPLACE:
-        return SEVERAL * SPACING * time * time * v.rate_terms[i + NQ]
+        if i < NQ:
+            return time * (v.run.t - v.begin_time) * v.roundoff[i + NQ]
     return 0.0
 
 
@@ -124,19 +124,17 @@ def scale_of(i: Size, group: Real, accuracy: Real, underway: bool, scales: Vec[N
         for k in range(NQUAT):
             if i >= quaternion[k] and i < quaternion[k] + 4:
                 scale = 1.0
-    # A quantity that has hardly begun to move has no range yet.
-    least = EARLY * (group if i < NQ + NV else size)
-    if underway and scale < least:
-        return least
     # Round-off alone moves this state, or keeps it, beside others of its group, from the accuracy.
     roundoff = roundoff_of(i, v)
-    if largest <= roundoff:
+    if largest <= roundoff and group <= roundoff:
         v.constant[i] = 0
         return 0.0
     if group > scale and largest < SMALL * group and roundoff > accuracy * scale:
         v.constant[i] = 2
         return group
-    return scale
+    # A quantity that has hardly begun to move has no range yet.
+    least = EARLY * (group if i < NQ + NV else size)
+    return least if underway and scale < least else scale
 
 
 def estimate_errors(scales: Vec[NQUANTITY], accuracy: Real, method: int, underway: bool,
@@ -155,7 +153,9 @@ def estimate_errors(scales: Vec[NQUANTITY], accuracy: Real, method: int, underwa
         group = v.run.sizes[scaling_group[i]] if i < NQ + NV else 0.0
         scale = scale_of(i, group, accuracy, underway, scales, v)
         v.scale[i] = scale
-        v.error[i] = margin * v.gap[i] + SPACING * v.size[i]
+        v.error[i] = margin * v.gap[i]
+        if i < NQ + NV + NY:
+            v.error[i] += SPACING * v.size[i]
         if scale > 0.0 and not v.error[i] <= worst * scale:
             worst = v.error[i] / scale
             v.misses_by_small = i < NQ + NV and v.size[i] < SMALL * group
@@ -169,15 +169,17 @@ def estimate_errors(scales: Vec[NQUANTITY], accuracy: Real, method: int, underwa
 def displace_check(p: Params, x0: Vec[NX], v: Verification) -> None:
     """Begin the check with data that differ from those of the run in the last place: what rounding of states
     and parameters does to a motion is then part of the difference, as large as it grows. Integers are exact.
-    Models with relations begin alike, since the last place may decide on which side of one they are."""
+    Models with relations begin alike, since the last place may decide on which side of one they are, and
+    constraints keep their parameters, on which it may depend whether one follows from others."""
     v.x[:] = x0
     v.p[:] = p
     if NMODE == 0:
         for i in range(NQ + NV):
             v.x[i] *= 1.0 + (SPACING if i % 2 == 0 else -SPACING)
-        for k in range(NALL):
-            if p[k] != floor(p[k]):
-                v.p[k] = p[k] * (1.0 + (SPACING if k % 2 == 0 else -SPACING))
+        if NC == 0:
+            for k in range(NALL):
+                if p[k] != floor(p[k]):
+                    v.p[k] = p[k] * (1.0 + (SPACING if k % 2 == 0 else -SPACING))
 
 
 def begin_attempt(p: Params, x0: Vec[NX], begin_time: Real, o: Options, r: Report, v: Verification) -> None:
@@ -194,7 +196,7 @@ def begin_attempt(p: Params, x0: Vec[NX], begin_time: Real, o: Options, r: Repor
         v.gap[i] = 0.0
         v.terms[i] = 0.0
     for i in range(NQ + NV):
-        v.rate_terms[i] = 0.0
+        v.roundoff[i] = 0.0
     v.begin_time = begin_time
     if NMODE > 0:
         v.lag = 0
@@ -332,36 +334,35 @@ def agree(v: Verification) -> bool:
 
 
 def measure_terms(p: Params, v: Verification) -> None:
-    """Enlarge the terms of the outputs, and of the rates of speeds, to their change under a small relative
-    change of the state without a pattern: the sum of the magnitudes of what each is made of, which bounds its
-    round-off (J. Vignes, Math. Comput. Simul. 35, 1993)."""
+    """Enlarge the terms of the outputs to their change under a small relative change of the state: the sum of
+    the magnitudes of what an output is made of, which bounds its round-off (J. Vignes, Math. Comput. Simul. 35,
+    1993)."""
     v.x[:] = v.run.x
-    part = 0.5
     for i in range(NQ + NV):
-        part += 0.6180339887498949
-        if part >= 1.0:
-            part -= 1.0
-        v.x[i] *= 1.0 + OFFSET * (0.5 + part) * (1.0 if i % 2 == 1 else -1.0)
-    # In the workspace of the check, whose next step sets its modes: that of the run tells of the run alone.
-    if NMODE > 0:
-        v.check_work.modes[:] = v.run_work.modes
-    if NY > 0:
-        state_quantities(p, v.run.t, v.run.x, v.of_run, v.check_work)
-        state_quantities(p, v.run.t, v.x, v.of_check, v.check_work)
-        for i in range(NQ + NV, NQ + NV + NY):
-            term = fabs(v.of_run[i] - v.of_check[i]) / OFFSET
-            if term > v.terms[i] and term < inf:
-                v.terms[i] = term
+        v.x[i] *= 1.0 + (OFFSET if i % 2 == 1 else -OFFSET)
+    state_quantities(p, v.run.t, v.run.x, v.of_run, v.check_work)
+    state_quantities(p, v.run.t, v.x, v.of_check, v.check_work)
+    for i in range(NQ + NV, NQ + NV + NY):
+        term = fabs(v.of_run[i] - v.of_check[i]) / OFFSET
+        if term > v.terms[i] and term < inf:
+            v.terms[i] = term
+
+
+def measure_roundoff(p: Params, v: Verification) -> None:
+    """Enlarge the round-off of the rates of speeds to their change under perturbations of all data by a few
+    units in the last place."""
+    other = params()
     rates = vector(NX)
+    t = perturb_inputs(p, v.run, v.x, other)
     v.check.rhs += 2
     if failed(rates_at(p, v.run.t, v.run.x, rates, v.check_work.lam, v.check_work)):
         return
-    if failed(rates_at(p, v.run.t, v.x, v.check_work.xdot, v.check_work.lam, v.check_work)):
+    if failed(rates_at(other, t, v.x, v.check_work.xdot, v.check_work.lam, v.check_work)):
         return
     for i in range(NQ, NQ + NV):
-        term = fabs(v.check_work.xdot[i] - rates[i]) / OFFSET
-        if term > v.rate_terms[i] and term < inf:
-            v.rate_terms[i] = term
+        change = fabs(v.check_work.xdot[i] - rates[i])
+        if change > v.roundoff[i] and change < inf:
+            v.roundoff[i] = change
 
 
 def follow_to(p: Params, target: Real, times: Vec[Any], o: Options, states: Rows[NX], outputs: Rows[NY],
@@ -451,7 +452,12 @@ def check_block(p: Params, times: Vec[Any], n: Length, ended: Status, o: Options
             v.low[i] = v.run.lowest[i]
         if v.run.highest[i] > v.high[i]:
             v.high[i] = v.run.highest[i]
-    measure_terms(p, v)
+    # In the workspace of the check, whose next step sets its modes: that of the run tells of the run alone.
+    if NMODE > 0:
+        v.check_work.modes[:] = v.run_work.modes
+    if NY > 0:
+        measure_terms(p, v)
+    measure_roundoff(p, v)
     return OK
 
 
@@ -461,11 +467,12 @@ def gives_up(g: Goal, error: Real, part: Real, last: bool, r: Report, v: Verific
     v.predicted = error / (part if part > LEAST_PART else LEAST_PART)
     if not part < 1.0:
         return False
-    if last:
-        if error > MEANINGLESS_ERROR and error > g.accuracy:
+    if part > TRUSTED_PART:
+        if last:
+            if error > MEANINGLESS_ERROR and error > g.accuracy:
+                return True
+        elif error > g.accuracy or v.predicted > GIVEN_UP * g.accuracy:
             return True
-    elif part > TRUSTED_PART and (error > g.accuracy or v.predicted > GIVEN_UP * g.accuracy):
-        return True
     return g.most > 0 and r.rhs + v.run.rhs + v.check.rhs > g.most
 
 

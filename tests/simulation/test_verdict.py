@@ -169,7 +169,7 @@ def test_the_library_is_in_balance_by_far() -> None:
             run = model.simulate(1.0, accuracy=accuracy, points=51)
             assert run.status == "ok", run.message
             trajectory = Trajectory(run.times, run.states, run.times[-1], run.states[-1])
-            out = balance(run.system, trajectory, accuracy)
+            out = balance(run.system, trajectory, list(run.scales.values()), accuracy)
             assert out.imbalance < 0.1 * out.explained, name
 
 

@@ -52,7 +52,7 @@ class Verification:
     low: Vec[NQUANTITY]  # range of the quantity
     high: Vec[NQUANTITY]
     terms: Vec[NQUANTITY]  # sum of the magnitudes of the terms of an output
-    rate_terms: Vec[NX]  # of the rates of speeds
+    roundoff: Vec[NX]  # of the rates of speeds
     begin_time: Real
     of_run: Vec[NQUANTITY]  # the quantities at one time
     of_check: Vec[NQUANTITY]

@@ -6,6 +6,7 @@ the motion does not solve the equations, although a run and its check agree.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 from lagc.base.records import dataclass
@@ -14,7 +15,8 @@ from lagc.simulation.system import System, Trajectory, work_of
 RECORDED = 48  # states at which the balance is evaluated
 FEW = 12  # states at first; more if a run had FEW times EVALUATIONS_PER_STATE evaluations
 EVALUATIONS_PER_STATE = 400
-MARGIN = 20.0  # factor on the changes of the energies that errors of the states cause
+PROBED = 6  # states at which errors of the states are tried
+MARGIN = 10.0  # factor on the effect of state errors
 WORK_MARGIN = 100.0  # factor on the work, whose integral has no error control
 ROUNDING = 1e3 * 2.0**-52  # of the energies: their round-off
 
@@ -33,26 +35,42 @@ class Balance:
         return not self.imbalance > self.explained
 
 
-def balance(system: System, run: Trajectory, accuracy: float) -> Balance:
-    """Return the energy balance of a run. States with errors of A times their ranges have energies with errors
-    of about A times the ranges of these; the largest kinetic energy stands for that of the speeds."""
+def balance(system: System, run: Trajectory, scales: Sequence[float], accuracy: float) -> Balance:
+    """Return the energy balance of a run with these scales of the states.  An imbalance below errors of the
+    kinetic energy and the work is accepted without trying errors of each state, which costs an evaluation for
+    each."""
     if not run.states:
         return Balance(0.0, 0.0, 0.0)
-    count = max(FEW, min(RECORDED, run.rhs // EVALUATIONS_PER_STATE))
-    found = _at(system, run, count, accuracy)
-    return found if found.holds or count == RECORDED else _at(system, run, RECORDED, accuracy)
+    found = _at(system, run, max(FEW, min(RECORDED, run.rhs // EVALUATIONS_PER_STATE)), accuracy)
+    if found.holds:
+        return found
+    found = _at(system, run, RECORDED, accuracy)
+    effect = max(_effect(system, run.times[k], run.states[k], scales, accuracy) for k in _picked(run, PROBED))
+    return Balance(found.imbalance, found.t, found.explained + MARGIN * effect)
+
+
+def _picked(run: Trajectory, count: int) -> list[int]:
+    return sorted({k * (len(run.states) - 1) // count for k in range(count + 1)})
 
 
 def _at(system: System, run: Trajectory, count: int, accuracy: float) -> Balance:
-    n = len(run.states)
-    picked = sorted({k * (n - 1) // count for k in range(count + 1)})
+    picked = _picked(run, count)
     energies = [system.energies(run.times[k], run.states[k]) for k in picked]
     works = [work_of(system, run.states[k]) for k in picked]
-    kinetic, potential, total = zip(*energies)
-    moved = max(map(abs, kinetic)) + max(kinetic) - min(kinetic) + max(potential) - min(potential)
+    kinetic = max(abs(k) for k, _, _ in energies)
     done = sum(abs(b - a) for a, b in pairwise(works))
     largest = max(abs(e) for parts in energies for e in parts)
-    explained = accuracy * (MARGIN * moved + WORK_MARGIN * done) + ROUNDING * largest
-    left = [abs(e - total[0] - (w - works[0])) for e, w in zip(total, works)]
+    explained = accuracy * (2.0 * MARGIN * kinetic + WORK_MARGIN * done) + ROUNDING * largest
+    left = [abs(e - energies[0][2] - (w - works[0])) for (_, _, e), w in zip(energies, works)]
     worst = max(range(len(left)), key=left.__getitem__)
     return Balance(left[worst], run.times[picked[worst]], explained)
+
+
+def _effect(system: System, t: float, x: Sequence[float], scales: Sequence[float], accuracy: float) -> float:
+    """The sum of the changes of the energy with errors of each state, in J."""
+    here, total = system.energies(t, x)[2], 0.0
+    for i, scale in zip(range(system.nq + system.nv), scales):
+        y = list(x)
+        y[i] += accuracy * scale
+        total += abs(system.energies(t, y)[2] - here)
+    return total
