@@ -97,7 +97,7 @@ def _price(run: Solution) -> str:
 
     factor = 10.0 ** (1.0 / order(run.method))
     if run.cost.integrations == 1:
-        return f"{run.cost.rhs} right-hand sides: an earlier run was verified with this tolerance"
+        return f"{run.cost.rhs} right-hand sides: nothing moves"
     times = run.cost.rhs / run.cost.alone
     return (f"{run.cost.rhs} right-hand sides, {times:.2g} times the run alone; one digit more about "
             f"{100 * (factor - 1):+.0f} %, one less {100 * (1 / factor - 1):+.0f} %")  # fmt: skip

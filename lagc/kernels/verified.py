@@ -27,7 +27,7 @@ FINEST_SAFETY = 1.5  # at the finest tolerance, where the difference is one samp
 PRIOR = 30.0  # error over tolerance of a model without a law: the mean over the library
 AIM = 0.5  # of the accuracy: error that the next attempt aims at
 COARSEST = 1e-3  # tolerances
-FINEST = by_type(1e-6, 3e-14, "1e-31")
+FINEST = by_type(1e-6, 3e-15, "1e-31")
 MOST_ATTEMPTS = 6
 GIVEN_UP = 10.0  # predicted error over the accuracy at which an attempt ends early
 TRUSTED_PART = 0.05  # of the time, from which on the error at the end is predicted
@@ -117,6 +117,8 @@ def scale_of(i: Size, group: Real, accuracy: Real, underway: bool, scales: Vec[N
     if present(scales):
         if scales[i] > 0.0:
             return scales[i]
+    if largest == 0.0 and v.gap[i] == 0.0:
+        return 0.0
     if scale <= CONSTANT * size or (scale <= SURELY_MOVES * size and scale <= BY_CHANCE * v.gap[i]):
         scale = group if largest <= noise else size
         v.constant[i] = 1
@@ -255,6 +257,7 @@ def step_run(p: Params, times: Vec[Any], n: Length, o: Options, states: Rows[NX]
     recorded = r.done
     ended = step_once(p, v.run, times[n - 1], o, v.run_work)
     if failed(ended) and ended != TERMINATED:
+        record_times(p, times, n, o, states, outputs, r, v)
         return ended
     v.run.is_new_call = False
     if NLEAP > 0:
@@ -335,8 +338,8 @@ def agree(v: Verification) -> bool:
 
 def measure_terms(p: Params, v: Verification) -> None:
     """Enlarge the terms of the outputs to their change under a small relative change of the state: the sum of
-    the magnitudes of what an output is made of, which bounds its round-off (J. Vignes, Math. Comput. Simul. 35,
-    1993)."""
+    the magnitudes of what an output is made of, which bounds its round-off (J. Vignes, Math. Comput. Simul.
+    35, 1993)."""
     v.x[:] = v.run.x
     for i in range(NQ + NV):
         v.x[i] *= 1.0 + (OFFSET if i % 2 == 1 else -OFFSET)

@@ -79,10 +79,11 @@ class Checked:
     """A run whose error is known by a check in lock step (`kernels/verified`).
 
     By quantity (coordinates, speeds, outputs, discrete variables): `errors`, their `scales`, the `sizes` of
-    their terms, and 1 in `constant` if it does not move, 2 if round-off keeps it from
-    the accuracy of its own range, so that it has the scale of its scaling group.  `estimated` is the largest error over scale, infinite if the
-    run did not reach its end; the accuracy is met `until` this time.  `rtol` is the tolerance of the run,
-    `alone` tells that it is relative to each state alone.  `rhs` counts the evaluations of all `attempts`."""
+    their terms, and 1 in `constant` if it does not move, 2 if round-off keeps it from the accuracy of its own
+    range, so that it has the scale of its scaling group.  `estimated` is the largest error over scale,
+    infinite if the run did not reach its end; the accuracy is met `until` this time.  `rtol` is the tolerance
+    of the run, `alone` tells that it is relative to each state alone.  `rhs` counts the evaluations of all
+    `attempts`."""
 
     trajectory: Trajectory
     errors: list[float]

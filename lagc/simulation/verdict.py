@@ -372,7 +372,8 @@ def _tenfold_time(system: System, found: Verified) -> float | None:
 def _unbalanced(balance: Balance, asked: float) -> str:
     return (f"at t = {balance.t:.6g} s the energy is out of balance by {balance.imbalance:.2g} J, and errors "
             f"of {asked:g} in the states explain {balance.explained:.2g} J at most: the motion is wrong, "
-            "although runs of different steps agree; perhaps the energy jumps, as at the cut of an angle")  # fmt: skip
+            "although runs of different steps agree; perhaps the energy jumps, as at the cut of an "
+            "angle")  # fmt: skip
 
 
 def _kept_share(system: System, run: Trajectory) -> tuple[int, float] | None:

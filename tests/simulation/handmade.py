@@ -91,8 +91,9 @@ def verify(
 ) -> Checked:
     """A verified run; outputs are left out."""
     names = len(quantity_names(system.interface))
-    found = verify_module(vars(of_system(system)), replace(system.interface, outputs=()), list(system.parameters),
-                          options, list(x0), list(times), accuracy, list(scales), progress)  # fmt: skip
+    bare = replace(system.interface, outputs=())
+    found = verify_module(vars(of_system(system)), bare, list(system.parameters), options, list(x0),
+                          list(times), accuracy, list(scales), progress)  # fmt: skip
     rest = [0.0] * (names - len(found.errors))
     return replace(found, errors=found.errors + rest, scales=found.scales + rest, sizes=found.sizes + rest,
                    constant=found.constant + [False] * len(rest))  # fmt: skip

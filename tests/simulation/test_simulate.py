@@ -10,7 +10,6 @@ import pytest
 from lagc.diagnostics.faults import Refused
 from lagc.simulation.request import Request
 from lagc.simulation.simulate import simulate
-from lagc.simulation.system import STEP_UNDERFLOW, Options, Trajectory
 from tests.simulation.integrated import DoublePendulum, Kepler, Massless, Oscillator, Pendulum, Runaway
 
 pytestmark = pytest.mark.usefixtures("no_cache")

@@ -116,7 +116,8 @@ _SIZES = {
     "NX": "state x = (q, v, z)", "NC": "constraint equations, multipliers lambda",
     "NH": "holonomic ones, the first of these", "NP": "parameters and inputs",
     "NGROUP": "scaling groups: coordinates, or speeds, of one unit", "NWORK": "entries of the sparse factors",
-    "NY": "outputs y", "NQUANTITY": "what a verified run compares: q, v, y, discrete variables", "NQUAT": "unit quaternions in q",
+    "NY": "outputs y", "NQUANTITY": "compared by lagc_verified: q, v, y, discrete variables",
+    "NQUAT": "unit quaternions in q",
 }  # fmt: skip
 _DISCRETE = {
     "NZ": "work integral, after q and v", "NX": "state x = (q, v, z, d)",

@@ -192,8 +192,7 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
             redundant_rows=problem.redundant_rows, position_drift=run.position_drift,
             velocity_drift=run.velocity_drift, sizes=run.sizes[:],
             lowest=run.lowest[:], highest=run.highest[:],
-            event_roundoff=run.event_roundoff[:] if NMODE else (), events=events,
-            jumps=jumps, corners=corners, changes=run.changes if NMODE else 0,@CONTACTS@
+            events=events, jumps=jumps, corners=corners, changes=run.changes if NMODE else 0,@CONTACTS@
         )  # fmt: skip
 
     return record_in_slices(run, options, record_steps, result, progress, clock)

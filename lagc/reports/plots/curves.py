@@ -61,7 +61,7 @@ def scales(solution: Solution) -> Scales:
     run = Trajectory(times, states, times[-1], states[-1], steps=solution.cost.steps)
     doubts = _doubts(solution)
     zero = [name for name, doubt in doubts.items() if all(abs(x) <= doubt for x in solution.column(name))]
-    return Scales(frozenset([*_constant(solution, run), *zero]), _sizes(solution, run), doubts)
+    return Scales(frozenset([*_constant(solution), *zero]), _sizes(solution, run), doubts)
 
 
 def _doubts(solution: Solution) -> dict[str, float]:
@@ -69,30 +69,26 @@ def _doubts(solution: Solution) -> dict[str, float]:
     return {} if varied is None else {n: varied.doubt(n) for n in solution.names if n in varied}
 
 
-def _constant(solution: Solution, run: Trajectory) -> Iterator[str]:
-    """The states that rounding alone moves."""
-    from lagc.simulation.error_measure import state_groups
-    from lagc.simulation.global_error.roundoff_estimate import find_noise_groups, quick_estimate
+def _constant(solution: Solution) -> Iterator[str]:
+    """The states that rounding alone moves: those of a verified run without a scale."""
+    scales = solution.scales
+    yield from (name for name in solution.state_names if scales.get(name, 1.0) == 0.0)
 
-    system, names = solution.system, solution.state_names
-    groups = [(group, max(abs(x[i]) for x in run.states for i in group))
-              for group in state_groups(system.interface)]  # fmt: skip
-    bounds = find_noise_groups(system, run, groups, quick_estimate(system, run, groups))
-    for k, (group, size) in enumerate(groups):
-        if size <= bounds.get(k, 0.0):
-            yield from (names[i] for i in group)
+
+def _generic(k: int) -> float:
+    """A number of magnitude 1/2 to 3/2, without a pattern in k."""
+    return (0.5 + 0.6180339887498949 * k % 1.0) * (1.0 if (k * 0x9E3779B1) & 0x4000 else -1.0)
 
 
 def _sizes(solution: Solution, run: Trajectory) -> dict[str, float]:
     """Return the change of each output if the states changed by their sizes, angles by at most a radian."""
     from lagc.simulation.error_measure import sizes
-    from lagc.simulation.global_error.roundoff_estimate import generic
 
     system, interface = solution.system, solution.system.interface
     direction = [0.0] * system.nx
     for group, size in sizes(run, interface):
         for i in group:
-            direction[i] = generic(i) * (min(size, 1.0) if interface.kinds[i] == 0 else size)
+            direction[i] = _generic(i) * (min(size, 1.0) if interface.kinds[i] == 0 else size)
     found = [0.0] * len(interface.outputs)
     step = max(1, len(solution) // SAMPLES)
     for t, x in [*zip(solution.times, solution.states)][::step] if found else ():

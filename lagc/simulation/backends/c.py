@@ -42,8 +42,8 @@ class _Report(ctypes.Structure):
     """lagc_report"""
 
     _fields_ = (
-        ("estimated", c_double), ("until", c_double), ("rtol", c_double), ("attempts", c_long), ("rhs", c_long),
-        ("steps", c_long), ("skipped", c_long), ("done", c_size_t),
+        ("estimated", c_double), ("until", c_double), ("rtol", c_double), ("attempts", c_long),
+        ("rhs", c_long), ("steps", c_long), ("skipped", c_long), ("done", c_size_t),
     )  # fmt: skip
 
 
@@ -291,7 +291,6 @@ class CSystem(CompiledSystem):
             redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
             position_drift=state.position_drift, velocity_drift=state.velocity_drift,
             sizes=state.sizes[:], lowest=state.lowest[:], highest=state.highest[:],
-            event_roundoff=state.event_roundoff[:] if events else (),
             changes=state.changes if events else 0, **log.known(),
         )  # fmt: skip
 
@@ -326,7 +325,7 @@ def _state_type(nx: int, kinds: int, relations: int, acts: int, contacts: int) -
             ("stiff", c_long), ("culprit", c_int), ("sizes", c_double * kinds),
             ("lowest", c_double * nx), ("highest", c_double * nx),
             *(
-                (("changes", c_long), ("changed", c_int * relations), ("event_roundoff", c_double * nx))
+                (("changes", c_long), ("changed", c_int * relations))
                 if relations
                 else ()
             ),

@@ -17,13 +17,13 @@ Progress = Callable[[float], None]
 
 
 def run_in_slices(
-    call: Callable[[int], int], log: EventLog, attempts: Callable[[], int], result: Callable[[int], Trajectory],
-    options: Options, progress: Progress | None,
+    call: Callable[[int], int], log: EventLog, attempts: Callable[[], int],
+    result: Callable[[int], Trajectory], options: Options, progress: Progress | None,
 ) -> int:  # fmt: skip
     """Call `call(steps)` until the run ends, and return its status. `attempts()` is the number of attempts:
     events of an earlier one are forgotten.  KeyboardInterrupt in `progress` ends the run as INTERRUPTED, and
-    `options.watch`, called with `result(INTERRUPTED)` after 1024, 2048, ... steps of an attempt, as MAX_STEPS.
-    Raises ValueError if an option or the times are not valid."""
+    `options.watch`, called with `result(INTERRUPTED)` after 1024, 2048, ... steps of an attempt, as
+    MAX_STEPS. Raises ValueError if an option or the times are not valid."""
     state, status, budget, look, attempt = log.state, INTERRUPTED, FIRST_BUDGET, FIRST_LOOK, 0
     try:
         while status == INTERRUPTED:

@@ -353,12 +353,13 @@ def verify(
 
     def result(status: int) -> Trajectory:
         run, work, done = v.run, v.run_work, report.done
+        rows = work.redundant if interface.nc else ()
         make = ContactTrajectory if interface.contacts else Trajectory
         return make(
             times=times[:done], states=[x[:] for x in states[:done]], t=run.t, x=run.x[:], status=status,
             culprit=-1 if status == OK else run.culprit, steps=run.steps, rejected=run.rejected, rhs=run.rhs,
             stiff=run.stiff, step=run.t - run.t_old, fallbacks=work.fallbacks,
-            redundant_rows=tuple([i for i, lost in enumerate(work.redundant) if lost]) if interface.nc else (),
+            redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
             position_drift=run.position_drift, velocity_drift=run.velocity_drift, sizes=run.sizes[:],
             lowest=run.lowest[:], highest=run.highest[:],
             changes=run.changes if interface.relations else 0, **log.known(),

@@ -18,6 +18,7 @@ EVALUATIONS_PER_STATE = 400
 PROBED = 6  # states at which errors of the states are tried
 MARGIN = 10.0  # factor on the effect of state errors
 WORK_MARGIN = 100.0  # factor on the work, whose integral has no error control
+ROUNDED = 100.0  # factor on the change of the energy with the last places of a state
 ROUNDING = 1e3 * 2.0**-52  # of the energies: their round-off
 
 
@@ -67,8 +68,10 @@ def _at(system: System, run: Trajectory, count: int, accuracy: float) -> Balance
 
 
 def _effect(system: System, t: float, x: Sequence[float], scales: Sequence[float], accuracy: float) -> float:
-    """The sum of the changes of the energy with errors of each state, in J."""
-    here, total = system.energies(t, x)[2], 0.0
+    """The sum of the changes of the energy with errors of each state, and with its round-off, in J."""
+    here = system.energies(t, x)[2]
+    near = [a * (1.0 + (2.0**-50 if i % 2 else -(2.0**-50))) for i, a in enumerate(x)]
+    total = ROUNDED * abs(system.energies(t, near)[2] - here)
     for i, scale in zip(range(system.nq + system.nv), scales):
         y = list(x)
         y[i] += accuracy * scale

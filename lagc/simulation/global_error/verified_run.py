@@ -64,10 +64,12 @@ def verified_run(
     given = [scales.get(name, 0.0) for name in quantity_names(system.interface)]
     found = system.verify(options, x0, times, accuracy, given, progress)
     options.rtol, options.alone = found.rtol, found.alone
+    notes = notes_on(system, found)
     floors = [ULP * size / scale if scale else 0.0 for size, scale in zip(found.sizes, found.scales)]
+    limit = max(enumerate(floors), key=lambda each: each[1], default=(0, 0.0))
     return Verified(
         found.trajectory, options, found.estimated, found.until, found.errors, found.scales, found.attempts,
-        found.rhs, notes_on(system, found), max(enumerate(floors), key=lambda each: each[1], default=(0, 0.0)),
+        found.rhs, notes, limit,
     )  # fmt: skip
 
 
