@@ -544,41 +544,51 @@ def begin_both(p: Params, times: Vec[Any], n: Length, o: Options, states: Rows[N
     return status if failed(status) else begun
 
 
+def begin_search(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, o: Options, r: Report,
+                 v: Verification) -> Status:  # fmt: skip
+    """Check the call, and set the tolerance of the first attempt by the law, or without one by the mean."""
+    v.run.t = times[0]
+    v.run.x[:] = x0
+    o.rtol = COARSEST
+    status = check_call(p, v.run, times[n - 1], o)
+    if status != OK:
+        return status
+    if not are_in_order(v.run, times, n, 1.0):
+        v.run.culprit = BAD_TIME
+        return INVALID
+    r.attempts = 0
+    r.rhs = 0
+    v.failures = 0
+    v.alone = False
+    v.duration = times[n - 1] - times[0]
+    v.tolerance = AIM * g.accuracy / g.law if g.law > 0.0 else g.accuracy / PRIOR
+    if not v.tolerance < COARSEST:
+        v.tolerance = COARSEST
+    return OK
+
+
 @public
 def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales: Vec[NQUANTITY],
              o: Options, states: Rows[NX], outputs: Rows[NY], r: Report,
              v: Verification) -> Status:  # fmt: skip
-    """Integrate from (times[0], x0) to times[n-1] so that the error of each coordinate, speed and output is
-    at most g->accuracy of its scale: scales[NQUANTITY] where they are given and positive, else the range of
-    the quantity. Write states[n*NX] and outputs[n*NY] at the times, which increase, errors and scales to
-    v->error and v->scale, and the rest of what is known to *r. The accuracy is met if r->estimated is at
-    most g->accuracy; it is infinite if the end is not reached: r->done times are written, and it is met
-    until r->until. o->method and o->max_step are used; o->rtol and o->alone are set. Begin with
-    v->phase = 0. INTERRUPTED after g->slice steps: call again to continue."""
+    """Integrate from (times[0], x0) to times[n-1] so that the error of each coordinate, speed, output and
+    discrete variable is at most g->accuracy of its scale: scales[NQUANTITY] where they are given and
+    positive, else the range of the quantity. Write states[n*NX] and outputs[n*NY] at the times, which
+    increase, errors and scales to v->error and v->scale, and the rest of what is known to *r. The accuracy is
+    met if r->estimated is at most g->accuracy; it is infinite if the end is not reached: r->done times are
+    written, and it is met until r->until. o->method and o->max_step are used; o->rtol and o->alone are
+    set. Begin with v->phase = 0. INTERRUPTED after g->slice steps: call again to continue."""
     if v.phase == 0:
-        v.run.t = times[0]
-        v.run.x[:] = x0
-        o.rtol = COARSEST
-        status = check_call(p, v.run, times[n - 1], o)
+        status = begin_search(p, x0, times, n, g, o, r, v)
         if status != OK:
             return status
-        if not are_in_order(v.run, times, n, 1.0):
-            v.run.culprit = BAD_TIME
-            return INVALID
-        r.attempts = 0
-        r.rhs = 0
-        v.failures = 0
-        v.alone = False
-        v.duration = times[n - 1] - times[0]
-        v.tolerance = AIM * g.accuracy / g.law if g.law > 0.0 else g.accuracy / PRIOR
-        if not v.tolerance < COARSEST:
-            v.tolerance = COARSEST
     while True:
         begins = v.phase == 0
         if begins:
             r.attempts += 1
             if v.tolerance < FINEST:
                 v.tolerance = FINEST
+            # Both runs at this tolerance, from the beginning.
             begin_attempt(p, x0, times[0], o, r, v)
         last = r.attempts >= MOST_ATTEMPTS or v.tolerance <= FINEST
         enter_call(v.run, v.run_work)
@@ -589,13 +599,14 @@ def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales
         status = OK
         if begins:
             status = begin_both(p, times, n, o, states, outputs, r, v)
-        if status == OK:
+        if not failed(status):
             status = run_attempt(p, times, n, g, scales, o, states, outputs, last, r, v)
         status = leave_call(v.run, status, v.run_work)
         leave_call(v.check, status, v.check_work)
         if status == INTERRUPTED:
             v.phase = 1
             return status
+        # The outcome of the attempt, and the law of the next one.
         v.phase = 0
         r.rhs += v.run.rhs + v.check.rhs
         r.steps = v.run.steps

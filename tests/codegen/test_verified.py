@@ -152,7 +152,9 @@ def test_unordered_times_are_refused(oscillator: ModuleType) -> None:
 
 @pytest.mark.full
 @pytest.mark.skipif(not present("gcc"), reason="there is no gcc")
-@pytest.mark.parametrize("name", ["classic/double_pendulum", "contact/bouncing_ball"])
+@pytest.mark.parametrize(
+    "name", ["classic/double_pendulum", "contact/bouncing_ball", "classic/stick_slip_belt"]
+)
 def test_c_and_python_give_the_same_bits(name: str, tmp_path: Path) -> None:
     program = of_model(name)
     for file, text in emit_c(program).items():
@@ -175,6 +177,21 @@ def test_c_and_python_give_the_same_bits(name: str, tmp_path: Path) -> None:
         assert [int(shown[0]), *map(int, shown[3:])] == [int(found[0]), *found[3:]]
         assert [float.fromhex(s) for s in shown[1:3]] == [r.estimated, r.until]
         assert [float.fromhex(s) for s in values] == [x for row in states[: r.done] for x in row]
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("slice_", [0, 1, 4])
+def test_motions_between_events_are_compared(slice_: int) -> None:
+    """A block that sticks and slips has one or two steps between events. At recorded times within these, the
+    error is that of the dense output.  The reference is 1e5 times as accurate."""
+    m = module((Path(__file__).parents[2] / "models" / "classic" / "stick_slip_belt.lag").read_text())
+    _, exact, *_ = run(m, 1e-9)
+    status, states, _, r, v, _ = run(m, 1e-4, slice=slice_)
+    assert status == m.OK and r.estimated <= 1e-4 and 0.0 < v.time_error <= 1e-4 * TIMES[-1]
+    for i in range(2):
+        error = max(abs(x[i] - y[i]) for x, y in zip(states, exact))
+        assert 0.8 * error <= v.error[i] <= 1e-4 * v.scale[i]
+    assert v.scale[2] == 1.0 and v.error[2] == 0.0  # the mode
 
 
 @pytest.mark.full

@@ -24,7 +24,8 @@ def run_in_slices(
     events of an earlier one are forgotten.  KeyboardInterrupt in `progress` ends the run as INTERRUPTED, and
     `options.watch`, called with `result(INTERRUPTED)` after 1024, 2048, ... steps of an attempt, as
     MAX_STEPS. Raises ValueError if an option or the times are not valid."""
-    state, status, budget, look, attempt = log.state, INTERRUPTED, FIRST_BUDGET, FIRST_LOOK, 0
+    state, budget, look, attempt = log.state, FIRST_BUDGET, FIRST_LOOK, 0
+    status: int = INTERRUPTED
     try:
         while status == INTERRUPTED:
             began, seen = perf_counter(), log.seen()
