@@ -22,7 +22,7 @@ SHIPPED = ["/pyproject.toml", "/.gitignore", *HATCH["build"]["targets"]["sdist"]
 
 def checkout(target: Path) -> Path:
     """What the repository has under version control, as far as it is shipped, in a folder of its own."""
-    leave = shutil.ignore_patterns("__pycache__", "tables.json", "kernels.json", "*.pyc")
+    leave = shutil.ignore_patterns("__pycache__", "tables.json", "kernels.*.json", "*.pyc")
     target.mkdir(parents=True)
     for pattern in SHIPPED:
         for path in ROOT.glob(pattern.removeprefix("/")):
@@ -88,10 +88,11 @@ def test_nothing_is_left_behind(installed: Path) -> None:
         "syntax/tables.json",
         "codegen/kernel_compiler/kernels.json",
         "models/classic/kepler.lag",
+        "messages/syntax.md",
     ):
         assert (installed / "lagc" / name).is_file()
     for path in (ROOT / "lagc").rglob("*"):
-        if path.suffix in (".py", ".c", ".h"):
+        if path.suffix in (".py", ".c", ".h", ".txt"):
             assert (installed / "lagc" / path.relative_to(ROOT / "lagc")).is_file(), path
 
 

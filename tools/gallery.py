@@ -32,7 +32,7 @@ LONGEST = 20.0  # s, of a run, unless all of it takes more than a thousand
 HEAD = """# Gallery
 
 The models of the library, `lagc sim NAME --animate` shows each of them move. The pictures are inferred from
-the equations alone: no model says how it is drawn. This page is written by `python tools/gallery.py`.
+the equations; some models add a line `draw`. This page is written by `python tools/gallery.py`.
 """
 
 

@@ -39,10 +39,9 @@ sys.path.insert(0, str(ROOT))
 import lagc  # noqa: E402
 from lagc.cli.main import main as run_command  # noqa: E402
 from lagc.compiler.checking import check  # noqa: E402
-from lagc.compiler.pipeline import Choice, render  # noqa: E402
-from lagc.diagnostics.faults import Refused, Source  # noqa: E402
-from lagc.diagnostics.report import report  # noqa: E402
-from lagc.semantics.scenes.variants import Variant, variants  # noqa: E402
+from lagc.compiler.stages import Choice, render  # noqa: E402
+from lagc.diagnostics.faults import Refused, Source, report  # noqa: E402
+from lagc.semantics.scenes import Variant, variants  # noqa: E402
 from lagc.simulation.request import Request  # noqa: E402
 from lagc.syntax.parse import parse  # noqa: E402
 

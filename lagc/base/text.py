@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import re
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
+
+from lagc.base.records import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
 FINEST = 1e-15  # least relative tolerance, set by round-off
+WIDTH, NARROW = 80, 20  # characters of a line on a terminal; of a column that is broken into lines
 MOST_POINTS = sys.maxsize // 2  # limit on the length of a list
 # Compiled at the first use, which most runs never need.
 _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
@@ -22,6 +25,17 @@ _NONE = r"(?i)[+-]?(?:nan|inf|infinity)"
 _SIZE = r"([0-9]{1,18}(?:\.[0-9]{1,18})?)\s*([KMG]?)B?"
 _SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 _TIME = r"([0-9]{1,18}(?:\.[0-9]{1,18})?)\s*(?:(s|min|h|d)|\[(s|min|h|d)\])?"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number with its unit; None: an SI unit, or none."""
+
+    value: float
+    unit: str | None = None
+
+
+Given: TypeAlias = "Mapping[str, float | Quantity]"
 
 
 def number(text: str) -> float | None:
@@ -58,10 +72,37 @@ def one_line(text: str) -> str:
     return printable(text).replace("\n", "\\n")
 
 
-def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """Return the lines of a table with columns as wide as they need, indented by two."""
+def table(head: Sequence[str], rows: Sequence[Sequence[str]], width: int = WIDTH) -> list[str]:
+    """Return the lines of a table with columns as wide as they need, indented by two. The last column breaks
+    its words into lines where the table is wider than `width`."""
     widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
-    return ["  " + "  ".join(cell.ljust(w) for cell, w in zip(row, widths)).rstrip() for row in (head, *rows)]
+    before = 2 + sum([w + 2 for w in widths[:-1]])
+    found = []
+    for row in (head, *rows):
+        cells = "".join([f"{cell:{w}}  " for cell, w in zip(row[:-1], widths)])
+        first, *more = broken(row[-1], max(width - before, NARROW))
+        found += [f"  {cells}{first}".rstrip(), *[f"{'':{before}}{line}" for line in more]]
+    return found
+
+
+def broken(text: str, width: int) -> list[str]:
+    """Return the words of a text in lines that are not longer than `width`, if its words are not."""
+    if len(text) <= width:
+        return [text]
+    lines = [""]
+    for word in text.split(" "):
+        if lines[-1] and len(lines[-1]) + 1 + len(word) > width:
+            lines.append(word)
+        else:
+            lines[-1] += f" {word}" if lines[-1] else word
+    return lines
+
+
+def entry(key: str, text: str, indent: int = 12) -> list[str]:
+    """Return a line `key text` of a report, the text from the column `indent` on, in lines that fit a
+    terminal."""
+    first, *more = broken(text, WIDTH - indent)
+    return [f"  {key:{indent - 2}}{first}".rstrip(), *[f"{'':{indent}}{line}" for line in more]]
 
 
 def json_text(value: object, indent: int | None = None, encoding: str = "utf-8") -> str:

@@ -10,7 +10,7 @@ import os
 
 from lagc.base.text import one_line
 from lagc.cli.deliver import spare
-from lagc.cli.options import add_general_options, add_model_options, add_outputs_option, choice_of
+from lagc.cli.options import add_model_options, add_outputs_option, choice_of
 from lagc.cli.output import DONE, Usage, cannot_write, print_json, say, show
 from lagc.cli.signals import SIGNALS
 from lagc.host.atomic_write import Files, folder, no_folder
@@ -42,7 +42,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         type=methods,
         help=f"the methods of integration that the code has: some of {', '.join(METHODS)}",
     )
-    add_general_options(parser)
 
 
 def methods(text: str) -> tuple[str, ...]:
@@ -56,7 +55,7 @@ def methods(text: str) -> tuple[str, ...]:
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc.compiler import pipeline
+    from lagc.compiler import pipeline, stages
     from lagc.host import model_library
     from lagc.simulation.request import warnings_of
 
@@ -66,27 +65,18 @@ def run(options: argparse.Namespace) -> int:
         raise Usage("-o needs the name of a folder")
     if file := no_folder(options.output):
         raise Usage(f"`{file}` is no folder: -o needs the name of a folder")
+    # Nothing is written before all code exists and no file that the model reads would be replaced.
     compilation = pipeline.Compilation(model_library.read(options.file), choice_of(options))
     program = pipeline.delivered(compilation, options.derivatives, options.method)
-    files = pipeline.render(program, options.target, real=options.real)
+    files = stages.render(program, options.target, real=options.real)
     spare(compilation, *(os.path.join(options.output, name) for name in files))
     paths = write(files, options.output)
     warnings = warnings_of(program.interface, {**compilation.choice.inputs, **compilation.choice.parameters})
     if options.json:
         interface = program.interface
-        print_json(
-            {
-                "status": "ok",
-                "model": interface.model,
-                "scene": interface.scene,
-                "effects": interface.effects,
-                "target": options.target,
-                "files": paths,
-                "operations": interface.operations,
-                "warnings": warnings,
-                "dropped": interface.dropped,
-            }
-        )
+        facts = {name: getattr(interface, name) for name in ("model", "scene", "effects")}
+        facts |= {"target": options.target, "files": paths, "operations": interface.operations}
+        print_json({"status": "ok", **facts, "warnings": warnings, "dropped": interface.dropped})
     elif not options.quiet:
         for warning in warnings:
             say(f"warning: {warning}")

@@ -9,7 +9,6 @@ import argparse
 from typing import Any
 
 from lagc.base.text import one_line
-from lagc.cli.options import add_general_options
 from lagc.cli.output import DONE, REFUSED, print_json, show
 from lagc.host import cache
 from lagc.host.cache import upkeep
@@ -21,7 +20,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--verify", action="store_true", help="read every entry and remove damaged ones (exit code 1)"
     )
     what.add_argument("--clear", action="store_true", help="remove every entry")
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -67,7 +65,7 @@ def _done(place: cache.Folder, options: argparse.Namespace) -> dict[str, Any]:
 
 
 def text(facts: dict[str, Any], quiet: bool) -> list[str]:
-    """The lines that are printed."""
+    """Return the lines that are printed."""
     if facts["status"] == "refused":
         return [str(facts["reason"])]
     if facts["folder"] is None:
@@ -92,7 +90,7 @@ def text(facts: dict[str, Any], quiet: bool) -> list[str]:
 
 
 def size(count: float) -> str:
-    """A number of bytes as text in B, kB, MB or GB."""
+    """Return a number of bytes as text in B, kB, MB or GB."""
     for unit in ("B", "kB", "MB"):
         if count < 1000:
             return f"{count:.3g} {unit}"

@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from lagc.cli.options import add_general_options, add_limit_options, add_parameter_option, quantities
+from lagc.cli.options import add_limit_options, add_parameter_option, quantities
 from lagc.cli.output import DONE, Usage, code_of, print_faults, print_json, say, show
 from lagc.diagnostics.faults import Fault, Refused
 
@@ -26,7 +26,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_parameter_option(parser)
     parser.add_argument("--explain", metavar="CODE", help="explain an error code, with an example")
     add_limit_options(parser)
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -47,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
     unseen = [stage for stage in STAGES if stage in left]
     wrong = [f for f in faults if f.severity == "error"]
     if options.json or options.format == "json":
-        from lagc.diagnostics.report import as_json
+        from lagc.diagnostics.faults import as_json
 
         print_json({"status": "refused" if wrong else "ok", "faults": as_json(faults), "unseen": unseen})
     elif faults:
@@ -61,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
 
 def look_at(name: str, options: argparse.Namespace) -> Checked:
     """Check one file; a file that cannot be read counts as an error."""
-    from lagc.compiler import checking, pipeline
+    from lagc.compiler import checking, stages
     from lagc.host import model_library
 
     try:
@@ -69,7 +68,7 @@ def look_at(name: str, options: argparse.Namespace) -> Checked:
     except Refused as refused:
         return checking.Checked(list(refused.faults), checking.STAGES)
     given = quantities(options.parameters, "-p")
-    choice = pipeline.Choice(model=options.model, scene=options.scene, parameters=given)
+    choice = stages.Choice(model=options.model, scene=options.scene, parameters=given)
     try:
         return checking.look(source, choice)
     except Refused as refused:  # an option is wrong
@@ -79,9 +78,10 @@ def look_at(name: str, options: argparse.Namespace) -> Checked:
 def explain(code: str) -> int:
     """Print the explanation of an error code."""
     from lagc.diagnostics.catalogue import entries
+    from lagc.host.model_library import messages_folder
 
     code = code.upper()
-    entry = entries().get(code)
+    entry = entries(messages_folder()).get(code)
     if entry is None:
         raise Usage(f"there is no error code `{code}`")
     show(f"{code}: {entry.title}\n\n{entry.explanation}\n")

@@ -7,23 +7,21 @@ from collections.abc import Mapping, Sequence
 from copy import copy
 from typing import TYPE_CHECKING, TypeVar
 
-from lagc.cli.deliver import kept, spare
+from lagc.cli.deliver import check_picture, spare, write_or_keep
 from lagc.cli.options import (
     add_backend_option,
-    add_general_options,
     add_model_options,
     add_start_option,
     choice_of,
     quantities,
     quantity,
 )
-from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show
-from lagc.cli.pictures import check_picture
+from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show_report
 from lagc.host.budgets import reached, rest
 
 if TYPE_CHECKING:
     from lagc.api import CompiledModel
-    from lagc.api_run import Run
+    from lagc.api.run import Run
 
 T = TypeVar("T")
 
@@ -36,7 +34,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--points", metavar="N", type=int, default=501, help="recorded times; default: 501")
     parser.add_argument("--plot", metavar="FILE", help="draw the scenes into FILE (.png, .svg, .pdf)")
     add_backend_option(parser)
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -52,20 +49,22 @@ def run(options: argparse.Namespace) -> int:
     source = model_library.read(options.file)
     accuracy, stop = quantity(options.accuracy, "", "--accuracy"), quantity(options.stop, "s", "--stop")
     starts = quantities(options.starts, "--start")
+    # Every scene is compiled before one runs, so that a fault in any of them is reported at once.
     first = Compilation(source, choice_of(_with(options, None)))
     choices = [choice_of(_with(options, scene)) for scene in options.scene or first.model.scenes or [None]]
     models = [CompiledModel(Compilation(source, choice), options.backend) for choice in choices]
     scenes = [model.interface.scene for model in models]
     spare(first, *([options.plot] if options.plot else []))
     stop = Request(stop=stop).completed(models[0].interface.simulate).stop
+    # Each scene takes the values that it has; a name that none has is refused.
     parameters = [_parameters(model) for model in models]
     given = choices[0].parameters
-    own = [model.without(()).bind(_own(given, parameters, k)) for k, model in enumerate(models)]
+    bound = [model.without(()).bind(_known_values(given, parameters, k)) for k, model in enumerate(models)]
     states = [model.state_names for model in models]
     runs: list[Run] = []
     try:
-        for k, model in enumerate(own):
-            given_starts = _own(starts, states, k)
+        for k, model in enumerate(bound):
+            given_starts = _known_values(starts, states, k)
             run = model.simulate(stop, accuracy=accuracy, points=options.points, starts=given_starts)
             runs.append(run)
             if run.interrupted:
@@ -73,22 +72,23 @@ def run(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         if not runs:
             raise
+    # An interruption keeps the runs so far.
     rest()
-    found = compare(scenes[: len(runs)], runs)
-    interrupted = len(runs) < len(own) or runs[-1].interrupted
+    comparison = compare(scenes[: len(runs)], runs)
+    interrupted = len(runs) < len(bound) or runs[-1].interrupted
     written = True
     if options.plot:
         from lagc.reports.plots.compare import draw
         from lagc.reports.plots.plot import save
 
-        path = kept(options.plot, lambda name: save(draw(found), name), (OSError, ValueError))
+        path = write_or_keep(options.plot, lambda name: save(draw(comparison), name), (OSError, ValueError))
         written = path == options.plot
         if path is not None:
             say(f"written to {path}", options.quiet or options.json)
     if options.json:
-        print_json({"status": "interrupted" if interrupted else "ok", **to_dict(found)})
+        print_json({"status": "interrupted" if interrupted else "ok", **to_dict(comparison)})
     else:
-        show(text(found, options.verbose))
+        show_report(text(comparison, options.verbose), color=False if options.no_color else None)
     if interrupted:
         say("interrupted: these are the runs until then", options.quiet or options.json)
         return LIMITED if reached() else INTERRUPTED
@@ -109,7 +109,7 @@ def _parameters(model: CompiledModel) -> list[str]:
     return [*(f.name for f in fields), *artifact.built_in]
 
 
-def _own(given: Mapping[str, T], known: Sequence[Sequence[str]], k: int) -> dict[str, T]:
-    """The given values that model k has; also those that none has, so that it refuses them."""
+def _known_values(given: Mapping[str, T], known: Sequence[Sequence[str]], k: int) -> dict[str, T]:
+    """Return the given values that model k has; also those that none has, so that it refuses them."""
     others = {name for names in known for name in names}
     return {name: value for name, value in given.items() if name in known[k] or name not in others}

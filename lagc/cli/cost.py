@@ -9,14 +9,7 @@ from __future__ import annotations
 import argparse
 
 from lagc.cli.deliver import spare
-from lagc.cli.options import (
-    add_general_options,
-    add_model_options,
-    add_start_option,
-    choice_of,
-    quantities,
-    quantity,
-)
+from lagc.cli.options import add_model_options, add_start_option, choice_of, quantities, quantity
 from lagc.cli.output import Usage
 from lagc.cli.study_report import add_report_options, check_reports, deliver
 
@@ -29,7 +22,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--all", action="store_true", help="print all settings, not the best alone")
     add_report_options(parser, 301)
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -56,4 +48,5 @@ def run(options: argparse.Namespace) -> int:
     heading = f"{interface.model}, scene {interface.scene}" if interface.scene else interface.model
     text = report.text(found, heading, options.all)
     facts = {"model": interface.model, "scene": interface.scene}
-    return deliver(options, found, heading, report, "work_precision", text, bool(found.points), **facts)
+    some = bool(found.points)
+    return deliver(options, found, heading, report, "work_precision", text, some, found.late, **facts)

@@ -13,7 +13,7 @@ import os
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from lagc.cli.options import add_general_options, add_model_options, choice_of
+from lagc.cli.options import add_model_options, choice_of
 from lagc.cli.output import DONE, Usage, cannot_write, print_faults, print_json, say, show
 from lagc.cli.signals import SIGNALS
 
@@ -32,11 +32,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--full", action="store_true", help="write all terms of long formulas")
     about = "the file to write, .md, .tex, .html or .pdf; - prints Markdown"
     parser.add_argument("-o", "--output", metavar="FILE", default="-", help=about)
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc.compiler import pipeline
+    from lagc.compiler import pipeline, stages
     from lagc.host import model_library
     from lagc.host.budgets import stage
     from lagc.reports.derivation.derivation import derivation_of
@@ -48,8 +47,8 @@ def run(options: argparse.Namespace) -> int:
     equations = pipeline.equations(source, choice)
     if equations.warnings and not (options.quiet or options.json):
         print_faults(equations.warnings, color=False if options.no_color else None)
-    with stage("writing the solution", pipeline.PER_PAIR * len(equations.v) ** 2):
-        found = derivation_of(equations, options.language, options.full)
+    with stage("writing the solution", stages.PER_PAIR * len(equations.v) ** 2):
+        solution = derivation_of(equations, options.language, options.full)
     if options.to == "motion":
         from lagc.api import CompiledModel
         from lagc.compiler.pipeline import Compilation
@@ -57,14 +56,14 @@ def run(options: argparse.Namespace) -> int:
 
         if find_spec("matplotlib") is None:
             raise Usage("a plot needs matplotlib: pip install matplotlib")
-        found = with_motion(found, CompiledModel(Compilation(source, choice)).simulate())
+        solution = with_motion(solution, CompiledModel(Compilation(source, choice)).simulate())
     if options.json:
         print_json({"status": "ok", "model": equations.model.name, "scene": equations.model.scene,
-                    "language": options.language, "solution": found.markdown})  # fmt: skip
+                    "language": options.language, "solution": solution.markdown})  # fmt: skip
     elif options.output == "-":
-        show(found.markdown)
+        show(solution.markdown)
     else:
-        _write(found, options.output, ending)
+        _write(solution, options.output, ending)
         say(f"{options.output} written", options.quiet)
     return DONE
 

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 from lagc.cli.deliver import spare
 from lagc.cli.options import (
-    add_general_options,
     add_list_option,
     add_model_options,
     add_start_option,
@@ -26,7 +25,7 @@ from lagc.cli.output import Usage
 from lagc.cli.study_report import add_report_options, check_reports, deliver
 
 if TYPE_CHECKING:
-    from lagc.simulation.request import Quantity
+    from lagc.base.text import Quantity
 
 RANGE = "1e-2..1e-8"
 
@@ -44,7 +43,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     about = "verify the recommended scenes for these initial values too, e.g. --also 'start th=90[deg]'"
     add_list_option(parser, "--also", "also", "'start NAME=VALUE, ...'", about)
     add_report_options(parser, 501)
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import argparse
 
-from lagc.cli.options import add_general_options, add_model_options, choice_of
+from lagc.cli.options import add_model_options, choice_of
 from lagc.cli.output import DONE, Usage, print_faults, print_json, say, show
 
 
@@ -25,18 +25,17 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     forms = ("divided", "undivided", "solved", "matrix", "hamilton")
     parser.add_argument("--form", choices=forms, default="divided", help=about)
     parser.add_argument("--full", action="store_true", help="print every term, also of large models")
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc.compiler import pipeline
+    from lagc.compiler import pipeline, stages
     from lagc.host import model_library
     from lagc.host.budgets import stage
     from lagc.reports.equations.forms import NoForm
     from lagc.reports.equations.write import write
 
     equations = pipeline.equations(model_library.read(options.file), choice_of(options))
-    with stage("writing the equations", pipeline.PER_PAIR * len(equations.v) ** 2):
+    with stage("writing the equations", stages.PER_PAIR * len(equations.v) ** 2):
         try:
             text = write(equations, options.format, options.full, options.form)
         except NoForm as reason:

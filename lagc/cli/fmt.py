@@ -8,10 +8,12 @@ from __future__ import annotations
 import argparse
 import os
 
-from lagc.cli.options import add_general_options, add_limit_options
+from lagc.cli.options import add_limit_options
 from lagc.cli.output import DONE, REFUSED, Usage, cannot_write, say, show
 from lagc.cli.signals import SIGNALS
 from lagc.host import atomic_write, model_library
+
+JSON = False  # no option `--json`
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -20,7 +22,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--check", action="store_true", help="change nothing; exit code 1 if a file is not formatted"
     )
     add_limit_options(parser)
-    add_general_options(parser, json=False)
 
 
 def run(options: argparse.Namespace) -> int:

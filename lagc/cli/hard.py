@@ -10,7 +10,7 @@ import argparse
 import os
 from typing import TYPE_CHECKING
 
-from lagc.cli.options import add_general_options, add_limit_options
+from lagc.cli.options import add_limit_options
 from lagc.cli.output import DONE, FAILED, Usage, show
 from lagc.cli.study_report import add_output_option, check_reports, deliver
 
@@ -28,7 +28,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_output_option(parser)
     add_limit_options(parser)
     parser.set_defaults(max_time="none")  # the models are known; a busy machine is slow
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -43,7 +42,7 @@ def run(options: argparse.Namespace) -> int:
     if options.list:
         show(report.listing(CASES))
         return DONE
-    chosen = _chosen(options.case, {case.name: case for case in CASES})
+    chosen = _choose(options.case, {case.name: case for case in CASES})
     quiet = options.quiet or options.json
     if options.case and not (quiet or options.markdown):
         for case in chosen:
@@ -56,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
     return code if code != DONE or found.kept else FAILED
 
 
-def _chosen(names: list[str], known: dict[str, Case]) -> list[Case]:
+def _choose(names: list[str], known: dict[str, Case]) -> list[Case]:
     from lagc.diagnostics.suggest import closest
 
     for name in names:
@@ -80,7 +79,7 @@ def _backends(wanted: str) -> tuple[str, ...]:
 
 
 def _machine() -> str:
-    """The date, the processor and the versions."""
+    """Return the date, the processor and the versions."""
     import platform
     from datetime import date
 

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 from lagc.cli.deliver import spare
 from lagc.cli.options import (
-    add_general_options,
     add_model_options,
     add_plot_option,
     add_start_option,
@@ -24,9 +23,9 @@ from lagc.cli.output import DONE, FAILED, UNWRITTEN, Usage, print_json, say, sho
 
 if TYPE_CHECKING:
     from lagc.api import CompiledModel
+    from lagc.base.text import Quantity
     from lagc.lowering.program import Interface
     from lagc.simulation.linearization.linear_model import Linear
-    from lagc.simulation.request import Quantity
 
 FORMATS = (".json", ".npz")
 MOST, LARGE = 8, 3  # equilibria that are shown without --verbose, in general and for large models
@@ -44,13 +43,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("-o", "--output", metavar="FILE", help="write the matrices: .json or .npz")
     add_plot_option(parser, "draw the modes: .png, .svg or .pdf")
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:
     from lagc.api import CompiledModel
-    from lagc.cli.deliver import beside
-    from lagc.cli.pictures import check_picture
+    from lagc.cli.deliver import check_picture, output_beside
     from lagc.compiler.pipeline import Compilation
     from lagc.host import model_library
 
@@ -66,24 +63,24 @@ def run(options: argparse.Namespace) -> int:
     model = CompiledModel(compilation if runs else compilation.differentiated, "auto" if time else "numpy")
     spare(compilation, options.output, _picture(model.interface, options.plot))
     try:
-        found = (
+        linear_models = (
             model.equilibria(starts=starts) if options.equilibrium else [_about(model, time, starts, options)]
         )
     except ArithmeticError as error:
         return _none(str(error), options)
-    if not found:
+    if not linear_models:
         return _none(
             "no equilibrium was found, neither from the initial state nor from random states", options
         )
     interface = model.interface
     facts = {"status": "ok", "model": interface.model, "scene": interface.scene,
              "effects": list(interface.effects)}  # fmt: skip
-    written = _deliver(found, facts, options)
-    with beside(options.output):
+    written = _deliver(linear_models, facts, options)
+    with output_beside(options.output):
         if options.json:
-            print_json(_everything(found, facts))
+            print_json(_document(linear_models, facts))
         else:
-            show(_text(found, options))
+            show(_text(linear_models, options))
     return DONE if written else UNWRITTEN
 
 
@@ -125,7 +122,7 @@ def _text(found: list[Linear], options: argparse.Namespace) -> str:
     return "\n".join([*parts, *(f"note: {note}" for note in _notes(found)), ""])
 
 
-def _everything(found: list[Linear], facts: dict[str, Any]) -> dict[str, Any]:
+def _document(found: list[Linear], facts: dict[str, Any]) -> dict[str, Any]:
     return {**facts, "linear": [linear.to_dict() for linear in found], "notes": _notes(found)}
 
 
@@ -152,14 +149,14 @@ def _check_output(path: str | None) -> None:
 
 def _deliver(found: list[Linear], facts: dict[str, Any], options: argparse.Namespace) -> bool:
     """Write the file and the plot; return whether both have the names that were given."""
-    from lagc.cli.deliver import kept
+    from lagc.cli.deliver import write_or_keep
 
     written = True
     if options.output:
         data = _content(found, facts, options.output)
         from lagc.host.atomic_write import write
 
-        path = kept(options.output, lambda name: write(name, data), (OSError,), ".json")
+        path = write_or_keep(options.output, lambda name: write(name, data), (OSError,), ".json")
         written = path == options.output
         if path is not None:
             say(f"written to {path}", options.quiet or options.json)
@@ -170,7 +167,7 @@ def _deliver(found: list[Linear], facts: dict[str, Any], options: argparse.Names
         interface = found[0].system.interface
         wanted = _picture(interface, options.plot)
         title = f"{interface.model}, scene {interface.scene}: {heading(found[0])}"
-        path = kept(wanted, lambda name: plot_modes(found[0], title, name), (OSError, ValueError))
+        path = write_or_keep(wanted, lambda name: plot_modes(found[0], title, name), (OSError, ValueError))
         written = written and path == wanted
         if path is not None:
             say(f"plot written to {path}", options.quiet or options.json)
@@ -178,7 +175,7 @@ def _deliver(found: list[Linear], facts: dict[str, Any], options: argparse.Names
 
 
 def _picture(interface: Interface, named: str | None) -> str:
-    """The file for the plot of the modes: the one given, or one in the current folder, or ""."""
+    """Return the file for the plot of the modes: the one given, or one in the current folder, or ""."""
     from lagc.host.atomic_write import fitting
 
     beside = f"{fitting(f'{interface.model}_{interface.scene}_modes')}.png"
@@ -186,12 +183,12 @@ def _picture(interface: Interface, named: str | None) -> str:
 
 
 def _content(found: list[Linear], facts: dict[str, Any], path: str) -> bytes:
-    """The content of the file: JSON, or arrays A B C D eigenvalues modes x, with the suffix _2 for the
+    """Return the content of the file: JSON, or arrays A B C D eigenvalues modes x, with the suffix _2 for the
     second model."""
     if not path.lower().endswith(".npz"):
         from lagc.base.text import json_text
 
-        return (json_text(_everything(found, facts), indent=2) + "\n").encode()
+        return (json_text(_document(found, facts), indent=2) + "\n").encode()
     import io
 
     import numpy

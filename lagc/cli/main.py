@@ -100,7 +100,7 @@ def _dispatch(words: list[str]) -> int:
     name = words[0]
     if name not in COMMANDS:
         raise Usage(f"there is no command `{name}`{_similar(name)}; `lagc --help` lists them")
-    from lagc.cli.options import limits_of
+    from lagc.cli.options import add_general_options, limits_of
 
     command = importlib.import_module(f"lagc.cli.{name}")
     parser = Parser(
@@ -108,6 +108,7 @@ def _dispatch(words: list[str]) -> int:
         formatter_class=Help,
     )  # fmt: skip
     command.add_options(parser)
+    add_general_options(parser, json=getattr(command, "JSON", True))
     options = parser.parse_args(words[1:])
     try:
         with limits_of(options):
@@ -173,7 +174,7 @@ def _similar(name: str) -> str:
 
 def _report(refused: Refused, words: list[str]) -> None:
     if "--json" in words:
-        from lagc.diagnostics.report import as_json
+        from lagc.diagnostics.faults import as_json
 
         print_json({"status": "refused", "faults": as_json(refused.faults)})
         return

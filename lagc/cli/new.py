@@ -6,7 +6,6 @@ import argparse
 import os
 import re
 
-from lagc.cli.options import add_general_options
 from lagc.cli.output import DONE, Usage, cannot_write, say, show
 from lagc.cli.signals import SIGNALS
 from lagc.host import atomic_write, model_library
@@ -45,6 +44,8 @@ model {name} "A mass on a massless string"
 end {name};
 """
 
+JSON = False  # no option `--json`
+
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
@@ -53,12 +54,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument("--list", action="store_true", help="list the models of the library")
     parser.add_argument("--force", action="store_true", help="replace an existing file")
-    add_general_options(parser, json=False)
 
 
 def run(options: argparse.Namespace) -> int:
     if options.list:
-        show(_listed())
+        show(_listing())
         return DONE
     if options.name is None:
         raise Usage("NAME is missing; `lagc new --list` lists the models of the library")
@@ -79,8 +79,8 @@ def run(options: argparse.Namespace) -> int:
     return DONE
 
 
-def _listed() -> str:
-    """One line for each model of the library, with the description of the last model in its file."""
+def _listing() -> str:
+    """Return one line for each model of the library, with the description of the last model in its file."""
     models = model_library.library_models()
     width = max(map(len, models), default=0)
     found = []

@@ -5,15 +5,16 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from lagc.base.text import number, seconds, size
+from lagc.base.run_options import RUN_OPTIONS
+from lagc.base.text import number, seconds, size, whole
 from lagc.cli.output import Usage
 
 if TYPE_CHECKING:
-    from lagc.compiler.pipeline import Choice
+    from lagc.base.text import Quantity
+    from lagc.compiler.stages import Choice
     from lagc.host.budgets import Limits
-    from lagc.simulation.request import Quantity
 
 _SPACES = " \t\n\r\f\v"
 
@@ -43,7 +44,7 @@ def add_limit_options(parser: argparse.ArgumentParser) -> None:
 
 
 def limits_of(options: argparse.Namespace) -> Limits:
-    """The limits of a command; by default those of each stage and of this machine."""
+    """Return the limits of a command; by default those of each stage and of this machine."""
     from lagc.host.budgets import Limits, of_this_machine
 
     time = _limit(getattr(options, "max_time", None), "--max-time", seconds, "90, 10min or 2h")
@@ -100,8 +101,8 @@ def add_start_option(parser: argparse.ArgumentParser) -> None:
 
 
 def choice_of(options: argparse.Namespace) -> Choice:
-    """The choice that the options of `add_model_options` make."""
-    from lagc.compiler.pipeline import Choice
+    """Return the choice that the options of `add_model_options` make."""
+    from lagc.compiler.stages import Choice
     from lagc.simulation.request import expression
 
     parameters = quantities(options.parameters, "-p")
@@ -113,7 +114,7 @@ def choice_of(options: argparse.Namespace) -> Choice:
             raise Usage(f"`--input {word}` is not of the form name=value")
         if name in parameters or name in inputs:
             raise Usage(f"`{name}` is given twice")
-        if _valued(said) is None:
+        if _value_of(said) is None:
             inputs[name] = expression(said)
         else:
             parameters.update(quantities([word], "--input"))
@@ -129,7 +130,7 @@ def choice_of(options: argparse.Namespace) -> Choice:
 
 
 def _names(word: str | None) -> tuple[str, ...] | None:
-    """The names of `--outputs`.  Raises Usage if there is none."""
+    """Return the names of `--outputs`.  Raises Usage if there is none."""
     if word is None:
         return None
     names = tuple([name.strip(_SPACES) for name in split(word) if name.strip(_SPACES)])
@@ -141,6 +142,25 @@ def _names(word: str | None) -> tuple[str, ...] | None:
 def add_plot_option(parser: argparse.ArgumentParser, about: str) -> None:
     """`--plot [FILE]`: None without it, "" without a file."""
     parser.add_argument("--plot", metavar="FILE", nargs="?", const="", help=about)
+
+
+def add_run_options(parser: argparse.ArgumentParser, *names: str) -> None:
+    for option in map(RUN_OPTIONS.__getitem__, names):
+        parser.add_argument(option.of_command, metavar=option.form, help=option.about)
+
+
+def run_numbers(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the numbers that control a run, by name.  Raises Usage if a word is none."""
+    found: dict[str, Any] = {}
+    for name, option in RUN_OPTIONS.items():
+        word = getattr(options, name)
+        if option.whole and word is not None:
+            found[name] = whole(word)
+            if found[name] is None:
+                raise Usage(f"`{option.of_command} {word}` is not a whole number")
+        else:
+            found[name] = quantity(word, option.unit, option.of_command)
+    return found
 
 
 def add_backend_option(parser: argparse.ArgumentParser) -> None:
@@ -157,23 +177,23 @@ def assignments(words: list[str], option: str) -> dict[str, tuple[float, str | N
 
     Raises Usage if a word has another form, or a name occurs twice.
     """
-    found: dict[str, tuple[float, str | None]] = {}
+    by_name: dict[str, tuple[float, str | None]] = {}
     for word in words:
         name, _, quantity = word.partition("=")
         name = name.strip(_SPACES)
-        value = _valued(quantity)
+        value = _value_of(quantity)
         if not name or value is None or any(space in name for space in _SPACES):
             like = f"{name if name and not quantity else 'x'}=0.1[m]"
             raise Usage(
                 f"`{option} {word}` is not of the form name=value or name=value[unit], as `{option} '{like}'`"
             )
-        if name in found:
+        if name in by_name:
             raise Usage(f"`{option} {name}` is given twice")
-        found[name] = value
-    return found
+        by_name[name] = value
+    return by_name
 
 
-def _valued(word: str) -> tuple[float, str | None] | None:
+def _value_of(word: str) -> tuple[float, str | None] | None:
     """Parse `value` or `value[unit]`; None if the word has another form."""
     digits, bracket, rest = word.strip(_SPACES).partition("[")
     value = number(digits.rstrip(_SPACES))
@@ -185,7 +205,7 @@ def _valued(word: str) -> tuple[float, str | None] | None:
 
 def quantities(words: list[str], option: str) -> dict[str, float | Quantity]:
     """Parse words `name=value[unit]` into quantities."""
-    from lagc.simulation.request import Quantity
+    from lagc.base.text import Quantity
 
     return {name: Quantity(value, unit) for name, (value, unit) in assignments(words, option).items()}
 
@@ -195,7 +215,7 @@ def quantity(word: str | None, unit: str, option: str) -> float | None:
     None for None."""
     if word is None:
         return None
-    found = _valued(word)
+    found = _value_of(word)
     if found is None:
         raise Usage(f"`{option} {word}` is not a number" + (", or a number with a [unit]" if unit else ""))
     value, given = found

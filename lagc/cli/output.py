@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import sys
 from collections.abc import Iterable
 from contextlib import suppress
@@ -33,8 +34,8 @@ _WRONG_PATH = {errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.EA
 
 
 def code_of(faults: Iterable[Fault]) -> int:
-    """The exit code for faults: LIMITED for a limit, REFUSED for a fault of the model, USAGE for a wrong
-    request.
+    """Return the exit code for faults: LIMITED for a limit, REFUSED for a fault of the model, USAGE for a
+    wrong request.
 
     A fault is the model's if it has a place in its text, or concerns its mechanics, code or initial state.
     """
@@ -58,7 +59,7 @@ class Unwritten(Exception):
 
 
 def cannot_write(path: str, error: OSError) -> Usage | Unwritten:
-    """The error for a `path` that cannot be written: wrong path (Usage) or full disk (Unwritten)."""
+    """Return the error for a `path` that cannot be written: wrong path (Usage) or full disk (Unwritten)."""
     message = f"`{path}` cannot be written: {error.strerror or error}"
     return Usage(message) if error.errno in _WRONG_PATH else Unwritten(message)
 
@@ -78,7 +79,7 @@ def begin() -> None:
 
 
 def code(done: int) -> int:
-    """The exit code of a command that ended with `done`; reports an error of standard output.
+    """Return the exit code of a command that ended with `done`; reports an error of standard output.
 
     A reader that closed the pipe, as in `lagc ... | head`, is no error.
     """
@@ -92,6 +93,19 @@ def show(text: str, exact: bool = False) -> None:
     """Print a result.  `exact`: without replacing characters, unless it goes to a terminal."""
     on_terminal = sys.stdout is not None and sys.stdout.isatty()
     _put(text if exact and not on_terminal else printable(text))
+
+
+def show_report(text: str, color: bool | None = None) -> None:
+    """Print a report: in colour its first line is bold, and the words that begin a line have one; those that
+    tell of a failure are red."""
+    text = printable(text)
+    if use_color(sys.stdout, color):
+        title, end, rest = text.partition("\n")
+        rest = re.sub(r"(?m)^  (failed|warning)\b", "  \033[1;31m\\1\033[0m", rest)
+        text = f"\033[1m{title}\033[0m{end}" + re.sub(
+            r"(?m)^  ([a-z][a-z ]*?)(?=  )", "  \033[36m\\1\033[0m", rest
+        )
+    _put(text)
 
 
 def _put(text: str) -> None:
@@ -137,7 +151,7 @@ def print_faults(
     faults: Iterable[Fault], color: bool | None = None, result: bool = False, more: str = ""
 ) -> None:
     """Print faults on standard error, or on standard output if they are the `result`."""
-    from lagc.diagnostics.report import report
+    from lagc.diagnostics.faults import report
 
     text = report(list(faults), use_color(sys.stdout if result else sys.stderr, color), more) + "\n"
     (_put if result else draw)(text)

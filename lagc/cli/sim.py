@@ -7,31 +7,43 @@ by comparing runs.  `--method`, `--rtol`, `--atol` and `--step` choose them by h
 from __future__ import annotations
 
 import argparse
+import marshal
 import re
+from collections.abc import Mapping
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lagc.base.records import replace
-from lagc.base.text import whole
-from lagc.cli.deliver import deliver, spare
+from lagc.cli.deliver import (
+    add_picture_options,
+    check_panels,
+    check_pictures,
+    deliver,
+    overlays_of,
+    pictures_of,
+    spare,
+)
 from lagc.cli.options import (
     add_backend_option,
-    add_general_options,
     add_list_option,
     add_model_options,
     add_outputs_option,
+    add_run_options,
     add_start_option,
     choice_of,
     limits_of,
     quantities,
-    quantity,
+    run_numbers,
     split,
 )
 from lagc.cli.output import Unwritten, Usage
-from lagc.cli.pictures import add_picture_options, check_panels, check_pictures, overlays_of, pictures_of
+from lagc.host import cache
+from lagc.host.cache import tool_fingerprint
 from lagc.kernels import METHODS
 
 if TYPE_CHECKING:
+    from lagc.api import CompiledModel
+    from lagc.compiler.stages import Choice
     from lagc.semantics.model import Model
     from lagc.simulation.request import Request
 
@@ -42,32 +54,15 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_outputs_option(parser)
     about = "where to search for the initial value of a coordinate or speed, which it leaves unstated"
     add_list_option(parser, "--guess", "guesses", "NAME=VALUE[UNIT]", about)
-    parser.add_argument(
-        "--stop",
-        metavar="T",
-        help="the end time in s or with a unit: 20, '5[min]'; default: that of the scene, or 10 s",
-    )
+    add_run_options(parser, "stop")
     parser.add_argument(
         "--until", metavar="CONDITION", action="append", help="end when this becomes true, e.g. 'x > 3 [m]'"
     )
-    parser.add_argument(
-        "--accuracy", metavar="A", help="the global relative error of each quantity; default: 1e-6"
-    )
+    add_run_options(parser, "accuracy")
     about = "what the accuracy of a coordinate, speed or output is relative to, instead of its range"
     add_list_option(parser, "--scale", "scales", "NAME=VALUE[UNIT]", about)
     parser.add_argument("--method", choices=METHODS, help="by hand: the integration method")
-    parser.add_argument("--rtol", metavar="R", help="by hand: the relative tolerance of a step")
-    parser.add_argument(
-        "--atol", metavar="A", help="by hand: the absolute tolerance of a step, for every state; default: 0"
-    )
-    parser.add_argument("--step", metavar="DT", help="by hand: a fixed step size in s, instead of tolerances")
-    parser.add_argument(
-        "--max-step", metavar="DT", help="the longest step in s; default: chosen for the accuracy"
-    )
-    parser.add_argument(
-        "--every", metavar="DT", help="record a point every DT (by dense output; the steps do not change)"
-    )
-    parser.add_argument("--points", metavar="N", help="record N points; default: 501")
+    add_run_options(parser, "rtol", "atol", "step", "max_step", "every", "points")
     about = "derivatives of the motion by parameters and initial values, e.g. 'l,m,start(theta)'"
     add_list_option(parser, "--sensitivity", "sensitivity", "NAMES", about)
     about = (
@@ -87,16 +82,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="leave out effects that the accuracy lets go (see `lagc effects`)",
     )
     add_backend_option(parser)
-    add_general_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc.api import CompiledModel
     from lagc.cli.output import Bar
-    from lagc.compiler.pipeline import Compilation
-    from lagc.host import model_library
     from lagc.simulation.backends.compile import CannotCompile
-    from lagc.simulation.formats import targets
     from lagc.simulation.request import (
         bound_guesses,
         bound_parameters,
@@ -104,18 +94,58 @@ def run(options: argparse.Namespace) -> int:
         bound_starts,
         warnings_of,
     )
-    from lagc.simulation.supervision import MOST_MEMORY, Forecast, check_memory
+    from lagc.simulation.supervision import Forecast
 
+    # All words are read, and files checked, before anything is computed.
     check_files(options)
     request = request_of(options)
-    until = options.until or [None]
-    if len(until) > 1:
-        raise Usage(f"`--until` is given twice: combine the conditions, as in '{' or '.join(until)}'")
-    if until[0] is not None and not until[0].strip():
-        raise Usage("`--until` needs a condition, such as 'x > 3[m]'")
-    given, guesses = quantities(options.starts, "--start"), quantities(options.guesses, "--guess")
+    start_values, guesses = quantities(options.starts, "--start"), quantities(options.guesses, "--guess")
     scales = quantities(options.scales, "--scale")
-    choice = replace(choice_of(options), until=until[0])
+    choice = replace(choice_of(options), until=until_of(options))
+    model, stop = compiled(options, request, choice)
+    more: dict[str, object] = {}
+    note = ""
+    if options.prune:
+        bound_starts(model.interface, start_values)
+        quiet = options.quiet or options.json
+        model, request, note, more["pruned"] = prune(model, request, start_values, guesses, quiet)
+        # The pruned model may lack what was given values.
+        start_values = {name: value for name, value in start_values.items() if name in model.state_names}
+        guesses = {name: value for name, value in guesses.items() if name in model.state_names}
+        own = {f.name for f in (*model.interface.parameters, *model.interface.inputs, *model.artifact.unused)}
+        choice = replace(choice, parameters={n: v for n, v in choice.parameters.items() if n in own})
+    starts = bound_starts(model.interface, start_values)
+    parameters = bound_parameters(model.interface, choice.parameters, model.artifact.unused)
+    request = replace(request, starts=starts, guesses=bound_guesses(model.interface, guesses, start_values))
+    request = replace(request, scales=bound_scales(model.interface, scales) if scales else {})
+    # The runs that pictures show beside it are bound now, and run after it.
+    others = overlays_of(options, model, choice, request)
+    with Bar(stop, quiet=options.quiet or options.json) as bar:
+        try:
+            progress = Forecast(bar, stop) if options.max_time is None else bar
+            found = model.run(request, parameters, progress)
+            runs = {} if found.interrupted else {label: again(bar) for label, again in others.items()}
+        except CannotCompile as error:
+            if error.starved:
+                raise MemoryError from None
+            wrong = Unwritten if error.full else Usage
+            raise wrong(f"{error}; --backend numpy needs no compiler") from None
+    if note:
+        found.notes = (note, *found.notes)
+    found.warnings = warnings_of(model.interface, {**choice.inputs, **choice.parameters, **start_values})
+    found.add_columns(*options.expressions)
+    return deliver(found, options, more, runs)
+
+
+def compiled(options: argparse.Namespace, request: Request, choice: Choice) -> tuple[CompiledModel, float]:
+    """Return the compiled model and the end time.  Raises Usage or Refused if the run would need too much
+    memory, would overwrite a file of the model, or if a picture or a column is wrong."""
+    from lagc.api import CompiledModel
+    from lagc.compiler.pipeline import Compilation
+    from lagc.host import model_library
+    from lagc.simulation.formats import targets
+    from lagc.simulation.supervision import MOST_MEMORY, check_memory
+
     source = model_library.read(options.file)
     most = MOST_MEMORY if options.max_memory is None else limits_of(options).memory or inf
 
@@ -130,39 +160,18 @@ def run(options: argparse.Namespace) -> int:
     spare(compilation, *written, *pictures_of(model.interface, options))
     model.check_expressions(options.expressions)
     check_panels(options, model)
-    more: dict[str, object] = {}
-    note = ""
-    if options.prune:
-        from lagc.cli.prune import pruned
+    return model, complete.stop or 0.0
 
-        bound_starts(model.interface, given)
-        quiet = options.quiet or options.json
-        model, request, note, more["pruned"] = pruned(model, request, given, guesses, quiet)
-        given = {name: value for name, value in given.items() if name in model.state_names}
-        guesses = {name: value for name, value in guesses.items() if name in model.state_names}
-        own = {f.name for f in (*model.interface.parameters, *model.interface.inputs, *model.artifact.unused)}
-        choice = replace(choice, parameters={n: v for n, v in choice.parameters.items() if n in own})
-    starts = bound_starts(model.interface, given)
-    parameters = bound_parameters(model.interface, choice.parameters, model.artifact.unused)
-    request = replace(request, starts=starts, guesses=bound_guesses(model.interface, guesses, given))
-    request = replace(request, scales=bound_scales(model.interface, scales) if scales else {})
-    others = overlays_of(options, model, choice, request)
-    stop = complete.stop or 0.0
-    with Bar(stop, quiet=options.quiet or options.json) as bar:
-        try:
-            progress = Forecast(bar, stop) if options.max_time is None else bar
-            found = model.run(request, parameters, progress)
-            runs = {} if found.interrupted else {label: again(bar) for label, again in others.items()}
-        except CannotCompile as error:
-            if error.starved:
-                raise MemoryError from None
-            wrong = Unwritten if error.full else Usage
-            raise wrong(f"{error}; --backend numpy needs no compiler") from None
-    if note:
-        found.notes = (note, *found.notes)
-    found.warnings = warnings_of(model.interface, {**choice.inputs, **choice.parameters, **given})
-    found.add_columns(*options.expressions)
-    return deliver(found, options, more, runs)
+
+def until_of(options: argparse.Namespace) -> str | None:
+    """Return the condition that ends the run.  Raises Usage."""
+    until = options.until or [None]
+    if len(until) > 1:
+        raise Usage(f"`--until` is given twice: combine the conditions, as in '{' or '.join(until)}'")
+    if until[0] is not None and not until[0].strip():
+        raise Usage("`--until` needs a condition, such as 'x > 3[m]'")
+    found: str | None = until[0]
+    return found
 
 
 def check_files(options: argparse.Namespace) -> None:
@@ -199,27 +208,66 @@ def part_outputs(options: argparse.Namespace) -> None:
 
 
 def request_of(options: argparse.Namespace) -> Request:
-    """The request without initial values.  Raises Usage if a word is not a number."""
+    """Return the request without initial values.  Raises Usage if a word is not a number."""
     from lagc.simulation.request import Request
 
-    return Request(
-        stop=quantity(options.stop, "s", "--stop"),
-        accuracy=quantity(options.accuracy, "", "--accuracy"),
-        method=options.method,
-        rtol=quantity(options.rtol, "", "--rtol"),
-        atol=quantity(options.atol, "", "--atol"),
-        step=quantity(options.step, "s", "--step"),
-        every=quantity(options.every, "s", "--every"),
-        points=_whole(options.points, "--points"),
-        max_step=quantity(options.max_step, "s", "--max-step"),
-        sensitivity=tuple([name for word in options.sensitivity for name in split(word)]),
+    sensitivity = tuple([name for word in options.sensitivity for name in split(word)])
+    return Request(method=options.method, sensitivity=sensitivity, **run_numbers(options))
+
+
+SHARE = 0.5  # of the accuracy, for the error of the run; the rest is for what is left out
+
+
+def prune(
+    model: CompiledModel, request: Request, starts: Mapping[str, Any], guesses: Mapping[str, Any], quiet: bool
+) -> tuple[CompiledModel, Request, str, dict[str, object]]:
+    """Return the model without these effects, the request for it, a note, and the object `pruned` of the
+    JSON. Raises Usage if a method or tolerances were chosen by hand, Refused as `CompiledModel.effects`."""
+    if request.by_hand:
+        raise Usage("`--prune` needs an accuracy, and no method, tolerance or step of your own")
+    complete = request.completed(model.interface.simulate)
+    accuracy, stop = complete.accuracy or 1e-6, complete.stop or 0.0
+    said: dict[str, object] = {"left_out": [], "error": 0.0, "bar": 0.0, "asked": accuracy}
+    if not model.interface.effects:
+        return model, request, "nothing is left out: the scene uses no effect", said
+    left_out, change, bar, took = _set(model, accuracy, stop, starts, guesses, quiet)
+    if not left_out:
+        words = f"nothing is left out at {accuracy:.0e}: each effect counts, or saves nothing"
+        return model, request, words, said
+    compared = model.operations
+    model = model.without(left_out)
+    words = f"left out {', '.join(left_out)}: the compared quantities change by {change:.1e} of their ranges "
+    words += f"(asked {accuracy:.0e}; measured, for this initial state and end time{took}); "
+    words += f"{model.operations} of {compared} operations"
+    said.update(left_out=list(left_out), error=change, bar=bar)
+    return model, replace(request, accuracy=SHARE * accuracy), words, said
+
+
+def _set(
+    model: CompiledModel,
+    accuracy: float,
+    stop: float,
+    starts: Mapping[str, Any],
+    guesses: Mapping[str, Any],
+    quiet: bool,
+) -> tuple[tuple[str, ...], float, float, str]:
+    """Return the effects to leave out, the change, its error bar, and how long it took to find them; "" if
+    they were known."""
+    from lagc.cli.output import Bar
+
+    begin = [sorted(starts.items()), sorted(guesses.items())]
+    values = [repr(v) for v in (accuracy, stop, begin, list(model.system.parameters))]
+    name = cache.key(
+        "effects 2", tool_fingerprint(), model.interface.model_hash, model.interface.scene, *values
     )
-
-
-def _whole(word: str | None, option: str) -> int | None:
-    if word is None:
-        return None
-    found = whole(word)
-    if found is None:
-        raise Usage(f"`{option} {word}` is not a whole number")
-    return found
+    known = cache.load("effects", name, marshal.loads)
+    if known is not None:
+        return tuple(known[0]), known[1], known[2], ""
+    with Bar(1.0, quiet=quiet) as bar:
+        found = model.effects(stop, accuracies=(accuracy,), starts=starts, guesses=guesses,
+                              progress=lambda part, doing: bar.part(part, doing))  # fmt: skip
+    if not found.complete:
+        raise KeyboardInterrupt
+    (choice,) = found.sets
+    cache.store("effects", name, marshal.dumps((list(choice.left_out), choice.change, choice.bar)))
+    return choice.left_out, choice.change, choice.bar, f"; found in {found.spent:.0f} s"

@@ -8,9 +8,9 @@ from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
-from lagc.cli.deliver import kept
+from lagc.cli.deliver import write_or_keep
 from lagc.cli.options import add_list_option
-from lagc.cli.output import DONE, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show
+from lagc.cli.output import DONE, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show_report
 from lagc.host.budgets import reached, rest
 from lagc.host.packages import PICTURES, is_installed
 
@@ -48,11 +48,11 @@ def check_reports(paths: Iterable[str]) -> None:
 
 def deliver(
     options: argparse.Namespace, found: Any, heading: str, report: Any, picture: str, text: str, some: bool,
-    **facts: str,
+    late: bool = False, **facts: str,
 ) -> int:  # fmt: skip
     """Write the files if there are `some` results, print the result, and return the exit code.  `report` is a
     module of `lagc.reports`, whose `to_dict` with `facts` is the JSON object; `picture` names one of
-    `lagc.reports.plots`."""
+    `lagc.reports.plots`; `late`: the study has reached its own limit."""
     rest()
     quiet = options.quiet or options.json
     data = {**facts, **report.to_dict(found)}
@@ -60,9 +60,9 @@ def deliver(
     if options.json:
         print_json({"status": "ok" if found.complete else "interrupted", **data})
     else:
-        show(text)
+        show_report(text, color=False if options.no_color else None)
     if not found.complete:
-        return LIMITED if reached() else INTERRUPTED
+        return LIMITED if late or reached() else INTERRUPTED
     return DONE if all(written) else UNWRITTEN
 
 
@@ -78,16 +78,18 @@ def _write(path: str, found: Any, heading: str, report: Any, picture: str, quiet
         data = json_text(report.to_dict(found), indent=2) + "\n"
         if drawn is not None:
             data = report.page(found, heading, _picture(path, drawn, found, heading))
-        named = kept(path, lambda name: write(name, data.encode()), (OSError,), ending)
+        named = write_or_keep(path, lambda name: write(name, data.encode()), (OSError,), ending)
     else:
-        named = kept(path, lambda name: save(drawn.draw(found, heading), name), (OSError, ValueError))
+        named = write_or_keep(
+            path, lambda name: save(drawn.draw(found, heading), name), (OSError, ValueError)
+        )
     if named is not None:
         say(f"written to {named}", quiet)
     return named == path
 
 
 def _picture(path: str, drawn: Any, found: Any, heading: str) -> str:
-    """The picture of a page, or a line that says what it needs."""
+    """Return the picture of a page, or a line that says what it needs."""
     from html import escape
 
     from lagc.reports.plots.plot import svg

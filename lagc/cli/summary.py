@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import pi
 
+from lagc.base.text import WIDTH, broken, entry
 from lagc.simulation.solution import Solution
 
 MOST = 12  # final values that are shown without --verbose
@@ -12,39 +13,38 @@ REPORTED = 0.1  # of the run time, and in s: a longer initialization is reported
 
 
 def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: bool = False) -> str:
-    """The lines for a run; `quiet` gives only the final values, `scene_chosen` tells that the scene is the
-    default."""
+    """Return the lines for a run; `quiet` gives only the final values, `scene_chosen` tells that the scene is
+    the default."""
     if quiet:
         return "\n".join(_final(run, verbose))
     interface = run.system.interface
     effects = f" with {', '.join(interface.effects)}" if interface.effects else ""
     chosen = " (the first of the file)" if scene_chosen and interface.scene != "default" else ""
     reason = f" ({run.backend_reason})" if run.backend_reason else ""
-    lines = [f"{interface.model}, scene {interface.scene}{chosen}{effects}"]
-    lines += [f"  {'warning':9} {warning}" for warning in run.warnings]
+    entries = [("warning", warning) for warning in run.warnings]
     if interface.dropped:
         them = "them" if len(interface.dropped) > 1 else "it"
-        lines.append(f"  {'dropped':9} {', '.join(interface.dropped)}: nothing asked for depends on {them}")
-    lines += [f"  {'note':9} {note}" for note in (*(interface.notes if verbose else ()), *run.notes)]
-    lines.append(f"  {'ended':9} {run.message}")
+        entries.append(("dropped", f"{', '.join(interface.dropped)}: nothing asked for depends on {them}"))
+    entries += [("note", note) for note in (*(interface.notes if verbose else ()), *run.notes)]
+    entries.append(("failed" if run.status == "failed" else "ended", run.message))
     final = _final(run, verbose)
     if run.status == "failed" and run.times and run.times[-1] < run.end:
         final.insert(0, f"last recorded state, at t = {run.times[-1]:.9g} s")
-    lines += [f"  {'final' if k == 0 else '':9} {line}" for k, line in enumerate(final)]
-    lines += [f"  {'events' if k == 0 else '':9} {line}" for k, line in enumerate(_events(run, verbose))]
-    lines.append(f"  {'accuracy':9} {_accuracy(run)}")
+    entries += [("final" if k == 0 else "", line) for k, line in enumerate(final)]
+    entries += [("events" if k == 0 else "", line) for k, line in enumerate(_events(run, verbose))]
+    entries.append(("accuracy", _accuracy(run)))
     if run.asked is not None and run.cost.alone:
-        lines.append(f"  {'price':9} {_price(run)}")
+        entries.append(("price", _price(run)))
     if run.sensitivities is not None:
-        lines.append(f"  {'sensitive':9} {run.sensitivities}")
+        entries.append(("sensitive", str(run.sensitivities)))
     if interface.nc or interface.quaternions:
-        lines.append(
-            f"  {'drift':9} position {run.position_drift:.1e}, velocity {run.velocity_drift:.1e} (scaled)"
-        )
-    lines.append(f"  {'energy':9} {_energy(run)}")
-    lines.append(f"  {'method':9} {_method(run)}, backend {run.system.backend}{reason}")
-    lines.append(f"  {'cost':9} {_cost(run)}")
-    return "\n".join(lines)
+        drift = f"position {run.position_drift:.1e}, velocity {run.velocity_drift:.1e} (scaled)"
+        entries.append(("drift", drift))
+    entries.append(("energy", _energy(run)))
+    entries.append(("method", f"{_method(run)}, backend {run.system.backend}{reason}"))
+    entries.append(("cost", _cost(run)))
+    title = broken(f"{interface.model}, scene {interface.scene}{chosen}{effects}", WIDTH)
+    return "\n".join([*title, *[line for key, text in entries for line in entry(key, text)]])
 
 
 def _final(run: Solution, verbose: bool) -> list[str]:
@@ -60,7 +60,7 @@ def _final(run: Solution, verbose: bool) -> list[str]:
 
 
 def _shown(run: Solution, names: list[str]) -> list[str]:
-    """The first of `names`, outputs before states."""
+    """Return the first of `names`, outputs before states."""
     asked = {output.name for output in run.system.interface.outputs}
     chosen = set(sorted(names, key=lambda name: name not in asked)[:MOST])
     return [name for name in names if name in chosen]
@@ -75,7 +75,7 @@ def _events(run: Solution, verbose: bool) -> list[str]:
 
 
 def value_text(value: float, unit: str, error: float | None = None) -> str:
-    """A value with its unit and error, also in degrees for an angle."""
+    """Return a value with its unit and error, also in degrees for an angle."""
     value += 0.0  # avoids negative zero
     text = f"{value:.9g}" + (f" +- {error:.0e}" if error else "") + (f" {unit}" if unit else "")
     if unit in ("rad", "rad/s"):
@@ -92,22 +92,23 @@ def _accuracy(run: Solution) -> str:
 
 
 def _price(run: Solution) -> str:
-    """The price of the verification, and of a digit by the order p of the method: 10^(1/p) in steps."""
+    """Return the price of the verification, and of a digit by the order p of the method: 10^(1/p) in
+    steps."""
     from lagc.kernels.integrators.tableaus import order
 
     factor = 10.0 ** (1.0 / order(run.method))
     if run.cost.integrations == 1:
         return f"{run.cost.rhs} right-hand sides: nothing moves"
     times = run.cost.rhs / run.cost.alone
-    return (f"{run.cost.rhs} right-hand sides, {times:.2g} times the run alone; one digit more about "
-            f"{100 * (factor - 1):+.0f} %, one less {100 * (1 / factor - 1):+.0f} %")  # fmt: skip
+    more, less = 100.0 * (factor - 1.0), 100.0 * (1.0 / factor - 1.0)
+    return f"{times:.2g} times the run alone; one digit more {more:+.0f} %, one less {less:+.0f} %"
 
 
 def _energy(run: Solution) -> str:
     e = run.energy
-    work = f", work {e.work:.6g} J" if run.system.nz else ""
+    work = f", work {e.work:.5g} J" if run.system.nz else ""
     balance = run.system.interface.balance
-    return f"{balance}: start {e.start:.6g} J, end {e.end:.6g} J{work}, imbalance {e.imbalance:.1e} J"
+    return f"{balance}: {e.start:.5g} to {e.end:.5g} J{work}, imbalance {e.imbalance:.1e} J"
 
 
 def _method(run: Solution) -> str:
@@ -123,7 +124,7 @@ def _cost(run: Solution) -> str:
     several = f" in {c.integrations} integrations" if c.integrations > 1 else ""
     search = c.start_s >= max(REPORTED * c.run_s, REPORTED)
     start = f", {seconds(c.start_s)} of it for the initialization" if search else ""
-    return (f"{c.steps} steps ({c.rejected} rejected), {c.rhs} right-hand sides of {c.operations} operations"
+    return (f"{c.steps} steps, {c.rejected} rejected; {c.rhs} right-hand sides of {c.operations} operations"
             f"{several}; compile {seconds(c.compile_s)}, run {seconds(c.run_s)}{start}")  # fmt: skip
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from lagc.codegen.identifiers import comment
-from lagc.codegen.kernel_compiler.linker import Part
-from lagc.codegen.kernel_compiler.shipped import parts
+from lagc.codegen.kernel_compiler.library import Library
+from lagc.codegen.kernel_compiler.parts import Part
 from lagc.lowering.program import Interface
 
 ABI_VERSION = 6
@@ -34,17 +34,17 @@ def equation(interface: Interface) -> tuple[str, ...]:
     return f"{first},   M(t,q) a = r(t,q,v) + G^T lambda", f"{',   '.join(rows)},   G a = gamma"
 
 
-def statuses(interface: Interface) -> list[Part]:
+def statuses(kernels: Library, interface: Interface) -> list[Part]:
     """Return the statuses that a model may have (`lagc.kernels.language.statuses`)."""
-    found = [part for part in parts() if part["kind"] == "Status"]
+    found = kernels.constants("language/statuses", "Status")
     if interface.contacts or interface.loading_rows:
-        return list(found)
-    return [part for part in found if part["name"] not in OF_CONTACTS]
+        return found
+    return [part for part in found if part.name not in OF_CONTACTS]
 
 
-def status_texts(interface: Interface) -> tuple[str, ...]:
+def status_texts(kernels: Library, interface: Interface) -> tuple[str, ...]:
     """Return the meaning of each status."""
-    notes = [part["note"] for part in statuses(interface)]
+    notes = [part.note for part in statuses(kernels, interface)]
     return tuple([note.partition("; culprit: ")[0].removesuffix(".") + "." for note in notes])
 
 

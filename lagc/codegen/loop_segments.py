@@ -1,4 +1,4 @@
-"""Segments of a rolled function (`lagc.lowering.loops.loop_rolling`): loops, and straight code between them.
+"""Segments of a rolled function (`lagc.lowering.loop_rolling`): loops, and straight code between them.
 
 A segment computes from arrays into arrays. Values that another segment or repetition needs are stored in an
 array of the function, the values of one operation in consecutive places; a value that only the next

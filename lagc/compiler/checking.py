@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from lagc.base.records import dataclass, replace
-from lagc.compiler.pipeline import PER_OPERATION, Choice, derive, optimize, parse, resolve, unused
+from lagc.compiler.stages import PER_OPERATION, Choice, derive, optimize, parse, resolve
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host.budgets import Exhausted, go_on, stage
 
@@ -40,20 +40,23 @@ def look(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Checked
     """Check the syntax of `source` and, if it has no errors, each of its models and scenes, and unused
     effects. `choice` may name one model or scene.  Its parameter values are given to the models that have
     them."""
-    from lagc.simulation.request import is_of_other_value
-
     reached = [len(STAGES)]  # number of stages, for each model and scene
-    faults = [
-        fault
-        for fault in _look(source, choice, roots, reached)
-        if fault.span is None or not is_of_other_value(f"{fault.code}: {fault.message}", choice.parameters)
-    ]
+    faults = _look(source, choice, roots, reached)
+    if choice.parameters:
+        from lagc.simulation.request import is_of_other_value
+
+        faults = [
+            fault
+            for fault in faults
+            if fault.span is None
+            or not is_of_other_value(f"{fault.code}: {fault.message}", choice.parameters)
+        ]
     return Checked(faults, STAGES[min(reached) :])
 
 
 def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[int]) -> list[Fault]:
     from lagc.semantics.resolve import text_warnings
-    from lagc.semantics.scenes.variants import ByScene, variants
+    from lagc.semantics.scenes import ByScene, variants
 
     try:
         tree = parse(source)
@@ -95,9 +98,6 @@ def _faults(
 ) -> dict[tuple[object, ...], Fault]:
     """The faults of one choice by code and place, warnings first. Adds the names of its parameters and inputs
     to `known`, and the number of stages that it reached to `reached`."""
-    from lagc.mechanics.lint.unmoved import unmoved
-    from lagc.simulation.request import angle_warnings
-
     faults: Sequence[Fault]
     warnings: Sequence[Fault] = ()
     asked: Sequence[Fault] = ()
@@ -107,10 +107,15 @@ def _faults(
         warnings, stages = model.warnings, 3
         units = {p.name: p.unit for p in model.parameters} | {u.name: u.unit for u in model.inputs}
         known.update(units, model.built_in)
-        asked = angle_warnings(choice.parameters, units)
+        if choice.parameters:
+            from lagc.simulation.request import angle_warnings
+
+            asked = angle_warnings(choice.parameters, units)
         equations = derive(model)
         warnings, stages = equations.warnings, 4
         if not any(fault.code == _UNUSED for fault in warnings):
+            from lagc.mechanics.lint.loads import unmoved
+
             warnings = [*warnings, *unmoved(equations)]
         faults = _unstarted(model, equations, choice)
     except Refused as refused:
@@ -132,6 +137,7 @@ def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> li
     """Try the initial state, and return warnings. A warning tells that a parameter has no value, that the
     check took too long, or that an output has no finite value.  Raises Refused if a run would fail before its
     first step."""
+    from lagc.compiler.pipeline import unused
     from lagc.compiler.source_spans import placed
     from lagc.simulation.initialization.dry_run import NoStart, try_start
     from lagc.simulation.request import bound_parameters
@@ -168,7 +174,9 @@ def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> li
 
 def _unknown(choice: Choice, known: set[str]) -> list[Fault]:
     """Faults for given parameters that no model has, if a model could be resolved."""
+    names = [name for name in choice.parameters if known and name not in known]
+    if not names:
+        return []
     from lagc.simulation.request import unknown
 
-    names = [name for name in choice.parameters if known and name not in known]
     return [unknown(name, known, "parameter or input", "LAG0601") for name in names]

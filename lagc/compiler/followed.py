@@ -13,7 +13,7 @@ import numpy as np
 from lagc.base.records import replace
 from lagc.compiler.loaded import Loaded
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.mechanics.formulation.held_contacts import MODE_STICKS
+from lagc.mechanics.formulation.contacts import MODE_STICKS
 from lagc.simulation.linearization.contact_modes import modes_of
 from lagc.simulation.request import Request
 from lagc.simulation.sensitivity.sensitivities import Direction, directions

@@ -34,8 +34,7 @@ def with_held(model: Model) -> Model:
     """Return a model whose discrete variables are inputs: linear models and derivatives hold them. Those on
     which constraints depend, as the speed of a belt, are parameters."""
     from lagc.semantics.model import Input, Parameter
-    from lagc.symbolic.evaluate import evaluate
-    from lagc.symbolic.walk import symbols
+    from lagc.symbolic.walk import evaluate, symbols
 
     values = {p.symbol: float("nan") if p.value is None else p.value for p in model.parameters}
     fixed = symbols([residual for c in model.constraints for residual in c.residuals])

@@ -11,11 +11,10 @@ from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.semantics.model import Body, Potential
 from lagc.simulation.initialization.initialize import NoStart
 from lagc.simulation.initialization.result import Anchor
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.expression_text import text
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import Symbol
-from lagc.symbolic.walk import reachable
+from lagc.symbolic.walk import evaluate, reachable
 
 LONGEST = 60  # characters of an expression that is shown
 MOST_SHOWN = 4  # further places

@@ -1,11 +1,8 @@
-"""Files that are written completely or not at all, and temporary files of processes that were killed.
+"""Files that are written completely or not at all.
 
 Data goes into a file beside the target, is flushed to the disk, and then the file is renamed to the target.
 A reader of the target finds the old content or all of the new one.  Links are followed.  A target that is not
-a regular file (a pipe, a device, the standard output) is written directly; a pipe only if a reader opens it
-within `READER` seconds.
-
-Temporary names contain the process: `...PROCESS-XXXXXXXXXXXX...`.
+a regular file (a pipe, a device, the standard output) is written directly.
 """
 
 from __future__ import annotations
@@ -17,11 +14,9 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from io import BufferedWriter
-from time import monotonic, sleep, time
 from types import TracebackType
 
 LONGEST = 60  # bytes of a file name inside of a temporary name
-READER = 5.0  # s to wait for the reader of a pipe
 _NOT_SYNCED = {errno.EINVAL, errno.ENOTSUP, errno.ENOSYS}  # file systems without fsync
 
 
@@ -57,7 +52,7 @@ class Files:
         if old is not None and not os.access(target, os.W_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), path)
         folder, base = os.path.split(target)
-        beside = os.path.join(folder, f".{shortened(base)}.{mark()}.lagc-tmp")
+        beside = os.path.join(folder, f".{shortened(base)}.{os.urandom(6).hex()}.lagc-tmp")
         draft = _Draft(None, beside, target, fresh)
         self._drafts.append(draft)  # before the file exists, because a signal may come at any time
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
@@ -85,7 +80,6 @@ class Files:
                 for folder in {os.path.dirname(d.target) for d in self._drafts if d.target}:
                     if self.sync:
                         _sync_folder(folder)
-                    sweep(folder or ".", FILES)
         finally:
             for draft in self._drafts:
                 draft.discard()
@@ -184,33 +178,10 @@ def may_wait(path: str) -> bool:
 @contextmanager
 def scratch() -> Iterator[str]:
     """Yield a folder for temporary files, which is removed at the end.  Raises OSError."""
-    import shutil
+    from tempfile import TemporaryDirectory  # only where there is something to compile or to plot
 
-    place = _temporary_folder()
-    sweep(place, FOLDERS)
-    folder = os.path.join(place, f"lagc-{mark()}")
-    try:
-        os.mkdir(folder, 0o700)
+    with TemporaryDirectory(prefix="lagc-", ignore_cleanup_errors=True) as folder:
         yield folder
-    finally:
-        try:
-            shutil.rmtree(folder, ignore_errors=True)
-        except KeyboardInterrupt:
-            shutil.rmtree(folder, ignore_errors=True)
-            raise
-
-
-def _temporary_folder() -> str:
-    """Return the folder of `tempfile.gettempdir`, which writes a file to find it."""
-    for name in ("TMPDIR", "TEMP", "TMP"):
-        folder = os.environ.get(name)
-        if folder and os.path.isdir(folder) and os.access(folder, os.W_OK):
-            return folder
-    if os.name == "posix" and os.access("/tmp", os.W_OK):
-        return "/tmp"
-    import tempfile
-
-    return tempfile.gettempdir()
 
 
 class _Draft:
@@ -228,9 +199,9 @@ class _Draft:
         self.file.close()
 
     def take_place(self) -> None:
-        if self.target and self.fresh:
-            _link(self.beside, self.target)
-        elif self.target:
+        if self.fresh and os.path.lexists(self.target):
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), self.target)
+        if self.target:
             os.replace(self.beside, self.target)
             self.beside = ""
 
@@ -253,24 +224,7 @@ def _straight(path: str) -> BufferedWriter | None:
         return os.fdopen(os.dup(own), "wb")
     if stat.S_ISREG(old.st_mode):
         return None
-    return os.fdopen(_unwaiting(path) if hasattr(os, "O_NONBLOCK") else os.open(path, os.O_WRONLY), "wb")
-
-
-def _unwaiting(path: str) -> int:
-    """Open a pipe or a device without waiting forever, and return its descriptor."""
-    end = monotonic() + READER
-    while True:
-        try:
-            number = os.open(path, os.O_WRONLY | os.O_NONBLOCK)
-        except OSError as error:
-            if error.errno != errno.ENXIO or not stat.S_ISFIFO(os.stat(path).st_mode):
-                raise
-            if monotonic() > end:
-                raise OSError(errno.ENXIO, "nobody reads it", path) from None
-            sleep(0.02)
-        else:
-            os.set_blocking(number, True)
-            return number
+    return os.fdopen(os.open(path, os.O_WRONLY), "wb")
 
 
 def _status(path: str) -> os.stat_result | None:
@@ -282,32 +236,17 @@ def _status(path: str) -> os.stat_result | None:
 
 
 def _like(path: str, old: os.stat_result) -> None:
-    """Give `path` the mode and, if allowed, the owner and group of `old`. Rights of a group are dropped if
-    the group cannot be set."""
+    """Give `path` the mode and, if allowed, the owner and group of `old`. Rights of a group, and of programs
+    that run as their owner, are dropped if these cannot be set."""
     mode = stat.S_IMODE(old.st_mode)
     if hasattr(os, "chown"):
-        for field, wanted in (("st_gid", (-1, old.st_gid)), ("st_uid", (old.st_uid, -1))):
-            if getattr(os.stat(path), field) != getattr(old, field):
-                with suppress(OSError):
-                    os.chown(path, *wanted)
+        for owner, group in ((-1, old.st_gid), (old.st_uid, -1)):
+            with suppress(OSError):
+                os.chown(path, owner, group)
         own = os.stat(path)
-        if own.st_gid != old.st_gid:
-            mode &= ~(stat.S_IRWXG | stat.S_ISGID)
-        if own.st_uid != old.st_uid:
-            mode &= ~stat.S_ISUID
+        mode &= ~0 if own.st_gid == old.st_gid else ~(stat.S_IRWXG | stat.S_ISGID)
+        mode &= ~0 if own.st_uid == old.st_uid else ~stat.S_ISUID
     os.chmod(path, mode)
-
-
-def _link(beside: str, target: str) -> None:
-    """Rename the file `beside` to `target` if there is no such file.  Raises FileExistsError."""
-    try:
-        os.link(beside, target)
-    except FileExistsError:
-        raise
-    except OSError:  # a file system without hard links
-        if os.path.lexists(target):
-            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), target) from None
-        os.replace(beside, target)
 
 
 def _sync(number: int) -> None:
@@ -326,58 +265,3 @@ def _sync_folder(folder: str) -> None:
             os.fsync(number)
         finally:
             os.close(number)
-
-
-ABANDONED = 3600.0  # s after which no process, on any machine that shares the folder, still writes a file
-FILES = (".", ".lagc-tmp")  # beginning and end of the names
-FOLDERS = ("lagc-", "")
-
-
-def mark() -> str:
-    """Return a name that is unique for this process and file."""
-    return f"{os.getpid()}-{os.urandom(6).hex()}"
-
-
-def sweep(folder: str, kind: tuple[str, str]) -> None:
-    """Remove orphans from `folder`: files of this user that are old and whose process has ended."""
-    with suppress(OSError), os.scandir(folder) as found:
-        for entry in found:
-            with suppress(OSError):
-                if _is_left(entry, kind):
-                    _remove(entry)
-
-
-def gone(process: int) -> bool:
-    """Whether there is no such process; False if that is unknown."""
-    if os.name != "posix":  # elsewhere os.kill ends the process
-        return False
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return True
-    except (OSError, OverflowError):
-        return False
-    return False
-
-
-def _is_left(entry: os.DirEntry[str], kind: tuple[str, str]) -> bool:
-    begin, end = kind
-    if not (entry.name.startswith(begin) and entry.name.endswith(end)):
-        return False
-    name, _, mark = entry.name[len(begin) : len(entry.name) - len(end)].rpartition(".")
-    process, _, number = mark.partition("-")
-    if not (process.isascii() and process.isdigit() and len(number) == 12) or (name != "") != (kind == FILES):
-        return False
-    status = entry.stat(follow_symlinks=False)
-    right = stat.S_ISDIR if kind == FOLDERS else stat.S_ISREG
-    own = hasattr(os, "geteuid") and status.st_uid == os.geteuid()
-    return right(status.st_mode) and own and time() - status.st_mtime > ABANDONED and gone(int(process))
-
-
-def _remove(entry: os.DirEntry[str]) -> None:
-    if entry.is_dir(follow_symlinks=False):
-        import shutil
-
-        shutil.rmtree(entry.path, ignore_errors=True)
-    else:
-        os.unlink(entry.path)

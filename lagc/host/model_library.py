@@ -28,6 +28,11 @@ def references_folder() -> str:
     return _data_folder("references", os.path.join("tests", "references"))
 
 
+def messages_folder() -> str:
+    """Return the folder of the catalogue: in the documents of a checkout, inside the package if installed."""
+    return _data_folder("messages", os.path.join("docs", "reference", "messages"))
+
+
 def _data_folder(installed: str, checkout: str) -> str:
     package = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     inside = os.path.join(package, installed)

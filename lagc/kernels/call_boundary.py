@@ -13,9 +13,9 @@ from lagc.kernels.language.vocabulary import *
 def forget_stages(s: State) -> None:
     """Let an implicit step begin without stages and derivatives of the last one."""
     if NNEWTON > 0:
-        s.kept_step = -1
-        s.jacobian_step = -1
-        s.newton_eta = 1.0
+        s.newton.kept_step = -1
+        s.newton.jacobian_step = -1
+        s.newton.eta = 1.0
 
 
 @public
@@ -35,14 +35,14 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
     s.h_old = 0.0
     s.h = 0.0
     s.error_old = 1e-4
-    s.grid_begin = t
-    s.grid_step = 0.0
-    s.grid_rest = 0.0
+    s.grid.begin = t
+    s.grid.step = 0.0
+    s.grid.rest = 0.0
     s.position_drift = 0.0
     s.velocity_drift = 0.0
-    s.grid_index = 0
-    s.grid_goal = 0
-    s.grid_stride = 1
+    s.grid.index = 0
+    s.grid.goal = 0
+    s.grid.stride = 1
     s.steps = 0
     s.rejected = 0
     s.rhs = 0
@@ -60,12 +60,12 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
         s.rank_deficient = False
     if NNEWTON > 0:
         forget_stages(s)
-        s.factored = 0.0
-        s.newton_theta = 1.0
-        s.newton_count = 0
+        s.newton.factored = 0.0
+        s.newton.theta = 1.0
+        s.newton.count = 0
     if NSERIES > 0:
-        s.series_step = -1
-        s.series_tolerance = 0.0
+        s.series.step = -1
+        s.series.tolerance = 0.0
     s.roundoff_estimated = False
     s.roundoff_memory = 0.0
     for i in range(NX):
@@ -183,7 +183,7 @@ def evaluate_start(p: Params, s: State, direction: Real, w: Work) -> Status:
         else:
             again = parameters_changed(p, s)
     if NNEWTON > 0:
-        if again or s.kept_step != s.steps:
+        if again or s.newton.kept_step != s.steps:
             forget_stages(s)
         if NMODE > 0:
             if s.after_event:
@@ -197,7 +197,7 @@ def evaluate_start(p: Params, s: State, direction: Real, w: Work) -> Status:
         w.modes[:] = s.modes
         update_edges(w)
         if NTWO > 0:
-            w.normal_signs[:] = s.normal_signs
+            w.contacts.normal_signs[:] = s.normal_signs
         if NSPACE > 0:
             turn_slips(p, s, w)
     status = OK

@@ -65,7 +65,7 @@ def finish_step(p: Params, s: State, t: Real, o: Options, leaves_end_rate: bool,
     """Project the new state onto the constraints and evaluate its rate, unless it is left open."""
     if NC > 0 or NQUAT > 0 or NCON > 0:
         if o.project and not keeps_constraints(o.method):
-            status = put_on_constraints(p, t, s.x_new, w.trial_sizes, w)
+            status = put_on_constraints(p, t, s.x_new, w.error.sizes, w)
             if failed(status):
                 return status
             if w.position_residual > s.position_drift:
@@ -87,20 +87,20 @@ def prepare_newton(s: State, o: Options, h: Real, w: Work) -> None:
     it."""
     s.x_new[:] = s.x
     set_error_weights(s, o, h, w)
-    w.loosening = 1.0
-    w.newton_tolerance = NEWTON_TOLERANCE
-    w.newton_rtol = o.rtol
-    w.newton_most = MOST_ITERATED
+    w.newton.loosening = 1.0
+    w.newton.tolerance = NEWTON_TOLERANCE
+    w.newton.rtol = o.rtol
+    w.newton.most = MOST_ITERATED
     if o.step > 0.0:
-        w.newton_most = MOST_FIXED
-        w.newton_rtol = FIXED_STEP_TOLERANCE
+        w.newton.most = MOST_FIXED
+        w.newton.rtol = FIXED_STEP_TOLERANCE
         for i in range(NQ + NV):
-            w.error_weights[i] = FIXED_STEP_TOLERANCE * w.trial_sizes[scaling_group[i]] + TINY
+            w.error.weights[i] = FIXED_STEP_TOLERANCE * w.error.sizes[scaling_group[i]] + TINY
     elif o.rtol > 0.0:
-        w.loosening = LOOSENING / rational_power(o.rtol, LOOSER)
-        w.newton_tolerance = rational_power(o.rtol * w.loosening, 0.5)
-        if w.newton_tolerance > NEWTON_TOLERANCE:
-            w.newton_tolerance = NEWTON_TOLERANCE
+        w.newton.loosening = LOOSENING / rational_power(o.rtol, LOOSER)
+        w.newton.tolerance = rational_power(o.rtol * w.newton.loosening, 0.5)
+        if w.newton.tolerance > NEWTON_TOLERANCE:
+            w.newton.tolerance = NEWTON_TOLERANCE
 
 
 def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
@@ -157,7 +157,7 @@ def end_step_at_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> Sta
     a.ends_on_target = False
     a.ends_on_grid = False
     a.t_new = s.t + a.h
-    w.longest_step = s.longest_step
+    w.error.longest_step = s.longest_step
     if fabs(a.h) <= 4.0 * SPACING * fabs(s.t) + LEAST_STEP * a.size_before_event:
         a.h = 0.0
         keep_parameters(p, s)
@@ -182,7 +182,7 @@ def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
     if o.step > 0.0:
         pass_grid(s, t1, a)
     else:
-        s.grid_step = 0.0
+        s.grid.step = 0.0
         set_next_step(s, a, o)
     keep_parameters(p, s)
     if NNEWTON > 0:
@@ -193,7 +193,7 @@ def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
     s.steps += 1
     s.t_old = s.t
     s.h_old = a.h
-    s.rate_roundoff[:] = w.rate_roundoff
+    s.rate_roundoff[:] = w.error.rate_roundoff
     s.t = a.t_new
     s.x_old[:] = s.x
     s.x[:] = s.x_new
@@ -209,10 +209,10 @@ def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
     if NMODE > 0:
         s.modes_old[:] = w.modes
         if NTWO > 0:
-            s.normal_signs_old[:] = w.normal_signs
+            s.normal_signs_old[:] = w.contacts.normal_signs
         if NSPACE > 0:
-            s.slip_axes_old[:] = w.slip_axes
-            s.slip_roundoff_old[:] = w.slip_roundoff
+            s.slips.axes_old[:] = w.contacts.slip_axes
+            s.slips.roundoff_old[:] = w.contacts.slip_roundoff
             keep_slip_errors(s, w)
         s.after_event = False
         s.is_split = a.is_split
@@ -304,13 +304,13 @@ def splits_event_step(s: State, t1: Real, o: Options, a: Trial) -> bool:
 
 
 def update_longest_step(s: State, a: Trial, w: Work) -> None:
-    """Update s.longest_step; set w.longest_step to it in a repeated or a half step, else to 0."""
+    """Update s.longest_step; set w.error.longest_step to it in a repeated or a half step, else to 0."""
     if a.rejected == 0 and a.size > s.longest_step:
         s.longest_step = a.size
-    w.longest_step = s.longest_step if a.rejected > 0 else 0.0
+    w.error.longest_step = s.longest_step if a.rejected > 0 else 0.0
     if NMODE > 0:
         if a.is_split:
-            w.longest_step = s.longest_step
+            w.error.longest_step = s.longest_step
 
 
 def end_by_underflow(p: Params, s: State, cause: Status, a: Trial, w: Work) -> Status:
@@ -380,7 +380,7 @@ def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w
         else:
             cause = OK
             reduce_step(p, s, t1, o, a, w)
-        w.rate_roundoff[:] = s.rate_roundoff  # that of a longer step does not count
+        w.error.rate_roundoff[:] = s.rate_roundoff  # that of a longer step does not count
         a.rejected += 1
         s.rejected += 1
 
@@ -392,7 +392,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     a = Trial()
     a.direction = 1.0 if t1 >= s.t else -1.0
     if o.step > 0.0:
-        a.direction = 1.0 if s.grid_step > 0.0 else -1.0
+        a.direction = 1.0 if s.grid.step > 0.0 else -1.0
     if NLEAP > 0:
         changes = s.changes
     status = evaluate_start(p, s, a.direction, w)

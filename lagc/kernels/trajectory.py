@@ -26,10 +26,10 @@ def recompute_stages(s: State, t: Real, x: Vec[NX], w: Work) -> Status:
     if NMODE > 0:
         w.modes[:] = s.modes_old
         if NTWO > 0:
-            w.normal_signs[:] = s.normal_signs_old
+            w.contacts.normal_signs[:] = s.normal_signs_old
         if NSPACE > 0:
-            w.slip_axes[:] = s.slip_axes_old
-            w.slip_roundoff[:] = s.slip_roundoff_old
+            w.contacts.slip_axes[:] = s.slips.axes_old
+            w.contacts.slip_roundoff[:] = s.slips.roundoff_old
     status = rates_at(s.p, s.t_old, s.x_old, s.k[0], w.lam, w)
     s.rate_place = ABSENT
     s.rhs += 2
@@ -51,12 +51,12 @@ def compute_dense_output(s: State, w: Work) -> Status:
     if NMODE > 0:
         w.modes[:] = s.modes_old
         if NTWO > 0:
-            w.normal_signs[:] = s.normal_signs_old
+            w.contacts.normal_signs[:] = s.normal_signs_old
         if NSPACE > 0:
-            w.slip_axes[:] = s.slip_axes_old
-            w.slip_roundoff[:] = s.slip_roundoff_old
+            w.contacts.slip_axes[:] = s.slips.axes_old
+            w.contacts.slip_roundoff[:] = s.slips.roundoff_old
     if NNEWTON > 0:
-        if s.kept_step == s.steps:
+        if s.newton.kept_step == s.steps:
             method_restore_stages(s.method, s)
             return method_dense_output(s.method, s.p, s.t_old, s.x_old, x, s.h_old, s, w)
     if NSERIES > 0:
@@ -160,8 +160,8 @@ def advance(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
         return status
     if o.step > 0.0:
         begin_grid(s, t1, o)
-        if s.grid_goal > s.grid_index:
-            s.grid_stride = s.grid_goal - s.grid_index
+        if s.grid.goal > s.grid.index:
+            s.grid.stride = s.grid.goal - s.grid.index
     enter_call(s, w)
     while status == OK and not is_reached(s, t1, o):
         status = step_once(p, s, t1, o, w)

@@ -327,6 +327,7 @@ def _with(equations: EquationsOfMotion, f: _Freezing) -> EquationsOfMotion:
         )
         for part in equations.inertias
     ]  # fmt: skip
+    # Gradients of rows and contacts share sums, which are frozen once for all rows.
     rows = [replace(row, rate=f.one(row.rate), gamma=f.one(row.gamma)) for row in equations.rows]
     jacobians = with_values([row.jacobian for row in rows], f.all)
     rows = [replace(row, jacobian=own) for row, own in zip(rows, jacobians)]
@@ -339,6 +340,7 @@ def _with(equations: EquationsOfMotion, f: _Freezing) -> EquationsOfMotion:
         )
         for contact in with_jacobians(equations.contacts, gradients)
     ]  # fmt: skip
+    # Two velocities may become one on a branch: their weights add.
     loads: dict[Node, Node] = {}
     for velocity, weight in zip(f.all(list(equations.loads)), f.all(list(equations.loads.values()))):
         loads[velocity] = loads[velocity] + weight if velocity in loads else weight

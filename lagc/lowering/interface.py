@@ -69,6 +69,7 @@ def interface(
     """Return the interface of `functions` and of `slopes`, the derivatives of the initial equations.
     `dropped` are names that were left out; `remarks` become notes."""
     model = equations.model
+    # A parameter without a place reaches nothing: a note says so.
     kept = {p.name for p in parameters}
     notes = [f"parameter `{p.name}` reaches nothing" for p in model.parameters if p.name not in kept]
     flowing = _timed(functions["system" if "system" in functions else "rhs"])
@@ -112,6 +113,7 @@ def interface(
         doubtful=_doubtful(model),
         derivatives=dict(derivatives),
     )
+    # The hash is that of everything else.
     digest = _digest(found, functions)
     return replace(found, model_hash=digest)
 

@@ -124,7 +124,7 @@ def derivatives(places: Places, relations: Sequence[EventRelation]) -> Derivativ
     every = [symbol for symbols in by.values() for symbol in symbols]
     swept = _rows(stack(equations, relations, motion_by_sweeps))
     if entangled(swept, every, MOST):
-        return Derivatives(_values(places, swept), {}, _along(places, swept, every))
+        return Derivatives(_values(places, swept), {}, _directional(places, swept, every))
     rows = _rows(stack(equations, relations))
     slopes = [gradient(places.graph, {node: places.graph.one}, every) for node in rows]
     found = {}
@@ -162,7 +162,7 @@ def _values(places: Places, rows: Sequence[Node]) -> Function:
     return _function(places, "stack", "s", rows, about)
 
 
-def _along(places: Places, rows: Sequence[Node], every: Sequence[Node]) -> Function:
+def _directional(places: Places, rows: Sequence[Node], every: Sequence[Node]) -> Function:
     graph = places.graph
     seeds = {x: graph.symbol("direction", str(k)) for k, x in enumerate(every)}
     ahead = {**places.arrays, **{d: ("d", k) for k, d in enumerate(seeds.values())}}

@@ -7,25 +7,30 @@ from collections.abc import Mapping, Sequence
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.lowering import program_functions
+from lagc.lowering.event_functions import (
+    changing,
+    contact_functions,
+    features,
+    in_boxes,
+    poles,
+    relation_functions,
+    whens,
+)
 from lagc.lowering.event_relations import EventRelation, frozen
-from lagc.lowering.hybrid.contact_functions import contact_functions
-from lagc.lowering.hybrid.event_functions import changing, in_boxes, relation_functions, whens
-from lagc.lowering.hybrid.narrow_terms import features, poles
-from lagc.lowering.implicit import implicit
 from lagc.lowering.interface import bounded, interface, used_parameters
 from lagc.lowering.jacobians import condition_slopes, derivatives
 from lagc.lowering.kkt import solve as kkt
 from lagc.lowering.kkt.articulated_body import plain
 from lagc.lowering.kkt.prune import independent, prune, sources, with_pivots
 from lagc.lowering.kkt.solve import Solver, forms_matrix, solvers
+from lagc.lowering.linearizations import implicit, tangents
 from lagc.lowering.loaded_reactions import loaded, loads_of
-from lagc.lowering.loops.loop_rolling import rerolled
+from lagc.lowering.loop_rolling import rerolled
 from lagc.lowering.program import Function, Program
 from lagc.lowering.scalar.parameter_hoisting import Preparation
 from lagc.lowering.scalar.scheduling import balanced
 from lagc.lowering.series import NoSeries, series
 from lagc.lowering.storage import Places, places, weight
-from lagc.lowering.tangents import tangents
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.derivative import Slopes
 from lagc.symbolic.graph import Node
@@ -42,6 +47,7 @@ def optimize(
     state where the power is not identically zero, `differentiate` the functions of `lagc.lowering.jacobians`,
     `sensitive` those of `tangents`, `stiff` those of `implicit`, `expand` those of `series`.
     Raises Refused with LAG0501 where a coordinate has no inertia of any kind."""
+    # Parts that nothing needs go; the rest is frozen on branches between events.
     equations, left_out = prune(equations)
     equations = with_pivots(equations)
     equations = replace(equations, model=bounded(equations.model))
@@ -49,22 +55,27 @@ def optimize(
     equations, moving = changing(equations, moving, relations)
     jumps = any(when.changes for when in equations.whens)
     work = work and (jumps or bool(equations.contacts) or not equations.power.is_zero)
+    # Where the values of symbols are found, on the state alone and along a branch.
     parameters = used_parameters(equations, _roots(equations))
     loads = loads_of(moving)
     whole = places(moving, parameters, [relation.mode for relation in relations], int(work))
     at = places(equations, parameters, nz=int(work))
     along = whole if loads is None else replace(whole, equations=loads.rest)
+    # The form of the linear equations that takes the fewest operations; what depends on parameters alone
+    # is separated from each function.
     solver, solving = _solver(along, work)
     system = solver.system if solver else plain(equations)
     preparation = Preparation(len(parameters), len(parameters) + len(equations.model.inputs))
     dense = solver is None or forms_matrix(equations)
     made, slopes = _functions(at, along, relations, solver, solving, work, dense, preparation)
+    # Loads that depend on reactions are solved beside the equations without them.
     if loads is not None:
         function = loaded(whole, loads)
         made[function.name] = preparation.separated(function)
         power = program_functions.power(whole) if loads.pushed else None
         if power is not None:
             made[power.name] = preparation.separated(power)
+    # Functions that are asked for in addition: derivatives, sensitivities, implicit methods, series.
     factored = solver if equations.rows or equations.contacts or differentiate or sensitive else None
     differentiated = derivatives(whole, relations) if differentiate else None
     more = [*(differentiated.functions if differentiated else ()), *(tangents(along) if sensitive else ())]
@@ -76,6 +87,7 @@ def optimize(
     found, read = preparation.finished(made)
     if expand:
         found.update((f.name, f) for f in _series(equations, found, work, loads is not None))
+    # Repeated operations become loops at last, when nothing else changes them.
     found = {name: rerolled(function, often=name in OFTEN) for name, function in found.items()}
     return Program(
         interface(
@@ -148,14 +160,16 @@ def _functions(
     functions, the slopes of the conditions of a start."""
     constrained = bool(at.equations.rows)
     made: list[Function | None] = [*solving]
+    # The linear equations: as a matrix, or as factors with what checks them.
     if dense:
         made.append(program_functions.system(along, rare=solver is not None))
     if solver is not None and constrained:
         made += _factored(along, solver, not dense)
-        made += [kkt.refiner(solver)] if dense else [kkt.rest(solver), program_functions.forces(along)]
+        made += [kkt.refiner(solver)] if dense else [kkt.remainder(solver), program_functions.forces(along)]
     if solver is not None and not constrained and at.equations.contacts:
         made += _factored(along, solver, False)
     made.append(program_functions.displace(at))
+    # The constraints: residuals, rates, and the sizes that they are measured by.
     if constrained:
         made += [program_functions.position(at), program_functions.velocity(at), program_functions.scales(at)]
         made += [program_functions.gamma_sizes(at), program_functions.gradient_sizes(at)]
@@ -163,6 +177,7 @@ def _functions(
         made.append(program_functions.reaches(at))
     made += [program_functions.energies(at), program_functions.power(along), program_functions.outputs(at)]
     made.append(program_functions.start(at, work))
+    # The conditions of a start, and the functions of events.
     slopes = condition_slopes(at.equations)
     made += [program_functions.conditions(at, slopes), program_functions.measures(at)]
     made += [program_functions.limits(at), *relation_functions(at, along, relations)]

@@ -72,6 +72,8 @@ def gradient_bounds(graph: Graph, nodes: Sequence[Node], weights: Mapping[Node, 
     times its slope."""
     bits = leaves_below(reachable(nodes), weights)
     most = sum([2 * bits.get(node, 0).bit_count() - _ROOT for node in nodes])
+    # The pairs of nodes whose products of gradients are needed, from the pairs of roots down; given up as
+    # soon as they are more than the gradients themselves have entries.
     seen = {(node, node) for node in nodes if node in bits}
     stack = list(seen)
     while stack:
@@ -84,6 +86,8 @@ def gradient_bounds(graph: Graph, nodes: Sequence[Node], weights: Mapping[Node, 
                 if pair not in seen:
                     seen.add(pair)
                     stack.append(pair)
+    # grad x . grad y = sum over arguments a of x of (dx/da) grad a . grad y, x the later one: in the
+    # order of the indices, every product on the right is known.
     found: dict[tuple[Node, Node], Node] = {}
     slopes: dict[Node, list[Node | None]] = {}
     for pair in sorted(seen, key=_indices):

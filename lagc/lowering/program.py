@@ -373,7 +373,6 @@ class Program:
       limits      (p)             -> b[]   those of `limits`
       gaps        (p,t,x)         -> g[]    gap of each contact
       contact_rows (p,t,x,modes)  -> R[], u[], bias[]   gradient by v, rate, acceleration for v' = 0
-      contact_sizes (p,t,x,c)     -> s[]    the same of gaps
       restitutions (p,t,x)        -> r[]    of each contact
       normals     (p,t,x,modes)   -> N[], bias[]  of two-sided contacts: slopes by a, lam and forces, rest
       frictions   (p,t,x,modes)   -> f[]    friction of slip and of sticking of each contact
@@ -398,7 +397,7 @@ class Program:
                                      (row, column) of `derivatives`; see `lagc.lowering.jacobians`;
                                      with relations, all of them of (p,t,x,modes,a,lam)
       series, series_next   of Taylor series, see `lagc.lowering.series`
-      residual, newton, newton_column   of implicit methods, see `lagc.lowering.implicit`
+      residual, newton, newton_column   of implicit methods, see `lagc.lowering.jacobians`
       along       (p,t,x,a,lam,d) -> s[]        in their place where they are very many: what the stack
                                      changes by with (t, x, a, lam, p) along d = (dt, dx, da, dlam, dp)
     health = (smallest pivot ratio |d_k|/|a_kk|, square of the relative residual, 0 of rhs, ...).

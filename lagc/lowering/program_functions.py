@@ -161,6 +161,8 @@ def reaches(places: Places) -> Function:
     given = {k: graph.symbol("size", str(k)) for k in range(max(states) + 1)}
     holonomic = [row for row in equations.rows if row.holonomic]
     others = [row for row in equations.rows if not row.holonomic]
+    # Each coordinate and speed moves by the size of its group, a displacement at least by that of the
+    # place that it is added to.
     weights = {x: given[kind] for x, kind in zip((*equations.q, *equations.v), states)}
     displaced = _displaced(graph, holonomic, {x for x, k in zip(equations.q, states) if k})
     for x, place in displaced.items():
@@ -185,6 +187,8 @@ def reaches(places: Places) -> Function:
     def reach(sums: Sequence[Node], parts: Sequence[Node] = ()) -> Node:
         return graph.sum([*sums, *(graph.unary("abs", part) for part in parts), graph.const(_TINY)])
 
+    # The rate of a holonomic row changes with the speeds, and with the coordinates at the pace at which
+    # these change by their sizes.
     size = dict(given)
     for x, kind in zip(equations.q, states):
         if x in displaced:

@@ -7,8 +7,7 @@ from collections.abc import Callable, Sequence
 from lagc.base.records import dataclass
 from lagc.lowering.program import Function
 from lagc.lowering.scalar.common_factors import factored, plan
-from lagc.lowering.scalar.emit import Lowering
-from lagc.lowering.scalar.expand import Coefficients, expanded
+from lagc.lowering.scalar.expand import Coefficients, Lowering, expanded
 from lagc.lowering.scalar.parameter_hoisting import FIXED, dependence
 from lagc.lowering.scalar.value_numbering import Block
 from lagc.mechanics.formulation.equations import EquationsOfMotion

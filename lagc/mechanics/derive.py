@@ -6,19 +6,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.mechanics.balance.energy import energies
-from lagc.mechanics.balance.generalized_forces import Acting, act
+from lagc.mechanics.balance.energy import Acting, act, energies
 from lagc.mechanics.balance.outputs import of_motion, output_equations
 from lagc.mechanics.formulation.constraints import Classified, classify
 from lagc.mechanics.formulation.contacts import contact_rows, with_normals
-from lagc.mechanics.formulation.equations import (
-    ContactRow,
-    Contribution,
-    EquationsOfMotion,
-    Law,
-    Row,
-    WhenEquations,
-)
+from lagc.mechanics.formulation.equations import ContactRow, EquationsOfMotion, Law, Row, WhenEquations
 from lagc.mechanics.formulation.euler_lagrange import free_terms, with_rates
 from lagc.mechanics.formulation.inertia import inertial_loads, moving_parts
 from lagc.mechanics.formulation.jacobian import added
@@ -31,7 +23,7 @@ from lagc.symbolic.operators import CORNER, STEP, smooth_as
 from lagc.symbolic.walk import depends, symbols
 
 if TYPE_CHECKING:
-    from lagc.mechanics.redundancy.redundancy import Dropped
+    from lagc.mechanics.redundancy import Dropped
 
 _RELATIONS = smooth_as(STEP, CORNER)
 _OF_MOTION = ("acceleration", "multiplier", *QUANTITIES)
@@ -40,19 +32,24 @@ _OF_MOTION = ("acceleration", "multiplier", *QUANTITIES)
 def derive(model: Model) -> EquationsOfMotion:
     """Return the equations of motion of `model`. Raises Refused with LAG04xx for mechanical errors."""
     graph = model.graph
+    # Kinematics: states and speeds, and the parts that carry inertia.
     states = build_states(model)
     cuts, stops = _cuts(states)
     parts = moving_parts(states)
     free = free_terms(states, with_rates(states))
+    # Virtual power: what acts, and the rows that hold.
     acting = act(states)
     classified, dropped, doubts = _constrained(states)
     totals = energies(states, parts, acting, free, classified)
+    # h: inertial forces at the accelerations that speeds leave, and the free terms of Lagrangians.
     inertial = inertial_loads(states, parts)
     bias = added(graph, [states.to_speeds(inertial), free.bias])
     servos = [x.row for x in classified if x.row.law is Law.SERVO]  # their loads act, not their gradients
     held = [{j: -(row.multiplier * slope) for j, slope in row.jacobian.items()} for row in servos]
+    # tau: given forces, less what the gradients of servo rows would add.
     given = added(graph, [*(x.contribution.forces for x in acting), *held])
     initial = [c.residual for c in model.initial_conditions]
+    # Outputs and conditions may depend on the motion: accelerations, multipliers, energies.
     zero, labels = graph.zero, [x.label for x in dropped]
     _refuse_reactions(model, dropped, classified, states)
     conditions = [when.condition for when in model.whens]
@@ -97,8 +94,8 @@ def derive(model: Model) -> EquationsOfMotion:
             *model.warnings,
             *cuts,
             *doubts,
-            *_warnings(states, kept, contributions),
-            *_aside(states, kept, contacts),
+            *_active(states, kept),
+            *_never_slip(states, kept, contacts),
             *_shared(states, dropped),
             *_doubled(model),
         ),
@@ -110,7 +107,7 @@ def _doubled(model: Model) -> Iterable[Fault]:
     fields = [isinstance(action, Potential) and action.gravity is not None for action in model.actions]
     if all(fields) or not any(fields):
         return ()
-    from lagc.mechanics.lint.doubled_weights import doubled_weights  # loaded where there may be some
+    from lagc.mechanics.lint.loads import doubled_weights  # loaded where there may be some
 
     return doubled_weights(model)
 
@@ -131,7 +128,7 @@ def _constrained(states: States) -> tuple[list[Classified], list[Dropped], tuple
     if not found:
         return [], [], ()
     from lagc.mechanics.lint.degenerate_constraints import refuse_degenerate
-    from lagc.mechanics.redundancy.redundancy import drop_idle, drop_redundant  # loaded where there are rows
+    from lagc.mechanics.redundancy import drop_idle, drop_redundant  # loaded where there are rows
 
     rows, idle = drop_idle(states, found)
     warnings = refuse_degenerate(states, rows)
@@ -169,7 +166,7 @@ def _refuse_reactions(
         message = f"`{servo.actuator}` holds `{servo.name}`, beside {rough[0].title}"
         faults.append(Fault("LAG0431", message, servo.span, remedy=rough[0].otherwise))
     if rough and classified:
-        from lagc.mechanics.redundancy.redundancy import dependent_rows  # loaded where there are rows
+        from lagc.mechanics.redundancy import dependent_rows  # loaded where there are rows
 
         rows = [x.row for x in classified]
         shared |= {rows[k].label for x in dependent_rows(states, rows) for k in (x.row, *x.others)}
@@ -187,35 +184,27 @@ def _shared(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:
     """Warnings of reactions that are one of many."""
     if not dropped:
         return ()
-    from lagc.mechanics.redundancy.redundancy import shared_reactions
+    from lagc.mechanics.redundancy import shared_reactions
 
     return shared_reactions(states, dropped)
 
 
-def _aside(states: States, rows: Sequence[Row], contacts: Sequence[ContactRow]) -> tuple[Fault, ...]:
-    """Warnings of slips that are not along the surface, or that constraints hold."""
-    if not any(contact.slips for contact in contacts):
+def _never_slip(states: States, rows: Sequence[Row], contacts: Sequence[ContactRow]) -> Iterable[Fault]:
+    """Return warnings of slips that constraints hold."""
+    if not rows or not any(contact.slips for contact in contacts):
         return ()
-    from lagc.mechanics.lint.slip_directions import slips_aside, slips_held  # loaded where something slips
+    from lagc.mechanics.lint.friction import slips_held  # loaded where something slips
 
-    one_sided = [contact for contact in contacts if not contact.normals]
-    return (*slips_aside(states, rows, one_sided), *slips_held(states, rows, contacts))
+    return slips_held(states, rows, contacts)
 
 
-def _warnings(
-    states: States, rows: Sequence[Row], contributions: Sequence[Contribution]
-) -> tuple[Fault, ...]:
-    """Loads that may not do what they seem to; potentials always do."""
-    if all(isinstance(action, Potential) for action in states.model.actions):
+def _active(states: States, rows: Sequence[Row]) -> Iterable[Fault]:
+    """Return warnings of loads that oppose another velocity than the one they act on."""
+    if not any(isinstance(action, Force | Torque) and action.mentioned for action in states.model.actions):
         return ()
-    from lagc.mechanics.lint.application_points import points_of_their_own  # loaded where there are loads
-    from lagc.mechanics.lint.passivity import active_dissipations, active_loads
+    from lagc.mechanics.lint.friction import active_loads  # loaded where there may be friction
 
-    return (
-        *points_of_their_own(states, rows),
-        *active_dissipations(states, rows, contributions),
-        *active_loads(states, rows),
-    )
+    return active_loads(states, rows)
 
 
 def _loads(

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from lagc.base.text import printable, table
+from lagc.base.text import WIDTH, printable, table
 from lagc.simulation.solution import Solution
 
 COLUMNS = 6  # quantities that a table shows
@@ -59,7 +59,7 @@ def text(found: Compared, all_names: bool = False) -> str:
         estimated = "" if run.estimated is None else f"{run.estimated:.0e}"
         rows.append([scene, str(run.cost.operations), str(alone), estimated, run.message])
     lines += table(head, rows)
-    names = found.names if all_names else found.names[:COLUMNS]
+    names = found.names if all_names else _fitting(found)
     if len(found.runs) > 1 and names:
         lines += ["", f"Largest difference from `{found.scenes[0]}`, of the largest range in a scene"]
         rows = [
@@ -68,8 +68,7 @@ def text(found: Compared, all_names: bool = False) -> str:
         ]
         lines += table(["scene", *names], rows)
     lines += ["", "Final values"]
-    units = first.units
-    labels = [f"{name} [{units[name]}]" if units.get(name) else name for name in names]
+    labels = [_label(first, name) for name in names]
     rows = [
         [scene, *(f"{run.final[name]:.9g}" for name in names)] for scene, run in zip(found.scenes, found.runs)
     ]
@@ -77,6 +76,21 @@ def text(found: Compared, all_names: bool = False) -> str:
     if len(names) < len(found.names):
         lines.append(f"  ({len(found.names) - len(names)} more: -v shows them)")
     return "\n".join(map(printable, lines)) + "\n"
+
+
+def _label(run: Solution, name: str) -> str:
+    return f"{name} [{run.units[name]}]" if run.units.get(name) else name
+
+
+def _fitting(found: Compared) -> tuple[str, ...]:
+    """Return the first names whose columns fit a terminal, at least one."""
+    first, width = found.runs[0], 4 + max(map(len, ("scene", *found.scenes)))
+    for k, name in enumerate(found.names):
+        values = [f"{run.final[name]:.9g}" for run in found.runs]
+        width += max(map(len, (_label(first, name), *values))) + 2
+        if k and width > WIDTH + 2:
+            return found.names[:k]
+    return found.names
 
 
 def to_dict(found: Compared) -> dict[str, Any]:

@@ -3,106 +3,97 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from html import escape
 from math import isfinite
 from typing import Any
 
-from lagc.base.text import printable
+from lagc.base.text import WIDTH, broken, entry, printable, table
 from lagc.kernels.integrators.tableaus import adapts
+from lagc.reports.stand_alone import stand_alone
 from lagc.study.advice import Point
 from lagc.study.cost import Study
-
-QUANTITIES = 6  # columns of errors by quantity
-PAGE = """<!DOCTYPE html>
-<html lang="en">
-<head><meta charset="utf-8"><title>{title}</title>
-<style>
-body {{ font: 15px/1.5 system-ui, sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em }}
-svg {{ max-width: 100%; height: auto }}
-pre {{ font-size: 12px; line-height: 1.35; overflow-x: auto; background: #f6f6f6; padding: 1em }}
-</style></head>
-<body><h1>{title}</h1>
-{picture}
-<pre>{table}</pre>
-</body></html>
-"""
 
 
 def text(study: Study, heading: str, everything: bool = False) -> str:
     """Return the report for a terminal; `everything`: all settings, not the front alone."""
     recorded = f"{study.recorded} recorded times"
-    lines = [f"{heading}, {study.stop:g} s, {study.operations} operations of a right-hand side, {recorded}"]
+    lines = broken(
+        f"{heading}, {study.stop:g} s, {study.operations} operations a right-hand side, {recorded}", WIDTH
+    )
     if study.reference is not None:
-        lines.append(f"  reference  {study.reference.words}")
+        lines += entry("reference", study.reference.words, 13)
     if study.points:
         spreads = sorted(100.0 * p.spread for p in study.points)
         rounds = min(len(p.times) for p in study.points)
-        lines.append(
-            f"  clock      CPU time of the C code alone, the least of {rounds} rounds in turn; +% is the "
-            f"median above it, {spreads[len(spreads) // 2]:.1f} % (worst {spreads[-1]:.1f} %)"
+        lines += entry(
+            "clock",
+            f"CPU time of the C code alone, the least of {rounds} rounds in turn; +% is the median above it, "
+            f"{spreads[len(spreads) // 2]:.1f} % (worst {spreads[-1]:.1f} %)",
+            13,
         )
-        lines.append(f"  spent      {study.spent:.0f} s of {study.budget:.0f} s (--budget)")
+        lines += entry("spent", f"{study.spent:.0f} s of {study.budget:.0f} s (--budget)", 13)
         lines += ["", *_table(study, everything)]
-    if study.points and study.advice:
-        lines += ["", *_advice(study)]
+    lines += _closing(study)
+    return "\n".join(map(printable, lines)) + "\n"
+
+
+def _closing(study: Study) -> list[str]:
+    """Return the advice, the verified runs and the notes."""
+    lines = ["", *_advice(study)] if study.points and study.advice else []
     if study.verified:
         lines += ["", *_verified(study)]
     if study.compilers:
         (first, base), *others = study.compilers.items()
         words = [f"{name} {1e3 * s:.3g} ms ({s / base:.2f} times)" for name, s in others]
-        lines += ["", f"  compiler   {first} {1e3 * base:.3g} ms, {', '.join(words)}"]
-    lines += [f"  note       {note}" for note in study.notes]
-    return "\n".join(map(printable, lines)) + "\n"
+        lines += ["", *entry("compiler", f"{first} {1e3 * base:.3g} ms, {', '.join(words)}", 13)]
+    return lines + [line for note in study.notes for line in entry("note", note, 13)]
 
 
 def _table(study: Study, everything: bool) -> list[str]:
     shown: Sequence[Point] = study.points if everything else study.front
     shown = sorted(shown, key=lambda p: -p.error) if not everything else shown
-    worst = sorted(range(len(study.names)), key=lambda k: -max(p.errors[k] for p in study.points))
-    columns = sorted(worst[:QUANTITIES])
-    names = [study.names[k] for k in columns]
-    head = f"  {'error':>7}  {'method':7} {'setting':16} {'ms':>8} {'+%':>5} {'rhs':>9} {'steps':>8}"
-    head += f" {'rejected':>8}"
-    lines = [head + "".join(f"  {name:>8}" for name in names)]
+    head = ["error", "of", "method", "setting", f"{'ms':>8}", f"{'+%':>5}", f"{'rhs':>7}", f"{'steps':>7}"]
+    rows = []
     for p in shown:
-        line = f"  {p.error:7.0e}  {p.setting.method:7} {p.setting!s:16} {1e3 * p.seconds:8.3g} "
-        line += f"{100 * p.spread:5.1f} {p.rhs:9d} {p.steps:8d} {p.rejected:8d}"
-        lines.append(
-            line + "".join(f"  {p.errors[k]:>{max(8, len(name))}.0e}" for k, name in zip(columns, names))
+        worst = study.names[max(range(len(study.names)), key=p.errors.__getitem__)]
+        rows.append(
+            [f"{p.error:.0e}", worst, p.setting.method, str(p.setting), f"{1e3 * p.seconds:8.3g}",
+             f"{100 * p.spread:5.1f}", f"{p.rhs:7d}", f"{p.steps:7d}"]
+        )  # fmt: skip
+    lines, hidden = table(head, rows), len(study.points) - len(shown)
+    if not everything:
+        lines += entry(
+            "", f"(the front: no other beats them in error and time; --all shows {hidden} others)", 2
         )
-    hidden = len(study.points) - len(shown)
-    words = (
-        []
-        if everything
-        else [f"the front: settings that no other beats in error and time; --all shows {hidden} others"]
-    )
-    if len(study.names) > len(columns):
-        words.append(f"the {len(columns)} quantities with the largest errors of {len(study.names)}")
-    return [*lines, *([f"  ({'; '.join(words)})"] if words else [])]
+    return lines
+
+
+def _advised(study: Study) -> list[list[str]]:
+    """Return the settings to take as the rows of a table, the first its head."""
+    rows = [["for", "take", "costs", "one digit more", "nearby"]] if study.advice else []
+    for a in study.advice:
+        if a.setting is None:
+            rows.append([f"{a.target:.0e}", "none in double precision", "", "", ""])
+            continue
+        digit = "not in double precision" if a.digit is None else f"{100 * a.digit:+.0f} %"
+        met = f"{a.met} of {a.tried}" if a.tried else "not tried"
+        rows.append(
+            [f"{a.target:.0e}", f"{a.setting.method} {a.setting}", f"{1e3 * a.seconds:.3g} ms", digit, met]
+        )
+    return rows
 
 
 def _advice(study: Study) -> list[str]:
-    lines = [f"  {'for':6} {'take':26} {'costs':>10}   {'one digit more':24}  nearby"]
-    for a in study.advice:
-        if a.setting is None:
-            lines.append(f"  {a.target:<6.0e} no setting in double precision is sure to meet it")
-            continue
-        digit = "not in double precision" if a.digit is None else f"{100 * a.digit:+.0f} %"
-        take = f"{a.setting.method} {a.setting}"
-        met = f"{a.met} of {a.tried}" if a.tried else "not tried"
-        lines.append(f"  {a.target:<6.0e} {take:26} {1e3 * a.seconds:7.3g} ms   {digit:24}  {met}")
+    head, *rows = _advised(study)
+    lines = table(head, rows)
     for method in dict.fromkeys(a.setting.method for a in study.advice if a.setting is not None):
         if method not in study.laws:
-            lines.append(f"  ({method}: all settings meet it; the errors are those of round-off)")
+            lines += entry("", f"({method}: all settings meet it; the errors are those of round-off)", 2)
             continue
         law = study.laws[method]
         size = "rtol" if adapts(method) else "step"
-        lines.append(
-            f"  ({method}: error = {law.factor:.2g} {size}^{law.power:.2f}, nine of ten runs below "
-            f"{law.scatter:.1f} times that)"
-        )
-    lines.append("  (nearby: motions with parameters up to 1 % off that meet the target)")
-    return lines
+        most = f"nine of ten runs below {law.scatter:.1f} times that"
+        lines += entry("", f"({method}: error = {law.factor:.2g} {size}^{law.power:.2f}, {most})", 2)
+    return [*lines, "  (nearby: motions with parameters up to 1 % off that meet the target)"]
 
 
 def _verified(study: Study) -> list[str]:
@@ -165,8 +156,4 @@ def to_dict(study: Study) -> dict[str, Any]:
 
 def page(study: Study, heading: str, picture: str) -> str:
     """Return one stand-alone HTML page; `picture` is an element `<svg>`."""
-    return stand_alone(f"{heading}: {headline(study)}", picture, text(study, heading, True))
-
-
-def stand_alone(title: str, picture: str, table: str) -> str:
-    return PAGE.format(title=escape(title), picture=picture, table=escape(table))
+    return stand_alone(heading, headline(study), _advised(study), picture, text(study, heading, True))

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from lagc.base.text import printable, table
-from lagc.reports.cost import stand_alone
+from lagc.base.text import WIDTH, broken, entry, printable, table
+from lagc.reports.stand_alone import stand_alone
 from lagc.study.effects import AS_LONG, Change, Choice, Effects, Elsewhere, joined
 
 
@@ -14,34 +14,39 @@ def text(found: Effects, heading: str) -> str:
     """Return the report for a terminal."""
     count = len(found.effects)
     compared = ", ".join(f"{name} ({_scale(found, name)})" for name in found.scales)
-    lines = [f"{heading}, 0 to {found.stop:g} s: {count} {'effect' if count == 1 else 'effects'}"]
-    lines.append(f"  compared      {compared}")
+    counted = f"{count} {'effect' if count == 1 else 'effects'}, {found.operations} operations"
+    lines = broken(f"{heading}, 0 to {found.stop:g} s: {counted}", WIDTH)
+    lines += entry("compared", compared, 16)
     if found.energy is not None:
         energy = found.energy
         values = energy.start, energy.end, energy.end - energy.start, energy.rest
         start, end, change, rest = (_energy(x, energy.bar) for x in values)
         others = f", of it contacts and given motions of bodies {rest}" if energy.rest else ""
-        lines.append(f"  energy        start {start}, end {end}: {change} by what stores no energy{others}")
+        lines += entry("energy", f"{start} to {end}: {change} by what stores no energy{others}", 16)
     if found.horizon is not None:
-        lines.append(f"  until         {found.horizon:.4g} s: a run is not predictable beyond")
+        lines += entry("until", f"{found.horizon:.4g} s: a run is not predictable beyond", 16)
     if found.not_compared:
-        lines.append(f"  not compared  {', '.join(found.not_compared)}: not every scene has it")
+        lines += entry("not compared", f"{', '.join(found.not_compared)}: not every scene has it", 16)
     if found.left_out:
         lines += ["", "Each effect left out alone", *_singles(found.left_out, found, "without")]
     if found.added:
         lines += ["", "Effects that the scene leaves out, added alone", *_singles(found.added, found, "with")]
-    if found.sets:
-        lines += ["", "The cheapest scene for an accuracy; each was run and compared with the full scene"]
-        lines += _sets(found)
-        lines += [f"  (for this initial state and {found.horizon or found.stop:.4g} s only)"]
-        lines += _also(found.also)
-        paste = next((one for one in found.sets if one.left_out), None)
-        if paste is not None:
-            lines += ["", f"In the file: {scene_of(found, paste)}"]
-    lines += [f"  note  {note}" for note in found.notes]
+    lines += [*([""] if found.sets else []), *_advice(found)]
+    lines += [line for note in found.notes for line in entry("note", note, 8)]
     if found.not_tried:
-        lines.append(f"  note  sets with {', '.join(found.not_tried)} were not tried")
+        lines += entry("note", f"sets with {', '.join(found.not_tried)} were not tried", 8)
     return "\n".join(map(printable, lines)) + "\n"
+
+
+def _advice(found: Effects) -> list[str]:
+    """Return the cheapest scenes, and one to paste."""
+    if not found.sets:
+        return []
+    lines = ["The cheapest scene for an accuracy, each run and compared with the full scene"]
+    lines += _sets(found)
+    lines += [f"  (for this initial state and {found.horizon or found.stop:.4g} s only)", *_also(found.also)]
+    paste = next((one for one in found.sets if one.left_out), None)
+    return lines if paste is None else [*lines, "", f"In the file: {scene_of(found, paste)}"]
 
 
 def scene_of(found: Effects, one: Choice) -> str:
@@ -60,7 +65,7 @@ def _scale(found: Effects, name: str) -> str:
 
 
 def _time(ratio: float) -> str:
-    return "as long" if abs(ratio - 1.0) <= AS_LONG else f"{ratio:.2f} times"
+    return "same" if abs(ratio - 1.0) <= AS_LONG else f"{ratio:.2f}"
 
 
 def _energy(joules: float, bar: float) -> str:
@@ -90,39 +95,44 @@ def _singles(changes: Sequence[Change], found: Effects, word: str) -> list[str]:
         size, of = _change(one)
         time = "" if one.time == float("inf") else _time(one.time)
         first = min(one.until.items(), key=lambda item: -item[0], default=None)
-        notes = [] if first is None else [f"above {first[0]:.0e} from {first[1]:.3g} s"]
+        notes = [] if first is None else [f"{first[0]:.0e} from {first[1]:.3g} s"]
         if word == "without" and 1.0 + AS_LONG < one.time < float("inf"):
             notes.insert(0, "dearer without it")
         if one.events:
             notes.append(f"its events vanish: {', '.join(one.events)}")
         note = "; ".join(notes)
         work = "" if one.work is None else _energy(one.work, bar)
-        rows.append([_name(one), size, of, time, f"{found.operations} -> {one.operations}", work, note])
-    lines = table([word, "changes", "", "a run takes", "operations", "works", ""], rows)
+        rows.append([_name(one), size, of, time, str(one.operations), work, note])
+    lines = table([word, "changes", "", "time", "ops", "works", "above"], rows)
     stronger = [f"{one.effect} with {one.how}" for one in changes if " times " in one.how]
     if stronger:
-        lines.append(f"  * below the error bar of two runs; measured stronger: {', '.join(stronger)}")
+        lines += entry("", f"* below the error bar of two runs; measured stronger: {', '.join(stronger)}", 2)
     return lines
 
 
-def _sets(found: Effects) -> list[str]:
-    rows = []
+def _cheapest(found: Effects) -> list[list[str]]:
+    """Return the cheapest scenes as the rows of a table, the first its head."""
+    rows = [["accuracy", "changes", "time", "ops", "leave out"]] if found.sets else []
     for group in joined(found.sets):
         one, last = group[0], group[-1]
         accuracy = f"{one.accuracy:.0e}" if one is last else f"{one.accuracy:.0e} to {last.accuracy:.0e}"
         if not one.left_out:
-            rows.append([accuracy, "nothing" if one.found else "none found", "", "", ""])
+            rows.append([accuracy, "", "", "", "nothing" if one.found else "none found"])
             continue
         size = f"{last.change:.1e}" + (f" +- {last.bar:.0e}" if last.bar > 0.1 * last.change else "")
         out = ", ".join(one.left_out)
-        rows.append([accuracy, out, size, _time(last.time), f"{found.operations} -> {last.operations}"])
-    lines = table(["accuracy", "leave out", "changes", "a run takes", "operations"], rows)
+        rows.append([accuracy, size, _time(last.time), str(last.operations), out])
+    return rows
+
+
+def _sets(found: Effects) -> list[str]:
+    head, *rows = _cheapest(found)
+    lines = table(head, rows)
     lucky = next((one for one in found.sets if one.cancelling), None)
     if lucky is not None:
         names = ", ".join(lucky.cancelling)
-        lines.append(
-            f"  (at {lucky.accuracy:.0e}, without {names} would do too, as changes cancel: not used)"
-        )
+        words = f"(at {lucky.accuracy:.0e}, without {names} would do too, as changes cancel: not used)"
+        lines += entry("", words, 2)
     return lines
 
 
@@ -197,4 +207,5 @@ def headline(found: Effects) -> str:
 
 def page(found: Effects, heading: str, picture: str) -> str:
     """Return one stand-alone HTML page; `picture` is an element `<svg>`."""
-    return stand_alone(f"{heading}: {headline(found)}", picture, text(found, heading))
+    advice = [[accuracy, out, *sizes] for accuracy, *sizes, out in _cheapest(found)]
+    return stand_alone(heading, headline(found), advice, picture, text(found, heading))

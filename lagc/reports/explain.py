@@ -6,17 +6,17 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-from lagc.diagnostics.report import as_json
+from lagc.diagnostics.faults import as_json
 from lagc.lowering.program import Field, Interface, Program
 from lagc.mechanics.analysis.analysis import RowKind, Seems, analyse
 from lagc.mechanics.formulation.equations import Contribution, EquationsOfMotion, StartValue, WhenEquations
 from lagc.reports.equations.write import Expressions
 from lagc.reports.names import ranged, where
+from lagc.semantics.joints import KINDS
 from lagc.semantics.model import UNSTATED, Contact, Joint, Lagrangian
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import derived
-from lagc.symbolic.walk import symbols
+from lagc.symbolic.walk import evaluate, symbols
 
 Facts = dict[str, Any]  # what JSON can hold
 MOST = 20  # lines of a section, without --verbose
@@ -111,6 +111,7 @@ def _joint(joint: Joint) -> Facts:
         "between": list(joint.between),
         "coordinates": list(joint.coordinates),
         "equations": joint.equations,
+        "torsor": KINDS[joint.kind].torsor,
     }
 
 
@@ -347,7 +348,8 @@ def _joint_line(fact: Facts) -> str:
     brings = f"brings {', '.join(fact['coordinates'])}" if fact["coordinates"] else "no coordinates"
     count = fact["equations"]
     what = f"{count} {'equation' if count == 1 else 'equations'}" if count else brings
-    return f"{fact['name']}: {fact['kind']} of {' and '.join(fact['between'])}, {what}"
+    torsor = f"; {{{fact['torsor']}}}" if fact["torsor"] else ""
+    return f"{fact['name']}: {fact['kind']} of {' and '.join(fact['between'])}, {what}{torsor}"
 
 
 def _constraint_line(fact: Facts) -> str:

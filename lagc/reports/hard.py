@@ -6,11 +6,11 @@ from textwrap import fill
 from typing import Any
 
 from lagc.base.text import printable, table
-from lagc.reports.cost import stand_alone
+from lagc.reports.stand_alone import stand_alone
 from lagc.study.hard.case import Case, Figure, Hard, Row
 
 NAMES = {"c": "C", "numpy": "Python"}
-WIDTH = 100
+WIDTH, ONE_LINE = 100, 10**6
 
 
 def text(found: Hard, heading: str) -> str:
@@ -25,7 +25,7 @@ def text(found: Hard, heading: str) -> str:
                 f"{row.seconds:.2f} s" if first else "",
             ])  # fmt: skip
     head = ["case", "in", "figure", "required", "measured", "", "method", "time"]
-    lines = [heading, "", *table(head, rows)]
+    lines = [heading, "", *table(head, rows, width=ONE_LINE)]
     notes = [(row.case.name, word) for row in found.rows for word in _said(row)]
     lines += [f"  note  {name}: {word}" for name, word in dict.fromkeys(notes)]
     lines += ["", f"  {headline(found)}"]
@@ -116,7 +116,9 @@ def _cell(own: list[Row], backend: str, k: int) -> str:
 
 def listing(cases: tuple[Case, ...]) -> str:
     """Return the names and titles of all cases."""
-    lines = table(["case", "", "figures"], [[c.name, c.title, _figures(c.figures)] for c in cases])
+    lines = table(
+        ["case", "", "figures"], [[c.name, c.title, _figures(c.figures)] for c in cases], width=ONE_LINE
+    )
     return "\n".join(map(printable, lines)) + "\n"
 
 
@@ -156,4 +158,4 @@ def to_dict(found: Hard) -> dict[str, Any]:
 
 def page(found: Hard, heading: str, picture: str) -> str:
     """Return one stand-alone HTML page; `picture` is an element `<svg>`."""
-    return stand_alone(heading, picture, text(found, heading))
+    return stand_alone(heading, headline(found), (), picture, text(found, heading))

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from lagc.base.records import dataclass, replace
-from lagc.diagnostics.faults import Span
-from lagc.diagnostics.foreign_words import MODELS, TYPES, remedy_of_word
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.diagnostics.faults import Span, Wrong
+from lagc.diagnostics.suggest import did_you_mean, remedy_of_word
 from lagc.semantics.context import Context
 from lagc.semantics.names.namespace import Namespace
 from lagc.semantics.names.scope import (
@@ -27,7 +26,6 @@ from lagc.semantics.names.scope import (
     outermost_first,
     subscripts,
 )
-from lagc.semantics.refusals import Wrong
 from lagc.semantics.units import NONE
 from lagc.semantics.values.evaluate import integer, integers
 from lagc.semantics.values.members import MOST_NAMED
@@ -95,10 +93,10 @@ class Builder:
 
     def _register(self, body: Iterable[tree.Declaration], destination: Destination) -> None:
         for declaration in body:
-            self.context.attempt(self._one, declaration, destination)
+            self.context.attempt(self._register_one, declaration, destination)
 
-    def _one(self, d: tree.Declaration, destination: Destination) -> None:
-        excluded = self._excluded(d)
+    def _register_one(self, d: tree.Declaration, destination: Destination) -> None:
+        excluded = self._excluding_effect(d)
         if excluded is not None:
             for name in names_of(d):
                 self.instance.unused.setdefault(name, f"is left out because the effect `{excluded}` is used")
@@ -122,14 +120,11 @@ class Builder:
         elif isinstance(d, tree.When):
             self.context.whens.append((d, destination.environment, destination.effect))
         elif isinstance(d, tree.Start | tree.Simulate):
-            raise Wrong(
-                "LAG0221",
-                "this is only allowed in a scene",
-                d.span,
-                "write it between `scene name uses ...` and `end name;`",
-            )
+            message = "this is only allowed in a scene"
+            remedy = "write it between `scene name uses ...` and `end name;`"
+            raise Wrong("LAG0221", message, d.span, remedy)
 
-    def _excluded(self, d: tree.Declaration) -> str | None:
+    def _excluding_effect(self, d: tree.Declaration) -> str | None:
         for name in getattr(d, "unless", ()):
             if self._uses(name.name):
                 return str(name.name)
@@ -235,11 +230,8 @@ class Builder:
                 tree.Construct | tree.Load | tree.Constraint | tree.ForLoop | tree.Initial | tree.When,
             ):
                 continue
-            remedy = (
-                "declare an array before the loop, `coordinate Angle th[n];`"
-                if isinstance(declaration, tree.Quantities)
-                else None
-            )
+            before = "declare an array before the loop, `coordinate Angle th[n];`"
+            remedy = before if isinstance(declaration, tree.Quantities) else None
             raise Wrong("LAG0221", "this is not allowed in a loop", declaration.span, remedy)
         for number in integers(self.context, d.range, destination.environment):
             self.context.grow(d.span)
@@ -247,7 +239,7 @@ class Builder:
             inner = replace(destination, environment=destination.environment.bind({d.variable: value}))
             first = len(self.deferred)
             for declaration in d.body:
-                self._one(declaration, inner)
+                self._register_one(declaration, inner)
             jobs, self.deferred[first:] = self.deferred[first:], []
             for job in jobs:
                 self._unfold(*job)
@@ -270,7 +262,7 @@ class Builder:
 
     def _coordinates(self, joint: Entry, destination: Destination) -> None:
         """Enter the coordinates of a joint as members: `knee.angle`."""
-        from lagc.semantics.joints.coordinates import coordinates_of
+        from lagc.semantics.joints import coordinates_of
 
         self.context.has_joints = True
         joint.inner = coordinates_of(joint, self.instance)
@@ -280,19 +272,17 @@ class Builder:
         source = entry.source
         assert isinstance(source, tree.Declarator)
         space = entry.environment.space
+        # `Solid crank(...)` and `Gravity field;` look like instances and are declarations of their own.
         if len(d.type.path) == 1 and d.type.path[0] in ELEMENTS and space.lookup(d.type.path[0]) is None:
             if source.dimensions:
-                raise Wrong(
-                    "LAG0221",
-                    f"an array of `{d.type.path[0]}` cannot be declared this way",
-                    source.span,
-                    "write `body b[i] = ...;` in a loop",
-                )
+                message = f"an array of `{d.type.path[0]}` cannot be declared this way"
+                remedy = "write `body b[i] = ...;` in a loop"
+                raise Wrong("LAG0221", message, source.span, remedy)
             entry.kind = "gravity" if d.type.path[0] == "Gravity" else "body"
             destination.items.append(entry)
             return
         try:
-            found, where = self._model_of(d, space)
+            model, where = self._model_of(d, space)
         except Wrong as wrong:
             if wrong.fault.code != "LAG0203" or not _is_quantity(d):
                 raise
@@ -301,19 +291,18 @@ class Builder:
             return
         if source.value is not None:
             raise Wrong("LAG0221", "an instance of a model has no value", source.value.span)
-        own = modifiers_of(source.arguments, entry.environment)
+        # Modifications from outside go before those of the declaration, the outermost first.
+        modifiers = modifiers_of(source.arguments, entry.environment)
         for modifier in reversed(entry.modifiers):  # the outermost last, because the last goes first
             if modifier.argument.value is not None:
-                raise Wrong(
-                    "LAG0209",
-                    f"`{entry.name}` is an instance of a model and has no value",
-                    modifier.argument.span,
-                )
-            for name, given in modifiers_of(modifier.argument.arguments, modifier.environment).items():
-                own[name] = [*given, *own.get(name, [])]
+                message = f"`{entry.name}` is an instance of a model and has no value"
+                raise Wrong("LAG0209", message, modifier.argument.span)
+            for name, outer in modifiers_of(modifier.argument.arguments, modifier.environment).items():
+                modifiers[name] = [*outer, *modifiers.get(name, [])]
+        # One instance is a part; of an array each element takes its share of arrays in modifications.
         sizes = [integer(self.context, s, entry.environment, "a size") for s in source.dimensions]
         if not sizes:
-            part = self._nested(found, where, entry.path + ".", own, destination)
+            part = self._nested_instance(model, where, entry.path + ".", modifiers, destination)
             entry.state, entry.value = "done", part
             return
         entry.elements = {}
@@ -323,34 +312,32 @@ class Builder:
             element.path = f"{entry.path}[{','.join(str(n) for n in numbers)}]"
             entry.elements[numbers] = element
             chosen = {
-                n: [Modifier(m.argument, m.environment, numbers) for m in given] for n, given in own.items()
+                n: [Modifier(m.argument, m.environment, numbers) for m in outer]
+                for n, outer in modifiers.items()
             }
             element.state, element.value = (
                 "done",
-                self._nested(found, where, element.path + ".", chosen, destination),
+                self._nested_instance(model, where, element.path + ".", chosen, destination),
             )
 
     def _model_of(self, d: tree.Instance, space: Namespace) -> tuple[tree.ModelDeclaration, Namespace]:
         try:
-            found, where = space.find(d.type.path, d.type.span, "model or type")
+            model, where = space.find(d.type.path, d.type.span, "model or type")
         except Wrong as wrong:
             name = d.type.path[-1]
-            remedy = remedy_of_word(MODELS, name) or remedy_of_word(TYPES, name) or wrong.fault.remedy
+            remedy = remedy_of_word("models", name) or remedy_of_word("types", name) or wrong.fault.remedy
             remedy = remedy or did_you_mean(name, ELEMENTS)
             remedy = remedy or f"declare it, `model {name} ... end {name};`, or import its file"
             raise Wrong(wrong.fault.code, wrong.fault.message, wrong.fault.span, remedy) from None
-        if not isinstance(found, tree.ModelDeclaration):
+        if not isinstance(model, tree.ModelDeclaration):
             raise Wrong("LAG0204", f"`{'.'.join(d.type.path)}` is not a model", d.type.span)
-        if found.partial:
-            raise Wrong(
-                "LAG0211",
-                f"`{found.name}` is partial; it can only be extended",
-                d.type.span,
-                related=((found.name_span, "declared here"),),
-            )
-        return found, where
+        if model.partial:
+            message = f"`{model.name}` is partial; it can only be extended"
+            related = ((model.name_span, "declared here"),)
+            raise Wrong("LAG0211", message, d.type.span, related=related)
+        return model, where
 
-    def _nested(
+    def _nested_instance(
         self,
         model: tree.ModelDeclaration,
         space: Namespace,
@@ -383,7 +370,7 @@ class Builder:
 
 
 def _is_quantity(d: tree.Instance) -> bool:
-    from lagc.semantics.declarations.without_kind import quantity_of  # where there is a fault
+    from lagc.semantics.names.undeclared import quantity_of  # where there is a fault
 
     return quantity_of(d.type.path) is not None
 

@@ -17,6 +17,7 @@ and whole-system quantities, filled in by `mechanics`; outputs only:
 
 energy          energy()             also kinetic() and potential()
 power           power(F)             of an action
+generalized_force                    of an action (`owner`) along the rate of a coordinate (`component`)
 momentum        momentum(theta)      of a coordinate; momentum().x in total
 angular_momentum  angular_momentum().x   in total, about the origin
 
@@ -387,7 +388,8 @@ class Output:
 class Joint:
     """A joint between two bodies ("world") or two joints. An open one brings `coordinates`, a closing one
     `equations`. `at` is its place in world axes, `axis` its axis; of a `Distance`, `at` and `to` are its
-    ends. None: it has none."""
+    ends. `about` is the point of the second body about which the moment of its reaction is taken. None: it
+    has none."""
 
     name: str
     kind: str
@@ -398,6 +400,7 @@ class Joint:
     at: Vector | None = None
     axis: Vector | None = None
     to: Vector | None = None
+    about: Vector | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -415,24 +418,25 @@ class Release:
     pushed: float
 
 
-ModelObject: TypeAlias = (
-    Parameter
-    | Input
-    | Coordinate
-    | Orientation
-    | Speed
-    | Discrete
-    | Frame
-    | Point
-    | Body
-    | Action
-    | Constraint
-    | Contact
-    | Output
-    | Limit
-    | Joint
-    | Release
-)
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A figure that is drawn. It is carried by the body `body`, or stands at a place ("") or between several:
+    `points`. `kind` is Ball, Box, Cylinder, Ring, Plane, Line or Coil; `axis` is a unit vector in world axes;
+    `sizes` are lengths in parameters, in the order of the arguments."""
+
+    name: str
+    kind: str
+    body: str
+    points: tuple[Vector, ...]
+    axis: Vector | None
+    sizes: tuple[Node, ...]
+    span: Span
+    effect: str | None = None
+
+
+StateOrGiven: TypeAlias = Parameter | Input | Coordinate | Orientation | Speed | Discrete
+Shape: TypeAlias = Frame | Point | Body | Joint | Figure
+ModelObject: TypeAlias = StateOrGiven | Shape | Action | Constraint | Contact | Output | Limit | Release
 
 
 @dataclass(frozen=True, slots=True)
@@ -469,6 +473,7 @@ class Model:
     discretes: tuple[Discrete, ...] = ()  # the last are the modes of contacts
     contacts: tuple[Contact, ...] = ()
     tables: tuple[Table, ...] = ()
+    figures: tuple[Figure, ...] = ()
     limits: tuple[Limit, ...] = ()  # of computed parameters
     scales: dict[str, float] = field(default_factory=dict)  # of quantities that are declared with one
     built_in: tuple[str, ...] = ()  # parameters that a run cannot change: structural, or dependent on others

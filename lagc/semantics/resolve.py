@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from lagc.base.records import replace
-from lagc.diagnostics.faults import Fault
+from lagc.diagnostics.faults import Fault, Wrong
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as objects
-from lagc.semantics.context import Context
+from lagc.semantics.context import LATE, MOVING, Context
 from lagc.semantics.declarations.actions import (
     condition,
     declare_constraint,
@@ -18,31 +18,31 @@ from lagc.semantics.declarations.actions import (
     declare_frame,
     declare_free_term,
     declare_load,
+    declare_placeholder,
     declare_point,
     declare_potential,
 )
 from lagc.semantics.declarations.bodies import declare_body, declare_gravity
-from lagc.semantics.declarations.events import ending, when_clause
+from lagc.semantics.declarations.events import ending_clause, refuse_in_constraints, when_clause
 from lagc.semantics.declarations.quantities import declare_quantity
 from lagc.semantics.instantiate import Builder
 from lagc.semantics.names.namespace import Importer, Namespace
 from lagc.semantics.names.scope import Entry, Environment, Instance, Reference, Uses, Value
-from lagc.semantics.refusals import Wrong
-from lagc.semantics.scenes.choice import (
+from lagc.semantics.scenes import (
     Inputs,
     Numbers,
     Setting,
     check_effects,
     choose_model,
     choose_scene,
+    ignored_annotations,
     read_command,
     read_inputs,
     read_rest,
     read_values,
     scenes_of,
+    unused_effects,
 )
-from lagc.semantics.scenes.left_out import ignored_annotations, unused_effects
-from lagc.semantics.time_derivatives import LATE, MOVING
 from lagc.semantics.values.calls import look_at_uncalled
 from lagc.semantics.values.expressions import EVALUATORS
 from lagc.semantics.values.unit_hints import angular_hertz, whole_radians
@@ -95,6 +95,7 @@ def _resolve(
     until: str | None,
     probes: Sequence[str],
 ) -> objects.Model:
+    # Model and scene are chosen first: effects decide which declarations exist.
     importer = context.importer
     space = Namespace(file.declarations, None, importer)
     importer.look_at(file.declarations, space)
@@ -109,7 +110,8 @@ def _resolve(
         read_command(context, parameters, starts)
         read_inputs(context, inputs or {}, environment)
         if until is not None:
-            context.whens.append((ending(context, until), environment, None))
+            context.whens.append((ending_clause(context, until), environment, None))
+        # All names are entered before a value is asked for, so that declarations may come in any order.
         Builder(context, instance, {}).build(declaration, where)
         context.conditions[:0] = instance.conditions
         simulate = read_rest(context, setting, environment)
@@ -118,31 +120,32 @@ def _resolve(
         context.refuse_faults()
         raise AssertionError("a fault refuses") from None
     check_effects(context, setting)
-    found = [*_evaluate(context, instance), *_probes(context, probes, environment)]
+    # Every declaration is evaluated; what it depends on is evaluated before it.
+    declared = [*_evaluate(context, instance), *_probes(context, probes, environment)]
     conditions = _conditions(context)
     whens = _whens(context)
-    if _of(found, objects.Discrete) or context.impulses:
-        from lagc.semantics.declarations.discrete import refuse_in_constraints  # where there are some
-
-        refuse_in_constraints(context, _of(found, objects.Constraint), conditions, _of(found, objects.Speed))
+    if _of(declared, objects.Discrete) or context.impulses:
+        refuse_in_constraints(
+            context, _of(declared, objects.Constraint), conditions, _of(declared, objects.Speed)
+        )
     look_at_uncalled(context, instance.in_order())
     _check_given(context, instance)
-    if not context.faults and not _of(found, objects.Coordinate) and not _of(found, objects.Orientation):
+    if (
+        not context.faults
+        and not _of(declared, objects.Coordinate)
+        and not _of(declared, objects.Orientation)
+    ):
         empty = _empty(declaration)
         reason = f": {empty}" if empty else ""
-        context.report(
-            Wrong(
-                "LAG0222",
-                f"the model `{declaration.name}` has no coordinates, so nothing can move{reason}",
-                declaration.name_span,
-                "set the size to 1 or more" if empty else "declare one: `coordinate Length x;`",
-            )
-        )
+        message = f"the model `{declaration.name}` has no coordinates, so nothing can move{reason}"
+        remedy = "set the size to 1 or more" if empty else "declare one: `coordinate Length x;`"
+        context.report(Wrong("LAG0222", message, declaration.name_span, remedy))
     context.refuse_faults()
+    # Faults refuse the model here, warnings go with it.
     warnings = [*context.warnings.values(), *text_warnings(file)]
     if instance.effects:
         warnings += unused_effects(file, instance, setting, scenes)
-    return _model(context, declaration, setting, found, conditions, whens, simulate, warnings)
+    return _model(context, declaration, setting, declared, conditions, whens, simulate, warnings)
 
 
 def text_warnings(file: tree.Tree) -> list[Fault]:
@@ -166,9 +169,10 @@ def _empty(declaration: tree.ModelDeclaration) -> str:
 
 
 def _evaluate(context: Context, instance: Instance) -> list[objects.ModelObject]:
-    """Return the objects of every declaration, in order."""
+    """Return the objects of every declaration, in order; figures come last, so that no other expression
+    depends on what is drawn."""
     found: list[objects.ModelObject] = []
-    for entry in instance.in_order():
+    for entry in sorted(instance.in_order(), key=lambda entry: entry.kind == "draw"):
         if context.attempt(context.value, entry, entry.span):
             found.extend(entry.objects)
     return found
@@ -177,7 +181,7 @@ def _evaluate(context: Context, instance: Instance) -> list[objects.ModelObject]
 def _probes(context: Context, texts: Sequence[str], environment: Environment) -> list[objects.ModelObject]:
     found: list[objects.ModelObject] = []
     for k, text in enumerate(texts):
-        from lagc.semantics.declarations.probes import parse_probe, probe_outputs  # where there are some
+        from lagc.semantics.requests import parse_probe, probe_outputs  # where there are some
 
         written = parse_probe(context, text)
         context.attempt(lambda n, w: found.extend(probe_outputs(context, n, w, environment)), k + 1, written)
@@ -195,13 +199,13 @@ def _whens(context: Context) -> list[objects.When]:
     """Return the event clauses in order; clauses whose condition is constant are left out."""
     found: list[objects.When] = []
 
-    def one(written: tree.When, environment: Environment, effect: str | None) -> None:
+    def add_clause(written: tree.When, environment: Environment, effect: str | None) -> None:
         clause = when_clause(context, written, environment, effect)
         if context.clock.mask(clause.condition) & (MOVING | LATE):
             found.append(clause)
 
     for given in context.whens:
-        context.attempt(one, *given)
+        context.attempt(add_clause, *given)
     return found
 
 
@@ -213,25 +217,23 @@ def _check_given(context: Context, instance: Instance) -> None:
         (context.parameters, "parameter or input", "LAG0215"),
         (context.starts, settable, "LAG0224"),
     ):
-        kinds = (
-            ("parameter", "structural", "input")
-            if table is context.parameters
-            else ("coordinate", "speed", "discrete")
-        )
-        for name, given in table.items():
+        kinds = ("coordinate", "speed", "discrete")
+        if table is context.parameters:
+            kinds = ("parameter", "structural", "input")
+        for name, value in table.items():
             if name in context.taken:
                 continue
-            reason = instance.unused.get(given.owner)
+            reason = instance.unused.get(value.owner)
             if reason is not None:
-                context.report(Wrong(code, f"`{name}` {reason}", given.span))
+                context.report(Wrong(code, f"`{name}` {reason}", value.span))
                 continue
             entries = [e for e in instance.in_order() if e.kind in kinds]
-            if context.faults and any(not e.objects and e.path == _base(given.owner) for e in entries):
+            if context.faults and any(not e.objects and e.path == _base(value.owner) for e in entries):
                 continue
             known = [n for e in entries for n in (_names(e.objects) or [e.path])]
-            remedy = _rate(instance, name, given.expression) if code == "LAG0224" else None
-            remedy = remedy or did_you_mean(name, known) or _other_kind(instance, _base(given.owner))
-            context.report(Wrong(code, f"there is no {what} `{name}`", given.span, remedy))
+            remedy = _rate(instance, name, value.expression) if code == "LAG0224" else None
+            remedy = remedy or did_you_mean(name, known) or _other_kind(instance, _base(value.owner))
+            context.report(Wrong(code, f"there is no {what} `{name}`", value.span, remedy))
 
 
 def _rate(instance: Instance, name: str, value: tree.Expression | None) -> str | None:
@@ -276,46 +278,31 @@ def _model(
     simulate: dict[str, float],
     warnings: Sequence[Fault],
 ) -> objects.Model:
-    coordinates = [n for n in found if isinstance(n, objects.Coordinate | objects.Orientation)]
     kinds = objects.Potential | objects.Force | objects.Torque | objects.Dissipation | objects.Lagrangian
-    actions = [n for n in found if isinstance(n, kinds)]
-    effects = tuple(
-        [
-            objects.Effect(path, e.description or "", setting.uses.has(path), e.span)
-            for path, e in context.effects.items()
-        ]
-    )
+    effects = [
+        objects.Effect(path, e.description or "", setting.uses.has(path), e.span)
+        for path, e in context.effects.items()
+    ]
+    of_one_kind: dict[str, Any] = {field: _of(found, kind) for field, kind in _KINDS.items()}
+    modes = [contact.mode for contact in _of(found, objects.Contact)]
     return objects.Model(
         name=declaration.name,
         scene=setting.name,
         description=declaration.description or "",
         graph=context.graph,
         time=context.time,
-        parameters=_of(found, objects.Parameter),
-        inputs=_of(found, objects.Input),
-        coordinates=tuple(coordinates),
-        speeds=_of(found, objects.Speed),
-        frames=_of(found, objects.Frame),
-        points=_of(found, objects.Point),
-        bodies=_of(found, objects.Body),
-        actions=tuple(actions),
-        constraints=_of(found, objects.Constraint),
+        # The objects of the declarations, each kind in the order of the text.
+        coordinates=tuple([n for n in found if isinstance(n, objects.Coordinate | objects.Orientation)]),
+        actions=tuple([n for n in found if isinstance(n, kinds)]),
+        discretes=(*_of(found, objects.Discrete), *context.impulses.values(), *modes),
+        **of_one_kind,
+        # The clauses, the choice of the scene, and what the resolution has gathered.
         initial_conditions=tuple(conditions),
         whens=tuple(whens),
-        discretes=(
-            *_of(found, objects.Discrete),
-            *context.impulses.values(),
-            *(c.mode for c in _of(found, objects.Contact)),
-        ),
-        contacts=_of(found, objects.Contact),
         tables=tuple(context.curves.values()),
-        outputs=_of(found, objects.Output),
-        effects=effects,
+        effects=tuple(effects),
         scenes=setting.names,
         simulate=simulate,
-        limits=_of(found, objects.Limit),
-        joints=_of(found, objects.Joint),
-        releases=_of(found, objects.Release),
         scales=context.scales,
         built_in=tuple(context.built_in),
         imports=tuple(context.importer.asked.items()),
@@ -324,8 +311,13 @@ def _model(
     )
 
 
-def _function(context: Context, entry: Entry) -> Value:
-    return Reference(entry)
+_KINDS: dict[str, type[Any]] = {  # fields of the model that hold objects of one kind
+    "parameters": objects.Parameter, "inputs": objects.Input, "speeds": objects.Speed,
+    "frames": objects.Frame, "points": objects.Point, "bodies": objects.Body,
+    "constraints": objects.Constraint, "contacts": objects.Contact, "outputs": objects.Output,
+    "limits": objects.Limit, "joints": objects.Joint, "releases": objects.Release,
+    "figures": objects.Figure,
+}  # fmt: skip
 
 
 def _instance(context: Context, entry: Entry) -> Value:
@@ -334,21 +326,21 @@ def _instance(context: Context, entry: Entry) -> Value:
 
 
 def _without_kind(context: Context, entry: Entry) -> Value:
-    from lagc.semantics.declarations.without_kind import refuse_without_kind  # where there is a fault
+    from lagc.semantics.names.undeclared import refuse_without_kind  # where there is a fault
 
     return refuse_without_kind(context, entry)
-
-
-def _placeholder(context: Context, entry: Entry) -> Value:
-    from lagc.semantics.declarations.placeholders import declare_placeholder  # where there are some
-
-    return declare_placeholder(context, entry)
 
 
 def _joint(context: Context, entry: Entry) -> Value:
     from lagc.semantics.declarations.joints import declare_joint  # where there are some
 
     return declare_joint(context, entry)
+
+
+def _figure(context: Context, entry: Entry) -> Value:
+    from lagc.semantics.declarations.figures import declare_figure  # where there are some
+
+    return declare_figure(context, entry)
 
 
 def _constraint(context: Context, entry: Entry) -> Value:
@@ -362,15 +354,13 @@ def _constraint(context: Context, entry: Entry) -> Value:
 
 
 DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
-    "constant": declare_quantity, "parameter": declare_quantity, "structural": declare_quantity,
-    "input": declare_quantity,
-    "coordinate": declare_quantity, "speed": declare_quantity, "discrete": declare_quantity,
-    "output": declare_quantity,
-    "function": _function, "instance": _instance, "quantity": _without_kind,
+    **dict.fromkeys(("constant", "parameter", "structural", "input", "output"), declare_quantity),
+    **dict.fromkeys(("coordinate", "speed", "discrete"), declare_quantity),
+    "function": lambda context, entry: Reference(entry), "instance": _instance, "quantity": _without_kind,
     "frame": declare_frame, "point": declare_point, "body": declare_body, "gravity": declare_gravity,
     "potential": declare_potential, "kinetic": declare_free_term, "lagrangian": declare_free_term,
     "dissipation": declare_dissipation, "force": declare_load, "torque": declare_load,
-    "constraint": _constraint, "joint": _joint, "placeholder": _placeholder,
+    "constraint": _constraint, "joint": _joint, "placeholder": declare_placeholder, "draw": _figure,
 }  # fmt: skip
 
 

@@ -82,7 +82,7 @@ class Unit:
 
 
 class UnknownUnit(ValueError):
-    """A text that is not a unit: `reason` is the message; `unit_spellings` has the remedy."""
+    """A text that is not a unit: `reason` is the message; `spelling_remedy` has the remedy."""
 
     def __init__(self, reason: str, text: str = ""):
         super().__init__(reason)

@@ -215,7 +215,7 @@ def kept_share(system: System, run: Trajectory) -> tuple[int, float] | None:
 def open_reactions(system: System, run: Trajectory) -> list[int]:
     """The constraints whose multipliers are not unique at most of the states: those with z[k] not 0 for a z
     with G^T z = 0.  If there are none, those that were left out somewhere."""
-    from lagc.mechanics.numeric.dense_linear import Span
+    from lagc.mechanics.identities.linear_algebra import Span
     from lagc.simulation.initialization.inertia_check import sizes_of_speeds
 
     states = _checked(run)

@@ -8,7 +8,8 @@ from operator import index
 from typing import Any, SupportsFloat
 
 from lagc.base.records import dataclass, field
-from lagc.base.text import FINEST, MOST_POINTS
+from lagc.base.run_options import RUN_OPTIONS
+from lagc.base.text import FINEST, MOST_POINTS, Given, Quantity
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.diagnostics.suggest import did_you_mean, in_hertz, is_many_radians, many_radians
 from lagc.kernels import IMPLICIT, METHODS, SERIES
@@ -17,7 +18,6 @@ from lagc.simulation.system import FIXED, System
 
 ACCURACY = 1e-6  # global relative error by default
 STOP = 10.0  # s
-_NUMBERS = ("stop", "accuracy", "rtol", "atol", "step", "max_step", "every", "points")
 POINTS = 501  # recorded points by default
 
 
@@ -56,7 +56,7 @@ class Request:
         """Fill in the values of the scene's `simulate(...)`, then the defaults. Raises Refused (LAG0604) if a
         value is invalid."""
         values: dict[str, Any] = dict(self.__dict__)
-        for name in _NUMBERS:
+        for name in RUN_OPTIONS:
             values[name] = _plain(name, values[name])
         skipped = {"every", "points"} if self.every is not None or self.points is not None else set()
         if self.by_hand:
@@ -67,10 +67,10 @@ class Request:
             skipped |= {"max_step"}
         if any(x is not None for x in (self.accuracy, self.rtol, self.atol, self.max_step)):
             skipped |= {"step"}
-        for name in _NUMBERS:
-            said = name.replace("_", "")
+        for name, option in RUN_OPTIONS.items():
+            said = option.of_scene
             if values[name] is None and said in scene and name not in skipped:
-                values[name] = int(scene[said]) if name == "points" else scene[said]
+                values[name] = int(scene[said]) if option.whole else scene[said]
         if values["stop"] is None:
             values["stop"] = STOP
         done = Request(**values)
@@ -82,13 +82,12 @@ class Request:
     def check(self) -> None:
         """Raise Refused with all invalid values."""
         faults = []
-        for name in _NUMBERS:
+        for name, option in RUN_OPTIONS.items():
             value = getattr(self, name)
-            may_be_zero = name in ("stop", "rtol", "atol")
-            if value is None or name == "points":
+            if value is None or option.whole:
                 continue
-            if not isfinite(value) or value < 0.0 or (value == 0.0 and not may_be_zero):
-                kind = "not negative" if may_be_zero else "positive"
+            if not isfinite(value) or value < 0.0 or (value == 0.0 and not option.may_be_zero):
+                kind = "not negative" if option.may_be_zero else "positive"
                 faults.append(_request(f"`{name}` must be {kind} and finite, not {value:g}"))
         if self.points is not None and self.points < 2:
             faults.append(_request(f"`points` must be 2 or more, not {self.points}"))
@@ -98,10 +97,10 @@ class Request:
         if self.scales and self.by_hand:
             faults.append(_request("a scale belongs to an accuracy: leave out the scales or leave out "
                                    "`rtol`, `atol` and `step`"))  # fmt: skip
-        if self.accuracy is not None and self.accuracy >= 1.0:
-            faults.append(_request(f"`accuracy` is a relative error, below 1, not {self.accuracy:g}"))
-        if self.rtol is not None and isfinite(self.rtol) and self.rtol >= 1.0:
-            faults.append(_request(f"`rtol` is a relative tolerance, below 1, not {self.rtol:g}"))
+        for name, option in RUN_OPTIONS.items():
+            value = getattr(self, name)
+            if option.relative and value is not None and isfinite(value) and value >= 1.0:
+                faults.append(_request(f"`{name}` is a relative {option.relative}, below 1, not {value:g}"))
         if self.rtol is not None and 0.0 < self.rtol < FINEST:
             faults.append(_request(f"`rtol` is below {FINEST:g}, the limit of double precision"))
         if self.rtol == 0.0 and not self.atol:
@@ -144,17 +143,6 @@ class Request:
         if not isfinite(stop * n):
             return [*(k * (stop / n) for k in range(n)), stop]
         return [*(stop * k / n for k in range(n)), stop]
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """A number with its unit; None: an SI unit, or none."""
-
-    value: float
-    unit: str | None = None
-
-
-Given = Mapping[str, float | Quantity]
 
 
 _COLUMN = r"""(?i)([^"]+\.csv)(?::([^"]+))?"""
@@ -322,13 +310,13 @@ def si(name: str, number: float | Quantity, unit: str, faults: list[Fault]) -> f
     elif number.unit is None:
         value = number.value
     else:
-        from lagc.semantics.unit_spellings import unit_remedy
         from lagc.semantics.units import UnknownUnit, to_si
+        from lagc.semantics.values.unit_hints import spelling_remedy
 
         try:
             value = to_si(number.value, number.unit, unit)
         except UnknownUnit as error:
-            faults.append(Fault("LAG0605", f"`{name}`: {error.reason}", remedy=unit_remedy(error.text)))
+            faults.append(Fault("LAG0605", f"`{name}`: {error.reason}", remedy=spelling_remedy(error.text)))
             return None
     if not isfinite(value):
         faults.append(Fault("LAG0602", f"`{name}` must be a finite number, not {value:g}"))

@@ -306,7 +306,7 @@ def row_name(system: System, k: int) -> str:
 
 def contradicting(system: System, t: float, x: Sequence[float], k: int) -> list[int]:
     """Constraint k, and those whose gradients combine to its own at (t, x)."""
-    from lagc.mechanics.numeric.dense_linear import least_norm  # where a run failed
+    from lagc.mechanics.identities.linear_algebra import least_norm  # where a run failed
 
     if k < 0:
         return []

@@ -16,9 +16,8 @@ from lagc.codegen.python.support.base import MOST_CORNERS
 from lagc.mechanics.formulation.equations import EquationsOfMotion, Law
 from lagc.simulation.system import Options, System, Trajectory, arrived, work_of
 from lagc.simulation.values import values_at
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
-from lagc.symbolic.walk import reachable
+from lagc.symbolic.walk import evaluate, reachable
 
 # Gauss-Legendre of 5 points on (0, 1): M. Abramowitz, I. Stegun, 1964, table 25.4
 NODES = (0.04691007703066800, 0.2307653449471585, 0.5, 0.7692346550528415, 0.9530899229693320)

@@ -83,6 +83,7 @@ class Study:
     began: float = 0.0
     spent: float = 0.0
     complete: bool = False
+    late: bool = False  # a run took longer than the budget
 
     @property
     def floor(self) -> float:
@@ -257,7 +258,8 @@ def study(
     except (KeyboardInterrupt, Late) as error:
         if found.reference is None and isinstance(error, Late):
             raise
-        why = "interrupted" if isinstance(error, KeyboardInterrupt) else "a run took too long"
+        found.late = isinstance(error, Late)
+        why = "a run took too long" if found.late else "interrupted"
         found.notes.append(f"{why}: the results so far")
         found.conclude()
     found.spent = perf_counter() - began

@@ -325,6 +325,8 @@ def _shared(nodes: Sequence[Node], leaves: Mapping[Node, int], few: int) -> list
     """Return the sums that are used more than once, if they save many derivatives."""
     order = reachable(nodes)
     users = Counter([*nodes, *(a for node in order for a in set(node.args))])
+    # Derivatives are counted by bit sets. whole[x] has a bit for each leaf that x depends on, own[x] one
+    # for each leaf or shared sum that it depends on directly.
     whole = {x: 1 << k for k, x in enumerate(leaves)}
     own, sums, next_bit = dict(whole), dict[Node, int](), len(whole)
     for node in order:
@@ -333,9 +335,12 @@ def _shared(nodes: Sequence[Node], leaves: Mapping[Node, int], few: int) -> list
         bits = union(whole.get(a, 0) for a in node.args)
         if bits:
             whole[node], own[node] = bits, union(own.get(a, 0) for a in node.args)
+            # A sum with several users becomes an unknown of its own: what it depends on is counted once,
+            # in sums, and one bit stands for it in what uses it.
             if node.op == "add" and users[node] > 1 and own[node].bit_count() > 1:
                 sums[node], own[node] = own[node], 1 << next_bit
                 next_bit += 1
+    # The derivatives without and with shared sums.
     plain = sum([whole.get(node, 0).bit_count() for node in nodes])
     fewer = sum([own.get(node, 0).bit_count() for node in nodes]) + sum(
         [b.bit_count() for b in sums.values()]

@@ -45,6 +45,7 @@ def _interval(node: Node, x: Sequence[Interval]) -> Interval:
             power = _power(base, exponent)
             found = _hull([_times(a, b) for a in found for b in power])
         return found
+    # Kinks and tables: from the sign, or from the pieces that are reached.
     if op == "abs":
         low, high = x[0]
         return (max(low, -high, 0.0), max(-low, high))
@@ -61,6 +62,7 @@ def _interval(node: Node, x: Sequence[Interval]) -> Interval:
         begin, end = (int(min(max(a, 0.0), len(numbers) - 1.0)) for a in x[0])
         reached = numbers[begin : end + 1]
         return (min(reached), max(reached))
+    # Other functions: between the values at the ends if they rise, else anywhere in their range.
     row = OPERATORS[op]
     low, high = row.within
     if row.rising:

@@ -45,7 +45,7 @@ def interpolant(x: Node, knots: Numbers, values: Numbers, kind: str, straight: b
     return total
 
 
-def _held(knots: Numbers, values: Numbers) -> tuple[Numbers, ...]:
+def _constant_pieces(knots: Numbers, values: Numbers) -> tuple[Numbers, ...]:
     """Return a step function with the value of each knot up to the next; knots without a change are
     dropped."""
     kept = [k for k in range(len(knots)) if k == 0 or values[k] != values[k - 1]]
@@ -73,7 +73,7 @@ def _closed(knots: Numbers) -> Numbers:
 
 
 KINDS: dict[str, Callable[[Numbers, Numbers], tuple[Numbers, ...]]] = {
-    "held": _held, "linear": _linear, "cubic": _cubic,
+    "held": _constant_pieces, "linear": _linear, "cubic": _cubic,
 }  # fmt: skip
 
 

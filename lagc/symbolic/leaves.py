@@ -9,7 +9,10 @@ from collections.abc import Iterator, Sequence
 from lagc.base.records import dataclass, replace
 from lagc.host import cache
 
-QUANTITIES = ("energy", "kinetic", "potential", "power", "momentum", "angular_momentum", "reaction")
+QUANTITIES = (
+    "energy", "kinetic", "potential", "power", "momentum", "angular_momentum", "generalized_force",
+    "reaction",
+)  # fmt: skip
 _RATES = {"coordinate": "rate", "rate": "acceleration", "speed": "acceleration"}
 
 

@@ -14,8 +14,8 @@ from math import inf
 from lagc.base.records import dataclass, field
 from lagc.diagnostics.faults import Refused, Source
 from lagc.syntax import tree
+from lagc.syntax.lexer import END, NUMBER, SYMBOL, UNIT, WORD, Lexed, Token
 from lagc.syntax.parse import read
-from lagc.syntax.tokens import END, NUMBER, SYMBOL, UNIT, WORD, Lexed, Token
 
 WIDTH = 100
 INDENT = "  "
@@ -49,6 +49,7 @@ class _Layout:
         position = 0
         while tokens[position].kind != END:
             first = tokens[position].terminal
+            # `end` closes a block, and the section of initial equations that is open in it.
             if first == "END":
                 self.comments(tokens[position].start)
                 self.depth = len(open_blocks) - 1
@@ -57,10 +58,12 @@ class _Layout:
                 self.fresh = True
                 position = self.line(position, self.statement_end(position))
                 continue
+            # That section also ends with the first declaration.
             if self.initial and not self.is_condition(position):
                 self.comments(tokens[position].start)
                 self.initial = False
                 self.depth -= 1
+            # A block of one line stays one line; any other block indents what is in it.
             short = self.short_block_end(position)
             if short is not None:
                 position = self.line(position, short)
@@ -169,10 +172,10 @@ class _Layout:
         self.blank(tokens[position].start)
         among = self.taken_until(tokens[stop - 1].start)
         pieces = self.spacing.pieces(position, stop, among)
-        self.lines.extend(wrapped(pieces, INDENT * self.depth, WIDTH))
+        self.lines.extend(wrap(pieces, INDENT * self.depth, WIDTH))
         self.end = tokens[stop - 1].end
         self.fresh = False
-        self.trailing(tokens[stop].start)
+        self.add_trailing_comments(tokens[stop].start)
         return stop
 
     def taken_until(self, end: int) -> list[Token]:
@@ -190,7 +193,7 @@ class _Layout:
             self.end = comment.end
             self.fresh = False
 
-    def trailing(self, following: int) -> None:
+    def add_trailing_comments(self, following: int) -> None:
         """Add the comments on the line that was just written."""
         comments = self.lexed.comments
         while self.next_comment < len(comments):
@@ -335,7 +338,7 @@ class Spacing:
         return 0
 
 
-def wrapped(pieces: Sequence[Piece], indent: str, width: int) -> list[str]:
+def wrap(pieces: Sequence[Piece], indent: str, width: int) -> list[str]:
     """Return the lines of one declaration, at most `width` characters long where possible."""
     lines: list[str] = []
     line: list[Piece] = []
@@ -346,15 +349,15 @@ def wrapped(pieces: Sequence[Piece], indent: str, width: int) -> list[str]:
             at = _break(line, lead, width)
             if at is None:
                 break
-            lines.append(lead + _joined(line[:at]))
+            lines.append(lead + _join(line[:at]))
             line = line[at:]
             lead = indent + _CONTINUED
         if piece.ends:
-            lines.append(lead + _joined(line))
+            lines.append(lead + _join(line))
             line = []
             lead = indent + _CONTINUED
     if line:
-        lines.append(lead + _joined(line))
+        lines.append(lead + _join(line))
     return lines
 
 
@@ -373,10 +376,10 @@ def _break(line: list[Piece], lead: str, width: int) -> int | None:
 
 
 def _length(line: Iterable[Piece], lead: str) -> int:
-    return len(lead) + len(_joined(line))
+    return len(lead) + len(_join(line))
 
 
-def _joined(line: Iterable[Piece]) -> str:
+def _join(line: Iterable[Piece]) -> str:
     text = "".join((" " if piece.space else "") + piece.text for piece in line)
     return text.lstrip(" ")
 

@@ -41,7 +41,7 @@ class Tables:
 @cache
 def tables() -> Tables:
     grammar = grammar_text()
-    shipped = _shipped(grammar)
+    shipped = _load_shipped(grammar)
     if shipped is not None:
         return shipped
     name = store.key(_LAYOUT, grammar, sys.version)
@@ -71,7 +71,7 @@ def packed() -> str:
     return json.dumps([store.key(_LAYOUT, grammar), *_build(grammar)], separators=(",", ":"))
 
 
-def _shipped(grammar: str) -> Tables | None:
+def _load_shipped(grammar: str) -> Tables | None:
     import json
 
     try:
@@ -91,6 +91,7 @@ def _build(grammar: str) -> tuple[Any, ...]:
     data, memo = lark.memo_serialize([TerminalDef, Rule])
     automaton = data["parser"]["parser"]
     symbols = automaton["tokens"]
+    # States and rules are numbered by their first use, since Lark's numbers are not reproducible.
     order = _in_order(automaton)
     number = {state: position for position, state in enumerate(order)}
     rules: list[tuple[str, int, str | None, Recipe]] = []
@@ -99,6 +100,7 @@ def _build(grammar: str) -> tuple[Any, ...]:
     for state in order:
         row: dict[str, int] = {}
         for symbol, (reduces, argument) in sorted(automaton["states"][state].items(), key=_by_name(symbols)):
+            # A reduction is stored as ~rule, a shift as the number of the next state.
             if reduces:
                 key = argument["@"]
                 if key not in rule_number:
@@ -108,6 +110,7 @@ def _build(grammar: str) -> tuple[Any, ...]:
             else:
                 row[symbols[symbol]] = number[argument]
         actions.append(row)
+    # Terminals that are one text: keywords and signs.
     fixed = {t.pattern.value: t.name for t in lark.terminals if isinstance(t.pattern, PatternStr)}
     keywords = {text: name for text, name in fixed.items() if text[0].isalpha()}
     signs = {text: name for text, name in fixed.items() if not text[0].isalpha()}

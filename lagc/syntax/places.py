@@ -39,6 +39,7 @@ _PLACES: dict[str, frozenset[str]] = {
 }
 _IN_LOOPS = frozenset({
     "frame", "point", "body", "joint", "potential", "kinetic", "lagrangian", "dissipation",
+    "draw",
     "force", "torque", "constraint", "initial", "for", "when", "instance",
 })  # fmt: skip
 _BY_INDEX = {  # how an array outside of a loop gets a value for each element
@@ -54,6 +55,7 @@ _ENERGIES = {
     **dict.fromkeys(("V", "U", "PE", "Ep", "Epot", "V_pot"), "potential"),
     **dict.fromkeys(("L", "Lagrangian"), "lagrangian"),
 }
+_OF_RUN = ("stop", "stoptime", "tstop", "t_end", "duration", "accuracy", "every", "points")  # settings
 _LONGEST = 80  # characters of an energy that a remedy repeats
 _SHOWN = {
     "file": "at the top of a file",
@@ -101,7 +103,9 @@ def _arrange(
             if kind not in ("requires", "excludes"):
                 arranged.append(item)
             if isinstance(item, tree.Quantities | tree.Instance):
-                faults += [_dotted(d) for d in item.declarators if d.within and container != "scene"]
+                faults += [
+                    _dotted_name_fault(d) for d in item.declarators if d.within and container != "scene"
+                ]
         outside = True
         _check(kind, item.span, container, misplaced, faults)
     return tuple(arranged), initial
@@ -175,25 +179,25 @@ def _energy(condition: tree.Condition) -> str | None:
 
 def _instead(condition: tree.Condition, container: str) -> str:
     """Return what to write in place of an equation outside of the `initial` section."""
-    left, right = condition.left.span.text, condition.right.span.text
-    if container == "scene" and len(left + right) <= _LONGEST and "\n" not in left + right:
-        if left.lower() in ("stop", "stoptime", "tstop", "t_end", "duration", "accuracy", "every", "points"):
-            name = left if left in ("accuracy", "every", "points") else "stop"
+    target, right = condition.left.span.text, condition.right.span.text
+    if container == "scene" and len(target + right) <= _LONGEST and "\n" not in target + right:
+        if target.lower() in _OF_RUN:
+            name = target if target in ("accuracy", "every", "points") else "stop"
             return f"write `simulate({name} = {right});`"
-        name = left.removesuffix(".start")
+        name = target.removesuffix(".start")
         return f"for an initial value write `start {name} = {right};`, else `parameter {name} = {right};`"
     kind = _energy(condition)
     if kind == "lagrangian" and "der(" not in right:
         return "delete it: the Lagrangian is the kinetic energy of all bodies minus all energies `potential`"
     if kind is not None and len(right) <= _LONGEST and "\n" not in right:
-        return f"write `{kind} {left} = {right};`"
-    if "der(der(" in left + right or "acceleration(" in left + right:
+        return f"write `{kind} {target} = {right};`"
+    if "der(der(" in target + right or "acceleration(" in target + right:
         return (
             "delete it: the equations of motion follow from the bodies and what acts on them; write a force "
             "as `force f = {1 [N], 0, 0} at b;`"
         )
-    if isinstance(condition.left, tree.Call) and left.endswith("(0)") and not left.startswith("der"):
-        name = left.removesuffix("(0)")
+    if isinstance(condition.left, tree.Call) and target.endswith("(0)") and not target.startswith("der"):
+        name = target.removesuffix("(0)")
         return f"write the initial value where `{name}` is declared, `{name}(start = {right})`"
     return (
         "for an equation that always holds write `constraint name: left = right;`; for a computed quantity "
@@ -201,11 +205,8 @@ def _instead(condition: tree.Condition, container: str) -> str:
     )
 
 
-def _dotted(declarator: tree.Declarator) -> Fault:
+def _dotted_name_fault(declarator: tree.Declarator) -> Fault:
     """Report `parameter a.l = 2;` outside of a scene."""
-    return Fault(
-        "LAG0134",
-        "a declared name contains no `.`; a part of an instance is declared in its model",
-        declarator.name_span,
-        remedy=f"set its value at the instance, `Model a({declarator.name} = ...)`, or in a scene",
-    )
+    message = "a declared name contains no `.`; a part of an instance is declared in its model"
+    remedy = f"set its value at the instance, `Model a({declarator.name} = ...)`, or in a scene"
+    return Fault("LAG0134", message, declarator.name_span, remedy=remedy)

@@ -11,9 +11,8 @@ from collections.abc import Callable
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.syntax.lalr import MOST_FAULTS, Machine
-from lagc.syntax.mistakes import keywords, operators, punctuation
-from lagc.syntax.mistakes.context import Explained, Repair, Where
-from lagc.syntax.tokens import END, SYMBOL, WORD, Token
+from lagc.syntax.lexer import END, SYMBOL, WORD, Token
+from lagc.syntax.mistakes import Explained, Repair, Where, explained, keywords, signs
 
 MOST_RECOVERIES = 200
 
@@ -66,13 +65,13 @@ class Recovery:
         if top.text == "end" and "SEMICOLON" not in machine.tables.actions[machine.states[-1]]:
             span = Span(machine.source, top.start, top.end)
             machine.report(block.fault("LAG0113", "`end` needs the name of its block", span), top)
-            machine.tokens.insert(machine.position, Token(WORD, block.closing, at, at))
+            machine.tokens.insert(machine.position, Token(WORD, block.end_name, at, at))
             return True
         before = machine.values[-2]
-        if type(before) is not Token or before.text != "end" or top.text != block.closing:
+        if type(before) is not Token or before.text != "end" or top.text != block.end_name:
             return False
         span = Span(machine.source, top.end, top.end)
-        remedy = f"write `end {block.closing};`"
+        remedy = f"write `end {block.end_name};`"
         machine.report(Fault("LAG0111", "a `;` is missing", span, (), remedy), before)
         machine.tokens.insert(machine.position, Token(SYMBOL, ";", at, at))
         return True
@@ -221,18 +220,20 @@ def _anything_else(w: Where) -> Explained:
     if not w.inside:
         message = f"{w.shown} does not begin a declaration"
         begins = "begin with a keyword (`parameter`, `body`, ...) or the name of a model"
-        return Explained(Fault("LAG0110", message, w.span(w.token), remedy=begins))
+        return explained("LAG0110", message, w.span(w.token), begins)
     remedy = "a `;` or an operator may be missing" if w.accepts("SEMICOLON") else None
     message = f"{w.shown} cannot stand after `{w.before.text}`"
-    return Explained(Fault("LAG0110", message, w.span(w.token), remedy=remedy))
+    return explained("LAG0110", message, w.span(w.token), remedy)
 
 
 _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     keywords.solver_call,
     keywords.scene_arguments,
-    operators.python_function,
-    operators.foreign_operator,
-    punctuation.comma_in_list,
+    signs.python_function,
+    signs.foreign_operator,
+    signs.step_by_one,
+    signs.energy_without_name,
+    signs.comma_in_list,
     keywords.brace_for_block,
     keywords.else_when,
     keywords.if_statement,
@@ -242,36 +243,36 @@ _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     keywords.import_as,
     keywords.annotation_behind,
     keywords.first_word,
-    operators.comparison_for_equation,
-    operators.equation_for_comparison,
-    punctuation.decimal_comma,
-    punctuation.comma_between_starts,
-    operators.power_of_function,
-    operators.chained,
-    punctuation.semicolon_too_many,
+    signs.comparison_for_equation,
+    signs.equation_for_comparison,
+    signs.decimal_comma,
+    signs.comma_between_starts,
+    signs.power_of_function,
+    signs.chained_comparison,
+    signs.semicolon_too_many,
     keywords.missing_end_word,
     keywords.stray_end,
-    punctuation.number_of_another_language,
-    punctuation.bare_unit,
-    punctuation.size_before_name,
+    signs.number_of_another_language,
+    signs.bare_unit,
+    signs.size_before_name,
     keywords.family,
     keywords.python_choice,
     keywords.conditional_component,
-    punctuation.vector_in_brackets,
-    punctuation.vector_in_parentheses,
-    punctuation.colon_for_equal,
-    punctuation.brackets,
+    signs.vector_in_brackets,
+    signs.vector_in_parentheses,
+    signs.colon_for_equal,
+    signs.brackets,
     keywords.load_target_first,
     keywords.load_target,
     keywords.loop_of_another_language,
     keywords.missing_word,
     keywords.constraint_parts,
     keywords.description_last,
-    punctuation.missing_semicolon,
-    punctuation.missing_comma,
-    punctuation.missing_operator,
-    punctuation.missing_sign,
-    punctuation.unit_behind_expression,
-    punctuation.missing_value,
+    signs.missing_semicolon,
+    signs.missing_comma,
+    signs.missing_operator,
+    signs.missing_sign,
+    signs.unit_behind_expression,
+    signs.missing_value,
     keywords.missing_name,
 )

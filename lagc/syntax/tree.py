@@ -152,22 +152,9 @@ class Range:
     span: Span
 
 
-Expression: TypeAlias = (
-    Number
-    | Boolean
-    | String
-    | Quantity
-    | Name
-    | Member
-    | Index
-    | Call
-    | Unary
-    | Binary
-    | Conditional
-    | Vector
-    | Family
-    | Range
-)
+Literal: TypeAlias = Number | Boolean | String | Quantity
+Path: TypeAlias = Name | Member | Index | Call
+Expression: TypeAlias = Literal | Path | Unary | Binary | Conditional | Vector | Family | Range
 
 # -- declarations -----------------------------------------------------------------
 
@@ -233,8 +220,8 @@ class FunctionDeclaration:
 @dataclass(frozen=True, slots=True)
 class Construct:
     """`frame A = expr`, `point P[0] = expr`, `body b = Particle(...)`, `joint j = ...`,
-    `potential V = ...`, `kinetic`, `lagrangian`, `dissipation`. kind is that keyword; `index` the subscripts
-    of an element, as in `point P[i]`."""
+    `potential V = ...`, `kinetic`, `lagrangian`, `dissipation`, `draw`. kind is that keyword; `index` the
+    subscripts of an element, as in `point P[i]`."""
 
     kind: str
     name: str

@@ -1,4 +1,4 @@
-"""Nodes of the syntax tree for declarations.
+"""Nodes of the syntax tree.
 
 One method for each grammar rule (or its alias).  The parser calls it with the rule's children in order (None
 for an optional one that is not written) and the span of the whole.
@@ -6,19 +6,26 @@ for an optional one that is not written) and the span of the whole.
 
 from __future__ import annotations
 
-from typing import Any
+import math
+import re
+from collections.abc import Callable
+from typing import Any, TypeAlias, TypeVar
 
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.syntax import tree
-from lagc.syntax.expression_builder import MOST_PARTS, Children, Expressions
+from lagc.syntax.lexer import Token
 from lagc.syntax.places import FILE, arrange
-from lagc.syntax.tokens import Token
 
+_PARTS = (tree.Name, tree.Member, tree.Index, tree.Call)
+MOST_PARTS = 100  # parts of one name, `a.b[1].c`
 _TYPES_TOO = frozenset({"Force", "Torque"})  # also types of quantities, and not only like keywords
 
+Children: TypeAlias = list[Any]
+T = TypeVar("T")
 
-def _only(self: object, c: Children, span: Span) -> Any:
+
+def _first_child(self: object, c: Children, span: Span) -> Any:
     return c[0]
 
 
@@ -26,19 +33,47 @@ def _word(self: object, c: Children, span: Span) -> Any:
     return c[0].text
 
 
-class Builder(Expressions):
+def _all_children(self: object, c: Children, span: Span) -> tuple[Any, ...]:
+    return tuple(c)
+
+
+def _node(kind: Callable[..., Any]) -> Callable[[object, Children, Span], Any]:
+    """Return the method of a rule whose children are the fields of a node."""
+    return lambda self, c, span: kind(*c, span)
+
+
+class Requires:
+    """`requires a, b;`, until its effect is built."""
+
+    def __init__(self, names: tuple[tree.Name, ...], span: Span):
+        self.names = names
+        self.span = span
+
+
+class Excludes(Requires):
+    """`excludes a, b;`."""
+
+
+class Builder:
     """Builds the tree of `source`; `faults` are those that the grammar does not find."""
 
-    uses = unless = relation = _only
+    uses = unless = relation = _first_child
     quantity_kind = construct_kind = _word
+    items = declarators = parameters = names = path = subscripts = _all_children
+    statement, annotation = _node(tree.Statement), _node(tree.Annotation)
+    requires, excludes = _node(Requires), _node(Excludes)
+    start, simulate = _node(tree.Start), _node(tree.Simulate)
+
+    def __init__(self, source: Source):
+        self.source = source
+        self.faults: list[Fault] = []
+        # Number of parts of a name, by identity; the name is kept alive, as identities are reused.
+        self._parts: dict[int, tuple[object, int]] = {}
 
     # -- files and what holds other declarations ---------------------------------------
 
     def file(self, c: Children, span: Span) -> tree.Tree:
         return tree.Tree(self.source, arrange(c, FILE, self.faults))
-
-    def items(self, c: Children, span: Span) -> tuple[Any, ...]:
-        return tuple(c)
 
     def model(self, c: Children, span: Span) -> tree.ModelDeclaration:
         partial, name, description, items, _ = c
@@ -77,10 +112,6 @@ class Builder(Expressions):
         condition, *statements = c
         return tree.When(condition, tuple(statements), span)
 
-    def statement(self, c: Children, span: Span) -> tree.Statement:
-        action, value = c
-        return tree.Statement(action, value, span)
-
     # -- one line each --------------------------------------------------------------------
 
     def import_path(self, c: Children, span: Span) -> tree.Import:
@@ -100,15 +131,6 @@ class Builder(Expressions):
         path, arguments = c
         return tree.Extends(_names(path), self._span(path[0]).to(self._span(path[-1])), arguments or (), span)
 
-    def annotation(self, c: Children, span: Span) -> tree.Annotation:
-        return tree.Annotation(c[0], span)
-
-    def requires(self, c: Children, span: Span) -> Requires:
-        return Requires(c[0], span)
-
-    def excludes(self, c: Children, span: Span) -> Excludes:
-        return Excludes(c[0], span)
-
     def type_declaration(self, c: Children, span: Span) -> tree.TypeDeclaration:
         name, definition, arguments, description = c
         return tree.TypeDeclaration(
@@ -117,17 +139,16 @@ class Builder(Expressions):
 
     def quantities(self, c: Children, span: Span) -> tree.Quantities:
         kind, type_name, declarators, unless, description = c
-        return tree.Quantities(kind, type_name, self._described(declarators, description), unless or (), span)
+        return tree.Quantities(
+            kind, type_name, self._with_description(declarators, description), unless or (), span
+        )
 
     def instance(self, c: Children, span: Span) -> tree.Instance:
         model, declarators, unless, description = c
         made = self._type_of(model)
         if any(declarator.value is not None for declarator in declarators):
             self.faults += _misspelt_keyword(made)
-        return tree.Instance(made, self._described(declarators, description), unless or (), span)
-
-    def declarators(self, c: Children, span: Span) -> tuple[tree.Declarator, ...]:
-        return tuple(c)
+        return tree.Instance(made, self._with_description(declarators, description), unless or (), span)
 
     def declarator(self, c: Children, span: Span) -> tree.Declarator:
         name, dimensions, arguments, value, description = c
@@ -158,9 +179,6 @@ class Builder(Expressions):
         return tree.FunctionDeclaration(
             name.text, self._span(name), parameters or (), body, self._text(description), span
         )
-
-    def parameters(self, c: Children, span: Span) -> tuple[tuple[tree.TypeName, str, Span], ...]:
-        return tuple(c)
 
     def parameter(self, c: Children, span: Span) -> tuple[tree.TypeName, str, Span]:
         return c[0], c[1].text, self._span(c[1])
@@ -202,12 +220,6 @@ class Builder(Expressions):
         left, relation, right, unless = c
         return tree.Initial((tree.Condition(left, right, self._span(relation), span),), unless or (), span)
 
-    def start(self, c: Children, span: Span) -> tree.Start:
-        return tree.Start(c[0], c[1], span)
-
-    def simulate(self, c: Children, span: Span) -> tree.Simulate:
-        return tree.Simulate(c[0], span)
-
     # -- parts of declarations -------------------------------------------------------------
 
     def tail(self, c: Children, span: Span) -> tuple[tuple[tree.Name, ...], str | None]:
@@ -215,9 +227,6 @@ class Builder(Expressions):
 
     def tail_reversed(self, c: Children, span: Span) -> tuple[tuple[tree.Name, ...], str | None]:
         return c[1], self._text(c[0])
-
-    def names(self, c: Children, span: Span) -> tuple[tree.Name, ...]:
-        return tuple(c)
 
     def place(self, c: Children, span: Span) -> tree.Name:
         """`cars[2].drag`, as paths of elements are written."""
@@ -227,19 +236,16 @@ class Builder(Expressions):
     def element(self, c: Children, span: Span) -> str:
         return f"[{','.join(number.text for number in c)}]"
 
-    def path(self, c: Children, span: Span) -> tuple[Token, ...]:
-        return tuple(c)
-
     def type(self, c: Children, span: Span) -> tree.TypeName:
         path, unit = c
         return tree.TypeName(_names(path), None if unit is None else self._unit(unit), span)
 
     # -- helpers -----------------------------------------------------------------------------
 
-    def _described(
+    def _with_description(
         self, declarators: tuple[tree.Declarator, ...], description: Token | None
     ) -> tuple[tree.Declarator, ...]:
-        """A description after `unless` is that of the last name."""
+        """Return a description after `unless` is that of the last name."""
         if description is None:
             return declarators
         return (*declarators[:-1], replace(declarators[-1], description=self._text(description)))
@@ -257,27 +263,133 @@ class Builder(Expressions):
         path.append(part.name)
         return tree.TypeName(tuple(reversed(path)), None, expression.span)
 
+    # -- expressions -------------------------------------------------------------------
 
-class Requires:
-    """`requires a, b;`, until its effect is built."""
+    def arguments(self, c: Children, span: Span) -> tuple[tree.Argument, ...]:
+        return tuple(argument for argument in c if argument is not None)
 
-    def __init__(self, names: tuple[tree.Name, ...], span: Span):
-        self.names = names
-        self.span = span
+    def argument(self, c: Children, span: Span) -> tree.Argument:
+        each, left, value = c
+        if value is None and each is None:
+            return tree.Argument(None, None, left, span)
+        if isinstance(left, tree.Name):
+            return tree.Argument(left.name, left.span, value, span, each is not None)
+        if isinstance(left, tree.Call) and isinstance(left.function, tree.Name):
+            name = left.function
+            return tree.Argument(name.name, name.span, value, span, each is not None, left.arguments)
+        message = "what stands before the `=` of an argument is a name"
+        remedy = "write `name = value`, or `==` to compare"
+        self.faults.append(Fault("LAG0123", message, left.span, remedy=remedy))
+        return tree.Argument(None, None, value or left, span)
 
+    def range(self, c: Children, span: Span) -> tree.Range:
+        first, second, third = c
+        if third is None:
+            return tree.Range(first, None, second, span)
+        return tree.Range(first, second, third, span)
 
-class Excludes(Requires):
-    """`excludes a, b;`."""
+    def conditional(self, c: Children, span: Span) -> tree.Conditional:
+        branches = tuple((c[i], c[i + 1]) for i in range(0, len(c) - 1, 2))
+        return tree.Conditional(branches, c[-1], span)
+
+    def binary(self, c: Children, span: Span) -> tree.Binary:
+        left, op, right = c
+        return tree.Binary(op.text, left, right, self._span(op), span)
+
+    def unary(self, c: Children, span: Span) -> tree.Unary:
+        return tree.Unary(c[0].text, c[1], span)
+
+    def name(self, c: Children, span: Span) -> tree.Name:
+        return tree.Name(c[0].text, span)
+
+    def member(self, c: Children, span: Span) -> tree.Member:
+        return self._part(tree.Member(c[0], c[1].text, self._span(c[1]), span), c[0])
+
+    def index(self, c: Children, span: Span) -> tree.Index:
+        base, indices = c
+        if not isinstance(base, _PARTS) and isinstance(indices[0], tree.Name | tree.Binary):
+            bracket = Span(self.source, indices[0].span.start - 1, span.end)
+            if self.source.text[bracket.start - 1].isspace():
+                message = "a unit follows a number, a vector in braces, or `Real`"
+                self.faults.append(
+                    Fault("LAG0121", message, bracket, remedy="write the unit inside the brackets")
+                )
+        return self._part(tree.Index(c[0], c[1], span), c[0])
+
+    def call(self, c: Children, span: Span) -> tree.Call:
+        return self._part(tree.Call(c[0], c[1], span), c[0])
+
+    def call_of_family(self, c: Children, span: Span) -> tree.Call:
+        function, family = c
+        argument = tree.Argument(None, None, family, family.span)
+        return self._part(tree.Call(function, (argument,), span), function)
+
+    def parenthesised(self, c: Children, span: Span) -> tree.Expression:
+        # The span includes the parentheses, so that the caret underlines them.
+        inner: tree.Expression = c[0]
+        node = replace(inner, span=span)
+        if id(inner) in self._parts:
+            self._parts[id(node)] = node, self._parts[id(inner)][1]
+        return node
+
+    def quantity(self, c: Children, span: Span) -> tree.Expression:
+        value, unit = c
+        return value if unit is None else tree.Quantity(value, self._unit(unit), span)
+
+    def vector(self, c: Children, span: Span) -> tree.Vector:
+        return tree.Vector(tuple(element for element in c if element is not None), span)
+
+    def family(self, c: Children, span: Span) -> tree.Family:
+        element, variable, values = c
+        return tree.Family(element, variable.text, values, span)
+
+    def family_in_braces(self, c: Children, span: Span) -> tree.Family:
+        family: tree.Family = c[0]
+        return replace(family, span=span)
+
+    def number(self, c: Children, span: Span) -> tree.Number:
+        text = c[0].text
+        value = float(text)
+        if math.isinf(value):
+            message = "this number is too large: the largest is about 1.8e308"
+            self.faults.append(Fault("LAG0105", message, span))
+        return tree.Number(value, text, span)
+
+    def string(self, c: Children, span: Span) -> tree.String:
+        return tree.String(self._text(c[0]) or "", span)
+
+    def boolean(self, c: Children, span: Span) -> tree.Boolean:
+        return tree.Boolean(c[0].text == "true", span)
+
+    # -- helpers -----------------------------------------------------------------------------
+
+    def _span(self, token: Token) -> Span:
+        return Span(self.source, token.start, token.end)
+
+    def _unit(self, token: Token) -> tree.Unit:
+        return tree.Unit(token.text[1:-1].strip(), self._span(token))
+
+    def _text(self, token: Token | None) -> str | None:
+        return None if token is None else text_between_quotes(token.text)
+
+    def _part(self, node: T, base: tree.Expression) -> T:
+        parts = 1 + (self._parts[id(base)][1] if id(base) in self._parts else 1)
+        self._parts[id(node)] = node, parts
+        if parts == MOST_PARTS + 1:
+            self._too_many_parts(base.span)
+        return node
+
+    def _too_many_parts(self, span: Span) -> None:
+        self.faults.append(Fault("LAG0106", f"this name has more than {MOST_PARTS} parts", span))
 
 
 def _misspelt_keyword(made: tree.TypeName) -> list[Fault]:
     """Report `bod b = Particle(...);`, since an instance of a model has no value."""
-    from lagc.diagnostics.foreign_words import KEYWORDS, TYPES, remedy_of_word
-    from lagc.diagnostics.suggest import closest
+    from lagc.diagnostics.suggest import closest, foreign, remedy_of_word
     from lagc.syntax.lalr_tables import tables
 
     word = made.path[-1]
-    remedy = remedy_of_word(KEYWORDS, word)
+    remedy = remedy_of_word("keywords", word)
     if remedy is not None:
         message = f"`{word}` is not a keyword of the language"
         return [Fault("LAG0118", message, made.span, remedy=remedy)]
@@ -285,7 +397,7 @@ def _misspelt_keyword(made: tree.TypeName) -> list[Fault]:
         message = f"the arguments of a `{word}` follow its name in parentheses"
         remedy = f"write `body b = {word}(...);`, or `{word} b(...);`"
         return [Fault("LAG0119", message, made.span, remedy=remedy)]
-    if word in _TYPES_TOO or word in TYPES:
+    if word in _TYPES_TOO or word in foreign("types"):
         return []
     keywords = tables().keywords
     near = word.lower() if word.lower() in keywords else closest(word, keywords)
@@ -321,3 +433,12 @@ def _options_apart(
         else:
             kept = replace(node, operand=kept, span=span)
     return kept, last.arguments
+
+
+def text_between_quotes(text: str) -> str:
+    """Return the text between the quotes, with escapes replaced."""
+    inner = text[1:-1]
+    if "\\" not in inner:
+        return inner
+    signs = {"n": "\n", "t": "\t", "r": "\r"}
+    return re.sub(r"\\(.?)", lambda found: signs.get(found[1], found[1]), inner, flags=re.DOTALL)

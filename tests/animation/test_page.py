@@ -18,10 +18,9 @@ import pytest
 from scipy.special import ellipj, ellipk
 
 import lagc
-from lagc.api_run import Run
+from lagc.api.run import Run
 from lagc.host.model_library import library_models
-from lagc.reports.animation.channels import Channels
-from lagc.reports.animation.page import Animation
+from lagc.reports.animation.page import Animation, Channels
 from tests.animation.pages import Page
 
 G, L, M = 9.81, 0.7, 1.3
@@ -248,3 +247,16 @@ def test_a_wrong_ending_and_an_empty_run_are_refused(pendulum: Run) -> None:
     bare = Run(**{name: getattr(pendulum, name) for name in type(pendulum).__match_args__})
     with pytest.raises(ValueError, match="no model"):
         bare.animate()
+
+
+def test_friction_is_along_the_plane(tmp_path: Path) -> None:
+    """mu N against the slip while a block slides up; what holds it against its weight when it sticks."""
+    run = lagc.load("incline").compile(backend="numpy").simulate(method="dop853", rtol=1e-9)
+    run.animate(str(tmp_path / "page.html"))
+    shown = Page((tmp_path / "page.html").read_text())
+    _, v = shown.force("friction of slope")
+    stop = next(event.t for event in run.events if event.name.endswith("sticks"))
+    slides, sticks = -0.7 * 9.81 * math.cos(math.radians(30)), 9.81 * math.sin(math.radians(30))
+    assert np.abs(v[shown.t < stop - 1e-6, 0] - slides).max() < 1e-3
+    assert np.abs(v[shown.t > stop + 1e-6, 0] - sticks).max() < 1e-3
+    assert np.abs(v[:, 1:]).max() < 1e-3

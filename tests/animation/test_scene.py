@@ -139,3 +139,10 @@ def test_every_library_model_has_a_scene_with_all_its_bodies(name: str) -> None:
     count = len(scene.places)
     for link in (*scene.links, *scene.springs):
         assert 0 <= link.a < count and 0 <= link.b < count and link.a != link.b
+
+
+@pytest.mark.parametrize("name", ["course/disc_on_a_slope_explicit", "contact/billiard"])
+def test_a_plane_is_drawn_where_a_round_solid_touches_it(name: str) -> None:
+    """The gap is written for the centre, at the distance of the radius from the plane through the origin."""
+    scene = lagc.load(name).compile(backend="numpy").simulate(stop=0.2, points=21, method="dop853").scene()
+    assert [row.c for row in scene.surfaces if row.kind == "plane"] == [0.0]

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.benchmarks.problems import PROBLEMS, Problem, solve
-from tests.simulation.test_generated import needs_compiler
+from tests.simulation.programs import needs_compiler
 
 ROOT = Path(__file__).parents[2]
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import lagc
-from lagc.api_run import Run
+from lagc.api.run import Run
 
 TEXT = """
 model Pendulum

@@ -49,7 +49,7 @@ python = cpu()
 status = dict(line.split(":", 1) for line in open("/proc/self/status"))
 first("c")
 c = cpu()
-from lagc.compiler.pipeline import render
+from lagc.compiler.stages import render
 print(json.dumps({"x": x, "operations": compiled.operations, "MB": int(status["VmHWM"].split()[0]) / 1024.0,
     "first": python - began, "C": compiling - began + c - python, "constrained": compiled.interface.nc > 0,
     "sources": render(compiled.program, "c")}))

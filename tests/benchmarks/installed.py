@@ -11,8 +11,7 @@ from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
-from lagc.codegen.kernel_compiler import shipped
-from lagc.syntax import lalr_tables
+from lagc.compiler.shipped import files
 
 CHECKOUT = Path(__file__).parents[2]
 
@@ -25,9 +24,8 @@ def folder() -> str:
     shutil.copytree(CHECKOUT / "lagc", package, ignore=shutil.ignore_patterns("__pycache__"))
     for name in ("grammar", "models"):
         shutil.copytree(CHECKOUT / name, package / name)
-    for made in (lalr_tables, shipped):  # as `hatch_build.py`
-        place = package / Path(made.shipped_path()).relative_to(CHECKOUT / "lagc")
-        place.write_text(made.packed(), encoding="utf-8")
+    for path, text in files(CHECKOUT).items():  # as `hatch_build.py`
+        (package / path.relative_to(CHECKOUT / "lagc")).write_text(text, encoding="utf-8")
     compileall.compile_dir(package, quiet=1)
     return str(root)
 

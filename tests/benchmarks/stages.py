@@ -13,8 +13,8 @@ import time
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from lagc.compiler import checking, pipeline
-from lagc.compiler.pipeline import Choice
+from lagc.compiler import checking, pipeline, stages
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host import model_library
 from lagc.host.budgets import Limits
@@ -125,16 +125,16 @@ class Stages:
         self.made: dict[str, Any] = {}
 
     def parse(self) -> Any:
-        return pipeline.parse(self.source)
+        return stages.parse(self.source)
 
     def resolve(self) -> Any:
-        return pipeline.resolve(self.made["parse"], self.choice)
+        return stages.resolve(self.made["parse"], self.choice)
 
     def derive(self) -> Any:
-        return pipeline.derive(self.made["resolve"])
+        return stages.derive(self.made["resolve"])
 
     def optimize(self) -> Program:
-        return pipeline.optimize(self.made["derive"], work=True)
+        return stages.optimize(self.made["derive"], work=True)
 
     def start(self) -> Any:
         from lagc.simulation.initialization.dry_run import try_start
@@ -146,7 +146,7 @@ class Stages:
         return try_start(program, values)
 
     def render(self) -> Any:
-        return pipeline.render(self.made["optimize"], "c")
+        return stages.render(self.made["optimize"], "c")
 
     def equations(self) -> Any:
         from lagc.reports.equations.write import write
@@ -170,7 +170,7 @@ NEEDS = {
 STAGES = ("parse", "resolve", "derive", "optimize", "start", "render", "equations", "explain", "check")
 
 
-def seconds(stages: Stages, stage: str) -> float:
+def seconds(one: Stages, stage: str) -> float:
     """CPU seconds, the least of some; infinite where it takes too long.  What is refused is a result too."""
     least, spent = math.inf, 0.0
     for _ in range(RUNS):
@@ -178,7 +178,7 @@ def seconds(stages: Stages, stage: str) -> float:
         began = time.process_time()
         try:
             with Limits(time=MOST):
-                stages.made[stage] = getattr(stages, stage)()
+                one.made[stage] = getattr(one, stage)()
         except Refused as refused:
             if refused.faults[0].code == "LAG0801":
                 return math.inf
@@ -193,11 +193,11 @@ def grown(family: Family) -> list[list[Cell]]:
     """A row a stage: seconds at each size, and the exponent of the two largest that were measured."""
     taken: dict[str, list[float]] = {stage: [] for stage in STAGES}
     for n in family.sizes:
-        stages = Stages(family.text(n), n, family.structural)
+        one = Stages(family.text(n), n, family.structural)
         for stage in STAGES:
             over = bool(taken[stage]) and taken[stage][-1] > MOST / 8.0
-            possible = all(part in stages.made for part in NEEDS.get(stage, ()))
-            taken[stage].append(seconds(stages, stage) if possible and not over else math.inf)
+            possible = all(part in one.made for part in NEEDS.get(stage, ()))
+            taken[stage].append(seconds(one, stage) if possible and not over else math.inf)
     rows: list[list[Cell]] = []
     for stage, times in taken.items():
         known = [(family.pieces(n), t) for n, t in zip(family.sizes, times) if t < math.inf]

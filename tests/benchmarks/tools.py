@@ -20,7 +20,7 @@ import numpy as np
 
 import lagc
 from lagc.api import CompiledModel
-from lagc.compiler import pipeline
+from lagc.compiler import pipeline, stages
 from lagc.host import cache
 from lagc.kernels import EXPLICIT, IMPLICIT, METHODS
 from lagc.study.probe import Array, Probe, Setting
@@ -46,7 +46,7 @@ class Task:
 
     def probe(self, real: str = "double", method: str | None = None) -> Probe:
         program = pipeline.delivered(self.model.compilation, False, [method] if method else EXPLICIT)
-        sources = pipeline.render(program, "c", real=real)
+        sources = stages.render(program, "c", real=real)
         return Probe(sources, program.interface, self.model._bound(None), self.x0, real)
 
 

@@ -14,8 +14,7 @@ import pytest
 
 from lagc.base.text import json_text, one_line, printable
 from lagc.cli.main import main
-from lagc.diagnostics.faults import Fault, Source, Span
-from lagc.diagnostics.report import report
+from lagc.diagnostics.faults import Fault, Source, Span, report
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 Capture = pytest.CaptureFixture[str]

@@ -72,7 +72,7 @@ def test_a_stage_that_never_ends_is_ended_and_named(
     monkeypatch.setattr(importlib.import_module(module), name, endless)
     monkeypatch.setattr(budgets, "ALLOWED", 0.2)
     for size_of in ("PER_CHARACTER", "PER_PAIR", "PER_OPERATION"):
-        monkeypatch.setattr(f"lagc.compiler.pipeline.{size_of}", 0.0)
+        monkeypatch.setattr(f"lagc.compiler.stages.{size_of}", 0.0)
     before, began = signal.getsignal(signal.SIGALRM), monotonic()
     words = [command, spring, *(["-o", str(tmp_path)] if command == "build" else [])]
     assert main([*words, *(["--max-time", "0.5"] if given else []), "--json"]) == 4
@@ -93,7 +93,7 @@ def test_a_start_that_takes_long_is_no_fault_of_the_model(
     """A run goes on with it: `check` says that it was not tried to its end, or that the time given is up."""
     monkeypatch.setattr("lagc.simulation.initialization.initialize.consistent_start", endless)
     monkeypatch.setattr(budgets, "ALLOWED", 0.5)
-    monkeypatch.setattr("lagc.compiler.pipeline.PER_OPERATION", 0.0)
+    monkeypatch.setattr("lagc.compiler.stages.PER_OPERATION", 0.0)
     before = signal.getsignal(signal.SIGALRM)
     words = ["check", spring, "--json", *(["--max-time", "0.5"] if given else [])]
     assert main(words) == (4 if given else 0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import random
 import re
 import time
@@ -10,10 +11,27 @@ from pathlib import Path
 
 import pytest
 
+from lagc.api import CompiledModel
+from lagc.base.run_options import RUN_OPTIONS
 from lagc.base.text import number, seconds, size
 from lagc.cli.main import COMMANDS, main
 from lagc.cli.options import assignments, quantity
 from lagc.cli.output import Usage
+from lagc.simulation.request import Request
+
+REFERENCE = Path(__file__).resolve().parents[2] / "docs" / "reference"
+
+
+@pytest.mark.parametrize("name", RUN_OPTIONS)
+def test_a_number_of_a_run_has_its_name_everywhere(name: str) -> None:
+    option = RUN_OPTIONS[name]
+    assert name in Request.__annotations__
+    assert name in inspect.signature(CompiledModel.simulate).parameters
+    assert f"`{name}`" in (REFERENCE / "python.md").read_text(encoding="utf-8")
+    assert f"`{option.of_command} {option.form}`" in (REFERENCE / "commands.md").read_text(encoding="utf-8")
+    language = (REFERENCE / "language.md").read_text(encoding="utf-8")
+    (line,) = re.findall(r"^  simulate\(.*also .*", language, re.MULTILINE)
+    assert re.search(rf"\b{option.of_scene}\b", line)
 
 
 @pytest.mark.parametrize(

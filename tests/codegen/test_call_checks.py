@@ -15,6 +15,7 @@ import pytest
 from lagc.codegen.c.emit import render
 from lagc.codegen.heading import status_texts
 from lagc.codegen.identifiers import prefix
+from lagc.codegen.kernel_compiler.library import library
 from lagc.codegen.python.emit import render as render_python
 from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Source
@@ -297,7 +298,7 @@ def test_c_refuses_what_is_not_valid(name: str, compiler_: str, tmp_path: Path) 
     assert found["state"] == [i for i in range(nx) for _ in range(4)] and found["dense"] == [*range(nx)]
     assert found["rhs"] == [*range(program(name).interface.nq)]
     told = [line[5:] for line in ran.stdout.splitlines() if line.startswith("text")]
-    texts = list(status_texts(program(name).interface))
+    texts = list(status_texts(library("double"), program(name).interface))
     end = 3 + len(texts)
     assert told[3:end] == texts and set(told[:3] + told[end:]) == {"No such status."}
 

@@ -18,10 +18,10 @@ from lagc.codegen.c import runtime
 from lagc.codegen.c.functions import function_text as c_text
 from lagc.codegen.c.functions import helpers
 from lagc.codegen.identifiers import local_names
+from lagc.codegen.kernel_compiler.library import sine_cosine_kernels
 from lagc.codegen.kernel_compiler.real_types import DOUBLE
 from lagc.codegen.python.functions import ARITHMETIC, function_text, sine_cosine
 from lagc.codegen.tables import c_tables, numbered, python_tables
-from lagc.codegen.trigonometry import sine_cosine_kernels
 from lagc.lowering.program import Function, Program, operands
 from lagc.symbolic.operators import LOOKED_UP
 from tests.codegen.programs import TABLES, TRUTHS, Builder, program, random_function
@@ -59,7 +59,10 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
     numbers = numbered(made)
     own = [function_text(f, names, numbers) for f in functions]
     exec(
-        "\n".join([ARITHMETIC, *python_tables(numbers), *sine_cosine(sine_cosine_kernels(own)), *own]), python
+        "\n".join(
+            [ARITHMETIC, *python_tables(numbers), *sine_cosine(sine_cosine_kernels(own, "python")), *own]
+        ),
+        python,
     )
     body = "".join(
         c_text(f, names, members, DOUBLE, numbers).replace(
@@ -75,7 +78,7 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
     shared = (
         helpers(made)
         + "".join(c_tables(numbers, DOUBLE))
-        + "".join(runtime.sine_cosine(sine_cosine_kernels([body])))
+        + "".join(runtime.sine_cosine(sine_cosine_kernels([body], "double")))
     )
     source = folder / "made.c"
     source.write_text("#include <math.h>\n" + types + shared + head + body)

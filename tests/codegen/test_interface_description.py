@@ -1,11 +1,8 @@
-"""Texts and types that mirror the kernels agree with them: structs for ctypes, options, statuses,
-documentation."""
+"""Texts that mirror the kernels agree with them: options, statuses, documentation."""
 
 from __future__ import annotations
 
 import re
-from ctypes import Array, Structure, c_double, c_int, c_long
-from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -13,70 +10,31 @@ import pytest
 
 from lagc.codegen.c.emit import render
 from lagc.codegen.identifiers import prefix
-from lagc.codegen.kernel_compiler.linker import codes, members, methods_of
-from lagc.codegen.kernel_compiler.shipped import parts
-from lagc.codegen.python.classes import STATES
+from lagc.codegen.kernel_compiler.library import library
 from lagc.codegen.python.support import slices
 from lagc.codegen.python.support.base import Options
+from lagc.codegen.sizes import methods_of
 from lagc.kernels import METHODS
 from lagc.kernels.language import statuses
 from lagc.lowering import jacobians
 from lagc.semantics import model
 from lagc.simulation import system
-from lagc.simulation.backends.c import _head_type, _Options, _state_type
 from tests.codegen.tools import of_model
 
 DOCS = Path(__file__).parents[2] / "docs"
-TYPES: dict[str, Any] = {"int": c_int, "bool": c_int, "Count": c_long, "Real": c_double}
-
-
-def described(
-    name: str, rows: bool = True, modes: bool = True, whens: bool = True, contacts: bool = False
-) -> list[tuple[str, Any]]:
-    """Names and types of the members of a record; of an array that of its entries."""
-    (record,) = [part for part in parts() if part["kind"] == "record" and part["name"] == name]
-    switches = {switch for *_, when, _, _ in record["members"] for switch, _ in when}
-    left_out = {
-        "NC": not rows,
-        "NMODE": not modes,
-        "NWHEN": not whens,
-        "NCON": not contacts,
-        "NLEAP": not (whens or contacts),
-    }
-    found = members(record, {switch: not left_out.get(switch, False) for switch in switches})
-    kinds = {**TYPES, "Vec": c_double, "IVec": c_int}
-    return [(member, kinds.get(kind[0])) for member, kind, *_ in found]
-
-
-def mirrored(structure: type[Structure]) -> list[tuple[str, Any]]:
-    fields: list[Any] = list(structure._fields_)
-    return [(name, kind._type_ if issubclass(kind, Array) else kind) for name, kind in fields]
-
-
-def test_mirrored_structs_have_the_same_members() -> None:
-    assert mirrored(_Options) == described("Options")
-    events = ((0, 0, 0), (2, 0, 0), (2, 3, 0), (2, 0, 2), (2, 3, 2))
-    for rows, n, (modes, whens, contacts) in product((False, True), (1, 5), events):
-        state = mirrored(_state_type(n, 3, modes, whens, contacts))
-        assert state == described("State", rows, modes > 0, whens > 0, contacts > 0)[: len(state)]
-    head = mirrored(_head_type(3))
-    assert head == described("Work")[: len(head)]
-    assert head[:2] == described("Work", rows=False)[:2]  # without rows the third has no room
 
 
 def test_options_are_those_of_the_kernels() -> None:
-    names = [name for name, _ in described("Options")]
+    names = [name for name, *_ in library("double").part("Options", {"NMODE": True}).members]
     assert sorted(names) == sorted(vars(Options()).keys() - {"watch"})
-    slots = re.search(r"__slots__ = \((.*?)\)", STATES, re.S)
-    assert slots is not None and re.findall(r'"(\w+)"', slots[1]) == sorted(names)
-    bad = [part["name"] for part in codes(parts(), "language/records")]
+    bad = [part.name for part in library("double").constants("language/records", "Code")]
     assert [f"BAD_{name.upper()}" for name in slices.OPTIONS] == bad[: len(slices.OPTIONS)]
 
 
 @pytest.mark.parametrize("levels", [model, system])
 def test_levels_have_the_numbers_of_the_kernels(levels: Any) -> None:
-    for part in codes(parts(), "initialization/workspace"):
-        assert getattr(levels, part["name"]) == int(part["value"])
+    for part in library("double").constants("initialization/workspace", "Code"):
+        assert getattr(levels, part.name) == int(part.text)
 
 
 def test_the_header_numbers_statuses_and_methods() -> None:

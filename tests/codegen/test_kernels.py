@@ -4,6 +4,7 @@ Python, and in the source."""
 from __future__ import annotations
 
 import ast
+import contextlib
 import ctypes
 import math
 import os
@@ -17,23 +18,40 @@ from typing import Any
 import pytest
 
 import lagc.kernels
-from lagc.codegen.kernel_compiler.kernel_syntax import Outside, module
-from lagc.codegen.kernel_compiler.library import Library
-from lagc.codegen.kernel_compiler.linker import chosen
-from lagc.codegen.kernel_compiler.real_types import DOUBLE
-from lagc.codegen.kernel_compiler.shipped import parts, sources
+from lagc.codegen.kernel_compiler.compiler import Compiler, Definitions, definitions
+from lagc.codegen.kernel_compiler.kernel_syntax import Function, Missing, Outside, module
+from lagc.codegen.kernel_compiler.library import Library, library, sources
+from lagc.codegen.kernel_compiler.specialization import FLAGS
 from lagc.codegen.kernel_compiler.type_check import Signature
 from lagc.codegen.python.functions import ARITHMETIC
+from lagc.codegen.python.runtime import ROOTS, kernels
+from lagc.codegen.sizes import flags_of
+from lagc.compiler.shipped import COMMON
+from lagc.kernels import METHODS
+from tests.codegen.tools import of_model
 
 HEAD = "from lagc.kernels.language.words import *\n"
 
 
-def library(text: str) -> Library:
-    """The kernels of one file, for sizes NX, NC and the flag STRAIGHT."""
-    found = Library(DOUBLE, sizes=frozenset({"NX", "NC", "NZ"}), tables={"level": ("IVec", "NX")})
-    found.signatures = {"fn_model": Signature((("Vec", "NX"),), ("None",), [True])}
-    found.module(module("a.py", text), {})
+STRAIGHT = {"STRAIGHT": True, "NC": True, "NZ": False}
+
+
+def kernels_of(text: str, language: str = "double") -> Library:
+    """The kernels of one file, for sizes NX, NC, NZ and the flag STRAIGHT."""
+    model = {"fn_model": Signature((("Vec", "NX"),), ("None",), [True], (-1, 0, 0))}
+    known = Definitions(frozenset({"NX", "NC", "NZ"}), {"level": ("IVec", "NX")}, model)
+    known.add(module("a.py", text), 0, {})
+    found = Library(language, {})
+    found.compiler = Compiler(language, known)
     return found
+
+
+def compiled(text: str) -> None:
+    """Compile all kernels of a file."""
+    found = kernels_of(text)
+    for name, definition in found.compiler.known.named.items():
+        if isinstance(definition.part, Function):
+            found.part(name, STRAIGHT)
 
 
 REFUSED = {
@@ -107,29 +125,29 @@ REFUSED = {
 @pytest.mark.parametrize("text", REFUSED)
 def test_other_constructs_are_refused_with_their_place(text: str) -> None:
     with pytest.raises(Outside, match=r"a\.py:[1-9][0-9]*: ") as found:
-        library(text)
+        compiled(text)
     assert REFUSED[text] in str(found.value)
 
 
-def test_every_kernel_is_printed_for_each_choice_of_flags() -> None:
-    found = parts()
-    names = [p["name"] for p in found if p["kind"] == "function"]
-    assert len(names) == len(set(names)) > 60
-    for part in found:
-        if part["kind"] == "function":
-            texts = [leaf["c"] for leaf in _leaves(part["tree"]) if "c" in leaf]
-            assert texts and all(t.endswith("}\n") for t in texts)
+@pytest.mark.full
+def test_every_kernel_belongs_to_some_models() -> None:
+    """With all flags, or all but one: no kernel calls what no model has beside it."""
+    every = dict.fromkeys([*definitions().sizes, *FLAGS, *map(str.upper, METHODS)], True)
+    choices = [every, *({**every, flag: False} for flag in ("NM", "STRAIGHT", "NCON", "NMODE", "NLOADED"))]
+    for name in definitions().signatures.keys() & definitions().named.keys():
+        for flags in choices:
+            with contextlib.suppress(Missing):
+                assert library("double").part(name, flags).text.endswith("}\n")
+                break
+        else:
+            raise AssertionError(name)
 
 
 def test_the_key_of_shipped_kernels_covers_all_sources() -> None:
     known = {os.path.realpath(path) for path in sources()}
     package = Path(lagc.kernels.__file__).parent
     there = [*package.rglob("*.py"), *(package.parent / "codegen" / "kernel_compiler").glob("*.py")]
-    assert known == {os.path.realpath(path) for path in there}
-
-
-def _leaves(tree: Any) -> list[Any]:
-    return _leaves(tree[1]) + _leaves(tree[2]) if isinstance(tree, list) else [tree]
+    assert known == {os.path.realpath(path) for path in (*there, package.parent / "codegen" / "sizes.py")}
 
 
 MEANS = '''
@@ -204,12 +222,12 @@ def parted(x: Real, k: int) -> Pair:
 @pytest.mark.parametrize("straight", [True, False])
 def test_c_and_python_mean_the_same(straight: bool, tmp_path: Path) -> None:
     """Random vectors, with zeros, infinities and NaN, through both: to the last bit, and as Python has it."""
-    found = library(MEANS)
-    use = chosen(found.parts, {"STRAIGHT": straight, "NC": True, "NZ": False}, ["scaled", "parted"])
+    roots, flags = ["scaled", "parted"], {**STRAIGHT, "STRAIGHT": straight}
+    use, in_python = (kernels_of(MEANS, language).chosen(roots, flags) for language in ("double", "python"))
     text = "#include <math.h>\n#include <stddef.h>\n#define LAGC_NX 4\n#define LAGC_NC 1\n"
     text += "#define LAGC_LIMIT 0.5\n#define LAGC_MOST 7\n"
     text += "static const double lagc_weights[] = {1.5, -0.25, 3e-7, 2.0};\n"
-    text += "\n".join(leaf["c"] for _, leaf in use.functions)
+    text += "\n".join(part.text for part in use.functions)
     text += "double scaled(const double *a, const double *b, double *y, int n)\n"
     text += "{ return lagc_scaled(a, b, y, n); }\n"
     text += "void parted(double x, int k, double *pair);\n"
@@ -225,7 +243,7 @@ def test_c_and_python_mean_the_same(straight: bool, tmp_path: Path) -> None:
     compiled = library_.scaled
     compiled.restype = ctypes.c_double
     space: dict[str, Any] = {"NX": 4, "NC": 1, "LIMIT": 0.5, "MOST": 7, "WEIGHTS": (1.5, -0.25, 3e-7, 2.0)}
-    exec(ARITHMETIC + "\n".join(leaf["python"] for _, leaf in use.functions), space)
+    exec(ARITHMETIC + "\n".join(part.text for part in in_python.functions), space)
     plain = _as_it_stands(straight)
     chance = random.Random(3)
     for _ in range(300):
@@ -243,6 +261,79 @@ def test_c_and_python_mean_the_same(straight: bool, tmp_path: Path) -> None:
             library_.parted(ctypes.c_double(x), n, pair)
             for names in (space, plain):
                 assert _same(list(pair), list(names["parted"](x, n))), (x, n, *pair)
+
+
+NESTED = '''
+@struct
+class Law:
+    """A part of a workspace."""
+
+    forces: Vec[NX]
+    count: int
+    if NC > 0:
+        largest: Real
+
+
+@struct
+class Shop:
+    total: Real
+    if STRAIGHT:
+        law: Law
+
+
+def push(law: Law, by: Real) -> None:
+    """Raise all forces."""
+    for i in range(NX):
+        law.forces[i] += by
+    law.count += 1
+
+
+def worked(shop: Shop, x: Vec[NX]) -> Real:
+    law = shop.law
+    law.forces[:] = x
+    push(law, 0.5)
+    push(shop.law, 0.25)
+    if NC > 0:
+        law.largest = law.forces[0]
+        for i in range(NX):
+            if law.forces[i] > shop.law.largest:
+                law.largest = law.forces[i]
+        shop.total += law.largest
+    for i in range(NX):
+        shop.total += law.forces[i] * shop.law.forces[i]
+    return shop.total * float(law.count)
+
+'''
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not there")
+def test_records_within_records_mean_the_same(tmp_path: Path) -> None:
+    """A name for the record inside, it as an argument, and its members by the whole path are one record."""
+    use = kernels_of(NESTED).chosen(["worked"], STRAIGHT)
+    assert [part.name for part in use.records] == ["Law", "Shop"]
+    text = "#define LAGC_NX 3\n#include <string.h>\n"
+    text += "typedef struct { double forces[3]; int count; double largest; } lagc_law;\n"
+    text += "typedef struct { double total; lagc_law law; } lagc_shop;\n"
+    text += "\n".join(part.text for part in use.functions)
+    text += "double worked(const double *x) { lagc_shop s; memset(&s, 0, sizeof s);"
+    text += " return lagc_worked(&s, x); }\n"
+    (tmp_path / "a.c").write_text(text)
+    words = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off", "-fPIC", "-shared"]
+    done = subprocess.run([*words, "a.c", "-o", "a.so"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    compiled = ctypes.CDLL(str(tmp_path / "a.so")).worked
+    compiled.restype = ctypes.c_double
+    space: dict[str, Any] = {"NX": 3, "NC": 1, "STRAIGHT": True}
+    exec(ARITHMETIC + "\n".join(kernels(kernels_of(NESTED, "python").chosen(["worked"], STRAIGHT))), space)
+    x = [0.1, -3.0, 2.5]
+    law = [v + 0.75 for v in x]
+    value = (max(law) + sum(v * v for v in law)) * 2.0
+    results = [compiled((ctypes.c_double * 3)(*x)), space["worked"](space["Shop"](), x)]
+    assert results[0] == results[1] == pytest.approx(value, rel=1e-15)
+    without = kernels_of(NESTED).chosen(["push"], {**STRAIGHT, "STRAIGHT": False})
+    assert [part.name for part in without.records] == ["Law"]
+    with pytest.raises(Missing, match="Shop has no law"):
+        kernels_of(NESTED).chosen(["worked"], {**STRAIGHT, "STRAIGHT": False})
 
 
 def _number(chance: random.Random) -> float:
@@ -271,15 +362,17 @@ def _as_it_stands(straight: bool) -> dict[str, Any]:
     return space
 
 
-def test_no_kernel_of_python_divides_by_what_may_be_zero() -> None:
+@pytest.mark.sample(2, 6)
+@pytest.mark.parametrize("name", COMMON)
+def test_no_kernel_of_python_divides_by_what_may_be_zero(name: str) -> None:
     """C returns infinity or NaN where Python raises: `/` is left to divisors that are numbers or
     constants."""
-    constants = {part["name"] for part in parts() if part["kind"] in ("int", "Real")}
-    for part in parts():
-        for leaf in _leaves(part["tree"]) if part["kind"] == "function" else ():
-            for node in ast.walk(ast.parse(leaf.get("python", ""))):
-                if isinstance(node, ast.BinOp | ast.AugAssign) and isinstance(node.op, ast.Div):
-                    divisor = node.right if isinstance(node, ast.BinOp) else node.value
-                    names = {n.id for n in ast.walk(divisor) if isinstance(n, ast.Name)}
-                    assert names <= constants, ast.unparse(node)
-                assert not (isinstance(node, ast.Name) and node.id == "sqrt"), part["name"]
+    use = library("python").chosen(ROOTS, flags_of(of_model(name).interface, True))
+    constants = {part.name for part in use.constants}
+    for part in use.functions:
+        for node in ast.walk(ast.parse(part.text)):
+            if isinstance(node, ast.BinOp | ast.AugAssign) and isinstance(node.op, ast.Div):
+                divisor = node.right if isinstance(node, ast.BinOp) else node.value
+                names = {n.id for n in ast.walk(divisor) if isinstance(n, ast.Name)}
+                assert names <= constants, ast.unparse(node)
+            assert not (isinstance(node, ast.Name) and node.id == "sqrt"), part.name

@@ -13,7 +13,7 @@ import pytest
 import lagc
 from lagc.base.records import replace
 from lagc.codegen.python.functions import ARITHMETIC, function_text
-from lagc.lowering.loops.loop_rolling import local, rerolled
+from lagc.lowering.loop_rolling import local, rerolled
 from lagc.lowering.program import LEAVES, Function, uses
 from tests.codegen.programs import Builder, repeated_function
 from tests.codegen.test_functions import both, build, needs_gcc
@@ -35,12 +35,10 @@ def sorted_leaves(f: Function) -> Function:
 @pytest.fixture
 def short(monkeypatch: pytest.MonkeyPatch) -> None:
     """Short functions are rolled, too, and ones with little repetition."""
-    monkeypatch.setattr("lagc.lowering.loops.loop_rolling.STRAIGHT", 0)
-    monkeypatch.setattr(
-        "lagc.lowering.loops.loop_rolling._cost", lambda often, text, indexing=-math.inf: -indexing
-    )
-    monkeypatch.setattr("lagc.lowering.loops.loop_rolling._GRAM", 4)
-    monkeypatch.setattr("lagc.lowering.loops.loop_rolling._WORTH", 6)
+    monkeypatch.setattr("lagc.lowering.loop_rolling.STRAIGHT", 0)
+    monkeypatch.setattr("lagc.lowering.loop_rolling._cost", lambda often, text, indexing=-math.inf: -indexing)
+    monkeypatch.setattr("lagc.lowering.loop_rolling._GRAM", 4)
+    monkeypatch.setattr("lagc.lowering.loop_rolling._WORTH", 6)
     monkeypatch.setattr("lagc.codegen.python.functions._STRAIGHT", 0)
 
 

@@ -20,7 +20,8 @@ from lagc.codegen.identifiers import (
     local_names,
     prefix,
 )
-from lagc.compiler.pipeline import Choice, program, render
+from lagc.compiler.pipeline import program
+from lagc.compiler.stages import Choice, render
 from lagc.diagnostics.faults import Source
 from tests.codegen.programs import pendulum
 from tests.codegen.tools import COMPILERS, call, present

@@ -38,10 +38,10 @@ def _module(made: Program, limit: str) -> Any:
 def _library(made: Program, folder: Path) -> tuple[ctypes.CDLL, str]:
     """The generated C, always refined."""
     texts = {
-        name: text.replace("_REFINED_RESIDUAL 1e-28", f"_REFINED_RESIDUAL {ALWAYS}")
+        name: text.replace(" REFINED_RESIDUAL = 1e-28", f" REFINED_RESIDUAL = {ALWAYS}")
         for name, text in render_c(made).items()
     }
-    assert any(f"_REFINED_RESIDUAL {ALWAYS}" in text for text in texts.values())
+    assert any(f" REFINED_RESIDUAL = {ALWAYS}" in text for text in texts.values())
     files = write(texts, folder)
     flags = ["-std=c99", "-O0", "-ffp-contract=off", "-shared", "-fPIC"]
     call("gcc", *flags, files[".c"], "-o", folder / "made.so", "-lm")

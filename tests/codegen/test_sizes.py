@@ -9,11 +9,11 @@ from collections.abc import Callable, Mapping
 import pytest
 
 from lagc.codegen.c.emit import render
-from lagc.codegen.kernel_compiler.linker import tables_of
 from lagc.codegen.loop_segments import KEPT, Segment, segments
 from lagc.codegen.python.emit import render as in_python
-from lagc.compiler.pipeline import Choice
+from lagc.codegen.sizes import tables_of
 from lagc.compiler.pipeline import program as compiled
+from lagc.compiler.stages import Choice
 from lagc.host import model_library
 from lagc.lowering.program import LEAVES, Program
 

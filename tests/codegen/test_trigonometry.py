@@ -22,9 +22,9 @@ import mpmath
 import pytest
 
 from lagc.codegen.c import runtime
+from lagc.codegen.kernel_compiler.library import SINE_COSINE, sine_cosine_kernels
 from lagc.codegen.python import functions
 from lagc.codegen.python.functions import ARITHMETIC
-from lagc.codegen.trigonometry import NAMES, sine_cosine_kernels
 from lagc.lowering.program import Function, Operation, Store
 from tests.codegen.everywhere import LEVELS, clang, compilers, machines, wide
 from tests.codegen.tools import STRICT, bits, present
@@ -45,7 +45,7 @@ HARD = (
 
 
 def printed_c(calls: Iterable[str]) -> str:
-    text = "\n".join(runtime.sine_cosine(sine_cosine_kernels(calls))).replace("lagc_real", "double")
+    text = "\n".join(runtime.sine_cosine(sine_cosine_kernels(calls, "double"))).replace("lagc_real", "double")
     return f"#include <math.h>\n#ifdef __clang__\n#pragma STDC FP_CONTRACT OFF\n#endif\n{text}\n"
 
 
@@ -63,7 +63,7 @@ def printed_python() -> Any:
 @cache
 def printed_names() -> dict[str, Any]:
     space: dict[str, Any] = {}
-    exec("\n\n".join([ARITHMETIC, *functions.sine_cosine(sine_cosine_kernels(CALLS))]), space)
+    exec("\n\n".join([ARITHMETIC, *functions.sine_cosine(sine_cosine_kernels(CALLS, "python"))]), space)
     return space
 
 
@@ -232,7 +232,7 @@ def test_functions_of_a_model_call_it_once_an_angle(calls: int, tmp_path: Path) 
     names = {("x", k): f"x{k}" for k in range(6)}
     text = function_text(f, names, {}).replace("lagc_real", "double")
     used = {o.operands for o in f.operations if o.op in ("sin", "cos")}
-    single, double = (len(re.findall(rf"lagc_{name}\(", text)) for name in NAMES)
+    single, double = (len(re.findall(rf"lagc_{name}\(", text)) for name in SINE_COSINE)
     assert 0 < single + 2 * double <= len(used)
     code = printed_c([text]) + text
     code += "void f(const double *x, double *y);\nvoid f(const double *x, double *y) { lagc_fn_f(x, y); }\n"
@@ -245,7 +245,7 @@ def test_functions_of_a_model_call_it_once_an_angle(calls: int, tmp_path: Path) 
         "\n\n".join(
             [
                 ARITHMETIC,
-                *functions.sine_cosine(sine_cosine_kernels(CALLS)),
+                *functions.sine_cosine(sine_cosine_kernels(CALLS, "python")),
                 functions.function_text(f, names),
             ]
         ),

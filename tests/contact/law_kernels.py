@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import ctypes
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from lagc.codegen.kernel_compiler.c import CPrinter
-from lagc.codegen.kernel_compiler.linker import DERIVED, SPELLED, chosen
+from lagc.codegen.kernel_compiler.c import CPrinter, snake
+from lagc.codegen.kernel_compiler.compiler import definitions
+from lagc.codegen.kernel_compiler.library import library
 from lagc.codegen.kernel_compiler.real_types import DOUBLE
-from lagc.codegen.kernel_compiler.shipped import parts
 from lagc.codegen.python.functions import ARITHMETIC
 from lagc.codegen.python.runtime import numbers
+from lagc.codegen.sizes import DERIVED, SPELLED
 
 OPEN, SLIPS, STICKS = 0, 1, 2
 ONE, FOUND, NONE, SEVERAL, FAILED = range(5)
@@ -30,67 +32,86 @@ class Kernels:
     """The kernels for at most `contacts` contacts with `slips` slip rows in all."""
 
     def __init__(self, contacts: int, slips: int):
-        own = {"NCON": contacts, "NSLIP": slips, "NPOISSON": 1}
-        derived = ("NCROW", "NDELASSUS", "NDIRECT", "NLAW", "NLAWS")
+        own = {"NCON": contacts, "NSLIP": slips, "NSPACE": slips // 2, "NPOISSON": 1, "NBESIDE": 1}
+        derived = ("NCROW", "NDELASSUS", "NDIRECT")
         own.update({name: DERIVED[name](own) for name in derived})
-        flags = {flag: flag in own for part in parts() for flag in _flags(part)}
+        self.flags = {flag: flag in own for flag in definitions().sizes}
         self.sizes = {**own, "TWO": 2}
-        self.use = chosen(parts(), flags, ROOTS)
-        ((_, members),) = self.use.records
-        self.members = [(n, tuple(kind)) for n, kind, *_ in members if n.startswith(("law_", "impact_"))]
+        self.use = library("double").chosen(ROOTS, self.flags)
+        self.members = {
+            part.name: [(n, tuple(kind)) for n, kind, *_ in part.members] for part in self.use.records
+        }
 
     def python(self) -> dict[str, Any]:
         """Return the kernels in Python, with `make`, which returns a workspace."""
-        space: dict[str, Any] = {**self.sizes, "make": lambda: _Fields(self.members, self.sizes)}
-        text = [ARITHMETIC, numbers(self.use.names), *(leaf["python"] for _, leaf in self.use.functions)]
+        space: dict[str, Any] = {**self.sizes, "make": lambda: Workspace(self._fields)}
+        use = library("python").chosen(ROOTS, self.flags)
+        text = [ARITHMETIC, numbers(use.constants), *(part.text for part in use.functions)]
         exec("\n".join(text), space)
-        return space
+        return {**space, **{name: _called(space[name], name) for name in ROOTS}}
+
+    def _fields(self, record: str) -> Any:
+        """Return a record of Python, of zeros."""
+        found = SimpleNamespace()
+        for name, kind in self.members[record]:
+            zero: Any = 0.0 if kind[0] in ("Real", "Vec") else 0
+            plain = self._fields(kind[1]) if kind[0] == "Record" else zero
+            setattr(
+                found, name, plain if len(kind) == 1 or kind[0] == "Record" else [zero] * self.sizes[kind[1]]
+            )
+        return found
 
     def c(self, folder: Path) -> dict[str, Any]:
         """Return the kernels compiled by gcc, likewise."""
         printer = CPrinter(DOUBLE, SPELLED, {})
         numbers = {"NCON": self.sizes["NCON"], "NSLIP": self.sizes["NSLIP"]}
-        numbers.update({p["name"]: p["value"] for p in self.use.numbers})
+        numbers.update({part.name: part.text for part in self.use.constants})
         text = ["#include <math.h>", "#include <stddef.h>"]
         text += [f"#define LAGC_{name} {value}" for name, value in numbers.items()]
-        text += ["typedef struct {"]
-        text += [f"    {printer.declared(kind, name)};" for name, kind in self.members]
-        text += ["} lagc_work;", *(leaf["c"] for _, leaf in self.use.functions)]
-        text += [f"int {n}(lagc_work *w);\nint {n}(lagc_work *w) {{ return lagc_{n}(w); }}" for n in ROOTS]
+        for record, members in self.members.items():
+            text += ["typedef struct {"]
+            text += [f"    {printer.declared(kind, name)};" for name, kind in members]
+            text += [f"}} lagc_{snake(record)};"]
+        text += [part.text for part in self.use.functions]
+        for name in ROOTS:
+            more = ", lagc_impact_work *a" if name == "impact" else ""
+            given = "law, a" if name == "impact" else "law"
+            head = f"int {name}(lagc_contact_law *law{more})"
+            text += [f"{head};\n{head} {{ return lagc_{name}({given}); }}"]
         (folder / "law.c").write_text("\n".join(text) + "\n")
         words = ["gcc", *FLAGS, "-fPIC", "-shared", "law.c", "-o", "law.so", "-lm"]
         done = subprocess.run(words, cwd=folder, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
-        library = ctypes.CDLL(str(folder / "law.so"))
-        fields = [(n, _ctype(kind, self.sizes)) for n, kind in self.members]
-        work = type("Work", (ctypes.Structure,), {"_fields_": fields})
+        compiled = ctypes.CDLL(str(folder / "law.so"))
+        records: dict[str, Any] = {}
+        for record, members in self.members.items():
+            fields = [(n, _ctype(kind, self.sizes, records)) for n, kind in members]
+            records[record] = type(record, (ctypes.Structure,), {"_fields_": fields})
 
-        def call(name: str) -> Any:
-            return lambda w: getattr(library, name)(ctypes.byref(w))
+        def function(name: str) -> Any:
+            return lambda *given: getattr(compiled, name)(*map(ctypes.byref, given))
 
-        return {"make": work, **{name: call(name) for name in ROOTS}}
+        made = {"make": lambda: Workspace(lambda record: records[record]())}
+        return {**made, **{name: _called(function(name), name) for name in ROOTS}}
 
 
-def _ctype(kind: tuple[str, ...], sizes: dict[str, int]) -> Any:
+def _called(kernel: Any, name: str) -> Any:
+    """Return a kernel as a function of a workspace."""
+    return lambda work: kernel(work.law, work.impact) if name == "impact" else kernel(work.law)
+
+
+def _ctype(kind: tuple[str, ...], sizes: dict[str, int], records: dict[str, Any]) -> Any:
+    if kind[0] == "Record":
+        return records[kind[1]]
     plain: Any = _CTYPES[kind[0]]
     return plain * sizes[kind[1]] if len(kind) > 1 else plain
 
 
-class _Fields:
-    def __init__(self, members: Sequence[tuple[str, tuple[str, ...]]], sizes: dict[str, int]):
-        for name, kind in members:
-            zero: Any = 0.0 if kind[0] in ("Real", "Vec") else 0
-            setattr(self, name, [zero] * sizes[kind[1]] if len(kind) > 1 else zero)
+class Workspace:
+    """The law of some contacts, and their impact."""
 
-
-def _flags(part: Any) -> set[str]:
-    if part["kind"] == "record":
-        return {flag for member in part["members"] for flag, _ in member[2]}
-    return _tree_flags(part["tree"]) if part["kind"] == "function" else set()
-
-
-def _tree_flags(tree: Any) -> set[str]:
-    return {tree[0]} | _tree_flags(tree[1]) | _tree_flags(tree[2]) if isinstance(tree, list) else set()
+    def __init__(self, record: Callable[[str], Any]):
+        self.law, self.impact = record("ContactLaw"), record("ImpactWork")
 
 
 KERNELS = Kernels(8, 16)
@@ -103,33 +124,36 @@ def in_python() -> dict[str, Any]:
 
 def fill(w: Any, W: Any, b: Any, slips: Sequence[int], mu: Sequence[float], **more: Any) -> None:
     """Put a problem into a workspace. `more`: static, moves, direction, two_sided, restitution, poisson,
-    mode, by contact."""
+    mode, unit, by contact."""
     n, m = len(slips), len(b)
     assert m == n + sum(slips)
-    w.law_count, w.law_rows = n, m
+    law = w.law
+    law.count, law.rows = n, m
     first = 0
     for i in range(n):
-        w.law_unit[i] = 0
-        w.law_first[i], w.law_slips[i], w.law_friction[i] = first, slips[i], mu[i]
-        w.law_static[i] = more["static"][i] if "static" in more else mu[i]
-        w.law_sign[i] = 1
-        w.law_mode[i] = more["mode"][i] if "mode" in more else -1
-        for name in ("moves", "two_sided", "restitution", "poisson"):
-            getattr(w, f"law_{name}")[i] = more[name][i] if name in more else 0
+        law.unit[i] = more["unit"][i] if "unit" in more else 0
+        law.first[i], law.slips[i], law.friction[i] = first, slips[i], mu[i]
+        law.static_friction[i] = more["static"][i] if "static" in more else mu[i]
+        law.sign[i] = 1
+        law.mode[i] = more["mode"][i] if "mode" in more else -1
+        for name in ("moves", "two_sided"):
+            getattr(law, name)[i] = more[name][i] if name in more else 0
+        for name in ("restitution", "poisson"):
+            getattr(w.impact, name)[i] = more[name][i] if name in more else 0
         for k in range(2):
-            w.law_direction[2 * i + k] = float(more["direction"][i][k]) if "direction" in more else 0.0
+            law.direction[2 * i + k] = float(more["direction"][i][k]) if "direction" in more else 0.0
         first += 1 + slips[i]
     for j in range(m):
-        w.law_b[j], w.law_sizes[j] = float(b[j]), 0.0
+        law.b[j], law.terms[j] = float(b[j]), 0.0
         for k in range(m):
-            w.law_w[j * m + k] = float(W[j][k])
+            law.W[j * m + k] = float(W[j][k])
 
 
 def values(w: Any) -> dict[str, Any]:
     """Return what kernels found, of the contacts and rows of the problem."""
-    n, m = w.law_count, w.law_rows
+    law, n, m = w.law, w.law.count, w.law.rows
     return {
-        "mode": list(w.law_mode[:n]), "p": np.array(w.law_p[:m]), "u": np.array(w.law_u[:m]),
-        "direction": np.array(w.law_direction[: 2 * n]).reshape(n, 2), "impulse": np.array(w.law_impulse[:m]),
-        "loss": np.array(w.law_loss[:n]), "rounds": w.law_rounds,
+        "mode": list(law.mode[:n]), "p": np.array(law.p[:m]), "u": np.array(law.u[:m]),
+        "direction": np.array(law.direction[: 2 * n]).reshape(n, 2),
+        "loss": np.array(w.impact.loss[:n]), "rounds": w.impact.rounds,
     }  # fmt: skip

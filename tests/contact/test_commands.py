@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 import lagc
-from lagc.api_cost import term_sizes
+from lagc.api.cost import term_sizes
 from lagc.cli.main import main
 from lagc.host.model_library import library_models
 from lagc.simulation.works import works
-from tests.simulation.test_generated import needs_compiler
+from tests.simulation.programs import needs_compiler
 
 np = pytest.importorskip("numpy")
 

@@ -93,6 +93,20 @@ def test_an_impact_in_which_newtons_law_adds_energy() -> None:
     assert run.status == "ok" and run.events[0].loss > 0.0
 
 
+def test_the_contact_that_is_hit_is_named_and_not_a_rail_beside_it() -> None:
+    """A bead on a rough rail, declared before the rod, takes part in the law but is not hit."""
+    rail = """
+  coordinate Length s(rate = 1 [m/s]), r;
+  body bead = Particle(mass = 1 [kg], at = {s, 0, r});
+  constraint rail: r = 0 (friction = 0.1, at = bead);
+"""
+    text = model_library.read("rod_on_its_tip").text.replace("law = poisson", "law = newton")
+    head, body, rest = text.partition("\n  constraint ")
+    model = lagc.loads(head + rail + body + rest).compile(backend="numpy")
+    run = model.simulate(0.01, parameters={"a": 0.8, "u": 2.0, "e": 0.9, "mu": 0.8})
+    assert run.status == "failed" and "where `floor` touches" in run.message
+
+
 def test_explain_names_the_law(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["explain", "rod_on_its_tip"]) == 0
     assert "restitution e, law poisson, friction mu" in capsys.readouterr().out

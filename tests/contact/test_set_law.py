@@ -143,9 +143,9 @@ def test_newton_alone_finds_forces_that_meet_the_law(slips: int) -> None:
         mu = list(chance.uniform(0.0, 0.4, n))
         work = kernels["make"]()
         fill(work, W, b, [slips] * n, mu)
-        work.law_mu[:n] = mu
-        kernels["set_law_scales"](work)
-        if kernels["solve_law_equation"](work):
+        work.law.mu[:n] = mu
+        kernels["set_law_scales"](work.law)
+        if kernels["solve_law_equation"](work.law):
             assert violation(W, b, [slips] * n, mu, values(work)["p"]) < 1e-9
         else:
             assert slips and np.linalg.matrix_rank(W) < 2 * n
@@ -313,7 +313,7 @@ def test_the_law_does_not_depend_on_units() -> None:
 def test_accelerations_below_the_roundoff_of_their_terms_are_zero(terms: float, closed: list[int]) -> None:
     work = in_python()["make"]()
     fill(work, np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([1e-11, -1e-11]), [0, 0], [0.0, 0.0])
-    work.law_sizes[:2] = [terms, terms]
+    work.law.terms[:2] = [terms, terms]
     assert in_python()["set_law"](work) == ONE
     assert values(work)["mode"] == closed
 
@@ -327,7 +327,7 @@ def test_a_paradox_names_its_contact() -> None:
         work = in_python()["make"]()
         b[2] = lifts
         fill(work, W, b, [1, 1], [0.3, 1.5], moves=[0, 1], direction=[(0.0, 0.0), (-1.0, 0.0)])
-        assert in_python()["set_law"](work) == code and work.law_culprit == 1
+        assert in_python()["set_law"](work) == code and work.law.culprit == 1
 
 
 @pytest.mark.full
@@ -342,8 +342,8 @@ def test_c_and_python_return_the_same_bits(tmp_path: Path) -> None:
                 fill(work, W, b, [slips] * n, mu, restitution=[0.5] * n, poisson=[n % 2] * n)
                 code = kernels["set_law"](work)
                 seen[code] += 1
-                works += [[code, *work.law_p, *work.law_u, *work.law_mode, *work.law_direction]]
+                works += [[code, *work.law.p, *work.law.u, *work.law.mode, *work.law.direction]]
                 code = kernels["impact"](work)
-                works[-1] += [code, *work.law_impulse, *work.law_u, *work.law_loss, work.law_rounds]
+                works[-1] += [code, *work.law.p, *work.law.u, *work.impact.loss, work.impact.rounds]
             assert works[0] == works[1]
     assert {ONE, FOUND} <= set(seen)

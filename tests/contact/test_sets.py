@@ -224,6 +224,26 @@ def test_random_bodies_rest_where_some_forces_hold_them(space: bool, seed: int, 
     assert any(held)
 
 
+@pytest.mark.parametrize("moment", [0.0, -1.5])
+def test_shares_along_gaps_in_m_and_in_rad_do_not_depend_on_units(moment: float) -> None:
+    """A beam on two feet and on a stop of its angle, which push it by 10 N and turn it by `moment`: the same
+    forces where lengths are in mm, and equal ones of the feet where the stop is not needed."""
+    found = []
+    for unit in (1.0, 1000.0):  # gaps of this many in a m
+        rows = np.array([[unit, 0.3 * unit], [unit, -0.3 * unit], [0.0, 1.0]])
+        W, b = (rows * [1.0, 1.0 / 0.1]) @ rows.T, rows @ [-10.0, -moment / 0.1]
+        work = in_python()["make"]()
+        fill(work, W, b, [0, 0, 0], [0.0, 0.0, 0.0], unit=[0, 0, 1])
+        assert in_python()["set_law"](work) in (ONE, FOUND)
+        found.append(values(work)["p"] * [unit, unit, 1.0])
+    p = found[0]
+    assert found[1] == pytest.approx(p, rel=1e-9)
+    assert p[0] + p[1] == pytest.approx(10.0, rel=1e-12) and np.all(p >= 0.0)
+    assert 0.3 * (p[0] - p[1]) + p[2] == pytest.approx(moment, abs=1e-12)
+    if moment == 0.0:
+        assert p == pytest.approx([5.0, 5.0, 0.0], abs=1e-9)
+
+
 CHAIR = """model Chair
   parameter Angle b = 30 [deg];
   coordinate Length x, y, z(start = 0.5 [m]);

@@ -13,7 +13,7 @@ import pytest
 from mpmath import mpf, workdps
 
 from lagc.codegen.kernel_compiler.kernel_syntax import exact
-from lagc.compiler.pipeline import render
+from lagc.compiler.stages import render
 from lagc.kernels.integrators.tableaus import bs32, dop853, dopri5, rk4
 from lagc.simulation.system import OK, Options, Vector
 from tests.codegen.tools import of_model

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import lagc
-from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.walk import evaluate
 from tests.derivation.values import State, states
 
 np = pytest.importorskip("numpy")

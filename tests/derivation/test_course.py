@@ -1,5 +1,4 @@
-"""Results that a course prints (F. Menan, Mecanique analytique, 2024; L. D. Landau, E. M. Lifshitz,
-Mechanics, 1976), against the formulas that a solution shows, by SymPy."""
+"""The exercises of `docs/course.md`: the formulas of derivations against those of the books, by SymPy."""
 
 from __future__ import annotations
 
@@ -9,13 +8,16 @@ from typing import Any
 import pytest
 
 from lagc.reports.derivation.derivation import Derivation
+from lagc.reports.derivation.document import Formulas
 from lagc.reports.patterns.formula_trees import Call, Form, Series, Symbol, Term, Total
 from lagc.symbolic.graph import Node
 from lagc.symbolic.sympy import to_sympy
+from tests.derivation.course import ROOT, about_of, derivation_from, exercises
 from tests.derivation.values import solution
 
 sympy = pytest.importorskip("sympy")
 
+LIBRARY = ROOT / "models"
 POSITIVE = {"m", "l", "M", "A", "C", "l0", "l1", "l2", "m1", "m2", "g", "R", "gamma"}
 MARKS = {"rate": "d_", "acceleration": "dd_", "virtual": "v_", "multiplier": "lam_"}
 
@@ -44,68 +46,85 @@ def as_sympy(form: Form | Term | Series, found: Derivation) -> Any:
     return letter(form.node) if meaning is None else to_sympy([meaning], letter)[0]
 
 
-def shown(name: str, about: str, scene: str | None = None) -> Any:
+def shown(found: Derivation, about: str) -> Any:
     """The formula about something in a solution."""
-    found = solution(name, scene)
     ((form, _),) = next(w.forms for w in found.written if w.about == about)
     return as_sympy(form, found)
 
 
 def from_text(text: str, found: Any) -> Any:
     """The book's expression in the symbols of `found`, and others by their names."""
+    text = re.sub(r"virtual\((\w+)\)", r"v_\1", re.sub(r"lambda\((\w+)\)", r"lam_\1", text))
+    text = re.sub(r"(\w+)''", r"dd_\1", text.replace("^", "**"))
+    text = re.sub(r"\bt\b", "time", re.sub(r"(\w+)'", r"d_\1", text))
     words = set(re.findall(r"[a-zA-Z_]\w*", text)) - {"sin", "cos", "tan"}
     names = {word: sympy.Symbol(word, positive=word in POSITIVE) for word in words}
     return sympy.sympify(text, {**names, **{str(x): x for x in found.free_symbols}})
 
 
-PENDULUM, SLIDE = "course/simple_pendulum", "course/moving_slide_implicit"
-RESULTS = [
-    (PENDULUM, "K of bob", "m*l**2*d_theta**2/2"),
-    (PENDULUM, "U of field", "m*g*l*cos(theta)"),
-    (PENDULUM, "dL/dq' 0", "m*l**2*d_theta"),
-    (PENDULUM, "dL/dq 0", "-m*g*l*sin(theta)"),
-    (PENDULUM, "d/dt dK/dq' 0", "m*l**2*dd_theta"),
-    (PENDULUM, "virtual power of field", "-m*g*l*sin(theta)*v_theta"),
-    ("course/particle_under_gravity", "Q of field", "-m*g"),
-    (SLIDE, "K2", "m*d_x**2/(2*cos(theta)**2)"),
-    (SLIDE, "K1", "m*gamma*time*d_x"),
-    (SLIDE, "K0", "m*gamma**2*time**2/2"),
-    ("course/moving_slide_explicit", "compatible with slide", "v_y - v_x*tan(theta)"),
-    ("course/moving_slide_explicit", "reaction(slide) solved", "m*(g - gamma*tan(theta))*cos(theta)**2"),
-    ("classic/heavy_top", "K of top",
-     "A*(d_theta**2 + d_phi**2*sin(theta)**2)/2 + C*(d_psi + d_phi*cos(theta))**2/2"),
-    ("classic/double_pendulum", "K", "(m1 + m2)*l1**2*d_theta1**2/2 + m2*l2**2*d_theta2**2/2"
-     " + m2*l1*l2*d_theta1*d_theta2*cos(theta1 - theta2)"),
-    ("classic/elastic_pendulum", "K of bob", "m*(d_s**2 + (l0 + s)**2*d_theta**2)/2"),
-    ("course/wheel_rolling_explicit", "reaction(roll) solved", "(I*k*x + m*a*C)/(m*a**2 + I)"),
-    ("course/wheel_rolling_implicit", "result 0 ", "(m*a**2 + I)*dd_theta + k*a**2*theta - C"),
-    ("classic/double_pendulum", "U of field", "(m1 + m2)*g*l1*cos(theta1) + m2*g*l2*cos(theta2)"),
-    ("classic/heavy_top", "conserved momentum(psi)", "C*(d_psi + d_phi*cos(theta))"),
-    ("classic/spherical_pendulum_angles", "K of bob", "m*l**2*(d_theta**2 + sin(theta)**2*d_phi**2)/2"),
-    ("classic/spherical_pendulum_angles", "conserved momentum(phi)", "m*l**2*sin(theta)**2*d_phi"),
-    ("classic/bead_on_hoop_angle", "K0", "m*R**2*w**2*sin(theta)**2/2"),
-    ("classic/bead_on_hoop_angle", "result 0 ", "m*R**2*(dd_theta - (w**2*cos(theta) - g/R)*sin(theta))"),
-    ("classic/atwood_machine", "result 0 ", "(m1 + m2 + I/r**2)*dd_x - (m1 - m2)*g"),
-    ("classic/wedge_and_block", "conserved momentum(X)", "(M + m)*d_X + m*d_s*cos(alpha)"),
-]  # fmt: skip
+def equations_of_lagrange(L: Any, names: list[str]) -> list[Any]:
+    """d/dt(dL/dq') - dL/dq for each coordinate (J. L. Lagrange, 1788)."""
+    letters = {str(x): x for x in L.free_symbols}
+
+    def of(mark: str, name: str) -> Any:
+        return letters.get(mark + name, sympy.Symbol(mark + name))
+
+    def change(x: Any) -> Any:
+        rates = [x.diff(of("", q)) * of("d_", q) + x.diff(of("d_", q)) * of("dd_", q) for q in names]
+        return sympy.Add(x.diff(of("", "time")), *rates)
+
+    return [change(L.diff(of("d_", q))) - L.diff(of("", q)) for q in names]
 
 
-@pytest.mark.parametrize("name, about, text", RESULTS)
-def test_results_of_the_course(name: str, about: str, text: str) -> None:
-    found = shown(name, about)
-    assert sympy.simplify(found - from_text(text, found)) == 0, found
+ROWS = [(x.source, *row) for x in exercises() for row in x.rows]
 
 
-def test_the_slide_in_one_parameter() -> None:
-    """m (1 + tan^2 theta) x'' + m gamma + m g tan theta = 0, from its terms."""
-    found = shown(SLIDE, "d/dt dK/dq' 0") - shown(SLIDE, "Q of field")
-    text = "m*((1 + tan(theta)**2)*dd_x + gamma + g*tan(theta))"
-    assert sympy.simplify(found - from_text(text, found)) == 0
+@pytest.mark.sample(20)
+@pytest.mark.parametrize(
+    "source, step, latex, book, said", ROWS, ids=[f"{k}-{x[1]}" for k, x in enumerate(ROWS)]
+)
+def test_both_columns_are_equal(source: str, step: str, latex: str, book: str, said: str) -> None:
+    equations, found = derivation_from(source)
+    formula = shown(found, about_of(step, equations))
+    answer = from_text(book, formula)
+    if said == ", up to d/dt":
+        names = [c.name for c in equations.model.coordinates]
+        assert not any(map(sympy.simplify, equations_of_lagrange(formula - answer, names)))
+        return
+    factor = re.fullmatch(r", times `(.*)`", said)
+    assert said == "" or factor
+    answer *= from_text(factor[1], formula) if factor else 1
+    assert sympy.simplify(formula - answer) == 0, formula
+
+
+def test_formulas_are_those_of_the_derivation() -> None:
+    """Each is a row, or a row that goes on from the one with its left side."""
+    for exercise in exercises():
+        _, found = derivation_from(exercise.source)
+        written = set()
+        for row in [row for block in found.blocks if isinstance(block, Formulas) for row in block.rows]:
+            right = "".join(row.lines) + row.note.rstrip()
+            written |= {right, f"{row.left} = {right}"}
+        for step, latex, *_ in exercise.rows:
+            assert latex in written or latex.partition(" = ")[2] in written, (step, latex)
+
+
+def test_the_page_shows_lines_of_the_library() -> None:
+    for exercise in exercises():
+        if exercise.name:
+            (path,) = LIBRARY.rglob(f"{exercise.name}.lag")
+            lines = path.read_text(encoding="utf-8").splitlines()
+            assert [line for line in exercise.code.splitlines() if line not in lines] == []
+
+
+def test_ten_exercises_of_two_textbooks() -> None:
+    assert sum(not x.name for x in exercises()) == 10
+    assert len({x.name for x in exercises() if x.name}) >= 9
 
 
 def test_velocities_and_accelerations_of_the_pendulum() -> None:
     """V = l theta' v, a = l theta'' v - l theta'^2 u (the course: x1, z1)."""
-    found = solution(PENDULUM)
+    found = solution("course/simple_pendulum")
     lines = [row for block in found.blocks for row in getattr(block, "rows", ()) if hasattr(row, "left")]
     by_left = {row.left: "".join(row.lines) for row in lines}
     assert by_left[r"\vec{V}(\mathit{bob})"] == r"l \, \dot{\theta} \, \vec{v}"

@@ -16,7 +16,7 @@ from lagc.reports.derivation.document import Formulas, Heading
 from lagc.reports.derivation.rates import rates_of
 from lagc.reports.equations.write import write
 from lagc.symbolic.derivative import gradient
-from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.walk import evaluate
 from tests.derivation.values import State, gap, solution, states
 from tests.reports.models import MODELS, derived, rows
 

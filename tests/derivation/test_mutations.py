@@ -7,7 +7,7 @@ import pytest
 
 from lagc.base.records import replace
 from lagc.reports.patterns.formula_trees import Term, Total
-from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.walk import evaluate
 from tests.derivation.test_every_model import assert_terms_add_up
 from tests.derivation.values import gap, solution, states, value
 from tests.reports.models import derived

@@ -14,7 +14,7 @@ import lagc
 from lagc.reports.derivation.derivation import derivation_of, with_motion
 from lagc.reports.derivation.document import Formulas
 from lagc.reports.derivation.formats import NoLatex, to_pdf
-from lagc.reports.derivation.mathml import to_mathml
+from lagc.reports.derivation.html import to_mathml
 from lagc.reports.derivation.phrases import _TABLE, LANGUAGES, Phrases
 from tests.derivation.test_every_model import CASES
 from tests.derivation.values import solution

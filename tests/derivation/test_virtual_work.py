@@ -8,12 +8,11 @@ import math
 import pytest
 
 from lagc.base.records import replace
-from lagc.mechanics.numeric.samples import samples
+from lagc.mechanics.identities.samples import samples
 from lagc.reports.derivation.rates import rates_of
 from lagc.semantics.model import Action, Force, Lagrangian, Potential, Torque
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
-from lagc.symbolic.walk import reachable, substitute, symbols
+from lagc.symbolic.walk import evaluate, reachable, substitute, symbols
 from tests.derivation.test_every_model import CASES
 from tests.oracle.lagrange import Oracle
 from tests.reports.models import derived

@@ -8,16 +8,16 @@ from functools import cache
 
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.formulation.states import build_states
-from lagc.mechanics.numeric.samples import Chance, samples
+from lagc.mechanics.identities.samples import Chance, samples
 from lagc.reports.derivation.derivation import Derivation, derivation_of
 from lagc.reports.derivation.rates import rates_of
 from lagc.reports.derivation.writer import Written
 from lagc.reports.names import slip_speeds
 from lagc.reports.patterns.formula_trees import Call, Form, Series, Symbol, Term, Total
 from lagc.symbolic.derivative import tangent
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.operators import VALUES
+from lagc.symbolic.walk import evaluate
 from tests.reports.models import derived
 
 State = dict[Node, float]

@@ -8,16 +8,17 @@ from pathlib import Path
 import pytest
 
 from lagc.compiler.checking import check
-from lagc.compiler.pipeline import Choice
-from lagc.diagnostics.catalogue import Entry, entries
+from lagc.compiler.stages import Choice
+from lagc.diagnostics.catalogue import entries
 from lagc.diagnostics.faults import Source
+from lagc.host.model_library import messages_folder
 
 PACKAGE = Path(__file__).resolve().parents[2] / "lagc"
-ENTRIES = entries()
+ENTRIES = entries(messages_folder())
 
 
 def codes_in_use() -> set[str]:
-    texts = [p.read_text() for p in PACKAGE.rglob("*.py") if "catalogue" not in p.parts]
+    texts = [p.read_text() for p in PACKAGE.rglob("*.py")]
     return {code for text in texts for code in re.findall(r"LAG0\d{3}", text)}
 
 
@@ -45,6 +46,12 @@ def test_the_right_example_is_accepted(code: str) -> None:
 
 def test_an_entry_explains_itself() -> None:
     for code, entry in ENTRIES.items():
-        assert isinstance(entry, Entry)
-        assert entry.title and entry.explanation.endswith("."), code
+        assert entry.explanation.endswith("."), code
         assert entry.title[0].islower(), code
+
+
+def test_every_section_of_a_page_is_an_entry() -> None:
+    pages = [page.read_text(encoding="utf-8") for page in Path(messages_folder()).iterdir()]
+    assert sum(page.count("\n## ") for page in pages) == len(ENTRIES)
+    examples = [text for entry in ENTRIES.values() for text in (entry.wrong, entry.right) if text]
+    assert sum(page.count("\n\n    ") for page in pages) == len(examples)

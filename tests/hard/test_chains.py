@@ -5,53 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy
-import pytest
 
 import lagc
-
-
-def _accelerations(angles: numpy.ndarray, rates: numpy.ndarray, link: float, g: float) -> numpy.ndarray:
-    """th'' of a chain of equal bobs in O(n), without a mass matrix: the tensions S_i of the massless
-    links satisfy a tridiagonal system, since each link keeps its length,
-
-        S_(i-1) cos(th_(i-1) - th_i) - 2 S_i + S_(i+1) cos(th_(i+1) - th_i) = -m l th_i'^2 (i > 1),
-
-    and the transverse component of the difference of two bobs' accelerations is l th_i''.
-    In extended precision.
-    """
-    n = len(angles)
-    a, w = angles.astype(numpy.longdouble), rates.astype(numpy.longdouble)
-    along = numpy.cos(a[1:] - a[:-1])
-    across = numpy.sin(a[1:] - a[:-1])
-    # forces on bob i per unit mass: gravity, S_i towards i-1, S_(i+1) towards i+1
-    diagonal = numpy.full(n, numpy.longdouble(-2.0))
-    diagonal[0] = -1.0
-    right = -numpy.longdouble(link) * w * w
-    right[0] -= numpy.longdouble(g) * numpy.cos(a[0])
-    for i in range(1, n):  # elimination
-        factor = along[i - 1] / diagonal[i - 1]
-        diagonal[i] -= factor * along[i - 1]
-        right[i] -= factor * right[i - 1]
-    tension = numpy.zeros(n, dtype=numpy.longdouble)
-    tension[n - 1] = right[n - 1] / diagonal[n - 1]
-    for i in range(n - 2, -1, -1):
-        tension[i] = (right[i] - along[i] * tension[i + 1]) / diagonal[i]
-    turn = numpy.zeros(n, dtype=numpy.longdouble)
-    turn[:-1] += tension[1:] * across
-    turn[1:] -= tension[:-1] * across
-    turn[0] -= numpy.longdouble(g) * numpy.sin(a[0])
-    return (turn / numpy.longdouble(link)).astype(float)
-
-
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("links", [10, 100])
-def test_accelerations_of_a_chain(links: int) -> None:
-    system = lagc.load("classic/chain").compile(parameters={"n": links}, backend="numpy")
-    random = numpy.random.default_rng(1)
-    angles, rates = random.uniform(-1.0, 1.0, links), random.uniform(-2.0, 2.0, links)
-    found = system.rhs(0.0, [*angles, *rates])[links:]
-    expected = _accelerations(angles, rates, 0.2, 9.81)
-    assert abs(found - expected).max() <= 1e-12 * abs(expected).max()
 
 
 def test_small_swings_of_a_chain_are_its_normal_modes() -> None:

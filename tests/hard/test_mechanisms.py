@@ -16,7 +16,6 @@ from lagc.host.model_library import read as read_model
 from lagc.simulation.backends.compile import compiler
 from lagc.simulation.system import OK, Options
 from lagc.simulation.verdict import verdict
-from tests.physics.references import read
 
 BACKEND = "c" if compiler() is not None else "numpy"
 
@@ -29,41 +28,6 @@ def _run(
     )  # fmt: skip
     assert run.status == "ok", run.message
     return run
-
-
-@pytest.mark.full
-def test_andrews_mechanism_to_a_millionth() -> None:
-    (sample,) = [s for s in read("andrews_squeezer").samples if s.t == 0.03]
-    run = _run(lagc.load("classic/andrews_squeezer").compile(), 0.03, 1e-8)
-    final = run.final
-    for name in ("beta", "Theta", "gamma", "Phi", "delta", "Omega", "epsilon"):
-        assert abs(final[name] - sample.values[name]) <= 1e-6
-    assert run.position_drift <= 1e-15
-
-
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("windows", [1, 4])
-def test_windows_pass_through_the_flat_configuration(windows: int) -> None:
-    run = _run(lagc.load("classic/n_four_bar").compile(parameters={"N": windows}), 10.0, 1e-9)
-    assert abs(run.energy.imbalance) <= 5e-5
-    for i in range(1, windows + 1):  # on the branch of the parallelograms: couplers stay level
-        assert abs(run[f"ph[{i}]"]).max() <= 1e-6
-        assert abs(run[f"th[{i + 1}]"] - run["th[1]"]).max() <= 1e-6
-
-
-@pytest.mark.sample(4)
-@pytest.mark.parametrize("windows", [1, 4])
-@pytest.mark.parametrize("away", [1e-2, 1e-4, 1e-6, 1e-8, 0.0])
-def test_windows_started_at_the_flat_configuration(windows: int, away: float) -> None:
-    system = lagc.load("classic/n_four_bar").compile(parameters={"N": windows})
-    starts = {f"th[{i}]": math.pi / 2.0 + away for i in range(1, windows + 2)}
-    run = _run(system, 10.0, 1e-9, starts)
-    for i in range(1, windows + 1):
-        assert abs(run[f"ph[{i}]"]).max() <= 1e-6
-    if away > 0.0:
-        assert abs(run.energy.imbalance) <= 5e-5
-    else:  # the rank is lost there, and it is said which rows
-        assert any("hinge[" in note for note in run.notes), run.notes
 
 
 @pytest.mark.sample(1)
@@ -121,19 +85,6 @@ def _four_bar(more: str) -> lagc.CompiledModel:
 
 
 @pytest.mark.full
-def test_every_constraint_stated_twice() -> None:
-    once = _run(_four_bar(""), 2.0, 1e-11)
-    twice = _run(_four_bar("constraint again: D = {0, 0, 0};"), 2.0, 1e-11)
-    for name in ("q1", "q2", "q3"):
-        assert abs(once[name] - twice[name]).max() <= 1e-10
-        rates = once[f"der({name})"]
-        assert abs(rates - twice[f"der({name})"]).max() <= 1e-10 * abs(rates).max()
-    # the force is shared equally: the smallest multipliers, said not to be unique
-    assert math.isclose(twice["Hx"][-1], once["Hx"][-1] / 2.0, rel_tol=1e-9)
-    assert any("again" in note for note in twice.notes)
-
-
-@pytest.mark.full
 def test_scaled_copy_of_a_constraint_is_found_redundant() -> None:
     run = _run(_four_bar("constraint again: 3*D = {0, 0, 0};"), 1.0, 1e-10)
     assert any("again" in note for note in run.notes)
@@ -156,52 +107,3 @@ def test_contradictory_constraints_are_refused_by_name(more: str, first: str, se
         _four_bar(more).simulate(1.0)
     message = " ".join(fault.message for fault in refused.value.faults)
     assert first in message and second in message
-
-
-# G. T. Bennett 1903: four revolute joints with skew axes move although Gruebler counts -2 degrees of
-# freedom, when the lengths are as the sines of the twists.  Six closing rows of rank two.
-BENNETT = """
-model Bennett
-  parameter Length a = 0.3 [m];
-  parameter Angle alpha = 40 [deg], beta = 70 [deg];
-  parameter Length b = a*sin(beta)/sin(alpha);
-  parameter Mass m = 1 [kg];
-  parameter Angle s1 = 80 [deg];
-  parameter Angle s2 = 2*atan(sin((alpha + beta)/2)/sin((beta - alpha)/2)/tan(s1/2));
-
-  coordinate Angle th1(start = s1, rate = 2 [rad/s]), th2(start = s2), th3(start = 360 [deg] - s1);
-
-  frame F1 = rotate_z(world, th1);
-  frame A1 = rotate_x(F1, alpha);
-  frame F2 = rotate_z(A1, th2);
-  frame A2 = rotate_x(F2, beta);
-  frame F3 = rotate_z(A2, th3);
-  frame A3 = rotate_x(F3, alpha);
-  point P1 = a*F1.x;
-  point P2 = P1 + b*F2.x;
-  point P3 = P2 + a*F3.x;
-
-  body link1 = Solid(mass = m, inertia = m*a^2/12*{0.1, 1, 1}, frame = F1, com = a/2*F1.x);
-  body link2 = Solid(mass = m, inertia = m*b^2/12*{0.1, 1, 1}, frame = F2, com = P1 + b/2*F2.x);
-  body link3 = Solid(mass = m, inertia = m*a^2/12*{0.1, 1, 1}, frame = F3, com = P2 + a/2*F3.x);
-
-  constraint place: P3 = {-b, 0, 0};
-  constraint axis: A3.z = {0, sin(beta), cos(beta)};
-
-  effect gravity Gravity field; end gravity;
-  scene lab uses gravity;
-end Bennett;
-"""
-
-
-@pytest.mark.full
-def test_overconstrained_spatial_mechanism_moves() -> None:
-    run = _run(lagc.loads(BENNETT).compile(), 10.0, 1e-10)
-    energy = run.energy
-    scale = max(abs(energy.start), 9.81)
-    assert abs(energy.imbalance) <= 1e-6 * scale
-    # opposite angles stay equal and opposite, and the lengths' ratio ties the two kinds of angles
-    assert abs(run["th1"] + run["th3"] - 2.0 * math.pi).max() <= 1e-8
-    assert run["th1"].max() - run["th1"].min() > 1.0
-    assert run.position_drift <= 1e-13
-    assert any("axis" in note or "place" in note for note in run.notes), run.notes

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import lagc
-from lagc.semantics.joints.kinds import KINDS, Pair
+from lagc.semantics.joints import KINDS, Pair
 
 AXIS, ALONG, AT = "axis = {1, 2, 2}", "along = {1, 0, 0.3}", "at = {0.2, 0.1, -0.3} [m]"
 ARGUMENTS = {"axis": AXIS, "at": AT, "along": ALONG, "pitch": "pitch = 0.4 [m]"}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from lagc.compiler import pipeline
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Source
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 

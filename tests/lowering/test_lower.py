@@ -12,11 +12,10 @@ from hypothesis import strategies as st
 
 from lagc.lowering.program import Function
 from lagc.lowering.scalar.common_factors import factored, plan
-from lagc.lowering.scalar.emit import Lowering
-from lagc.lowering.scalar.expand import expanded
+from lagc.lowering.scalar.expand import Lowering, expanded
 from lagc.lowering.scalar.value_numbering import Block
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import evaluate
 from tests.lowering.interpret import interpret
 
 UNARY = ("sin", "cos", "tan", "atan", "sinh", "cosh", "tanh", "exp", "abs", "floor", "sign")

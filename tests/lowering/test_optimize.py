@@ -19,7 +19,7 @@ from lagc.lowering.program import Program
 from lagc.mechanics.derive import derive
 from lagc.semantics.model import Model
 from lagc.symbolic.derivative import tangent
-from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.walk import evaluate
 from tests.lowering.interpret import ask
 from tests.mechanics import models
 from tests.mechanics.builder import Builder

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 from lagc.compiler import pipeline
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.host import model_library
 from lagc.lowering.lower_equations import optimize
 from lagc.lowering.program import Program
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import evaluate
 from tests.lowering.interpret import bound, interpret
 from tests.mechanics import models
 

@@ -10,9 +10,9 @@ import pytest
 from lagc.base.records import replace
 from lagc.codegen.c.emit import render
 from lagc.codegen.loop_segments import segments
-from lagc.compiler.pipeline import Choice, derive, parse, resolve
+from lagc.compiler.stages import Choice, derive, parse, resolve
 from lagc.host import model_library
-from lagc.lowering.loops.loop_rolling import local, rerolled
+from lagc.lowering.loop_rolling import local, rerolled
 from lagc.lowering.lower_equations import optimize
 from lagc.lowering.program import LEAVES, Function, Program
 from lagc.lowering.scalar.value_numbering import ordered
@@ -81,10 +81,8 @@ def test_what_is_done_to_a_part_is_done_at_once() -> None:
 
 @pytest.mark.parametrize("seed", range(15))
 def test_the_order_of_long_functions_changes_no_value(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("lagc.lowering.loops.loop_rolling.STRAIGHT", 0)
-    monkeypatch.setattr(
-        "lagc.lowering.loops.loop_rolling._cost", lambda often, text, indexing=-math.inf: -indexing
-    )
+    monkeypatch.setattr("lagc.lowering.loop_rolling.STRAIGHT", 0)
+    monkeypatch.setattr("lagc.lowering.loop_rolling._cost", lambda often, text, indexing=-math.inf: -indexing)
     f = sorted_leaves(repeated_function(seed, "f"))
     rng = random.Random(seed)
     given = {"p": [0.3, 1.0, 9.81], "t": [0.7], "x": [rng.uniform(-1.0, 1.0) for _ in range(60)]}
@@ -98,10 +96,8 @@ def test_the_order_of_long_functions_changes_no_value(seed: int, monkeypatch: py
 
 def test_an_entry_that_is_read_and_changed_keeps_a_function_straight(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its stores would be in another order than its loads."""
-    monkeypatch.setattr("lagc.lowering.loops.loop_rolling.STRAIGHT", 0)
-    monkeypatch.setattr(
-        "lagc.lowering.loops.loop_rolling._cost", lambda often, text, indexing=-math.inf: -indexing
-    )
+    monkeypatch.setattr("lagc.lowering.loop_rolling.STRAIGHT", 0)
+    monkeypatch.setattr("lagc.lowering.loop_rolling._cost", lambda often, text, indexing=-math.inf: -indexing)
     f = sorted_leaves(repeated_function(1, "f"))
     for behind, has_runs in ((0, False), (60, True)):  # of 60 entries that are read
         stores = tuple([replace(store, array="x", index=store.index + behind) for store in f.stores])

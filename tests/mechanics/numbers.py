@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.formulation.states import build_states
 from lagc.mechanics.identities.constraint_manifold import onto
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import evaluate
 
 Array = NDArray[np.float64]
 State = dict[Node, float]

@@ -1,255 +1,103 @@
-"""Seeded random systems: trees of particles and solids, loops closed by rows, random actions.
-
-One description is read by two parties: `model` builds the lagc Model, and `oracle` differentiates
-the same positions numerically in many digits.  A system is written once, over any numbers that add
-and multiply, with `sin` and `cos` given.
-"""
+"""Seeded random systems as texts: trees of particles and solids, loops closed by rows, random actions."""
 
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from typing import Any
 
-from lagc.mechanics.formulation.states import rate_symbols
+from lagc.compiler.stages import Choice, parse, resolve
+from lagc.diagnostics.faults import Source
 from lagc.semantics.model import Model
-from lagc.symbolic.graph import Node
-from tests.mechanics.builder import Builder
 
-Vector = list[Any]
-Matrix = list[list[Any]]
+UNITS = {"free": "", "x": "rad", "y": "rad", "z": "rad", "X": "m", "Y": "m", "Z": "m"}
 
 
-@dataclass(frozen=True)
-class Functions:
-    """sin and cos of the numbers in use."""
-
-    sin: Callable[[Any], Any]
-    cos: Callable[[Any], Any]
+def random_system(seed: int, lossless: bool = False) -> Model:
+    """Return a system of 1 to 5 links; `lossless`: without drives, friction and rows of speeds."""
+    text = random_text(seed, lossless)
+    return resolve(parse(Source(f"random{seed}.lag", text)), Choice())
 
 
-@dataclass(frozen=True)
-class Link:
-    """Carried by link `parent` (-1: the ground): an offset, a joint, then a body or none."""
-
-    parent: int
-    joint: str  # "x" "y" "z" turn about an axis; "X" "Y" "Z" slide along one; "free" a quaternion
-    offset: tuple[float, float, float]
-    drive: tuple[float, float]  # amplitude and frequency of a given motion along x of the offset
-    mass: float
-    com: tuple[float, float, float]
-    inertia: tuple[float, float, float] | None
-
-
-@dataclass(frozen=True)
-class System:
-    seed: int
-    planar: bool
-    links: tuple[Link, ...]
-    springs: tuple[tuple[int, int, float], ...]  # between bodies, k
-    wave: tuple[float, ...]  # coefficients of a potential in the coordinates and time
-    drag: tuple[tuple[int, float], ...]
-    torques: tuple[tuple[int, tuple[float, float, float]], ...]
-    damping: float
-    magnetic: float
-    loops: tuple[tuple[int, int, float], ...]  # distance between two bodies
-    pfaffian: tuple[tuple[float, ...], ...]
-    quadratic: bool
-    state: tuple[float, ...] = field(default=())
-
-
-def random_system(seed: int) -> System:
-    """A system of 1 to 5 links."""
+def random_text(seed: int, lossless: bool = False) -> str:
     r = random.Random(seed)
-    planar = r.random() < 0.4
-    n = r.randint(1, 5)
-    quaternion = not planar and r.random() < 0.3
+    planar, n = r.random() < 0.4, r.randint(1, 5)
+    free = not planar and r.random() < 0.3
 
-    def triple(size: float = 1.0) -> tuple[float, float, float]:
-        x, y, z = (round(r.uniform(-size, size), 3) for _ in range(3))
-        return (x, y, 0.0) if planar else (x, y, z)
+    def number(low: float, high: float) -> str:
+        return repr(round(r.uniform(low, high), 3))
 
-    links = []
+    def vector(frame: str, unit: str = "m") -> str:
+        """A random vector in the axes of a frame, in the plane x, y of a planar system."""
+        axes = "xy" if planar else "xyz"
+        return " + ".join(f"{number(-1, 1)} [{unit}]*{frame}.{axis}" for axis in axes)
+
+    lines: list[str] = []
+    numbers: list[str] = []  # coordinates without a dimension
+    rates: list[str] = []
+    frames, places = {-1: "world"}, {-1: "{0, 0, 0} [m]"}
     for i in range(n):
-        kinds = ["z", "z", "X", "Y"] if planar else ["x", "y", "z", "X", "Y", "Z"]
-        joint = "free" if quaternion and i == 0 else r.choice(kinds)
-        inertia = None
-        if r.random() < 0.6 or joint == "free":
-            a, b, c = (round(r.uniform(0.1, 1.0), 3) for _ in range(3))
-            inertia = (a, b, c)
-        drive = (0.0, 1.0)
-        if r.random() < 0.2:
-            drive = (round(r.uniform(0.1, 0.5), 3), round(r.uniform(0.5, 3.0), 3))
+        kind = "free" if free and i == 0 else r.choice(["z", "z", "X", "Y"] if planar else [*"xyzXYZ"])
         parent = i - 1 if r.random() < 0.7 else r.randint(-1, i - 1)
-        mass = round(r.uniform(0.2, 2.0), 3)
-        links.append(Link(parent, joint, triple(), drive, mass, triple(), inertia))
-
-    def pairs(chance: float) -> tuple[tuple[int, int, float], ...]:
-        return tuple(
-            (i, j, round(r.uniform(0.5, 2.0), 3)) for i in range(n) for j in range(i) if r.random() < chance
+        above, place = frames[parent], f"{places[parent]} + {vector(frames[parent])}"
+        if r.random() < 0.2 and not lossless:  # the joint is moved along x
+            place += f" + {number(0.1, 0.5)} [m]*sin({number(0.5, 3)}*T)*{above}.x"
+        frames[i] = f"F{i}" if kind in ("free", *"xyz") else above
+        if kind == "free":
+            lines.append(f"coordinate Orientation o; frame F{i} = rotate(world, o);")
+            numbers += ["o.x"]
+            rates += [f"o.rate.{axis}/(1 [rad/s])" for axis in "xyz"]
+        else:
+            lines.append(f"coordinate {'Angle' if kind in 'xyz' else 'Length'} q{i}(start = 0.3);")
+            numbers.append(f"q{i}/(1 [{UNITS[kind]}])")
+            rates.append(f"der(q{i})/(1 [{UNITS[kind]}/s])")
+            if kind in "xyz":
+                lines.append(f"frame F{i} = rotate_{kind}({above}, q{i});")
+            else:
+                place += f" + q{i}*{above}.{kind.lower()}"
+        places[i] = f"O{i}"
+        lines.append(f"point O{i} = {place}; point C{i} = O{i} + {vector(frames[i])};")
+        mass = f"mass = {number(0.2, 2)} [kg]"
+        if r.random() < 0.6 or kind == "free":
+            moments = ", ".join(number(0.5, 1) for _ in range(3))  # each less than the two others together
+            solid = f"inertia = {{{moments}}} [kg.m2], frame = {frames[i]}, com = C{i}"
+            lines.append(f"body b{i} = Solid({mass}, {solid});")
+        else:
+            lines.append(f"body b{i} = Particle({mass}, at = C{i});")
+        if r.random() < 0.2 and not lossless:
+            square = f"dot(velocity(b{i}), velocity(b{i}))/(1 [m2/s2])"
+            lines.append(
+                f"force drag{i} = -{number(0.05, 0.5)} [kg/s]*(1 + {square})*velocity(b{i}) at b{i};"
+            )
+        if r.random() < 0.2 and kind in ("free", *"xyz") and not lossless:
+            on = f"F{i}" + (f" from {above}" if above != "world" else "")
+            lines.append(f"torque torque{i} = {vector('world', 'N.m')} on {on};")
+    first, last = numbers[0], numbers[-1]
+    lines.append(f"Gravity field(direction = {'{0, -1, 0}' if planar else '{0, 0, -1}'});")
+    pairs = [(i, j) for i in range(n) for j in range(i)]
+    for i, j in [pair for pair in pairs if r.random() < 0.2]:
+        lines.append(f"potential spring{i}{j} = {number(0.2, 1)} [N/m]*dot(C{i} - C{j}, C{i} - C{j});")
+    wave = f"{number(-1, 1)}*{first} + {number(-1, 1)}*{last}" + ("" if lossless else f" + {number(-1, 1)}*T")
+    lines.append(f"potential wave = {number(-1, 1)} [J]*sin({wave});")
+    for k, (i, j) in enumerate([pair for pair in pairs if r.random() < 0.15][:2]):
+        lines.append(f"constraint loop{k}: dot(C{i} - C{j}, C{i} - C{j}) = {number(0.5, 2)} [m2];")
+    if lossless:
+        return _model(seed, lines)
+    if r.random() < 0.4:
+        squares = " + ".join(f"({rate})^2" for rate in rates)
+        lines.append(f"dissipation damping = {number(0, 0.5)} [W]*(1.5 + sin({first}))*({squares});")
+    if r.random() < 0.3:  # with parts linear and quadratic in the rates
+        terms = f"sin({last} + T)*({rates[0]})*(1 + {first}) + 0.3*cos({first})*({rates[0]})*({rates[-1]})"
+        lines.append(f"lagrangian magnetic = {number(0, 1)} [J]*({terms});")
+    if r.random() < 1 / 3:
+        a, b = number(-1, 1), number(-1, 1)
+        terms = " + ".join(
+            f"({a} + sin({b}*{first} + {k} + {last}))*({rate})" for k, rate in enumerate(rates)
         )
-
-    return System(
-        seed=seed,
-        planar=planar,
-        links=tuple(links),
-        springs=pairs(0.2),
-        wave=tuple(round(r.uniform(-1, 1), 3) for _ in range(4)),
-        drag=tuple((i, round(r.uniform(0.05, 0.5), 3)) for i in range(n) if r.random() < 0.2),
-        torques=tuple((i, triple()) for i in range(n) if r.random() < 0.2),
-        damping=round(r.uniform(0, 1), 3) if r.random() < 0.4 else 0.0,
-        magnetic=round(r.uniform(0, 1), 3) if r.random() < 0.3 else 0.0,
-        loops=pairs(0.15)[:2],
-        pfaffian=tuple(
-            tuple(round(r.uniform(-1, 1), 3) for _ in range(4)) for _ in range(r.choice([0, 0, 1]))
-        ),
-        quadratic=n > 2 and r.random() < 0.3,  # else the speeds are over-determined
-    )
+        lines.append(f"constraint pfaffian: {number(-1, 1)}*cos({a}*T) + {terms} = 0;")
+    if n > 2 and r.random() < 0.3:  # of fewer links, the speeds would be over-determined
+        lines.append(f"constraint quadratic: {' + '.join(f'({rate})^2' for rate in rates)} = 2;")
+    return _model(seed, lines)
 
 
-_GROUND: tuple[Vector, Matrix] = ([0, 0, 0], [[1, 0, 0], [0, 1, 0], [0, 0, 1]])
-
-
-def turn(axis: str, angle: Any, f: Functions) -> Matrix:
-    c, s = f.cos(angle), f.sin(angle)
-    return {
-        "x": [[1, 0, 0], [0, c, -s], [0, s, c]],
-        "y": [[c, 0, s], [0, 1, 0], [-s, 0, c]],
-        "z": [[c, -s, 0], [s, c, 0], [0, 0, 1]],
-    }[axis]
-
-
-def turn_by_quaternion(e: Sequence[Any]) -> Matrix:
-    w, x, y, z = e
-    return [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-
-
-def product(a: Matrix, b: Matrix) -> Matrix:
-    return [[sum((a[i][k] * b[k][j] for k in range(3)), start=0) for j in range(3)] for i in range(3)]
-
-
-def apply(a: Matrix, v: Sequence[Any]) -> Vector:
-    return [sum((a[i][k] * v[k] for k in range(3)), start=0) for i in range(3)]
-
-
-def shapes(s: System) -> list[slice]:
-    """Which q each link's joint has."""
-    found, at = [], 0
-    for link in s.links:
-        width = 4 if link.joint == "free" else 1
-        found.append(slice(at, at + width))
-        at += width
-    return found
-
-
-def poses(s: System, q: Sequence[Any], t: Any, f: Functions) -> list[tuple[Vector, Matrix]]:
-    """Centre of mass and axes of every link."""
-    joints: list[tuple[Vector, Matrix]] = []
-    found: list[tuple[Vector, Matrix]] = []
-    for link, part in zip(s.links, shapes(s)):
-        origin, axes = joints[link.parent] if link.parent >= 0 else _GROUND
-        offset: Vector = list(link.offset)
-        if link.drive[0]:
-            offset[0] = offset[0] + link.drive[0] * f.sin(link.drive[1] * t)
-        if link.joint in "XYZ":
-            k = "XYZ".index(link.joint)
-            offset[k] = offset[k] + q[part][0]
-        place = [a + b for a, b in zip(origin, apply(axes, offset))]
-        if link.joint == "free":
-            axes = product(axes, turn_by_quaternion(q[part]))
-        elif link.joint in "xyz":
-            axes = product(axes, turn(link.joint, q[part][0], f))
-        joints.append((place, axes))
-        found.append(([a + b for a, b in zip(place, apply(axes, link.com))], axes))
-    return found
-
-
-def potential(s: System, q: Sequence[Any], t: Any, f: Functions) -> Any:
-    """Gravity, springs of length 0 and a wave."""
-    places = [place for place, _ in poses(s, q, t, f)]
-    total: Any = 0
-    for link, place in zip(s.links, places):
-        total = total + 9.81 * link.mass * (place[1] if s.planar else place[2])
-    for i, j, k in s.springs:
-        total = total + 0.5 * k * square([a - b for a, b in zip(places[i], places[j])])
-    a, b, c, w = s.wave
-    return total + a * f.sin(b * q[0] + c * q[-1] + w * t)
-
-
-def square(v: Sequence[Any]) -> Any:
-    return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
-
-
-def loop_residuals(s: System, q: Sequence[Any], t: Any, f: Functions) -> list[Any]:
-    places = [place for place, _ in poses(s, q, t, f)]
-    return [square([a - b for a, b in zip(places[i], places[j])]) - d * d for i, j, d in s.loops]
-
-
-def rate_residuals(s: System, q: Sequence[Any], v: Sequence[Any], t: Any, f: Functions) -> list[Any]:
-    """Pfaffian rows with coefficients that turn with the first and last coordinate, and |v|^2 = 2."""
-    found = []
-    for a, b, c, d in s.pfaffian:
-        row: Any = d * f.cos(a * t)
-        for k, x in enumerate(v):
-            row = row + (a + f.sin(b * q[0] + c * k + q[-1])) * x
-        found.append(row)
-    if s.quadratic:
-        found.append(sum((x * x for x in v), start=0) - 2.0)
-    return found
-
-
-def damping(s: System, q: Sequence[Any], v: Sequence[Any], t: Any, f: Functions) -> Any:
-    return sum((0.5 * s.damping * (1.5 + f.sin(q[0])) * x * x for x in v), start=0)
-
-
-def magnetic(s: System, q: Sequence[Any], v: Sequence[Any], t: Any, f: Functions) -> Any:
-    """A free term with parts linear and quadratic in the rates."""
-    first, last = q[0], q[-1]
-    return s.magnetic * (f.sin(last + t) * v[0] * (1 + first) + 0.3 * f.cos(first) * v[0] * v[-1])
-
-
-def model(s: System) -> Model:
-    """The system as a Model; velocities by the graph's own derivative."""
-    b = Builder(f"Random{s.seed}")
-    f = Functions(b.graph.sin, b.graph.cos)
-    q: list[Node] = []
-    for i, link in enumerate(s.links):
-        if link.joint == "free":
-            _, orientation = b.orientation(f"o{i}")
-            q.extend(orientation.symbols)
-        else:
-            q.append(b.coordinate(f"q{i}"))
-    v = [rate for c in b.coordinates for rate in rate_symbols(c)]
-    frames: dict[int, Any] = {-1: b.world}
-    for i, ((place, _), link) in enumerate(zip(poses(s, q, b.time, f), s.links)):
-        frame = frames[link.parent]
-        if link.joint == "free":
-            frame = b.frames[0]  # the first link, on the ground
-        elif link.joint in "xyz":
-            frame = b.rotate(f"F{i}", frame, link.joint, q[shapes(s)[i]][0])
-        frames[i] = frame
-        if link.inertia is None:
-            b.particle(f"b{i}", b.graph.const(link.mass), place)
-        else:
-            b.solid(f"b{i}", b.graph.const(link.mass), link.inertia, frame, place)
-    b.potential("V", b.graph.as_node(potential(s, q, b.time, f)))
-    for i, k in s.drag:
-        body = b.bodies[i]
-        b.force(f"drag{i}", [-k * x * (1.0 + square(body.velocity)) for x in body.velocity], body.position)
-    for i, moment in s.torques:
-        parent = s.links[i].parent
-        b.torque(f"torque{i}", moment, frames[i], frames[parent] if parent >= 0 else None)
-    if s.damping:
-        b.dissipation("damping", damping(s, q, v, b.time, f))
-    if s.magnetic:
-        b.lagrangian("magnetic", magnetic(s, q, v, b.time, f))
-    for k, residual in enumerate(loop_residuals(s, q, b.time, f)):
-        b.constraint(f"loop{k}", residual)
-    for k, residual in enumerate(rate_residuals(s, q, v, b.time, f)):
-        b.constraint(f"rate{k}", residual)
-    return b.model()
+def _model(seed: int, lines: list[str]) -> str:
+    text = "\n".join(lines).replace("*T", "*time/(1 [s])").replace("+ T)", "+ time/(1 [s]))")
+    return f"model Random{seed}\n{text}\nend Random{seed};\n"

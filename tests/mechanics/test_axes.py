@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from lagc.compiler.checking import check
-from lagc.compiler.pipeline import Choice, parse, resolve
+from lagc.compiler.stages import Choice, parse, resolve
 from lagc.diagnostics.faults import Source
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion

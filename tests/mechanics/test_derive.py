@@ -11,8 +11,7 @@ from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.formulation.states import build_states
 from lagc.symbolic.derivative import tangent
-from lagc.symbolic.evaluate import evaluate
-from lagc.symbolic.walk import reachable
+from lagc.symbolic.walk import evaluate, reachable
 from tests.invariants import verify
 from tests.mechanics.builder import Builder
 from tests.mechanics.models import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from lagc.compiler.checking import check
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Source
 
 MODEL = """model M

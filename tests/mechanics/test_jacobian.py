@@ -8,18 +8,17 @@ import numpy as np
 import pytest
 
 from lagc.compiler.checking import check
-from lagc.compiler.pipeline import Choice, parse, resolve
+from lagc.compiler.stages import Choice, parse, resolve
 from lagc.diagnostics.faults import Source
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation import jacobian as module
 from lagc.mechanics.formulation.jacobian import Entries, formed_of
 from lagc.mechanics.formulation.states import build_states
-from lagc.mechanics.redundancy.redundancy import dependent_rows
-from lagc.mechanics.redundancy.row_reduction import tables
+from lagc.mechanics.redundancy import dependent_rows, tables
 from lagc.semantics.model import Model
 from lagc.symbolic import derivative as jacobians
 from tests.mechanics.numbers import jacobian, random_state, vector
-from tests.mechanics.random_systems import model, random_system
+from tests.mechanics.random_systems import random_system
 from tests.rejected.motion import CASES
 from tests.rejected.test_rejected import unmarked, whole
 
@@ -66,9 +65,9 @@ def by_sums(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.sample(1, 9)
 @pytest.mark.parametrize("seed", range(40))
 def test_random_systems(seed: int, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
-    plain = derive(model(random_system(seed)))
+    plain = derive(random_system(seed))
     request.getfixturevalue("by_sums")
-    found = derive(model(random_system(seed)))
+    found = derive(random_system(seed))
     assert [row.label for row in found.rows] == [row.label for row in plain.rows]
     assert [row.linear for row in found.rows] == [row.linear for row in plain.rows]
     state = random_state(plain, seed)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from lagc.compiler.pipeline import Choice, parse, resolve
+from lagc.compiler.stages import Choice, parse, resolve
 from lagc.diagnostics.faults import Refused, Source
 from lagc.mechanics.derive import derive
 

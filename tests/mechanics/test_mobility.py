@@ -19,9 +19,9 @@ from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.formulation.states import build_states
 from lagc.mechanics.identities.constraint_manifold import walk
 from lagc.semantics.model import Frame
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector, add, matmul, matvec, sub, transpose
+from lagc.symbolic.walk import evaluate
 from tests.mechanics.builder import Builder
 
 Made = tuple[Builder, int]  # with its mobility

@@ -8,7 +8,7 @@ import pytest
 
 import lagc
 from lagc.lowering.lower_equations import optimize
-from lagc.mechanics.numeric.dense_linear import Span
+from lagc.mechanics.identities.linear_algebra import Span
 from lagc.reports.explain import explanation
 from tests.reports.models import equations_of
 

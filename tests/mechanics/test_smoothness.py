@@ -9,7 +9,7 @@ from random import Random
 
 import pytest
 
-from lagc.compiler.pipeline import Choice, derive, parse, resolve
+from lagc.compiler.stages import Choice, derive, parse, resolve
 from lagc.diagnostics.faults import Source
 
 SMOOTH, KINK, JUMP = "smooth", "kink", "jump"

@@ -10,8 +10,8 @@ from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.states import build_states
 from lagc.semantics.model import Model
 from lagc.symbolic.derivative import tangent
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.expression_text import text
+from lagc.symbolic.walk import evaluate
 from tests.invariants import verify
 from tests.mechanics.builder import Builder
 from tests.mechanics.numbers import mass_matrix, motion, random_state

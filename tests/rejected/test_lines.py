@@ -14,7 +14,7 @@ from typing import NamedTuple
 import pytest
 
 from lagc.compiler.checking import check
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Fault, Source
 
 PENDULUM = """\

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
-from lagc.compiler.pipeline import Choice, derive, parse, resolve
+from lagc.compiler.stages import Choice, derive, parse, resolve
 from lagc.diagnostics.faults import Source
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 

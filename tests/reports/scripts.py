@@ -10,8 +10,8 @@ from typing import Any
 
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.reports.names import forces_of_contacts, names
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import evaluate
 
 FUNCTIONS = (
     "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt",

@@ -16,7 +16,7 @@ import pytest
 import lagc
 from lagc.cli.main import main
 from lagc.compiler.checking import check
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Source
 
 pytestmark = pytest.mark.usefixtures("own_cache")

@@ -10,7 +10,7 @@ import pytest
 
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.reports.equations.write import write
-from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.walk import evaluate
 from tests.reports.models import MODELS, derived, equations_of
 from tests.reports.scripts import states_of
 

@@ -10,11 +10,11 @@ import pytest
 
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.mechanics.numeric.samples import Chance, samples
+from lagc.mechanics.identities.samples import Chance, samples
 from lagc.reports.equations.write import write
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
-from tests.mechanics.random_systems import model, random_system
+from lagc.symbolic.walk import evaluate
+from tests.mechanics.random_systems import random_system
 from tests.reports.models import EVERYTHING, LONG, MODELS, derived, equations_of
 from tests.reports.scripts import script_residuals, values_at
 
@@ -72,7 +72,7 @@ def test_unusual_equations_are_the_derived_ones(text: str) -> None:
 @pytest.mark.sample(0, 4)
 @pytest.mark.parametrize("seed", range(24))
 def test_equations_of_random_systems_are_the_derived_ones(seed: int) -> None:
-    assert_same(derive(model(random_system(seed))))
+    assert_same(derive(random_system(seed)))
 
 
 def assert_same(equations: EquationsOfMotion) -> None:

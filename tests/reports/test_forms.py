@@ -8,13 +8,13 @@ import pytest
 
 from lagc.cli.main import main
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.mechanics.numeric.samples import Chance, samples
+from lagc.mechanics.identities.samples import Chance, samples
 from lagc.reports.equations.forms import FORMS, NoForm
 from lagc.reports.equations.page import page
 from lagc.reports.equations.write import write
 from lagc.symbolic.derivative import gradient, tangent
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import evaluate
 from tests.derivation.values import value
 from tests.reports.models import derived
 

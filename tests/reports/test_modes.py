@@ -9,11 +9,11 @@ from typing import Any
 import pytest
 
 from lagc.mechanics.derive import derive
-from lagc.mechanics.formulation.held_contacts import MODE_STICKS, hold_contacts
-from lagc.mechanics.numeric.samples import Chance, samples
+from lagc.mechanics.formulation.contacts import MODE_STICKS, hold_contacts
+from lagc.mechanics.identities.samples import Chance, samples
 from lagc.reports.equations.modes import modes
 from lagc.reports.equations.write import write
-from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.walk import evaluate
 from tests.reports.models import derived, equations_of
 
 BALL = """model Ball

@@ -16,8 +16,8 @@ from lagc.reports.equations.plain_text import TextWriter
 from lagc.reports.equations.write import write
 from lagc.reports.patterns.formula_trees import Linear, Series, Symbol, Term, Total, all_of, terms_of, value
 from lagc.reports.patterns.index_rules import FEW, _key, _same, rule, summed
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import evaluate
 from tests.reports.models import rows
 from tests.reports.scripts import ruled_residuals, values_at
 

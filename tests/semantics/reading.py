@@ -7,9 +7,9 @@ from typing import Any
 from lagc.diagnostics.faults import Source
 from lagc.semantics.model import Model
 from lagc.semantics.resolve import resolve
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import derived
+from lagc.symbolic.walk import evaluate
 from lagc.syntax.parse import parse
 
 HEAD = "model M parameter Mass m = 2; coordinate Length x; body b = Particle(mass = m, at = {x, 0, 0});\n"

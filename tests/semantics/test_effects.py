@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 from lagc.compiler import pipeline
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Refused, Source, Span
 from lagc.reports.explain import explanation
-from lagc.semantics.scenes.variants import Variant, variants
+from lagc.semantics.scenes import Variant, variants
 from lagc.syntax import tree
 from lagc.syntax.parse import parse
 

@@ -9,7 +9,7 @@ import pytest
 from lagc.diagnostics.faults import Refused, Source
 from lagc.semantics.instantiate import Builder
 from lagc.semantics.names.scope import DEEPEST
-from lagc.semantics.scenes.variants import Variant, variants
+from lagc.semantics.scenes import Variant, variants
 from lagc.syntax.parse import parse
 from tests.semantics.reading import read
 

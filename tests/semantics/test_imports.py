@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from lagc.compiler.checking import check
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Refused, Source
 from lagc.semantics.model import Model
 from lagc.semantics.names.namespace import Importer, Namespace

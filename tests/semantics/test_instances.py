@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from lagc.compiler.checking import check
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Refused, Source
 from lagc.semantics.resolve import resolve
-from lagc.semantics.scenes.variants import Variant, variants
+from lagc.semantics.scenes import Variant, variants
 from lagc.syntax.parse import parse
 from tests.semantics.reading import read, value
 

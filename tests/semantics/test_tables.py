@@ -15,11 +15,11 @@ from scipy.interpolate import CubicSpline, PPoly
 import lagc
 from lagc.diagnostics.faults import Refused
 from lagc.reports.equations.write import write
-from lagc.semantics.names.data_files import columns
+from lagc.semantics.names.namespace import columns
 from lagc.symbolic.derivative import tangent
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph
 from lagc.symbolic.interpolants import interpolant
+from lagc.symbolic.walk import evaluate
 from tests.codegen.tools import bits
 
 KINDS = ("held", "linear", "cubic")
@@ -120,7 +120,8 @@ def test_compiled_tables_agree_bitwise_and_with_their_expressions() -> None:
 
 
 def generated(model: str) -> dict[str, str]:
-    from lagc.compiler.pipeline import Choice, program, render
+    from lagc.compiler.pipeline import program
+    from lagc.compiler.stages import Choice, render
     from lagc.diagnostics.faults import Source
 
     return render(program(Source("made.lag", model), Choice()), "numpy")
@@ -378,7 +379,7 @@ def test_files_are_regular_not_too_large_and_beside_the_model(
     (found,) = model_of(tmp_path, 'table(time, "d.csv", "u")').check()
     assert found.code == "LAG0226" and "larger" in found.message
     monkeypatch.setattr("lagc.semantics.names.namespace.LARGEST_DATA", 1000)
-    monkeypatch.setattr("lagc.semantics.names.data_files.MOST_ROWS", 1)
+    monkeypatch.setattr("lagc.semantics.names.namespace.MOST_ROWS", 1)
     (found,) = model_of(tmp_path, 'table(time, "d.csv", "u")').check()
     assert found.code == "LAG0314" and "more than 1 rows" in found.message
 

@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lagc.compiler.checking import check
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Refused, Source
 from lagc.semantics.resolve import resolve
-from lagc.semantics.unit_spellings import unit_remedy
 from lagc.semantics.units import NONE, UnknownUnit, dimension, over, raised, si_text, times, to_si, unit
+from lagc.semantics.values.unit_hints import spelling_remedy
 from lagc.syntax.parse import parse
 
 
@@ -156,6 +156,11 @@ def test_whole_numbers_of_many_radians_are_asked_after(written: str, warned: lis
             "coordinate Angle a(rate = 2 [kHz]); body c = Particle(mass = 1, at = {0, a*1 [m], 0});",
             ["LAG0619"],
         ),
+        (
+            "coordinate Angle a; body c = Particle(mass = 1, at = {0, a*1 [m], 0});"
+            " scene s start der(a) = 1 [Hz]; end s;",
+            ["LAG0619"],
+        ),
         ("Gravity field(g = -9.81);", ["LAG0434"]),
         ("Gravity field(g = -9.81 [m/s2], direction = {0, 0, -1});", ["LAG0434"]),
         ("effect e Gravity field(g = -9.81 [m/s2]); end e; scene s uses e;", ["LAG0434"]),
@@ -205,7 +210,7 @@ def test_exponents_of_units_are_whole(text: str) -> None:
     """As those of Hertz' stiffness are not: a way out is told."""
     with pytest.raises(UnknownUnit) as refused:
         unit(text)
-    assert "integers" in refused.value.reason and "^1.5" in (unit_remedy(text) or "")
+    assert "integers" in refused.value.reason and "^1.5" in (spelling_remedy(text) or "")
 
 
 def test_exponents_may_stand_in_parentheses() -> None:

@@ -9,8 +9,6 @@ from typing import Any
 
 import lagc
 from lagc.codegen.identifiers import prefix
-from lagc.kernels import METHODS
-from lagc.simulation.backends.c import _Options
 from lagc.simulation.backends.compile import library
 from lagc.simulation.system import Options, System
 
@@ -126,10 +124,7 @@ class InC:
         self.p, self.prepared = list(system.parameters), system.interface.prepared
         self.room = ctypes.create_string_buffer(self._call("state_size", c_size_t))
         self.state = system.model.state.from_buffer(self.room)
-        o, method = options, METHODS.index(options.method)
-        self.options = _Options(
-            method, o.project, o.alone, o.max_steps, o.rtol, o.atol, o.step, o.first_step, o.max_step
-        )
+        self.options = system.model.options(options)
         self._call("begin", None, self.room, c_double(t), (c_double * self.nx)(*x))
 
     def _call(self, name: str, result: Any, *given: Any) -> Any:

@@ -184,3 +184,18 @@ def test_where_a_run_ended_for_want_of_rank_its_message_says_so() -> None:
     for status in (STEP_UNDERFLOW, MAX_STEPS):
         told = verdict(system, Trajectory([], [], 0.7, flat, status, steps=7), 1.0)
         assert told[0] == "failed" and "hinge[1][1]" in told[1] and "t = 0.7 s" in told[1]
+
+
+@pytest.mark.parametrize("by", ["", " (by = motor)"])
+def test_a_path_that_is_known_exactly_is_no_wrong_motion(by: str) -> None:
+    """An arm on a given path has no error, so its steps are long; the work of its weight, which turns many
+    times in one of them, is not known then, and says nothing of the motion."""
+    text = f"""model M
+      body arm = Solid(mass = 0.5 [kg], inertia = {{0.1, 0.1, 0.1}} [kg.m2], com = {{0.1, 0, 0}} [m]);
+      joint j = Revolute(world, arm, axis = world.y, at = {{0, 0, 0}}, angle(start = 0));
+      {"torque motor = 1 [N.m]*world.y on arm;" if by else ""}
+      constraint path: j.angle = 0.5*time^2/(1 [s2]){by};
+      Gravity field;
+    end M;"""
+    run = lagc.loads(text).compile(backend="numpy").simulate(20.0)
+    assert run.status == "ok" and run.final["j.angle"] == pytest.approx(200.0, rel=1e-9)

@@ -16,7 +16,7 @@ import lagc
 from lagc.cli.main import main
 from lagc.simulation.system import Options
 from tests.simulation.driven import InC, InPython
-from tests.simulation.test_generated import BACKENDS
+from tests.simulation.programs import BACKENDS
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "embed-the-c.md"

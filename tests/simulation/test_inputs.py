@@ -9,9 +9,8 @@ import pytest
 
 from lagc.simulation.system import MAX_STEPS, OK, STEP_UNDERFLOW, Options
 from tests.simulation.driven import MODELS, consistent, model, stepper, stepper_of
-from tests.simulation.linkages import four_bar
+from tests.simulation.programs import BACKENDS, build, four_bar, needs_compiler
 from tests.simulation.scaled import system
-from tests.simulation.test_generated import BACKENDS, build, needs_compiler
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 METHODS = pytest.mark.parametrize("method", ["dop853", "dopri5"])

@@ -8,7 +8,7 @@ import pytest
 
 import lagc
 from lagc.diagnostics.faults import Refused
-from tests.simulation.test_generated import BACKENDS
+from tests.simulation.programs import BACKENDS
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 
@@ -75,5 +75,6 @@ def test_what_no_row_alone_gives_is_named(more: str, culprit: str) -> None:
         lagc.loads(text).compile(backend="numpy")
     assert {f.code for f in refused.value.faults} == {"LAG0501"}
     assert any(f"`{culprit}`" in f.message for f in refused.value.faults)
+    assert all("`kinetic T = 1/2*(1 [kg])*der(" in str(f.remedy) for f in refused.value.faults)
     inert = " ".join(f"kinetic k{y} = 1/2*(1 [kg])*der({y})^2;" for y in "yz")
     lagc.loads(text.replace("end M", f"{inert} end M")).compile(backend="numpy")  # as the remedy says

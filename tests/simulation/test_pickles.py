@@ -15,16 +15,16 @@ import pytest
 import lagc
 from lagc.simulation.backends import compile as c_compiler
 from lagc.simulation.system import Options
-from tests.simulation.test_generated import BACKENDS, PROGRAMS, build
+from tests.simulation.programs import BACKENDS, NAMES, build, programs
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 
 
 @pytest.mark.sample(1, 7)
 @BACKENDS
-@pytest.mark.parametrize("name", PROGRAMS)
+@pytest.mark.parametrize("name", NAMES)
 def test_a_system_comes_back(name: str, backend: str) -> None:
-    system = build(PROGRAMS[name], backend)
+    system = build(programs()[name], backend)
     system = system.bind([1.25 * v for v in system.parameters])
     back = pickle.loads(pickle.dumps(system))
     assert back.parameters == system.parameters and back.interface == system.interface

@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 import lagc
 from lagc.api import Run
 from lagc.diagnostics.faults import Refused
-from tests.simulation.test_generated import BACKENDS
+from tests.simulation.programs import BACKENDS
 
 Array: TypeAlias = NDArray[np.float64]
 Exact: TypeAlias = Mapping[str, Array]

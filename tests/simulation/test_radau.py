@@ -18,10 +18,10 @@ from scipy.integrate import solve_ivp
 
 import lagc
 from lagc.cli.main import main
-from lagc.codegen.kernel_compiler.linker import methods_of
+from lagc.codegen.sizes import methods_of
 from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Refused, Source
-from lagc.lowering import implicit
+from lagc.lowering import linearizations
 from tests.physics.references import compiled as of_reference
 from tests.physics.references import read
 
@@ -247,8 +247,8 @@ def test_derivatives_by_columns_are_those_by_entries(monkeypatch: pytest.MonkeyP
     """Large models derive the equations along one direction after the other."""
     compilation = pipeline.Compilation(Source("rods.lag", RODS), pipeline.Choice())
     found = []
-    for most in (implicit.MOST, -1):
-        monkeypatch.setattr(implicit, "MOST", most)
+    for most in (linearizations.MOST, -1):
+        monkeypatch.setattr(linearizations, "MOST", most)
         program = pipeline.delivered(compilation, False, ["radau5"])
         assert ("newton_column" in program.functions) == (most < 0)
         space: dict[str, Any] = {}
@@ -258,7 +258,7 @@ def test_derivatives_by_columns_are_those_by_entries(monkeypatch: pytest.MonkeyP
             [0.5, 0.0, 0.5, 1.5, 0.0, 0.5, pi / 2.0, pi / 2.0, *[0.0] * 8],
         )  # fmt: skip
         assert run.step(0.1) == 0
-        found.append((run.t, run.slopes[:], run.mass[:], run.x))
+        found.append((run.t, run.newton.slopes[:], run.newton.mass[:], run.x))
     assert found[0][0] == found[1][0]
     for one, two in zip(found[0][1:], found[1][1:]):
         scale = max(map(abs, one))

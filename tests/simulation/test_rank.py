@@ -11,8 +11,7 @@ from lagc.lowering.program import Program
 from lagc.simulation.system import INCONSISTENT, OK, REDUNDANT, SINGULAR_MASS, Options
 from tests.interfaces import interface
 from tests.simulation.handmade import module
-from tests.simulation.linkages import four_bar
-from tests.simulation.test_generated import BACKENDS, build
+from tests.simulation.programs import BACKENDS, build, four_bar
 
 numpy = pytest.importorskip("numpy")
 
@@ -28,7 +27,7 @@ class Fallback:
         self.kernels = module(Program(interface(nq=n, nv=n, nc=m, nh=m, solve="dense"), {}))
         self.kernels.fn_gamma_sizes = lambda p, t, x, s: None
         self.work = self.kernels.Work()
-        self.work.regularity = [1.0] * m
+        self.work.rows.regularity = [1.0] * m
 
     def factor(self, mass: list[float], g: list[float]) -> int:
         self.work.M, self.work.G = mass, g
@@ -54,7 +53,7 @@ def test_it_is_the_least_squares_solution(n: int, m: Any, rank: int, scale: floa
     force, right = random.normal(size=n), g @ random.normal(size=n)
     fallback = Fallback(n, m)
     status = fallback.factor(packed(mass), g.ravel().tolist())
-    assert status == (OK if rank == m else REDUNDANT) and fallback.work.rank == rank
+    assert status == (OK if rank == m else REDUNDANT) and fallback.work.factors.rank == rank
     status, a, lam = fallback.solve(force.tolist(), right.tolist())
     assert status == (OK if rank == m else REDUNDANT)
     null = numpy.linalg.svd(g)[2][rank:].T

@@ -14,14 +14,14 @@ from typing import Any
 import pytest
 
 import lagc
-from lagc.compiler.pipeline import Choice, Compilation, render
+from lagc.compiler.pipeline import Compilation
+from lagc.compiler.stages import Choice, render
 from lagc.host import cache
 from lagc.host.model_library import read
 from lagc.simulation.backends import compile as c_compiler
 from lagc.simulation.backends import load
 from lagc.simulation.system import Options, System
-from tests.simulation.linkages import four_bar
-from tests.simulation.test_generated import BACKENDS, PROGRAMS, build
+from tests.simulation.programs import BACKENDS, NAMES, built
 
 MODELS = ["double_pendulum", "classic/four_bar", "classic/heavy_top_quaternion", "classic/rolling_disc"]
 
@@ -140,11 +140,10 @@ def test_a_run_keeps_its_parameters(backend: str) -> None:
 
 @pytest.mark.sample(6)
 @BACKENDS
-@pytest.mark.parametrize("name", [*PROGRAMS, "four bars, flat"])
+@pytest.mark.parametrize("name", NAMES)
 def test_an_answer_depends_on_the_question_alone(name: str, backend: str) -> None:
     """Not on what was asked before: rows found to be dependent are no business of the next caller."""
-    program = four_bar(2, 0.0, -4.0) if name == "four bars, flat" else PROGRAMS[name]
-    system = build(program, backend)
+    system = built(name, backend)
     x, dice = system.start(), random.Random(1)
     others = [[a + dice.gauss(0.0, 0.3) for a in x] for _ in range(4)]
 

@@ -18,7 +18,7 @@ from typing import Any
 import pytest
 
 from lagc.compiler import checking, pipeline
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Source
 from lagc.diagnostics.suggest import NEAREST
 from lagc.lowering.scalar.common_factors import factored, plan

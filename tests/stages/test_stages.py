@@ -14,7 +14,7 @@ from lagc.diagnostics.faults import Source
 from lagc.lowering.lower_equations import optimize
 from lagc.mechanics.derive import derive
 from lagc.semantics.resolve import resolve
-from lagc.semantics.scenes.variants import Variant, variants
+from lagc.semantics.scenes import Variant, variants
 from lagc.syntax.parse import parse
 from tests.invariants import verify
 

@@ -17,7 +17,7 @@ from lagc.diagnostics.faults import Refused
 from lagc.kernels import METHODS
 from lagc.kernels.integrators.tableaus import adapts
 from lagc.simulation.backends.compile import CannotCompile
-from tests.simulation.test_generated import needs_compiler
+from tests.simulation.programs import needs_compiler
 
 np = pytest.importorskip("numpy")
 
@@ -309,6 +309,22 @@ def test_an_interruption_keeps_what_was_measured() -> None:
 
     study = lagc.loads(SPRING).compile().cost(points=21, budget=5.0, progress=progress)
     assert not study.complete and len(study.points) > 20 and study.advice and "interrupted" in study.notes[0]
+
+
+@needs_compiler
+@pytest.mark.full
+def test_a_run_longer_than_the_budget_ends_the_study(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The exit code is that of a limit, not that of Ctrl-C."""
+
+    def late(*given: object) -> None:
+        raise Late("a run takes longer than the budget")
+
+    monkeypatch.setattr(cost, "look_nearby", late)
+    (tmp_path / "spring.lag").write_text(SPRING)
+    assert main(["cost", str(tmp_path / "spring.lag"), "--points", "21", "--budget", "3", "-q"]) == 4
+    assert "a run took too long: the results so far" in capsys.readouterr().out
 
 
 @needs_compiler

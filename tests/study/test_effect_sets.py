@@ -11,10 +11,10 @@ import pytest
 
 import lagc
 from lagc.compiler import pipeline
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Source
 from lagc.study.effects import Effects
-from tests.simulation.test_generated import needs_compiler
+from tests.simulation.programs import needs_compiler
 from tests.study.test_effects import clock  # noqa: F401
 
 np = pytest.importorskip("numpy")

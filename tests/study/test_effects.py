@@ -12,7 +12,7 @@ import pytest
 import lagc
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
-from tests.simulation.test_generated import needs_compiler
+from tests.simulation.programs import needs_compiler
 
 np = pytest.importorskip("numpy")
 
@@ -234,7 +234,7 @@ def test_a_chaotic_scene_is_compared_until_it_is_not_predictable() -> None:
     assert 0.0 < bearing[1e-5] < bearing[1e-2] < found.horizon
     assert found.sets[0].left_out == ("hair",) and 1e-9 < (changes["hair"].change or 0.0) < 1e-2
     shown = text(found, "Double")
-    assert "not predictable beyond" in shown and "above 1e-02 from" in shown
+    assert "not predictable beyond" in shown and "1e-02 from" in shown
     for one in found.sets:
         assert one.change <= one.accuracy
 
@@ -274,7 +274,7 @@ def test_events_of_the_effect_itself_vanish_with_it() -> None:
     assert one.events == ("tap",) and one.ends == ""
     assert one.per["x"] == pytest.approx(1e-4 / found.scales["x"][0], rel=1e-3)  # at t = 1 + pi/2
     assert "kick" in found.sets[0].left_out
-    assert "its events vanish: tap" in text(found, "Spring")
+    assert "its events vanish: tap" in " ".join(text(found, "Spring").split())
 
 
 def test_reports(spring: Effects, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

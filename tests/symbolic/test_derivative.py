@@ -9,8 +9,8 @@ import pytest
 from hypothesis import assume, given, settings
 
 from lagc.symbolic.derivative import gradient, tangent
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import evaluate
 from tests.symbolic.expressions import NAMES, grow, points, programs
 
 STEP = 1e-30  # f(x + ih) = f(x) + ih f'(x) + O(h^2): Squire & Trapp, SIAM Review 40, 1998

@@ -8,8 +8,8 @@ from random import Random
 import pytest
 
 from lagc.symbolic.enclosures import UNKNOWN, enclosures
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import evaluate
 
 UNARY = ("sin", "cos", "abs", "tanh", "atan", "cosh", "sinh", "tan", "floor", "sign")
 

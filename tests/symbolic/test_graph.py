@@ -10,10 +10,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from lagc.symbolic.derivative import gradient, tangent
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.expression_text import text
 from lagc.symbolic.graph import Graph, Node
-from lagc.symbolic.walk import depends, reachable, substitute, symbols
+from lagc.symbolic.walk import depends, evaluate, reachable, substitute, symbols
 from tests.symbolic.expressions import NAMES, grow, points, programs
 
 

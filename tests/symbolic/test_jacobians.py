@@ -8,8 +8,8 @@ import pytest
 
 from lagc.symbolic import derivative as module
 from lagc.symbolic.derivative import Slopes, gradient, slopes
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import evaluate
 
 STEP = 1e-6
 

@@ -10,7 +10,6 @@ import pytest
 
 from lagc.codegen.python.public_functions import public_functions
 from lagc.symbolic.derivative import tangent
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph
 from lagc.symbolic.operators import (
     CHOICE,
@@ -24,6 +23,7 @@ from lagc.symbolic.operators import (
     Operator,
     spelling,
 )
+from lagc.symbolic.walk import evaluate
 from tests.codegen.programs import pendulum
 
 ROWS = list(OPERATORS.values())

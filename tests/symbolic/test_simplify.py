@@ -7,11 +7,10 @@ import random
 
 import pytest
 
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.simplify import MOST
 from lagc.symbolic.vectors import Vector, add, dot, norm, scale
-from lagc.symbolic.walk import reachable, symbols
+from lagc.symbolic.walk import evaluate, reachable, symbols
 
 
 def turned(graph: Graph, axes: tuple[Vector, ...], k: int, angle: Node) -> tuple[Vector, ...]:

@@ -9,10 +9,10 @@ import sympy
 from hypothesis import assume, given, settings
 
 from lagc.symbolic.derivative import tangent
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.operators import LOOKED_UP, OPERATORS
 from lagc.symbolic.sympy import to_sympy
+from lagc.symbolic.walk import evaluate
 from tests.symbolic.expressions import NAMES, grow, points, programs
 
 SYMBOLS = [sympy.Symbol(name, real=True) for name in NAMES]

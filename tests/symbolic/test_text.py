@@ -9,10 +9,10 @@ import re
 import pytest
 from hypothesis import assume, given, settings
 
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.expression_text import brief, text
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.operators import VALUES
+from lagc.symbolic.walk import evaluate
 from tests.symbolic.expressions import NAMES, grow, points, programs
 
 

@@ -10,9 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lagc.symbolic import vectors
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
-from lagc.symbolic.walk import depends, reachable, substitute, symbols
+from lagc.symbolic.walk import depends, evaluate, reachable, substitute, symbols
 from tests.symbolic.expressions import NAMES, grow, points, programs
 
 

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from lagc.diagnostics.catalogue.syntax import ENTRIES
+from lagc.diagnostics.catalogue import entries
 from lagc.diagnostics.faults import Refused, Source
+from lagc.host.model_library import messages_folder
 from lagc.semantics.resolve import resolve
 from lagc.syntax import tree
 from lagc.syntax.parse import parse, parse_recovering
+
+ENTRIES = {code: entry for code, entry in entries(messages_folder()).items() if code < "LAG02"}
 
 # The mistake, the marked text (None: not looked at), the code, a part of the message or the remedy.
 MISTAKES = [
@@ -244,6 +247,11 @@ def test_several_faults_in_one_go() -> None:
 def test_one_fault_a_declaration() -> None:
     _, _, faults = read("body b = Particle(mass == m, at = {x 0 0, +});")
     assert len(faults) == 1
+
+
+def test_a_call_of_a_solver_may_stay_open_to_the_end_of_the_file() -> None:
+    _, faults = parse_recovering(Source("x", "model M\n  [t, y] = ode45(f, [0, 10];\nend M;\n"))
+    assert faults[0].code == "LAG0118"
 
 
 @pytest.mark.parametrize("code", sorted(ENTRIES))

@@ -5,20 +5,23 @@ import { page } from './data.js';
 
 const vec = x => new Vector3(...x);
 
+function radius(shape) {
+  if (shape.parts) return Math.max(...shape.parts.map(radius));
+  return Math.max(
+    shape.r || 0,
+    (shape.length || 0) / 2,
+    ...(shape.size || [0]).map(x => x / 2),
+    ...(shape.corners || []).map(c => Math.hypot(...c)),
+  );
+}
+
 export class View {
   makeCamera() {
     this.middle = vec(page.low).add(vec(page.high)).multiplyScalar(0.5);
     let reach = vec(page.high).sub(vec(page.low)).length() / 2;
-    for (const [k, body] of page.bodies.entries()) {
-      const s = body.shape,
-        r = Math.max(
-          s.r || 0,
-          (s.length || 0) / 2,
-          ...(s.size || [0]).map(x => x / 2),
-          ...(s.corners || []).map(c => Math.hypot(...c)),
-        );
-      reach = Math.max(reach, page.bodies.length > 60 ? 0 : r + this.farthest(k) * 0.75);
-    }
+    for (const [k, body] of page.bodies.entries())
+      reach = Math.max(reach, page.bodies.length > 60 ? 0 : radius(body.shape) + this.farthest(k) * 0.75);
+    for (const f of page.figures) reach = Math.max(reach, radius(f.shape));
     this.reach = reach * 1.12;
     this.planar
       ? (this.camera = new OrthographicCamera())

@@ -1,7 +1,7 @@
 """Print a Program as one C header and one C source.
 
-The source holds helpers, the functions of the model (`lagc_fn_...`), its kernels and the public functions.
-`lagc_` and `LAGC_` are replaced by the prefix of the model in the whole text at the end.
+The source holds helpers, the functions of the model (`fn_...`), its kernels and the public functions.  Names
+get their final form at the end (`names`).
 """
 
 from __future__ import annotations
@@ -10,13 +10,14 @@ import re
 
 from lagc.codegen.c import header
 from lagc.codegen.c.functions import function_text, helpers
+from lagc.codegen.c.names import PLACE, in_header, in_source
 from lagc.codegen.c.public_functions import public_functions
 from lagc.codegen.c.runtime import Runtime, sine_cosine
 from lagc.codegen.identifiers import local_names, prefix
+from lagc.codegen.kernel_compiler.library import sine_cosine_kernels
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.tables import c_tables, numbered
-from lagc.codegen.trigonometry import sine_cosine_kernels
-from lagc.lowering.program import Interface, Program
+from lagc.lowering.program import Program
 
 _REORDERED = """\
 /* Results are the same to the bit with every compiler that does the operations as they are written.  Define
@@ -50,9 +51,11 @@ def render(program: Program, complete: bool = True, real: Arithmetic = DOUBLE) -
     program = program.shipped
     interface, runtime = program.interface, Runtime(program, complete, real)
     name = prefix(interface.model)
+    header = _header(runtime, f"{name}.h")
+    source = _source(runtime, f"{name}.c", f"{name}.h", header)
     return {
-        f"{name}.h": _prefixed(_header(runtime, f"{name}.h"), interface, real),
-        f"{name}.c": _prefixed(_source(runtime, f"{name}.c", f"{name}.h"), interface, real),
+        f"{name}.h": _wrapped(in_header(_real(header, real), name)),
+        f"{name}.c": _wrapped(in_source(_real(source, real), header, name)),
     }
 
 
@@ -75,22 +78,26 @@ def _header(runtime: Runtime, file: str) -> str:
     return "\n".join(part for part in parts if part)
 
 
-def _source(runtime: Runtime, file: str, own_header: str) -> str:
+def _source(runtime: Runtime, file: str, own_header: str, declared: str) -> str:
     program, real = runtime.program, runtime.real
     interface = program.interface
-    names = local_names(program, ())
+    taken = {"sine_cosine", "sine_cosine_two", "piece", *runtime.constants}
+    names = local_names(program, taken)
     fields = header.places(interface)
     numbers = numbered(program)
-    functions = [function_text(f, names, fields, real, numbers) for f in program.functions.values()]
+    runs = [*runtime.definitions(declared), *(f.definition for f in public_functions(program, real))]
+    called = set(re.findall(r"\blagc_fn_(\w+)", "\n".join(runs)))
+    functions = [function_text(f, names, fields, real, numbers) for f in program.functions.values()
+                 if f.spelled in called]  # fmt: skip
     parts = [
         header.banner(interface, file) + f'#include "{own_header}"\n\n' + real.includes,
         compiler_guards(real),
+        PLACE,
         helpers(program),
         *c_tables(numbers, real),
-        *sine_cosine(sine_cosine_kernels(functions)),
+        *sine_cosine(sine_cosine_kernels(functions, DOUBLE.language)),
         *functions,
-        *runtime.definitions(),
-        *(function.definition for function in public_functions(program, real)),
+        *runs,
     ]
     return "\n".join(part for part in parts if part)
 
@@ -101,18 +108,19 @@ def compiler_guards(real: Arithmetic) -> str:
     return f"{_REORDERED}{wider}#endif\n\n{_FUSED}"
 
 
-def _prefixed(text: str, interface: Interface, real: Arithmetic) -> str:
-    own = prefix(interface.model)
-    text = re.sub(r"\blagc_real\b(?!;)", real.name, text)  # except where the header declares it
-    text = re.sub(r"\bLAGC_", f"{own.upper()}_", re.sub(r"\blagc_", f"{own}_", text))
-    return _HEAD.sub(_wrapped, text)
+def _real(text: str, real: Arithmetic) -> str:
+    return re.sub(r"\blagc_real\b(?!;)", real.name, text)  # except where the header declares it
 
 
-_HEAD = re.compile(r"^[a-z][\w *]*\([^()]*\)(?=;$|\n\{)", re.M)  # of a function
+_HEAD = re.compile(r"^[A-Za-z][\w *]*\([^()]*\)(?=;$|\n\{)", re.M)  # of a function
 
 
-def _wrapped(match: re.Match[str]) -> str:
-    """Break the head of a function between parameters, into lines of at most 98 characters."""
+def _wrapped(text: str) -> str:
+    """Break the heads of functions between parameters, into lines of at most 98 characters."""
+    return _HEAD.sub(_rows, text)
+
+
+def _rows(match: re.Match[str]) -> str:
     head = " ".join(match[0].split())
     indent = " " * (head.index("(") + 1)
     rows = [""]

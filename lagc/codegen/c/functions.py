@@ -13,7 +13,7 @@ from lagc.codegen.loop_segments import in_parts
 from lagc.codegen.loops import Forms, Running, loops
 from lagc.codegen.statements import AND, OR, Dialect, lines
 from lagc.codegen.tables import NONE, Numbers, c_look_up
-from lagc.lowering.loops.loop_rolling import moves_itself
+from lagc.lowering.loop_rolling import moves_itself
 from lagc.lowering.program import Function, Program, Run, uses
 from lagc.symbolic.operators import spelling
 
@@ -57,6 +57,7 @@ def function_text(
     def entry(array: str, index: str) -> str:
         return f"((const lagc_real *)p)[{index}]" if array == "p" else f"{array}[{index}]"
 
+    # How operations are spelled; arrays that are sums begin at zero.
     dialect = Dialect(
         calls=CALLS if real == DOUBLE else {op: _of_type(text, real) for op, text in CALLS.items()},
         infix={op: (f" {CALLS[op]} ", binds) for op, binds in (("and", AND), ("or", OR))},
@@ -76,6 +77,8 @@ def function_text(
     )
     size = dict(function.outputs)
     body = [f"{{ int i; for (i = 0; i < {size[a]}; i++) {a}[i] = 0.0; }}" for a in function.cleared]
+    # A long function without loops is cut, as C compilers need more than linear time. A sum into its own
+    # argument stays whole.
     if not function.runs:
         long = len(function.operations) + len(function.stores) > OPERATIONS * LONGEST
         if not long or moves_itself(function):

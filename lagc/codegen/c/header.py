@@ -7,8 +7,8 @@ from collections.abc import Iterable
 
 from lagc.codegen.heading import ABI_VERSION, LICENCE, SPDX, equation, origin
 from lagc.codegen.identifiers import Names, comment, prefix
-from lagc.codegen.kernel_compiler.linker import sizes_of
 from lagc.codegen.kernel_compiler.real_types import Arithmetic
+from lagc.codegen.sizes import sizes_of
 from lagc.lowering.program import Field, Interface
 
 

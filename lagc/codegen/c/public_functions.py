@@ -15,7 +15,7 @@ from lagc.codegen.heading import rates
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.statements import loads
 from lagc.lowering.program import Interface, Program
-from lagc.symbolic.evaluate import double
+from lagc.symbolic.walk import double
 
 _POINT = "const lagc_params *p, lagc_real t, const lagc_real *x"
 
@@ -196,7 +196,7 @@ def _of_accelerations(program: Program, name: str, comment: str, output: str) ->
     """A function that may need energies, accelerations or multipliers."""
     function = program.functions[name]
     given = {"p": "p", "t": "t", "x": "x", "modes": "w->modes", "e": "e", "a": "w->xdot + LAGC_NQ",
-             "lam": "w->lam", "contact_forces": "w->contact_forces"}  # fmt: skip
+             "lam": "w->lam", "contact_forces": "w->contacts.forces"}  # fmt: skip
     call = f"    lagc_fn_{function.spelled}({', '.join(given[i] for i in function.inputs)}, {output});\n"
     if "e" in function.inputs:
         call = f"    lagc_fn_energies(p, t, x, e);\n{call}"

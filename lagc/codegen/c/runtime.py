@@ -3,36 +3,26 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from fractions import Fraction
+from collections.abc import Iterable, Sequence
 from textwrap import fill
 from typing import Any
 
 from lagc.codegen.c import header
 from lagc.codegen.c.convolution import convolution
 from lagc.codegen.heading import rates, status_texts, statuses
-from lagc.codegen.kernel_compiler.c import CPrinter
-from lagc.codegen.kernel_compiler.layout import block_comment, snake
-from lagc.codegen.kernel_compiler.linker import (
-    SPELLED,
-    Chosen,
-    Part,
-    chosen,
-    codes,
-    flags_of,
-    methods_of,
-    sizes_of,
-    tables_of,
-)
+from lagc.codegen.kernel_compiler.c import CPrinter, block_comment, snake
+from lagc.codegen.kernel_compiler.library import Chosen, Library, library
+from lagc.codegen.kernel_compiler.parts import Part
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
-from lagc.codegen.kernel_compiler.shipped import Parts, parts
 from lagc.codegen.python.support.base import Options
-from lagc.lowering.program import Interface, Program
+from lagc.codegen.sizes import SPELLED, flags_of, methods_of, sizes_of, tables_of
+from lagc.lowering.program import Program
 
 # Public kernels of every model; a run of lagc does the last ones itself.
 ROOTS = ("begin", "step", "dense", "advance", "record", "verified", "check")
 EMBEDDED = ("check",)  # of these the kernels that a run of lagc does itself
 CALLED = ("rhs_at", "system_at", "assemble_at", "solve_at")  # called by `public_functions`
+NUMBERS = ("int", "Real", "Reals")  # kinds of constants that are not in the header
 FOLLOWING = ("follow", "event_facts")  # with sensitivities
 _COPY_STATE = """\
 static void lagc_fn_copy_state(const lagc_state *s, lagc_state *kept)
@@ -68,20 +58,36 @@ class Runtime:
         ]
         roots += CALLED[2:] if interface.nc and "scales" in functions else []
         roots += ["assemble_slopes"] if interface.part_ends else []
-        self.parts = parts(real)
-        self.use = chosen(self.parts, flags_of(interface, complete), roots, methods_of(interface))
+        self.kernels = library(real.language)
+        self.flags = flags_of(interface, complete)
+        self.use = self.kernels.chosen(roots, self.flags)
         self.sizes = sizes_of(interface)
         self.public = {name for name, _, _ in header.sizes(interface)}
 
+    @property
+    def constants(self) -> frozenset[str]:
+        """The names of constants, sizes, statuses and tables."""
+        found = statuses(self.kernels, self.program.interface)
+        named = {part.name for part in (*self.use.constants, *found)}
+        return frozenset({*named, *self.sizes, *tables_of(self.program.interface)})
+
     def types(self) -> str:
         """Return enumerations and structs for the header."""
-        records = self._records()
-        found = [self._enumeration("Status"), records["Work"], self._enumeration("Method")]
-        found += [records["Options"], _codes(codes(self.parts, "language/records")), records["State"]]
+        records, public = self._records(), self._public()
+        inner = [text for name, text in records.items() if name in public and name not in PUBLIC_RECORDS]
+        found = [self._enumeration("Status"), *inner, records["Work"], self._enumeration("Method")]
+        found += [
+            records["Options"],
+            _codes(self.kernels.constants("language/records", "Code")),
+            records["State"],
+        ]
         found += [records[name] for name in ("Goal", "Report", "Verification")]
         found += [records["TangentWork"]] if self.program.interface.follows else []
         if self.searches:
-            found += [_codes(codes(self.parts, "initialization/workspace")), records["StartWork"]]
+            found += [
+                _codes(self.kernels.constants("initialization/workspace", "Code")),
+                records["StartWork"],
+            ]
         return "\n".join(found)
 
     def declarations(self) -> str:
@@ -94,40 +100,48 @@ class Runtime:
         if self.complete:
             found.append("/* Return the meaning of a status, for any number. */\n"
                          "const char *lagc_status_text(int status);\n")  # fmt: skip
-        for part, _ in self.use.functions:
-            if part["public"]:
-                lead = block_comment("\n".join(part["lead"]))
-                found.append(
-                    (lead + "\n" if lead else "") + block_comment(part["doc"]) + part["head"] + ";\n"
-                )
+        for part in self.use.functions:
+            if part.head:
+                found += [block_comment(part.lead)] if part.lead else []
+                found.append(block_comment(part.note) + part.head + ";\n")
         return "\n".join(found)
 
-    def definitions(self) -> list[str]:
-        """Return constants, tables and functions for the source."""
+    def definitions(self, header: str) -> list[str]:
+        """Return constants, tables and functions for the source, without constants of the header."""
         values, names = tables_of(self.program.interface), self.use.names
         spelled = " ".join([SPELLED[name] for name in names if name in SPELLED])
         used = {*names, *re.findall(r"LAGC_(\w+)", spelled)}
         own = [n for n in self.sizes if n in used and n not in self.public and n not in SPELLED]
-        found = ["".join(f"#define LAGC_{n} {self.sizes[n]}\n" for n in own), _work(self.program)]
+        sizes = fill(", ".join(f"LAGC_{n} = {self.sizes[n]}" for n in own), 98, initial_indent="    ",
+                     subsequent_indent="    ")  # fmt: skip
+        found = [f"enum {{ /* sizes */\n{sizes}\n}};\n" if own else "", _work(self.program)]
         found += [_table(name, values[name], self.real) for name in values if name in names]
-        found += [text for name, text in self._records().items() if name not in PUBLIC_RECORDS]
+        public = self._public()
+        found += [text for name, text in self._records().items() if name not in public]
         if "fn_convolve" in names:
             found.append(convolution(self.sizes["NLANE"], self.sizes["NSQUARE"], self.real))
         found += [_OBSERVE] if "fn_observe" in names else []
         found += [_COPY_STATE] if "fn_copy_state" in names else []
-        found += _printed(self.use, self.parts)
+        declared = set(re.findall(r"LAGC_(\w+)", header))
+        constants = [part for part in self.use.constants if part.name not in declared]
+        found += _printed(self.kernels, constants, self.use.functions)
         # Not in the subset of kernels: structs by value, their sizes, texts.
-        (options,) = [members for part, members in self.use.records if part["name"] == "Options"]
-        found.append(_default_options(options, self.real, methods_of(self.program.interface)))
-        sized = (
-            "work",
-            "state",
-            "verification",
-            *(("tangent_work",) if self.program.interface.follows else ()),
-        )
+        (options,) = [part for part in self.use.records if part.name == "Options"]
+        found.append(_default_options(options.members, self.real, methods_of(self.program.interface)))
+        follows = ("tangent_work",) if self.program.interface.follows else ()
+        sized = ("work", "state", "verification", *follows)
         found += [f"size_t lagc_{n}_size(void) {{ return sizeof(lagc_{n}); }}\n" for n in sized]
-        found += [_status_text(self.program.interface)] if self.complete else []
+        texts = status_texts(self.kernels, self.program.interface)
+        found += [_status_text(texts)] if self.complete else []
         return [part for part in found if part]
+
+    def _public(self) -> frozenset[str]:
+        """Return the records of the header: those that callers hold, and those inside of them."""
+        found, wanted = set[str](), [part.name for part in self.use.records if part.name in PUBLIC_RECORDS]
+        while wanted:
+            found.add(wanted[-1])
+            wanted += self.kernels.part(wanted.pop(), self.flags).needs
+        return frozenset(found)
 
     def _records(self) -> dict[str, str]:
         """Return the struct of each record; C has no arrays of size 0, so these get size 1."""
@@ -135,55 +149,43 @@ class Runtime:
         numbers = {n: str(max(size, 1)) for n, size in self.sizes.items() if size == 0 or n not in named}
         printer = CPrinter(self.real, {**SPELLED, **numbers}, {})
         found = {}
-        for part, members in self.use.records:
+        for part in self.use.records:
             lines = []
-            for name, kind, _, lead, trail in members:
+            for name, kind, lead, trail in part.members:
                 lines += [f"    {line}" for line in block_comment("\n".join(lead)).splitlines()]
                 lines += _annotated(f"    {printer.declared(tuple(kind), name)};", trail)
-            head, body = block_comment(part["doc"]), "\n".join(lines)
-            found[part["name"]] = f"{head}typedef struct {{\n{body}\n}} lagc_{snake(part['name'])};\n"
+            head, body = block_comment(part.note), "\n".join(lines)
+            found[part.name] = f"{head}typedef struct {{\n{body}\n}} lagc_{snake(part.name)};\n"
         return found
 
     def _enumeration(self, kind: str) -> str:
-        found = [part for part in self.parts if part["kind"] == kind]
+        interface = self.program.interface
         if kind == "Status":
-            known = [part["name"] for part in statuses(self.program.interface)]
-            found = [part for part in found if part["name"] in known]
-        if kind == "Method":
-            carried = [name.upper() for name in methods_of(self.program.interface)]
-            found = [part for part in found if part["name"] in carried]
-        rows = [f"LAGC_{part['name']} = {part['value']}" for part in found]
+            found = statuses(self.kernels, interface)
+        else:
+            found = [self.kernels.part(name.upper(), {}) for name in methods_of(interface)]
+        rows = [f"LAGC_{part.name} = {part.text}" for part in found]
         lines = list[str]()
         for row, part in zip(rows, found):
-            lines += _annotated(f"    {row}{',' if row is not rows[-1] else ''}", part["note"])
+            lines += _annotated(f"    {row}{',' if row is not rows[-1] else ''}", part.note)
         body = "\n".join(lines)
         return f"typedef enum {{\n{body}\n}} lagc_{snake(kind)};\n"
 
 
 def sine_cosine(use: Chosen) -> list[str]:
     """Return the sine and cosine kernels that functions of the model call, in double precision."""
-    return _printed(use, parts(), "((double){})")
+    return [text.replace("lagc_real", "double") for text in
+            _printed(library(DOUBLE.language), use.constants, use.functions)]  # fmt: skip
 
 
-def _printed(use: Chosen, parts: Parts, inexact: str = "{}") -> list[str]:
-    """Return constants and functions, with the title of each file.  `inexact` formats a constant that its
-    decimal digits do not represent exactly: a cast rounds it where compilers keep more digits."""
+def _printed(kernels: Library, constants: Iterable[Part], functions: Iterable[Part]) -> list[str]:
+    """Return constants and functions, with the title of each file."""
+    texts = [(tuple(part.place[:2]), _constant(part)) for part in constants if part.kind in NUMBERS]
+    texts += [(tuple(part.place[:2]), part.text) for part in functions]
     found = list[str]()
-    functions = {part["name"]: leaf["c"] for part, leaf in use.functions}
-    numbers = {part["name"] for part in use.numbers if part["kind"] in ("int", "Real", "Reals")}
-    section, held = "", list[str]()
-    for part in parts:
-        if part["kind"] == "file":
-            found += [section, "".join(held)] if held else []
-            section = _section(part["title"], part["text"])
-            held = []
-        elif part["name"] in numbers:
-            held.append(_constant(part, inexact))
-        elif part["name"] in functions:
-            found += [section] if section else []
-            found += ["".join(held)] if held else []
-            found.append(functions[part["name"]])
-            section, held = "", []
+    for place in sorted({place for place, _ in texts}):
+        title = kernels.title(place)
+        found += [_section(title.text, title.note), *(text for where, text in texts if where == place)]
     return found
 
 
@@ -211,25 +213,25 @@ def _table(name: str, values: Sequence[Any], real: Arithmetic) -> str:
 
 def _codes(found: Sequence[Part]) -> str:
     """Return an enumeration; the note of its first value is its comment."""
-    head = found[0]["note"]
+    head = found[0].note
     lines = []
     for part in found:
         comma = "," if part is not found[-1] else ""
-        note = "" if part["note"] in ("", head) else f" /* {part['note']} */"
-        lines.append(f"    LAGC_{part['name']} = {part['value']}{comma}{note}\n")
+        note = "" if part.note in ("", head) else f" /* {part.note} */"
+        lines.append(f"    LAGC_{part.name} = {part.text}{comma}{note}\n")
     return f"{block_comment(fill(head, 98))}enum {{\n{''.join(lines)}}};\n"
 
 
-def _constant(part: Part, inexact: str) -> str:
-    if part["kind"] == "Reals":
-        values = part["value"]
+def _constant(part: Part) -> str:
+    value, note = part.text, part.note
+    if part.kind == "Reals":
+        values = value.split(", ")
         rows = ",\n    ".join(", ".join(values[k : k + 8]) for k in range(0, len(values), 8))
-        head = f"static const lagc_real lagc_{part['name'].lower()}[]"
-        return f"{block_comment(part['note'])}{head} = {{\n    {rows}\n}};\n"
-    value, note = part["value"], part["note"]
-    if inexact != "{}" and Fraction(value) != Fraction(float(value)):
-        value = inexact.format(value)
-    text = f"#define LAGC_{part['name']} {value}"
+        head = f"static const lagc_real lagc_{part.name.lower()}[]"
+        return f"{block_comment(note)}{head} = {{\n    {rows}\n}};\n"
+    text = f"static const lagc_real LAGC_{part.name} = {value};"
+    if part.kind == "int":
+        text = f"static const int LAGC_{part.name} = {value};"
     if not note:
         return text + "\n"
     return (
@@ -280,11 +282,11 @@ def _default_options(members: Sequence[Sequence[Any]], real: Arithmetic, methods
     return f"lagc_options lagc_default_options(void)\n{{\n    lagc_options o;\n{lines}    return o;\n}}\n"
 
 
-def _status_text(interface: Interface) -> str:
-    meanings = ",\n        ".join(f'"{text}"' for text in status_texts(interface))
+def _status_text(texts: Sequence[str]) -> str:
+    meanings = ",\n        ".join(f'"{text}"' for text in texts)
     return (
         "const char *lagc_status_text(int status)\n{\n    static const char *const texts[] = {\n"
         f"        {meanings}\n    }};\n"
-        f"    return status >= 0 && status < {len(status_texts(interface))} "
+        f"    return status >= 0 && status < {len(texts)} "
         '? texts[status] : "No such status.";\n}\n'
     )

@@ -7,7 +7,6 @@ import re
 from collections.abc import Mapping, Sequence
 
 from lagc.codegen.kernel_compiler.kernel_syntax import identifier, root
-from lagc.codegen.kernel_compiler.layout import block_comment, folded, snake, wrapped
 from lagc.codegen.kernel_compiler.real_types import Arithmetic
 from lagc.codegen.kernel_compiler.type_check import MADE, PAIR, REAL, SCALARS, VOID, WHOLE, Type, Types
 
@@ -61,8 +60,8 @@ class CPrinter:
             return f"{self.ctype(kind)}(*{name})[{self.size(kind[2])}]"
         return ("" if written else "const ") + self.ctype(kind) + "*" + name
 
-    def head(self, types: Types, written: Sequence[bool]) -> str:
-        parts = [self.argument(k, n, w) for (n, k), w in zip(types.parameters.items(), written)]
+    def head(self, types: Types) -> str:
+        parts = [self.argument(k, n, w) for (n, k), w in zip(types.parameters.items(), types.writes)]
         if types.returns == PAIR:
             parts.append(f"{self.real.name} *pair_")
         static = "" if types.function.public else "static "
@@ -70,7 +69,7 @@ class CPrinter:
 
     # -- functions --
 
-    def function(self, types: Types, written: Sequence[bool]) -> str:
+    def function(self, types: Types) -> str:
         self.now, self.places = types, places(types.body)
         lines = [f"    {self.local(name)};" for name in types.locals if self.places[name] is None]
         unused = [n for n in types.parameters if n not in types.read]
@@ -79,11 +78,12 @@ class CPrinter:
         lead = "" if types.function.public else "".join(f"/* {line} */\n" for line in types.function.lead)
         doc = "" if types.function.public else block_comment(self.spelled(types.function.doc))
         body = "\n".join(folded(line) for line in lines)
-        return f"{lead}{doc}{self.head(types, written)}\n{{\n{body}\n}}\n"
+        return f"{lead}{doc}{self.head(types)}\n{{\n{body}\n}}\n"
 
     def spelled(self, text: str) -> str:
         """Write members of records in comments as in C: w->rank."""
-        records = [n for n, kind in self.now.parameters.items() if kind[0] == "Record"]
+        named = {**self.now.parameters, **self.now.locals}
+        records = [n for n, kind in named.items() if kind[0] == "Record" and not self.is_held(n)]
         return re.sub(rf"\b({'|'.join(records)})\.(?=[a-z])", r"\1->", text) if records else text
 
     def local(self, name: str) -> str:
@@ -173,12 +173,12 @@ class CPrinter:
         declare = self.places[name] is node
         if isinstance(value, ast.Call) and identifier(value.func) in MADE:
             out += [f"{indent}{self.local(name)};"] if declare else []
-        elif kind[0] == "Record":
+        elif kind[0] == "Record" and isinstance(value, ast.Call):
             out += [f"{indent}{self.local(name)};"] if declare else []
             for member, inner in self.now.known.members(kind[1]).items():
                 out.append(f"{indent}{name}.{member} = {'0.0' if inner == REAL else '0'};")
         else:
-            text = self.given(value, kind)
+            text = self.passed(value, kind)
             out.append(f"{indent}{self.local(name) if declare else name} = {text};")
 
     def copy(self, target: ast.Subscript, value: ast.expr, indent: str, out: list[str]) -> None:
@@ -215,8 +215,18 @@ class CPrinter:
         )
 
     def is_own(self, node: ast.expr) -> bool:
-        """Return whether a name is a local record or struct of parameters, not a pointer to one."""
-        return isinstance(node, ast.Name) and node.id in self.now.locals and node.id not in self.now.roots
+        """Return whether an expression is a local record or struct of parameters, not a pointer to one."""
+        return isinstance(node, ast.Name) and self.is_held(node.id)
+
+    def is_held(self, name: str) -> bool:
+        return name in self.now.locals and name not in self.now.roots
+
+    def passed(self, node: ast.expr, wanted: Type) -> str:
+        """Return an argument, or the value of a local: of a record its address."""
+        is_struct = wanted[0] in ("Record", "Params") and (
+            isinstance(node, ast.Attribute) or self.is_own(node)
+        )
+        return ("&" if is_struct else "") + self.given(node, wanted)
 
     def branch(self, node: ast.If, indent: str, out: list[str]) -> None:
         """Print a chain of tests, with braces for all blocks if one needs them."""
@@ -363,10 +373,7 @@ class CPrinter:
         if callee is None:
             spelled = self.real.call.format(name)
             return f"{spelled}({', '.join(self.given(a, REAL) for a in args)})", ATOM
-        parts = []
-        for a, kind in zip(args, callee.parameters):
-            address = kind[0] in ("Record", "Params") and (isinstance(a, ast.Attribute) or self.is_own(a))
-            parts.append(("&" if address else "") + self.given(a, kind))
+        parts = [self.passed(a, kind) for a, kind in zip(args, callee.parameters)]
         return f"lagc_{name}({', '.join(parts)})", ATOM
 
 
@@ -402,7 +409,10 @@ def places(body: Sequence[ast.stmt]) -> dict[str, ast.stmt | None]:
             if inner:
                 walk(inner, path)
 
+    # A use is known by the blocks around it, outermost first.
     walk(body, ())
+    # The innermost block around all uses is their common beginning. The first assignment may declare the
+    # local if it stands directly in that block.
     found: dict[str, ast.stmt | None] = {}
     for name, paths in uses.items():
         shared = paths[0]
@@ -412,3 +422,52 @@ def places(body: Sequence[ast.stmt]) -> dict[str, ast.stmt | None]:
         block, start = shared[-1], first[name]
         found[name] = start if any(start is node for node in block) else None
     return found
+
+
+# -- layout: comments, long lines, names of structs --
+
+WIDTH = 98  # of a line
+
+
+def block_comment(text: str) -> str:
+    if not text:
+        return ""
+    lines = text.splitlines()
+    return "/* " + "\n".join([lines[0], *((" * " + line.strip()).rstrip() for line in lines[1:])]) + " */\n"
+
+
+def folded(line: str) -> str:
+    """Break a long line before an operator or after a comma."""
+    code, mark, note = line.partition(" /* ") if not line.lstrip().startswith("/*") else (line, "", "")
+    if len(code) > WIDTH and mark:
+        lead = code[: len(code) - len(code.lstrip())]
+        return f"{lead}/* {note}\n{folded(code)}"
+    indent = " " * (len(line) - len(line.lstrip()) + 4)
+    rows = []
+    while len(line) > WIDTH and not line.lstrip().startswith("/*"):
+        cuts = [
+            line.rfind(sign, len(indent) + 12, WIDTH) for sign in (" + ", " - ", " || ", " && ", " : ", " = ")
+        ]
+        cut = max(*cuts, line.rfind(", ", len(indent) + 12, WIDTH) + 1)
+        if cut < 1:
+            break
+        rows.append(line[:cut])
+        line = indent + line[cut + 1 :]
+    return "\n".join([*rows, line])
+
+
+def wrapped(start: str, parts: Sequence[str]) -> str:
+    """Return a function head with its parameters on short lines."""
+    rows = [start]
+    for k, part in enumerate(parts):
+        text = part + ("," if k < len(parts) - 1 else ")")
+        if rows[-1] != start and len(rows[-1]) + len(text) > WIDTH:
+            rows[-1] = rows[-1].rstrip()
+            rows.append(" " * len(start))
+        rows[-1] += text + (" " if k < len(parts) - 1 else "")
+    return "\n".join(rows)
+
+
+def snake(name: str) -> str:
+    """Return the name of a record in C: start_work for StartWork."""
+    return "".join(f"_{c.lower()}" if c.isupper() else c for c in name).lstrip("_")

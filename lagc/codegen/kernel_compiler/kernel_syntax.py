@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import ast
-import io
 import os
-import tokenize
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -40,6 +38,7 @@ class Function:
 @dataclass(frozen=True)
 class Record:
     file: str
+    line: int
     name: str
     doc: str
     body: list[ast.stmt]
@@ -91,7 +90,7 @@ def module(file: str, text: str) -> Module:
             "struct"
         ]:
             doc = ast.get_docstring(node) or ""
-            parts.append(Record(file, node.name, doc, node.body[1:] if doc else node.body))
+            parts.append(Record(file, node.lineno, node.name, doc, node.body[1:] if doc else node.body))
         elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
             parts.append(_constant(file, node, node.targets[0].id))
         elif not isinstance(node, ast.Import | ast.ImportFrom) and not _is_text(node):
@@ -119,21 +118,9 @@ def _function(file: str, node: ast.FunctionDef) -> Function:
         raise Outside(file, node, "the only decorator is @public")
     doc = ast.get_docstring(node) or ""
     parameters = tuple((arg.arg, ast.unparse(arg.annotation)) for arg in a.args if arg.annotation)
-    body = [_Annotated().visit(s) for s in (node.body[1:] if doc else node.body)]
-    return Function(file, node.lineno, node.name, parameters, ast.unparse(node.returns), doc, body,
+    return Function(file, node.lineno, node.name, parameters, ast.unparse(node.returns), doc,
+                    node.body[1:] if doc else node.body,
                     bool(decorators), tuple(node.lead))  # type: ignore[attr-defined]  # fmt: skip
-
-
-class _Annotated(ast.NodeTransformer):
-    """Turns count: Count = 0, of a local, into an assignment that stores its type."""
-
-    def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.stmt:
-        if node.value is None or not isinstance(node.target, ast.Name):
-            return node
-        found = ast.copy_location(ast.Assign([node.target], node.value), node)
-        found.said = ast.unparse(node.annotation)  # type: ignore[attr-defined]
-        found.lead, found.trail = node.lead, node.trail  # type: ignore[attr-defined]
-        return found
 
 
 def _constant(file: str, node: ast.Assign, name: str) -> Constant:
@@ -180,16 +167,22 @@ def exact(text: str) -> Fraction:
 def _comments(text: str) -> dict[int, tuple[str, bool]]:
     """Return for each line its comment, and whether it stands alone."""
     found = {}
-    for token in tokenize.generate_tokens(io.StringIO(text).readline):
-        if token.type == tokenize.COMMENT and not token.string.startswith(("# type:", "# fmt:", "# noqa")):
-            alone = not token.line[: token.start[1]].strip()
-            found[token.start[0]] = (token.string.partition("  # ")[0][1:].strip(), alone)
+    for number, line in enumerate(text.splitlines(), 1):
+        code, mark, note = line.partition("#")  # no text of a kernel has this sign
+        if mark and not note.startswith((" type:", " fmt:", " noqa")):
+            found[number] = (note.partition("  # ")[0].strip(), not code.strip())
     return found
 
 
-def attach(body: list[ast.stmt], notes: dict[int, tuple[str, bool]], after: int) -> int:
-    """Attach comments to statements: `lead` before, `trail` beside; return the last line that was read."""
-    for node in body:
+def attach(body: list[ast.stmt], notes: dict[int, tuple[str, bool]], after: int, inside: bool = False) -> int:
+    """Attach comments to statements: `lead` before, `trail` beside; return the last line that was read.
+    `inside` a function, count: Count = 0 becomes an assignment that stores its type."""
+    for k, node in enumerate(body):
+        match node:
+            case ast.AnnAssign(target=ast.Name() as name, value=ast.expr() as value) if inside:
+                body[k] = ast.copy_location(ast.Assign([name], value), node)
+                body[k].said = ast.unparse(node.annotation)  # type: ignore[attr-defined]
+                node = body[k]
         first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", []))])
         node.lead = [notes[n][0] for n in range(after + 1, first) if n in notes]  # type: ignore[attr-defined]
         inner = getattr(node, "body", None)
@@ -198,7 +191,7 @@ def attach(body: list[ast.stmt], notes: dict[int, tuple[str, bool]], after: int)
         node.trail = " ".join(notes[n][0] for n in beside)  # type: ignore[attr-defined]
         after = max([node.lineno, *beside])
         for block in (inner or [], getattr(node, "orelse", [])):
-            after = attach(block, notes, after)
+            after = attach(block, notes, after, inside or isinstance(node, ast.FunctionDef))
         after = max(after, node.end_lineno or 0)
     return after
 

@@ -34,6 +34,11 @@ class Arithmetic:
     wider: str  # of FLT_EVAL_METHOD: arithmetic keeps more digits than the type; empty: there is none
 
     @property
+    def language(self) -> str:
+        """Return the name of C with this type, for users and for `kernel_compiler.library`."""
+        return ("float", "double", "quad")[self.column]
+
+    @property
     def includes(self) -> str:
         """Return the include lines of the source."""
         return "".join(f"#include <{name}>\n" for name in self.headers)
@@ -105,4 +110,4 @@ SINGLE = Arithmetic(
 )
 QUAD = Arithmetic("__float128", "Q", "{}q", 2, "HUGE_VALQ", 'nanq("")', 0.0, inf, ("quadmath.h",), "")
 
-TYPES = {"double": DOUBLE, "float": SINGLE, "quad": QUAD}  # names for users
+TYPES = {real.language: real for real in (DOUBLE, SINGLE, QUAD)}

@@ -1,8 +1,7 @@
 """Specialization: decide compile-time flags, and unroll loops over known values.
 
-A flag is `N > 0` for a size N, or a name in FLAGS. A kernel is specialized for a choice of flags;
-Undecided is raised if it needs a flag that the choice lacks. So each kernel is printed once for each
-choice that changes it.
+A flag is `N > 0` for a size N, or a name in FLAGS. A kernel is specialized for the flags of a model; which
+of them it reads decides for which other models it is the same.
 """
 
 from __future__ import annotations
@@ -20,8 +19,6 @@ SAME_WITHOUT = {
     "NINT": ("NDISC", "NX"), "rates_at": ("NCON", "motion_at"),
     "motion_at": ("NLOADED", "rhs_at"), "put_on_constraints": ("NCON", "project"),
     "pass_event": ("NCON", "handle_event"),
-    "solve_touching": ("NTWO", "solve_frozen"), "find_law": ("NTWO", "set_law"),
-    "strike_all": ("NTWO", "impact"),
 }  # fmt: skip
 # Kernels that are another one, of fewer arguments: name -> (size, other name, its arguments).
 FEWER_WITHOUT = {
@@ -31,13 +28,18 @@ FEWER_WITHOUT = {
 Flags = Mapping[str, bool]
 
 
-class Undecided(Exception):
-    def __init__(self, flag: str):
-        self.flag = flag
-
-
 class NotStatic(Exception):
-    pass
+    """An expression without a value before the model is known."""
+
+
+def tested(node: ast.expr, sizes: frozenset[str]) -> str | None:
+    """Return the flag that a condition is, or None."""
+    match node:
+        case ast.Name(id=name) if name in FLAGS:
+            return name
+        case ast.Compare(left=ast.Name(id=name), ops=[ast.Gt()], comparators=[ast.Constant(value=0)]):
+            return name if name in sizes else None
+    return None
 
 
 class Statics:
@@ -128,35 +130,24 @@ class Statics:
             return self.expression(node)
 
     def flag(self, node: ast.expr) -> bool | None:
-        name = ""
-        match node:
-            case ast.Name(id=found) if found in FLAGS:
-                name = found
-            case ast.Compare(left=ast.Name(id=found), ops=[ast.Gt()], comparators=[ast.Constant(value=0)]):
-                name = found if found in self.sizes else ""
-        if not name:
-            return None
-        if name not in self.flags:
-            raise Undecided(name)
-        return self.flags[name]
+        name = tested(node, self.sizes)
+        return None if name is None else self.flags[name]
 
     # -- expressions --
 
     def expression(self, node: ast.expr) -> ast.expr:
+        # Kernels that are another one without some size.
         if isinstance(node, ast.Call) and identifier(node.func) in FEWER_WITHOUT:
             flag, other, count = FEWER_WITHOUT[identifier(node.func)]
-            if flag not in self.flags:
-                raise Undecided(flag)
             if not self.flags[flag]:
                 function = ast.copy_location(ast.Name(other, ast.Load()), node)
                 plain = ast.Call(function, node.args[:count], [])
                 return self.expression(ast.copy_location(plain, node))
         if isinstance(node, ast.Name) and node.id in SAME_WITHOUT:
             flag, other = SAME_WITHOUT[node.id]
-            if flag not in self.flags:
-                raise Undecided(flag)
             if not self.flags[flag]:
                 return self.expression(ast.copy_location(ast.Name(other, ast.Load()), node))
+        # Then words of tableaus: a known test, a combination, a number, a kernel or constant of a method.
         if isinstance(node, ast.IfExp):
             test = self.test(node.test)
             if isinstance(test, bool):
@@ -176,6 +167,7 @@ class Statics:
                 return ast.copy_location(ast.Name(value.id, ast.Load()), node)
             kernel = ast.Name(f"{owner.NAME}_{node.attr}", ast.Load())
             return ast.copy_location(kernel, node)
+        # Arithmetic of known names is done here and now.
         elif any(isinstance(n, ast.Name) and n.id in self.known for n in ast.walk(node)):
             try:
                 value = self.static(node)
@@ -184,6 +176,7 @@ class Statics:
             else:
                 if isinstance(value, int | Fraction):
                     return _number(value, node)
+        # All else is copied with its parts specialised.
         copy = _bare(node)
         for name, value in ast.iter_fields(node):
             if isinstance(value, ast.expr):
@@ -214,12 +207,7 @@ class Statics:
 
     def carried(self, methods: tuple[Any, ...]) -> tuple[Any, ...]:
         """Return the methods that a model carries."""
-        for flag in ("NNEWTON", "NSERIES"):
-            if flag not in self.flags:
-                raise Undecided(flag)
-        left_out = [m for m in methods if (m.IMPLICIT and not self.flags["NNEWTON"])
-                    or (m.SERIES and not self.flags["NSERIES"])]  # fmt: skip
-        return tuple([m for m in methods if m not in left_out])
+        return tuple([m for m in methods if self.flags[m.NAME.upper()]])
 
     def value(self, node: ast.expr, where: ast.AST) -> Any:
         try:

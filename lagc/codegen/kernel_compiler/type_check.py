@@ -46,18 +46,19 @@ def parsed(annotation: str, records: Callable[[str], bool]) -> Type:
 
 @dataclass
 class Signature:
-    """`writes`: whether a call changes the contents of each argument."""
+    """`writes`: whether a call may change the contents of each argument; `place`: where the kernel stands."""
 
     parameters: tuple[Type, ...]
     returns: Type
     writes: list[bool]
+    place: tuple[int, ...]
 
 
 @dataclass
 class Known:
     """The names that a kernel may use besides its own, for one choice of flags."""
 
-    signatures: Mapping[str, Signature]  # of kernels before it, and of functions of the model
+    signatures: Mapping[str, Signature]  # of kernels, and of functions of the model
     members: Callable[[str], Mapping[str, Type]]  # of a record; KeyError
     is_record: Callable[[str], bool]
     constants: Mapping[str, Type]
@@ -112,10 +113,9 @@ class Types:
             raise self.fail(self.function.line, f"{text} is not a type of the subset") from None
 
     @property
-    def signature(self) -> Signature:
-        return Signature(
-            tuple(self.parameters.values()), self.returns, [self.is_written(n) for n in self.parameters]
-        )
+    def writes(self) -> list[bool]:
+        """Whether each parameter is written, in any model."""
+        return self.known.signatures[self.name].writes
 
     # -- statements --
 
@@ -124,6 +124,8 @@ class Types:
             self.statement(node)
 
     def statement(self, node: ast.stmt) -> None:
+        # Each case checks that the statement belongs to the subset, and types its expressions. A statement
+        # that no case takes is refused.
         match node:
             case ast.Assign(targets=[ast.Name(id=name)], value=value):
                 self.bind(node, name, value)
@@ -217,7 +219,7 @@ class Types:
         old = self.locals.setdefault(name, found)
         if old != found and not (old == REAL and found in WHOLE):
             raise self.fail(node, f"{name} is {old[0]} before, {found[0]} here")
-        if found[0] in (*ARRAYS, "Params") and not isinstance(value, ast.Call):
+        if found[0] in (*ARRAYS, "Params", "Record") and not isinstance(value, ast.Call):
             self.roots.setdefault(name, set()).update(roots(value))
         self.assigned[name] = self.assigned.get(name, 0) + 1
 
@@ -260,7 +262,9 @@ class Types:
         self.touched |= roots(node)
 
     def is_written(self, name: str) -> bool:
-        """Return whether the contents of an argument or alias change."""
+        """Return whether the contents of an argument, in any model, or of an alias change."""
+        if name in self.parameters:
+            return self.writes[[*self.parameters].index(name)]
         seen, more = set[str](), set(self.touched)
         while more - seen:
             seen |= more
@@ -275,6 +279,7 @@ class Types:
         return found
 
     def _of(self, node: ast.expr) -> Type:
+        # A case returns the type, or falls through to the refusal at the end.
         match node:
             case ast.Constant(value=value):
                 if type(value) in (bool, int, float):
@@ -367,7 +372,7 @@ class Types:
         if name == "present" and len(given) == 1 and given[0] not in SCALARS:
             return BOOL
         callee = self.known.signatures.get(name)
-        if callee is None:
+        if callee is None or not callee.place < self.known.signatures[self.name].place:
             raise self.fail(node, f"{name} is no kernel that stands before, nor a function of the model")
         if callee.returns == PAIR and not put:
             raise self.fail(node, f"a Pair is put into two entries of a vector: v[0:2] = {name}(...)")

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from lagc.codegen.heading import ABI_VERSION, LICENCE, SPDX, equation, origin
 from lagc.codegen.identifiers import Names, local_names, prefix
+from lagc.codegen.kernel_compiler.library import sine_cosine_kernels
 from lagc.codegen.python import runtime
 from lagc.codegen.python.functions import ARITHMETIC, CALLS, function_text, sine_cosine
 from lagc.codegen.python.public_functions import public_functions
 from lagc.codegen.tables import numbered, python_tables
-from lagc.codegen.trigonometry import sine_cosine_kernels
 from lagc.lowering.program import Field, Interface, Program
 
 _IMPORTS = """\
@@ -31,7 +31,7 @@ def render(program: Program, complete: bool = True) -> dict[str, str]:
     numbers = numbered(program)
     parts = [_banner(program.interface, file), _IMPORTS + ARITHMETIC, _names(program.interface)]
     own = [function_text(f, names, numbers) for f in program.functions.values()]
-    turn = sine_cosine_kernels(own)
+    turn = sine_cosine_kernels(own, runtime.PYTHON)
     parts += [*python_tables(numbers), *sine_cosine(turn), *own]
     parts += runtime.definitions(program, complete, turn.names)
     if complete:
@@ -44,7 +44,7 @@ def evaluation(program: Program) -> tuple[str, str]:
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
     numbers = numbered(program)
     own = [function_text(f, names, numbers) for f in program.functions.values()]
-    turn = sine_cosine_kernels(own)
+    turn = sine_cosine_kernels(own, runtime.PYTHON)
     sizes, *shared = runtime.evaluation(program, turn.names)
     data, *search = python_tables(numbers) or [""]
     kernels = [ARITHMETIC, *search, *sine_cosine(turn), *shared]

@@ -8,8 +8,9 @@ from functools import partial
 
 from lagc.base.records import replace
 from lagc.codegen.identifiers import comment
-from lagc.codegen.kernel_compiler.linker import CONSTANT_SIZES, Chosen
+from lagc.codegen.kernel_compiler.library import Chosen
 from lagc.codegen.loops import Forms, Running, loops
+from lagc.codegen.sizes import CONSTANT_SIZES
 from lagc.codegen.statements import Dialect, lines
 from lagc.codegen.tables import NONE, Numbers, python_look_up
 from lagc.lowering.program import Function, Run
@@ -219,8 +220,8 @@ def sine_cosine(use: Chosen) -> list[str]:
     if not use.functions:
         return []
     numbers = [f"{name} = {size}\n" for name, size in CONSTANT_SIZES.items() if name in use.names]
-    numbers += [f"{part['name']} = {part['python']}\n" for part in use.numbers]
-    return ["".join(numbers), *(leaf["python"] for _, leaf in use.functions), _CAREFULLY]
+    numbers += [f"{part.name} = {part.text}\n" for part in use.constants]
+    return ["".join(numbers), *(part.text for part in use.functions), _CAREFULLY]
 
 
 _CAREFULLY = """\

@@ -23,11 +23,10 @@ def code(kinds: tuple[bool, ...]) -> CodeType:
 
 
 def text(flags: dict[str, bool]) -> str:
-    from lagc.codegen.kernel_compiler.linker import chosen
-    from lagc.codegen.kernel_compiler.shipped import parts
+    from lagc.codegen.kernel_compiler.library import library
     from lagc.codegen.python.functions import ARITHMETIC
-    from lagc.codegen.python.runtime import kernels, numbers
+    from lagc.codegen.python.runtime import PYTHON, kernels, numbers
 
     # initial equations are evaluated with parameters alone
-    use = chosen(parts(), {**flags, "NPREPARED": False, "NSUM": False}, ROOTS)
-    return "\n\n".join([ARITHMETIC, numbers(use.names), *kernels(use)])
+    use = library(PYTHON).chosen(ROOTS, {**flags, "NPREPARED": False, "NSUM": False})
+    return "\n\n".join([ARITHMETIC, numbers(use.constants), *kernels(use)])

@@ -3,29 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from functools import cache
-from typing import Any
 
 from lagc.codegen.heading import rates, statuses
-from lagc.codegen.kernel_compiler.linker import (
-    Chosen,
-    Part,
-    chosen,
-    codes,
-    flags_of,
-    methods_of,
-    sizes_of,
-    tables_of,
-)
-from lagc.codegen.kernel_compiler.shipped import parts
-from lagc.codegen.python.classes import EQUATIONS, states
+from lagc.codegen.kernel_compiler.library import Chosen, library
+from lagc.codegen.kernel_compiler.parts import Part
+from lagc.codegen.sizes import flags_of, methods_of, sizes_of, tables_of
 from lagc.kernels import DEFAULT_METHOD, METHODS
 from lagc.lowering.program import Interface, Program
 
+PYTHON = "python"  # the language
 MARK = "# -- what follows is part of generated modules --\n"
 SUPPORT = ("base.py", "slices.py")  # runs of lagc use them too
-OF_CONTACTS = ("contacts.py",)
 # Kernels of every model, and of models with constraints.
 ROOTS = ("begin", "step", "dense", "advance", "record", "verified", "factor_safely", "system_at")
 OF_SYSTEM = ("system_at",)  # if the program has the dense system
@@ -35,11 +25,17 @@ SEARCH = ("prepare", "reach_start")  # initialization
 GIVEN = ("Options",)  # records that are not printed: `support` has them
 _COPY_STATE = """\
 def fn_copy_state(s, kept):
-    for name in State.__slots__:
-        value = getattr(s, name)
-        if isinstance(value, list):
-            value = [part[:] if isinstance(part, list) else part for part in value]
-        setattr(kept, name, value)
+    for name in s.__slots__:
+        value, place = getattr(s, name), getattr(kept, name)
+        if hasattr(value, "__slots__"):
+            fn_copy_state(value, place)
+        elif not isinstance(value, list):
+            setattr(kept, name, value)
+        elif value and isinstance(value[0], list):
+            for row, other in zip(place, value):
+                row[:] = other
+        else:
+            place[:] = value
 """
 _CONVOLVE = """\
 def fn_convolve(k, left, right, squares, sums):
@@ -54,8 +50,7 @@ def fn_convolve(k, left, right, squares, sums):
         half = [s + a * a for s, a in zip(half, squares[k // 2])]
     sums[:] = found + half
 """
-NUMBERS = ("int", "Real", "Code", "Method")  # kinds of parts
-PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NALL", "NY", "NWORK", "NMODE", "NWHEN")
+PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NALL", "NY", "NWORK", "NMODE", "NWHEN", "NHEALTH")
 
 
 def definitions(program: Program, complete: bool, given: frozenset[str]) -> list[str]:
@@ -64,16 +59,17 @@ def definitions(program: Program, complete: bool, given: frozenset[str]) -> list
     checks = ("is_bound",) if complete and program.interface.prepared else ()
     use = _needed(program.interface, (*ROOTS, *search, *checks), complete)
     interface = program.interface
-    more = support(OF_CONTACTS) if interface.contacts else ()
+    more = support(("contacts.py" if interface.contacts else "plain.py",))
     return [_constants(interface, use, given), *_support(interface), *more, _work(program), *kernels(use),
             *([_CONVOLVE] if "fn_convolve" in use.names else ()),
             *([_observe(program)] if "fn_observe" in use.names else ()),
             *([_COPY_STATE] if "fn_copy_state" in use.names else ()), _equations(interface),
-            states(bool(interface.contacts))]  # fmt: skip
+            *support(("integrator.py",))]  # fmt: skip
 
 
 def _equations(interface: Interface) -> str:
-    return EQUATIONS.replace("rhs_at(", f"{rates(interface)}(")
+    (text,) = support(("equations.py",))
+    return text.replace("rhs_at(", f"{rates(interface)}(")
 
 
 def _support(interface: Interface) -> tuple[str, ...]:
@@ -103,48 +99,42 @@ def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chose
     more += (rates(interface),)
     without = {*(() if dense else OF_SYSTEM), *(() if dense or interface.nc else OF_ANY_RANK)}
     there = [root for root in roots if root not in without]
-    return chosen(parts(), flags_of(interface, complete), (*there, *more), methods_of(interface))
+    return library(PYTHON).chosen((*there, *more), flags_of(interface, complete))
 
 
 def _constants(interface: Interface, use: Chosen, given: frozenset[str]) -> str:
     """Return sizes, tables, statuses and constants of kernels, without those that are `given`."""
-    kinds = [kind for _, members in _records(use) for _, kind, *_ in members]
-    used = {*use.names, *PUBLIC, *(size for kind in kinds for size in kind)}
-    used |= (
-        {part["name"] for part in codes(parts(), "initialization/workspace")}
-        if "prepare" in use.names
-        else set()
-    )
-    used -= given
+    kernels = library(PYTHON)
+    kinds = [kind for part in _records(use) for _, kind, *_ in part.members]
+    used = {*use.names, *PUBLIC, *(size for kind in kinds for size in kind)} - given
+    constants = [part for part in use.constants if part.name not in given]
+    if "prepare" in use.names:
+        constants += kernels.constants("initialization/workspace", "Code")
     sizes = {**sizes_of(interface), "NY": len(interface.outputs)}
     text = "".join(f"{name} = {value}\n" for name, value in sizes.items() if name in used)
     text += f"STRAIGHT = {interface.solve == 'straight'}\n"
     text += f"NOTED = {interface.noted!r}\n" if interface.relations else ""
     text += "".join(f"{name} = {tuple(v)!r}\n" for name, v in tables_of(interface).items() if name in used)
     methods = {name: METHODS.index(name) for name in methods_of(interface)}
-    used |= {part["name"] for part in statuses(interface)}
-    return text + f"METHODS = {methods!r}\n" + numbers(used)
+    return text + f"METHODS = {methods!r}\n" + numbers([*constants, *statuses(kernels, interface)])
 
 
-def numbers(used: Collection[str]) -> str:
-    """Return the statuses and constants in `used`."""
+def numbers(constants: Iterable[Part]) -> str:
+    """Return constants and statuses, in the order of the files."""
     text = ""
-    for part in parts():
-        if (part["kind"] == "Status" and part["name"] in used) or (
-            part["kind"] in NUMBERS and part["name"] in used
-        ):
-            text += f"{part['name']} = {part['python']}" + (f"  # {part['note']}\n" if part["note"] else "\n")
+    named = {part.name: part for part in constants}
+    for part in sorted(named.values(), key=lambda part: tuple(part.place)):
+        text += f"{part.name} = {part.text}" + (f"  # {part.note}\n" if part.note else "\n")
     return text
 
 
 def kernels(use: Chosen) -> list[str]:
     """Return records and functions."""
-    records = [_record(part["name"], part["doc"], members) for part, members in _records(use)]
-    return [*records, *(leaf["python"] for _, leaf in use.functions)]
+    return [*map(_record, _records(use)), *(part.text for part in use.functions)]
 
 
-def _records(use: Chosen) -> list[tuple[Part, tuple[Sequence[Any], ...]]]:
-    return [(part, members) for part, members in use.records if part["name"] not in GIVEN]
+def _records(use: Chosen) -> list[Part]:
+    return [part for part in use.records if part.name not in GIVEN]
 
 
 @cache
@@ -158,12 +148,12 @@ def support(names: tuple[str, ...] = SUPPORT) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _record(name: str, doc: str, members: Sequence[Sequence[Any]]) -> str:
+def _record(part: Part) -> str:
     """Return a class with slots, filled with zeros."""
-    about = "\n    ".join(doc.splitlines())
-    slots = "".join(f'        "{m}",\n' for m, *_ in members)
-    zeros = "".join(f"        self.{m} = {_zero(kind)}\n" for m, kind, *_ in members)
-    head = f'class {name}:\n    """{about}"""\n\n    __slots__ = (\n{slots}    )\n'
+    about = "\n    ".join(part.note.splitlines())
+    slots = "".join(f'        "{m}",\n' for m, *_ in part.members)
+    zeros = "".join(f"        self.{m} = {_zero(kind)}\n" for m, kind, *_ in part.members)
+    head = f'class {part.name}:\n    """{about}"""\n\n    __slots__ = (\n{slots}    )\n'
     return f"{head}\n    def __init__(self):\n{zeros}"
 
 
@@ -180,7 +170,7 @@ def _observe(program: Program) -> str:
     """Return the function of the outputs at one state, with the arguments of the kernels."""
     function = program.functions["outputs"]
     given = {"a": "w.xdot[NQ : NQ + NV]", "lam": "w.lam", "modes": "w.modes",
-             "contact_forces": "w.contact_forces"}  # fmt: skip
+             "contact_forces": "w.contacts.forces"}  # fmt: skip
     first = "    e = [0.0] * 3\n    fn_energies(p, t, x, e)\n" if "e" in function.inputs else ""
     values = ", ".join(given.get(name, name) for name in function.inputs)
     return (f"def fn_observe(p, t, x, y, w):\n    {rates(program.interface)}(p, t, x, w.xdot, w.lam, w)\n"

@@ -160,7 +160,7 @@ def opened(make: bool = False) -> Folder | None:
 
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-ENDINGS = (".py", ".c", ".h", ".lark", ".json")
+ENDINGS = (".py", ".c", ".h", ".lark", ".json", ".txt")
 FRESH = 2.0  # s within which a file may change without a change of its times
 
 

@@ -92,7 +92,7 @@ class Folder:
         """Write a temporary file and rename it, so that no reader sees half of it.  Raises Unfit, OSError."""
         if len(body) > LARGEST - HEAD:
             raise Unfit("it is too large")
-        temporary = f"tmp-{os.getpid()}-{os.urandom(8).hex()}"
+        temporary = f"tmp-{os.urandom(8).hex()}"
         try:
             made = os.open(self._at(temporary), _WRITE, 0o600, dir_fd=self.descriptor)
             with open(made, "wb", buffering=0) as file:

@@ -10,14 +10,14 @@ from time import time
 
 from lagc.base.records import dataclass
 from lagc.base.text import size as size_of
-from lagc.host.atomic_write import ABANDONED, gone
 from lagc.host.cache.folders import Folder, Unfit, note, reason
 
 LIMIT = 1_000_000_000  # bytes, without LAGC_CACHE_SIZE
 BLOCK = 4096  # bytes, the least disk space of a file
+ABANDONED = 3600.0  # s after which no process, on any machine that shares the folder, still writes a file
 LEFT = 0.75  # fraction of the limit that is kept
 _ENTRY = re.compile(r"([a-z]+)-[0-9a-f]{64}")
-_TEMPORARY = re.compile(r"tmp-([0-9]+)-[0-9a-f]{16}")
+_TEMPORARY = re.compile(r"tmp-[0-9a-f]{16}")
 
 
 @dataclass(frozen=True)
@@ -46,12 +46,14 @@ def limit() -> int:
 
 def entries(place: Folder) -> list[Entry]:
     found = _files(place, _ENTRY)
-    return [Entry(name, match[1], -(-s.st_size // BLOCK) * BLOCK, s.st_mtime) for name, match, s in found]
+    return [
+        Entry(name, name.partition("-")[0], -(-s.st_size // BLOCK) * BLOCK, s.st_mtime) for name, s in found
+    ]
 
 
 def unfinished(place: Folder) -> list[str]:
     """Return the temporary files of running and ended processes."""
-    return [name for name, _, _ in _files(place, _TEMPORARY)]
+    return [name for name, _ in _files(place, _TEMPORARY)]
 
 
 def damaged(place: Folder) -> list[tuple[str, str]]:
@@ -90,22 +92,20 @@ def shrink(place: Folder) -> None:
             _remove(place, entry.name)
 
 
-def _files(place: Folder, pattern: re.Pattern[str]) -> Iterator[tuple[str, re.Match[str], os.stat_result]]:
+def _files(place: Folder, pattern: re.Pattern[str]) -> Iterator[tuple[str, os.stat_result]]:
     for name in sorted(place.names()):
-        match = pattern.fullmatch(name)
-        if match:
+        if pattern.fullmatch(name):
             try:
                 status = place.status(name)
             except OSError:
                 continue  # just removed
-            yield name, match, status
+            yield name, status
 
 
 def _sweep(place: Folder) -> None:
-    """Remove temporary files of ended processes. If a process of another machine is still running, it only
-    fails to store its entry."""
-    for name, match, status in _files(place, _TEMPORARY):
-        if time() - status.st_mtime > ABANDONED or gone(int(match[1])):
+    """Remove temporary files that are so old that their processes have ended."""
+    for name, status in _files(place, _TEMPORARY):
+        if time() - status.st_mtime > ABANDONED:
             place.remove(name)
 
 

@@ -106,6 +106,7 @@ def reduce_far(x: Real, rest: Vec[TWO]) -> Real:
         rest[0] = x - x
         rest[1] = 0.0
         return 0.0
+    # |x| as four digits to the base 2^24, the first of weight 2^24k.
     y = fabs(x)
     k = 0
     while y >= RADIX:
@@ -115,6 +116,7 @@ def reduce_far(x: Real, rest: Vec[TWO]) -> Real:
     for i in range(4):
         digits[i] = float(whole(y))
         y = (y - digits[i]) * RADIX
+    # Seven digits of |x| 2/pi, from the last one on, with carries: all sums are integers below 2^53.
     product = vector(SEVEN)
     carried = 0.0
     for i in range(6, -1, -1):
@@ -123,10 +125,12 @@ def reduce_far(x: Real, rest: Vec[TWO]) -> Real:
             value += digits[j] * TWO_OVER_PI[k + i - j + 3]
         carried = float(whole(value * PER_RADIX))
         product[i] = value - carried * RADIX
+    # The integer part gives the quadrant, the rest is the remainder over pi/2.
     n = float(whole(product[0]) & 3)
     if product[1] >= 0.5 * RADIX:  # to the nearest
         n += 1.0
         product[1] -= RADIX
+    # The digits as hi + lo, largest first, so that each sum loses nothing.
     first = product[1] + product[2] * PER_RADIX
     second = (product[3] + product[4] * PER_RADIX) * PER_RADIX * PER_RADIX
     third = (product[5] + product[6] * PER_RADIX) * PER_RADIX * PER_RADIX * PER_RADIX * PER_RADIX
@@ -148,12 +152,14 @@ def sine_cosine(x: Real) -> Pair:
     z = x * x
     if x > EIGHTH_TURN or x < -EIGHTH_TURN:
         xx = z
+        # Subtract n pi/2 in two parts (Cody and Waite); products with the first part are exact.
         n = (x * QUARTERS_PER_RADIAN + ROUNDER) - ROUNDER
         above = x - n * FIRST_PART
         below = n * FIRST_REST
         hi = above - below
         lo = (above - hi) - below
         z = hi * hi
+        # More parts where digits cancel, all of 2/pi for large angles.
         if not (xx < FAR_SQUARE and z >= NEAR_SQUARE * xx + UNROUNDED_SQUARE and z <= WIDEST_SQUARE):
             rest = vector(TWO)
             n = reduce_near(x, rest) if xx < FAR_SQUARE else reduce_far(x, rest)
@@ -163,6 +169,7 @@ def sine_cosine(x: Real) -> Pair:
         quarters = whole(n)
     elif z == 0.0:
         return x, 1.0  # zero keeps its sign
+    # The polynomials at hi, by Estrin's scheme, and lo to first order: sin(hi + lo) = sin hi + lo cos hi.
     half = 0.5 * z
     rough = 1.0 - half
     zz = z * z
@@ -171,6 +178,7 @@ def sine_cosine(x: Real) -> Pair:
     r = (COSINE_0 + z * (COSINE_1 + z * COSINE_2)) + zzz * (COSINE_3 + z * (COSINE_4 + z * COSINE_5))
     sine = hi + (z * hi * p + lo * rough)
     cosine = rough + (((1.0 - rough) - half) + (zz * r - hi * lo))
+    # Turn by the quadrant.
     if quarters & 1 != 0:
         if quarters & 2 != 0:
             return -cosine, sine
@@ -199,6 +207,7 @@ def sine_cosine_two(x: Real, y: Real, pairs: Vec[FOUR]) -> None:
     cosine = vector(TWO)
     angle[0] = x
     angle[1] = y
+    # Reduce both, as `sine_cosine` does.
     for i in range(2):
         n[i] = (angle[i] * QUARTERS_PER_RADIAN + ROUNDER) - ROUNDER
         above = angle[i] - n[i] * FIRST_PART
@@ -208,6 +217,7 @@ def sine_cosine_two(x: Real, y: Real, pairs: Vec[FOUR]) -> None:
         z[i] = hi[i] * hi[i]
         xx[i] = angle[i] * angle[i]
         least[i] = NEAR_SQUARE * xx[i] + UNROUNDED_SQUARE
+    # If one of them needs another reduction, both go one by one.
     if not (
         z[0] >= least[0]
         and z[1] >= least[1]
@@ -219,6 +229,7 @@ def sine_cosine_two(x: Real, y: Real, pairs: Vec[FOUR]) -> None:
         pairs[0:2] = sine_cosine(x)
         pairs[2:4] = sine_cosine(y)
         return
+    # The polynomials.
     for i in range(2):
         half = 0.5 * z[i]
         rough = 1.0 - half
@@ -230,6 +241,7 @@ def sine_cosine_two(x: Real, y: Real, pairs: Vec[FOUR]) -> None:
         )
         sine[i] = hi[i] + (z[i] * hi[i] * p + lo[i] * rough)
         cosine[i] = rough + (((1.0 - rough) - half) + (zz * r - hi[i] * lo[i]))
+    # Turn by the quadrant.
     for i in range(2):
         quarters = whole(n[i])
         s = cosine[i] if quarters & 1 != 0 else sine[i]

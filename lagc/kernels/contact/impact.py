@@ -9,9 +9,8 @@ Contacts, 1996, chapter 8; C. Glocker, Set-Valued Force Laws, 2001, chapter 12).
 
 from math import fabs
 
-from lagc.kernels.contact.enumeration import LAW_FAILED, LAW_FOUND
-from lagc.kernels.contact.frozen_modes import set_law_scales
-from lagc.kernels.contact.set_law import search_modes
+from lagc.kernels.contact.law import set_law_scales
+from lagc.kernels.contact.modes import LAW_FAILED, LAW_FOUND, search_modes
 from lagc.kernels.language.vocabulary import *
 
 IMPACT_DONE = 0  # results of `impact`
@@ -25,187 +24,159 @@ APPROACHES = by_type(1e-5, 1e-12, "1e-28")  # of the terms of a velocity: contac
 GAINED = by_type(1e-3, 1e-9, "1e-20")  # of the energy that passed through contacts: round-off
 
 
-def keep_problem(w: Work) -> None:
-    """Keep the data of all contacts, and set w.impact_u."""
-    w.impact_count = w.law_count
-    w.impact_rows = w.law_rows
-    w.impact_first[:] = w.law_first
-    w.impact_slips[:] = w.law_slips
-    w.impact_two_sided[:] = w.law_two_sided
-    w.impact_unit[:] = w.law_unit
-    w.impact_friction[:] = w.law_friction
-    w.impact_w[:] = w.law_w
-    w.impact_u[:] = w.law_b
-    w.impact_sizes[:] = w.law_sizes
-    for j in range(w.impact_rows):
-        w.law_impulse[j] = 0.0
-        if fabs(w.impact_u[j]) > w.impact_sizes[j]:
-            w.impact_sizes[j] = fabs(w.impact_u[j])
-    for i in range(w.impact_count):
-        w.law_loss[i] = 0.0
+def row_of_all(law: ContactLaw, a: ImpactWork, i: int, k: int) -> int:
+    """Return the row among all contacts of a row of contact i of the round."""
+    return law.first[a.contact[i]] + k
 
 
-def restore_problem(w: Work) -> None:
-    """Restore the data of all contacts. Their modes are not known."""
-    w.law_count = w.impact_count
-    w.law_rows = w.impact_rows
-    w.law_first[:] = w.impact_first
-    w.law_slips[:] = w.impact_slips
-    w.law_two_sided[:] = w.impact_two_sided
-    w.law_unit[:] = w.impact_unit
-    w.law_friction[:] = w.impact_friction
-    w.law_w[:] = w.impact_w
-    w.law_u[:] = w.impact_u
-    for i in range(w.law_count):
-        w.law_mode[i] = -1
-
-
-def row_of_all(w: Work, i: int, k: int) -> int:
-    """Return the row among all contacts of a row of contact i of the impact."""
-    return w.impact_first[w.impact_of[i]] + k
-
-
-def select_hits(w: Work) -> bool:
-    """Make the problem of contacts that approach, and of two-sided ones. Return whether any approaches."""
+def select_hits(law: ContactLaw, a: ImpactWork) -> bool:
+    """List the contacts that approach, and two-sided ones, as those of the round, with their part of W.
+    Return whether any approaches."""
+    hits = a.hits
+    # A two-sided contact may take part by its friction in whatever impact there is.
     n = 0
     rows = 0
     found = False
-    for i in range(w.impact_count):
-        first = w.impact_first[i]
-        hits = w.impact_u[first] < -APPROACHES * w.impact_sizes[first]
-        if hits and w.impact_two_sided[i] == 0:
+    for i in range(law.count):
+        first = law.first[i]
+        approaches = law.u[first] < -APPROACHES * a.terms[first]
+        if approaches and law.two_sided[i] == 0:
             found = True
-        if hits or w.impact_two_sided[i] > 0:
-            w.impact_of[n] = i
-            w.law_first[n] = rows
-            w.law_slips[n] = w.impact_slips[i]
-            w.law_two_sided[n] = w.impact_two_sided[i]
-            w.law_unit[n] = w.impact_unit[i]
-            w.law_mu[n] = w.impact_friction[i]
-            w.law_slides[n] = 0
-            w.law_least[n] = 0.0
-            w.law_mode[n] = -1
+        if approaches or law.two_sided[i] > 0:
+            a.contact[n] = i
+            hits.first[n] = rows
+            hits.slips[n] = law.slips[i]
+            hits.two_sided[n] = law.two_sided[i]
+            hits.unit[n] = law.unit[i]
+            hits.sign[n] = 1
+            hits.mu[n] = law.friction[i]
+            hits.slides[n] = 0
+            hits.least[n] = 0.0
+            hits.mode[n] = -1
             n += 1
-            rows += w.impact_slips[i] + 1
-    w.law_count = n
-    w.law_rows = rows
+            rows += law.slips[i] + 1
+    hits.count = n
+    hits.rows = rows
+    # Their part of W: others take no part, whatever these impulses make of their velocities.
     for i in range(n):
-        for k in range(w.law_slips[i] + 1):
-            from_row = row_of_all(w, i, k) * w.impact_rows
-            to_row = (w.law_first[i] + k) * rows
+        for k in range(hits.slips[i] + 1):
+            from_row = row_of_all(law, a, i, k) * law.rows
+            to_row = (hits.first[i] + k) * rows
             for j in range(n):
-                for m in range(w.law_slips[j] + 1):
-                    w.law_w[to_row + w.law_first[j] + m] = w.impact_w[from_row + row_of_all(w, j, m)]
+                for m in range(hits.slips[j] + 1):
+                    hits.W[to_row + hits.first[j] + m] = law.W[from_row + row_of_all(law, a, j, m)]
     return found
 
 
-def give_impulses(w: Work) -> None:
-    """Add w.law_p of the problem to the impulses, and change all velocities by it."""
-    for i in range(w.law_count):
-        for k in range(w.law_slips[i] + 1):
-            column = row_of_all(w, i, k)
-            impulse = w.law_p[w.law_first[i] + k]
-            w.law_impulse[column] += impulse
-            for j in range(w.impact_rows):
-                w.impact_u[j] += w.impact_w[j * w.impact_rows + column] * impulse
-    for j in range(w.impact_rows):
-        size = fabs(w.impact_u[j])
-        for i in range(w.law_count):
-            for k in range(w.law_slips[i] + 1):
-                entry = w.impact_w[j * w.impact_rows + row_of_all(w, i, k)]
-                size += fabs(entry * w.law_p[w.law_first[i] + k])
-        if size > w.impact_sizes[j]:
-            w.impact_sizes[j] = size
+def give_impulses(law: ContactLaw, a: ImpactWork) -> None:
+    """Add the impulses of the round to law.p, change all velocities law.u by them, and count their terms."""
+    hits = a.hits
+    for i in range(hits.count):
+        for k in range(hits.slips[i] + 1):
+            column = row_of_all(law, a, i, k)
+            impulse = hits.p[hits.first[i] + k]
+            law.p[column] += impulse
+            for j in range(law.rows):
+                law.u[j] += law.W[j * law.rows + column] * impulse
+    for j in range(law.rows):
+        size = fabs(law.u[j])
+        for i in range(hits.count):
+            for k in range(hits.slips[i] + 1):
+                entry = law.W[j * law.rows + row_of_all(law, a, i, k)]
+                size += fabs(entry * hits.p[hits.first[i] + k])
+        if size > a.terms[j]:
+            a.terms[j] = size
 
 
-def solve_impulses(w: Work, restitution: bool) -> int:
-    """Solve the problem for velocities after. With `restitution`, those of Newton's law."""
-    for i in range(w.law_count):
-        for k in range(w.law_slips[i] + 1):
-            row = w.law_first[i] + k
-            w.law_b[row] = w.impact_u[row_of_all(w, i, k)]
-            w.law_sizes[row] = w.impact_sizes[row_of_all(w, i, k)]
-        if restitution and w.law_two_sided[i] == 0:
-            w.law_b[w.law_first[i]] *= 1.0 + w.law_restitution[w.impact_of[i]]
-    set_law_scales(w)
-    return search_modes(w)
+def solve_impulses(law: ContactLaw, a: ImpactWork, restitution: bool) -> int:
+    """Solve the law of the round for velocities after. With `restitution`, those of Newton's law."""
+    hits = a.hits
+    for i in range(hits.count):
+        for k in range(hits.slips[i] + 1):
+            row = hits.first[i] + k
+            hits.b[row] = law.u[row_of_all(law, a, i, k)]
+            hits.terms[row] = a.terms[row_of_all(law, a, i, k)]
+        if restitution and hits.two_sided[i] == 0:
+            hits.b[hits.first[i]] *= 1.0 + a.restitution[a.contact[i]]
+    set_law_scales(a.hits)
+    return search_modes(a.hits)
 
 
-def follows_poisson(w: Work) -> bool:
-    """Return whether a contact of the impact has Poisson's law; then all have it."""
-    for i in range(w.law_count):
-        if w.law_poisson[w.impact_of[i]] > 0:
-            return True
-    return False
-
-
-def strike_twice(w: Work) -> int:
-    """Solve such an impact by Poisson's law, compression and then expansion. Return the result of the law."""
-    found = solve_impulses(w, False)
+def strike_twice(law: ContactLaw, a: ImpactWork) -> int:
+    """Solve a round by Poisson's law, compression and then expansion. Return the result of the law."""
+    hits = a.hits
+    found = solve_impulses(law, a, False)
     if found > LAW_FOUND:
         return found
-    give_impulses(w)
+    give_impulses(law, a)
     expands = False
-    for i in range(w.law_count):
-        if w.law_two_sided[i] == 0:
-            w.law_least[i] = w.law_restitution[w.impact_of[i]] * w.law_p[w.law_first[i]]
-            if w.law_least[i] > 0.0:
+    for i in range(hits.count):
+        if hits.two_sided[i] == 0:
+            hits.least[i] = a.restitution[a.contact[i]] * hits.p[hits.first[i]]
+            if hits.least[i] > 0.0:
                 expands = True
-            w.law_mode[i] = -1
+            hits.mode[i] = -1
     if expands:
-        found = solve_impulses(w, False)
+        found = solve_impulses(law, a, False)
         if found <= LAW_FOUND:
-            give_impulses(w)
+            give_impulses(law, a)
     return found
 
 
-def strike(w: Work) -> int:
-    """Solve the impact of the selected contacts and give their impulses. Return the result of the law."""
+def strike(law: ContactLaw, a: ImpactWork) -> int:
+    """Solve a round and give its impulses. Return the result of the law. If a contact has Poisson's law, all
+    have it."""
     if NPOISSON > 0:
-        if follows_poisson(w):
-            return strike_twice(w)
-    found = solve_impulses(w, True)
+        for i in range(a.hits.count):
+            if a.poisson[a.contact[i]] > 0:
+                return strike_twice(law, a)
+    found = solve_impulses(law, a, True)
     if found <= LAW_FOUND:
-        give_impulses(w)
+        give_impulses(law, a)
     return found
 
 
-def count_loss(w: Work) -> bool:
-    """Add the energy that each contact took in a round to w.law_loss; w.law_u and w.law_p hold velocities and
-    impulses before the round, of all contacts. Return False if energy has grown."""
+def count_loss(law: ContactLaw, a: ImpactWork) -> bool:
+    """Add the energy that each contact took in a round to its loss, -p (u before + u after) / 2. Return False
+    if energy has grown."""
     gain = 0.0
     passed = 0.0
-    for i in range(w.impact_count):
-        for k in range(w.impact_slips[i] + 1):
-            row = w.impact_first[i] + k
-            impulse = w.law_impulse[row] - w.impact_p_before[row]
-            work = 0.5 * impulse * (w.impact_u_before[row] + w.impact_u[row])
-            w.law_loss[i] -= work
+    for i in range(law.count):
+        for k in range(law.slips[i] + 1):
+            row = law.first[i] + k
+            impulse = law.p[row] - a.p_before[row]
+            work = 0.5 * impulse * (a.u_before[row] + law.u[row])
+            a.loss[i] -= work
             gain += work
-            passed += 0.5 * fabs(impulse) * (fabs(w.impact_u_before[row]) + fabs(w.impact_u[row]))
+            passed += 0.5 * fabs(impulse) * (fabs(a.u_before[row]) + fabs(law.u[row]))
     return gain <= GAINED * passed
 
 
-def impact(w: Work) -> int:
-    """Compute the impulses w.law_impulse of all contacts that touch, whose velocities before are w.law_b, and
-    the velocities after, w.law_u, with the number of rounds and the energy that each contact took."""
-    keep_problem(w)
-    w.law_rounds = 0
+def impact(law: ContactLaw, a: ImpactWork) -> int:
+    """Compute the impulses law.p of all contacts that touch, whose velocities before are law.b, and the
+    velocities after, law.u, with the number of rounds and the energy that each contact took."""
+    for j in range(law.rows):
+        law.p[j] = 0.0
+        law.u[j] = law.b[j]
+        a.terms[j] = law.terms[j] if law.terms[j] > fabs(law.b[j]) else fabs(law.b[j])
+    for i in range(law.count):
+        a.loss[i] = 0.0
+    # Each round may make others approach: a blow passes through a row of balls.
+    a.rounds = 0
     result = IMPACT_NONE
-    while select_hits(w):
-        if w.law_rounds == MOST_ROUNDS:
+    while select_hits(law, a):
+        if a.rounds == MOST_ROUNDS:
             result = IMPACT_ENDLESS
             break
-        w.impact_u_before[:] = w.impact_u
-        w.impact_p_before[:] = w.law_impulse
-        found = strike(w)
+        a.u_before[:] = law.u
+        a.p_before[:] = law.p
+        found = strike(law, a)
         if found > LAW_FOUND:
             result = IMPACT_FAILED if found == LAW_FAILED else IMPACT_PARADOX
             break
-        w.law_rounds += 1
+        a.rounds += 1
         result = IMPACT_DONE
-        if not count_loss(w):
+        if not count_loss(law, a):
             result = IMPACT_GAINS
             break
-    restore_problem(w)
     return result

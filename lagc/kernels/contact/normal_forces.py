@@ -11,36 +11,35 @@ derivative of |N| is e. One component has a sign in place of a direction.
 
 from math import fabs, sqrt
 
-from lagc.kernels.contact.enumeration import LAW_FAILED, LAW_FOUND
-from lagc.kernels.contact.frozen_modes import MOST_TURNS, TURNED, solve_frozen
 from lagc.kernels.contact.impact import IMPACT_FAILED, IMPACT_NONE, impact
-from lagc.kernels.contact.set_law import set_law
+from lagc.kernels.contact.law import MOST_TURNS, TURNED, solve_frozen
+from lagc.kernels.contact.modes import LAW_FAILED, LAW_FOUND, set_law
 from lagc.kernels.language.vocabulary import *
 
 
 def set_normals_given(a: Vec[NX], lam: Vec[NC], w: Work) -> None:
-    """Set w.normal_given by accelerations, in the rates `a`, and multipliers."""
+    """Set w.contacts.normal_given by accelerations, in the rates `a`, and multipliers."""
     for k in range(NNORMAL):
-        total = w.normal_bias[k]
+        total = w.contacts.normal_bias[k]
         for j in range(NV):
-            total += w.normal_rows[k * NKNOWN + j] * a[NQ + j]
+            total += w.contacts.normal_rows[k * NKNOWN + j] * a[NQ + j]
         for j in range(NC):
-            total += w.normal_rows[k * NKNOWN + NV + j] * lam[j]
-        w.normal_given[k] = total
+            total += w.contacts.normal_rows[k * NKNOWN + NV + j] * lam[j]
+        w.contacts.normal_given[k] = total
 
 
 def set_normal_effects(w: Work) -> None:
-    """Set w.normal_effects: the derivatives of components by the forces of listed rows."""
+    """Set w.contacts.normal_effects: the derivatives of components by the forces of listed rows."""
     for k in range(NNORMAL):
-        for r in range(w.law_rows):
-            total = w.normal_rows[k * NKNOWN + NR + w.touching_rows[r]]
+        for r in range(w.contacts.law.rows):
+            total = w.contacts.normal_rows[k * NKNOWN + NR + w.contacts.touching_rows[r]]
             for j in range(NR):
-                total += w.normal_rows[k * NKNOWN + j] * w.contact_responses[r * NR + j]
-            w.normal_effects[k * w.law_rows + r] = total
+                total += w.contacts.normal_rows[k * NKNOWN + j] * w.contacts.responses[r * NR + j]
+            w.contacts.normal_effects[k * w.contacts.law.rows + r] = total
 
 
 def set_normal_axis(i: int, forces: Vec[NNORMAL], w: Work) -> Real:
-    """Set w.normal_axes of a contact to the direction of its components; return their change."""
+    """Set w.contacts.normal_axes of a contact to the direction of its components; return their change."""
     first = normal_first[i]
     total = 0.0
     for k in range(contact_normals[i]):
@@ -51,62 +50,64 @@ def set_normal_axis(i: int, forces: Vec[NNORMAL], w: Work) -> Real:
         axis = forces[first + k] / length if length > 0.0 else 0.0
         if not length > 0.0 and k == 0:
             axis = 1.0
-        if fabs(axis - w.normal_axes[first + k]) > turned:
-            turned = fabs(axis - w.normal_axes[first + k])
-        w.normal_axes[first + k] = axis
+        if fabs(axis - w.contacts.normal_axes[first + k]) > turned:
+            turned = fabs(axis - w.contacts.normal_axes[first + k])
+        w.contacts.normal_axes[first + k] = axis
     return turned
 
 
 def aim_normals(held: bool, w: Work) -> None:
     """Set the directions of the normal forces of listed contacts to those without the forces of contacts; if
-    `held`, signs to w.normal_signs."""
+    `held`, signs to w.contacts.normal_signs."""
     set_normal_effects(w)
-    for n in range(w.law_count):
-        i = w.touching[n]
+    for n in range(w.contacts.law.count):
+        i = w.contacts.touching[n]
         if contact_normals[i] > 0:
-            w.law_two_sided[n] = 1 if contact_normals[i] == 1 else 2
-            w.law_sign[n] = 1
-            set_normal_axis(i, w.normal_given, w)
-            if held and contact_normals[i] == 1 and w.normal_signs[i] != 0:
-                w.normal_axes[normal_first[i]] = float(w.normal_signs[i])
+            w.contacts.law.two_sided[n] = 1 if contact_normals[i] == 1 else 2
+            w.contacts.law.sign[n] = 1
+            set_normal_axis(i, w.contacts.normal_given, w)
+            if held and contact_normals[i] == 1 and w.contacts.normal_signs[i] != 0:
+                w.contacts.normal_axes[normal_first[i]] = float(w.contacts.normal_signs[i])
 
 
 def set_normal_laws(w: Work) -> None:
     """Set the rows of the law of normal forces for their directions."""
-    for n in range(w.law_count):
-        i = w.touching[n]
+    law = w.contacts.law
+    for n in range(law.count):
+        i = w.contacts.touching[n]
         if contact_normals[i] > 0:
-            row = w.law_first[n]
+            row = law.first[n]
             total = 0.0
             size = 0.0
             for m in range(contact_normals[i]):
                 k = normal_first[i] + m
-                total -= w.normal_axes[k] * w.normal_given[k]
-                size += fabs(w.normal_given[k])
-            w.law_b[row] = total
-            w.law_sizes[row] = size
-            for r in range(w.law_rows):
+                total -= w.contacts.normal_axes[k] * w.contacts.normal_given[k]
+                size += fabs(w.contacts.normal_given[k])
+            law.b[row] = total
+            law.terms[row] = size
+            for r in range(law.rows):
                 total = 0.0
                 for m in range(contact_normals[i]):
                     k = normal_first[i] + m
-                    total -= w.normal_axes[k] * w.normal_effects[k * w.law_rows + r]
-                w.law_w[row * w.law_rows + r] = total
-            w.law_w[row * w.law_rows + row] = 1.0
+                    total -= w.contacts.normal_axes[k] * w.contacts.normal_effects[k * law.rows + r]
+                law.W[row * law.rows + r] = total
+            law.W[row * law.rows + row] = 1.0
 
 
 def turn_normals(held: bool, w: Work) -> bool:
-    """Turn the directions of normal forces to those of w.law_p; if `held`, not the signs. Return whether one
-    has turned."""
+    """Turn the directions of normal forces to those of w.contacts.law.p; if `held`, not the signs. Return
+    whether one has turned."""
+    law = w.contacts.law
     forces = vector(NNORMAL)
     turned = 0.0
-    for n in range(w.law_count):
-        i = w.touching[n]
+    for n in range(law.count):
+        i = w.contacts.touching[n]
         if contact_normals[i] > 0 and not (held and contact_normals[i] == 1):
             for m in range(contact_normals[i]):
                 k = normal_first[i] + m
-                forces[k] = w.normal_given[k]
-                for r in range(w.law_rows):
-                    forces[k] += w.normal_effects[k * w.law_rows + r] * w.law_p[r]
+                forces[k] = w.contacts.normal_given[k]
+                for r in range(law.rows):
+                    forces[k] += w.contacts.normal_effects[k * law.rows + r] * law.p[r]
             own = set_normal_axis(i, forces, w)
             if not own <= turned:
                 turned = own
@@ -115,52 +116,53 @@ def turn_normals(held: bool, w: Work) -> bool:
 
 def solve_touching(w: Work) -> bool:
     """Solve the law in given modes (`solve_frozen`), with normal forces of two-sided contacts."""
-    aim_normals(w.modes_fixed, w)
-    for n in range(MOST_TURNS):
-        set_normal_laws(w)
-        if not solve_frozen(w):
-            return False
-        if not turn_normals(w.modes_fixed, w):
-            return True
-    w.law_culprit = 0
-    return False
+    if NTWO > 0:
+        aim_normals(w.modes_fixed, w)
+        for n in range(MOST_TURNS):
+            set_normal_laws(w)
+            if not solve_frozen(w.contacts.law):
+                return False
+            if not turn_normals(w.modes_fixed, w):
+                return True
+        w.contacts.law.culprit = 0
+        return False
+    return solve_frozen(w.contacts.law)
 
 
 def find_law(w: Work) -> int:
     """Find the modes (`set_law`), with normal forces of two-sided contacts; return the result of the law."""
-    aim_normals(False, w)
-    for n in range(MOST_TURNS):
-        set_normal_laws(w)
-        found = set_law(w)
-        if found > LAW_FOUND or not turn_normals(True, w):
-            return found
-    w.law_culprit = 0
-    return LAW_FAILED
+    if NTWO > 0:
+        aim_normals(False, w)
+        for n in range(MOST_TURNS):
+            set_normal_laws(w)
+            found = set_law(w.contacts.law)
+            if found > LAW_FOUND or not turn_normals(True, w):
+                return found
+        w.contacts.law.culprit = 0
+        return LAW_FAILED
+    return set_law(w.contacts.law)
 
 
 def normal_sign(n: int, w: Work) -> int:
     """Return the sign of the normal force of a listed contact with one component."""
-    i = w.touching[n]
-    return w.law_sign[n] if w.normal_axes[normal_first[i]] > 0.0 else -w.law_sign[n]
+    i = w.contacts.touching[n]
+    return (
+        w.contacts.law.sign[n] if w.contacts.normal_axes[normal_first[i]] > 0.0 else -w.contacts.law.sign[n]
+    )
 
 
 def strike_all(w: Work) -> int:
     """Compute the impulses of listed contacts (`impact`), with normal impulses of two-sided contacts, which
     follow from the changes of speeds; return the result. The direction of one with more components is that of
     its sum over all rounds."""
-    for k in range(NNORMAL):
-        w.normal_given[k] = 0.0
-    aim_normals(False, w)
-    speeds = vector(NCROW)
-    sizes = vector(NCROW)
-    speeds[:] = w.law_b
-    sizes[:] = w.law_sizes
-    for n in range(MOST_TURNS):
-        w.law_b[:] = speeds
-        w.law_sizes[:] = sizes
-        set_normal_laws(w)
-        found = impact(w)
-        w.law_p[:] = w.law_impulse
-        if found == IMPACT_NONE or not turn_normals(True, w):
-            return found
-    return IMPACT_FAILED
+    if NTWO > 0:
+        for k in range(NNORMAL):
+            w.contacts.normal_given[k] = 0.0
+        aim_normals(False, w)
+        for n in range(MOST_TURNS):
+            set_normal_laws(w)
+            found = impact(w.contacts.law, w.contacts.impact)
+            if found == IMPACT_NONE or not turn_normals(True, w):
+                return found
+        return IMPACT_FAILED
+    return impact(w.contacts.law, w.contacts.impact)

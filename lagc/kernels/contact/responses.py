@@ -35,61 +35,64 @@ def factor_motion(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
 
 
 def solve_motion(w: Work) -> None:
-    """Solve K w.contact_solution = w.contact_rhs."""
+    """Solve K w.contacts.solution = w.contacts.rhs."""
     if NC > 0:
-        solve_at(w.contact_rhs, w.contact_solution, w)
+        solve_at(w.contacts.rhs, w.contacts.solution, w)
     elif STRAIGHT:
-        fn_solve(w.kkt_entries, w.contact_rhs, w.contact_solution)
+        fn_solve(w.kkt_entries, w.contacts.rhs, w.contacts.solution)
     else:
-        w.contact_solution[:] = w.contact_rhs
-        w.a[:] = part(w.contact_rhs, 0, NV)
+        w.contacts.solution[:] = w.contacts.rhs
+        w.a[:] = part(w.contacts.rhs, 0, NV)
         solve_lower(w, w.a)
         solve_upper(w, w.a)
-        w.contact_solution[:NV] = w.a
+        w.contacts.solution[:NV] = w.a
 
 
 def respond(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
-    """Compute w.contact_responses, X by rows, and w.law_w for the rows w.contact_rows of listed contacts."""
+    """Compute w.contacts.responses, X by rows, and w.contacts.law.W for the rows w.contacts.rows of listed
+    contacts."""
+    law = w.contacts.law
     status = factor_motion(p, t, x, w)
     if failed(status):
         return status
-    for r in range(w.law_rows):
-        row = w.touching_rows[r]
+    for r in range(law.rows):
+        row = w.contacts.touching_rows[r]
         for k in range(NR):
-            w.contact_rhs[k] = 0.0
+            w.contacts.rhs[k] = 0.0
         for j in range(NV):
-            w.contact_rhs[j] = w.contact_rows[row * NV + j]
+            w.contacts.rhs[j] = w.contacts.rows[row * NV + j]
         solve_motion(w)
         for k in range(NR):
-            w.contact_responses[r * NR + k] = w.contact_solution[k]
-        for q in range(w.law_rows):
+            w.contacts.responses[r * NR + k] = w.contacts.solution[k]
+        for q in range(law.rows):
             total = 0.0
-            other = w.touching_rows[q]
+            other = w.contacts.touching_rows[q]
             for j in range(NV):
-                total += w.contact_rows[other * NV + j] * w.contact_solution[j]
-            w.law_w[q * w.law_rows + r] = total
+                total += w.contacts.rows[other * NV + j] * w.contacts.solution[j]
+            law.W[q * law.rows + r] = total
     return OK
 
 
 def set_accelerations(a: Vec[NX], w: Work) -> None:
-    """Set w.law_b to the accelerations of the listed rows for the rates `a`, and w.law_sizes."""
-    for r in range(w.law_rows):
-        row = w.touching_rows[r]
-        total = w.contact_bias[row]
+    """Set w.contacts.law.b to the accelerations of the listed rows for the rates `a`, and
+    w.contacts.law.terms."""
+    for r in range(w.contacts.law.rows):
+        row = w.contacts.touching_rows[r]
+        total = w.contacts.bias[row]
         magnitude = fabs(total)
         for j in range(NV):
-            each = w.contact_rows[row * NV + j] * a[NQ + j]
+            each = w.contacts.rows[row * NV + j] * a[NQ + j]
             total += each
             magnitude += fabs(each)
-        w.law_b[r] = total
-        w.law_sizes[r] = magnitude
+        w.contacts.law.b[r] = total
+        w.contacts.law.terms[r] = magnitude
 
 
 def largest_scaled(w: Work) -> Real:
     """Return the largest scaled force of the listed rows."""
     largest = 0.0
-    for r in range(w.law_rows):
-        own = fabs(w.law_p[r]) / w.law_scale[r]
+    for r in range(w.contacts.law.rows):
+        own = fabs(w.contacts.law.p[r]) / w.contacts.law.scale[r]
         if own > largest:
             largest = own
     return largest
@@ -101,75 +104,76 @@ def response_to_forces(j: int, before: Real, largest: Real, w: Work) -> Real:
     of the largest one, as they solve equations together."""
     total = before
     terms = fabs(before)
-    for r in range(w.law_rows):
-        response = w.contact_responses[r * NR + j]
-        total += response * w.law_p[r]
-        terms += fabs(response) * w.law_scale[r] * largest
+    for r in range(w.contacts.law.rows):
+        response = w.contacts.responses[r * NR + j]
+        total += response * w.contacts.law.p[r]
+        terms += fabs(response) * w.contacts.law.scale[r] * largest
     return total if fabs(total) > CANCELLED * SPACING * terms else 0.0
 
 
 def add_responses(values: Vec[NX], w: Work) -> None:
     """Add X p to the speeds of `values`."""
-    for r in range(w.law_rows):
+    for r in range(w.contacts.law.rows):
         for j in range(NV):
-            values[NQ + j] += w.contact_responses[r * NR + j] * w.law_p[r]
+            values[NQ + j] += w.contacts.responses[r * NR + j] * w.contacts.law.p[r]
 
 
 def add_cancelling(values: Vec[NX], w: Work) -> None:
     """Add X p to the speeds, or accelerations, of `values`, of forces that solve equations with
-    w.law_scale."""
+    w.contacts.law.scale."""
     largest = largest_scaled(w)
     for j in range(NV):
         values[NQ + j] = response_to_forces(j, values[NQ + j], largest, w)
 
 
 def follow_loads(w: Work) -> bool:
-    """Add to a response, w.contact_solution, that of the loads of its multipliers. Return False, with the
+    """Add to a response, w.contacts.solution, that of the loads of its multipliers. Return False, with the
     constraint equation as w.culprit, if they leave these open."""
     if NLOADED > 0:
         for k in range(NLOADMATRIX):
-            w.load_matrix[k] = w.load_matrix_kept[k]
-            w.load_sizes[k] = w.load_sizes_kept[k]
+            w.loads.matrix[k] = w.loads.matrix_kept[k]
+            w.loads.sizes[k] = w.loads.sizes_kept[k]
         for k in range(NLOADED):
-            w.load_step[k] = w.contact_solution[NV + loading_row[k]]
+            w.loads.step[k] = w.contacts.solution[NV + loading_row[k]]
         if eliminate_load(w) == 0.0:
             return False
         for k in range(NLOADED):
             for i in range(NR):
-                w.contact_solution[i] += w.load_step[k] * w.load_columns[k * NR + i]
+                w.contacts.solution[i] += w.loads.step[k] * w.loads.columns[k * NR + i]
         for k in range(NLOADED):
-            w.contact_solution[NV + loading_row[k]] = w.load_step[k]
+            w.contacts.solution[NV + loading_row[k]] = w.loads.step[k]
     return True
 
 
 def respond_to_slope(k: int, w: Work) -> None:
-    """Compute w.contact_solution, the response to derivative k of the loads."""
+    """Compute w.contacts.solution, the response to derivative k of the loads."""
     for i in range(NR):
-        w.contact_rhs[i] = w.load_slopes[k * NV + i] if i < NV else 0.0
+        w.contacts.rhs[i] = w.loads.slopes[k * NV + i] if i < NV else 0.0
     solve_motion(w)
 
 
 def loads_follow(w: Work) -> bool:
-    """Let loads follow the forces of the listed rows: change w.contact_responses and w.law_w. Return False,
-    with w.culprit, if they leave a multiplier open."""
-    for r in range(w.law_rows):
-        row = w.touching_rows[r]
+    """Let loads follow the forces of the listed rows: change w.contacts.responses and w.contacts.law.W.
+    Return False, with w.culprit, if they leave a multiplier open."""
+    law = w.contacts.law
+    for r in range(law.rows):
+        row = w.contacts.touching_rows[r]
         for i in range(NR):
-            w.contact_solution[i] = 0.0
+            w.contacts.solution[i] = 0.0
         for k in range(NPUSHED):
             if contact_first[pushed_contact[k]] == row:
                 respond_to_slope(NLOADED + k, w)
         for i in range(NR):
-            w.contact_solution[i] += w.contact_responses[r * NR + i]
+            w.contacts.solution[i] += w.contacts.responses[r * NR + i]
         if not follow_loads(w):
             return False
         for i in range(NR):
-            w.contact_responses[r * NR + i] = w.contact_solution[i]
-        for q in range(w.law_rows):
+            w.contacts.responses[r * NR + i] = w.contacts.solution[i]
+        for q in range(law.rows):
             total = 0.0
             for j in range(NV):
-                total += w.contact_rows[w.touching_rows[q] * NV + j] * w.contact_solution[j]
-            w.law_w[q * w.law_rows + r] = total
+                total += w.contacts.rows[w.contacts.touching_rows[q] * NV + j] * w.contacts.solution[j]
+            law.W[q * law.rows + r] = total
     return True
 
 
@@ -178,23 +182,23 @@ def keep_load_matrix(w: Work) -> None:
     if NLOADED > 0:
         linearize_load(w)
         for k in range(NLOADMATRIX):
-            w.load_matrix_kept[k] = w.load_matrix[k]
-            w.load_sizes_kept[k] = w.load_sizes[k]
+            w.loads.matrix_kept[k] = w.loads.matrix[k]
+            w.loads.sizes_kept[k] = w.loads.sizes[k]
 
 
 def set_loads(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    """Linearize the loads at the reactions w.load_lam and w.contact_forces, with w.load_rest, their value
+    """Linearize the loads at the reactions w.loads.lam and w.contacts.forces, with w.loads.rest, their value
     for reactions of zero."""
     update_load(p, t, x, w)
     if NCURVED > 0:
-        w.load_rest[:] = w.load_force
+        w.loads.rest[:] = w.loads.force
         for k in range(NLOADS):
             if k < NLOADED:
-                own = w.load_lam[loading_row[k]]
+                own = w.loads.lam[loading_row[k]]
             else:
-                own = w.contact_forces[contact_first[pushed_contact[k - NLOADED]]]
+                own = w.contacts.forces[contact_first[pushed_contact[k - NLOADED]]]
             for i in range(NV):
-                w.load_rest[i] -= own * w.load_slopes[k * NV + i]
+                w.loads.rest[i] -= own * w.loads.slopes[k * NV + i]
     keep_load_matrix(w)
 
 
@@ -202,7 +206,7 @@ def servos_follow(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
     """Let the actuators of servo constraints follow the forces of the listed rows, and no other load: in an
     impact, their paths hold by impulses of the actuators. Return False, with w.culprit, if one does not."""
     for i in range(NC):
-        w.load_lam[i] = 0.0
+        w.loads.lam[i] = 0.0
     update_load(p, t, x, w)
     for k in range(NLOADS):
         held = False
@@ -210,69 +214,71 @@ def servos_follow(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
             held = load_held[k] > 0
         if not held:
             for i in range(NV):
-                w.load_slopes[k * NV + i] = 0.0
+                w.loads.slopes[k * NV + i] = 0.0
     keep_load_matrix(w)
     return loads_follow(w)
 
 
 def move_with_loads(rates: Vec[NX], lam: Vec[NC], w: Work) -> bool:
-    """Compute accelerations and multipliers without forces of contacts, from w.load_begin without these
+    """Compute accelerations and multipliers without forces of contacts, from w.loads.begin without these
     loads. Return False, with w.culprit, if the loads leave a multiplier open."""
     for i in range(NR):
-        w.contact_solution[i] = 0.0
+        w.contacts.solution[i] = 0.0
     if NCURVED > 0:
         for i in range(NR):
-            w.contact_rhs[i] = w.load_rest[i] if i < NV else 0.0
+            w.contacts.rhs[i] = w.loads.rest[i] if i < NV else 0.0
         solve_motion(w)
     for i in range(NR):
-        w.contact_solution[i] += w.load_begin[i]
+        w.contacts.solution[i] += w.loads.begin[i]
     if not follow_loads(w):
         return False
     for i in range(NV):
-        rates[NQ + i] = w.contact_solution[i]
+        rates[NQ + i] = w.contacts.solution[i]
     for i in range(NC):
-        lam[i] = w.contact_solution[NV + i]
+        lam[i] = w.contacts.solution[NV + i]
     return True
 
 
 def keep_begin(rates: Vec[NX], lam: Vec[NC], w: Work) -> None:
-    """Store accelerations and multipliers without loads of reactions in w.load_begin, and begin with
+    """Store accelerations and multipliers without loads of reactions in w.loads.begin, and begin with
     reactions of zero."""
     for i in range(NV):
-        w.load_begin[i] = rates[NQ + i]
+        w.loads.begin[i] = rates[NQ + i]
     for i in range(NC):
-        w.load_begin[NV + i] = lam[i]
-        w.load_lam[i] = 0.0
+        w.loads.begin[NV + i] = lam[i]
+        w.loads.lam[i] = 0.0
     for i in range(NCROW):
-        w.contact_forces[i] = 0.0
+        w.contacts.forces[i] = 0.0
 
 
 def reactions_agree(lam: Vec[NC], w: Work) -> bool:
-    """Set the reactions w.load_lam and w.contact_forces to those of the forces w.law_p. Return whether they
-    were these, to 1e-10 of them or the round-off of their terms."""
+    """Set the reactions w.loads.lam and w.contacts.forces to those of the forces w.contacts.law.p. Return
+    whether they were these, to 1e-10 of them or the round-off of their terms."""
+    law = w.contacts.law
+    # A reaction that forces of contacts cancel has the round-off of its terms.
     agree = True
     if NLOADED > 0:
         for k in range(NLOADED):
             row = loading_row[k]
             total = lam[row]
             terms = fabs(total)
-            for r in range(w.law_rows):
-                own = w.contact_responses[r * NR + NV + row] * w.law_p[r]
+            for r in range(law.rows):
+                own = w.contacts.responses[r * NR + NV + row] * law.p[r]
                 total += own
                 terms += fabs(own)
-            change = fabs(total - w.load_lam[row])
+            change = fabs(total - w.loads.lam[row])
             if not change <= LOAD_STEP * fabs(total) + 64.0 * SPACING * terms:
                 agree = False
-            w.load_lam[row] = total
+            w.loads.lam[row] = total
     for i in range(NCROW):
-        w.load_pushes[i] = 0.0
-    for n in range(w.law_count):
-        row = w.law_first[n]
-        force = w.law_p[row]
-        first = contact_first[w.touching[n]]
-        w.load_pushes[first] = force
-        roundoff = w.law_scale[row] * w.law_roundoff
-        if not fabs(force - w.contact_forces[first]) <= LOAD_STEP * fabs(force) + roundoff:
+        w.loads.pushes[i] = 0.0
+    for n in range(law.count):
+        row = law.first[n]
+        force = law.p[row]
+        first = contact_first[w.contacts.touching[n]]
+        w.loads.pushes[first] = force
+        roundoff = law.scale[row] * law.roundoff
+        if not fabs(force - w.contacts.forces[first]) <= LOAD_STEP * fabs(force) + roundoff:
             agree = False
-    w.contact_forces[:] = w.load_pushes
+    w.contacts.forces[:] = w.loads.pushes
     return agree

@@ -9,9 +9,9 @@
 
 from math import fabs
 
-from lagc.kernels.contact.enumeration import LAW_FOUND
-from lagc.kernels.contact.frozen_modes import CONTACT_OPEN, CONTACT_STICKS
 from lagc.kernels.contact.impact import IMPACT_DONE, IMPACT_ENDLESS, IMPACT_NONE
+from lagc.kernels.contact.law import CONTACT_OPEN, CONTACT_STICKS
+from lagc.kernels.contact.modes import LAW_FOUND
 from lagc.kernels.contact.normal_forces import find_law, normal_sign, set_normals_given, strike_all
 from lagc.kernels.contact.responses import (
     add_cancelling,
@@ -29,6 +29,7 @@ from lagc.kernels.contact.slips import (
     find_slips,
     let_slip,
     pass_slips,
+    reach_of,
     slides_back,
     speed_size,
     stop_slips,
@@ -55,33 +56,44 @@ OPENS = 4
 STICKS = 5
 SLIPS = 6  # it begins to slip, or slips the other way
 LONGEST_AFTER_BOUNCE = 64.0  # next step, over the time of flight
+MOST_PENETRATION = 1e-6  # of the terms of a gap: a contact that touched goes on to do so within it
 
 
 def find_near_contacts(p: Params, s: State, w: Work) -> None:
-    """Set w.touched to contacts that touch, are hit, or are within round-off of touching, and to bounds of
-    velocities, which any impulse may hit."""
+    """Set w.contacts.touched to contacts that touch, are hit, or are within round-off of touching, and to
+    bounds of velocities, which any impulse may hit."""
     set_gaps(p, s.t, s.x, w)
     estimate_indicator_roundoff(p, s, s.x, w)
     for i in range(NCON):
-        near = w.contact_gaps[i] <= SLACK_GROWTH * w.indicator_roundoff[NFREE - NCON + i]
+        near = w.contacts.gaps[i] <= SLACK_GROWTH * w.events.roundoff[NFREE - NCON + i]
         near = near or contact_bounds_rate[i] > 0
-        touches = s.x[NX - NCON + i] != 0.0 or w.contact_hit[i] > 0
-        w.touched[i] = 1 if (touches or near) and w.contact_hit[i] != PARTS else 0
-        w.contact_modes[i] = 1
+        touches = s.x[NX - NCON + i] != 0.0 or w.settling.hit[i] > 0
+        w.contacts.touched[i] = 1 if (touches or near) and w.settling.hit[i] != PARTS else 0
+        w.contacts.modes[i] = 1
 
 
 def set_speeds(s: State, w: Work) -> None:
-    """Set w.law_b to the speeds of the listed rows, and w.law_sizes to their sizes."""
-    for r in range(w.law_rows):
-        row = w.touching_rows[r]
-        w.law_b[r] = w.contact_speeds[row]
-        w.law_sizes[r] = speed_size(row, s, w)
+    """Set w.contacts.law.b to the speeds of the listed rows, and w.contacts.law.terms to their sizes."""
+    for r in range(w.contacts.law.rows):
+        row = w.contacts.touching_rows[r]
+        w.contacts.law.b[r] = w.contacts.speeds[row]
+        w.contacts.law.terms[r] = speed_size(row, s, w)
+
+
+def fastest_approach(w: Work) -> int:
+    """Return the listed contact that approaches fastest."""
+    fastest = w.contacts.touching[0]
+    for n in range(w.contacts.law.count):
+        if w.contacts.approach[w.contacts.touching[n]] > w.contacts.approach[fastest]:
+            fastest = w.contacts.touching[n]
+    return fastest
 
 
 def strike_contacts(p: Params, s: State, w: Work) -> Status:
-    """Let the listed contacts that approach have an impact, and set w.contact_leaves: 1 for those that leave
+    """Let the listed contacts that approach have an impact, and set w.settling.leaves: 1 for those that leave
     then."""
-    fn_contact_rows_on(p, s.t, s.x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
+    law = w.contacts.law
+    fn_contact_rows_on(p, s.t, s.x, w.modes, w.contacts.rows, w.contacts.speeds, w.contacts.bias)
     status = respond(p, s.t, s.x, w)
     if failed(status):
         return status
@@ -89,77 +101,102 @@ def strike_contacts(p: Params, s: State, w: Work) -> Status:
         if not servos_follow(p, s.t, s.x, w):
             w.culprit += NCON
             return PARADOX
+    # The problem: W of the responses, the speeds before as b, and what each pair of surfaces does.
     set_speeds(s, w)
     set_frictions(p, s.t, s.x, w)
-    fn_restitutions(p, s.t, s.x, w.restitutions)
-    for n in range(w.law_count):
-        w.law_restitution[n] = w.restitutions[w.touching[n]]
+    fn_restitutions(p, s.t, s.x, w.settling.restitutions)
+    for n in range(law.count):
+        w.contacts.impact.restitution[n] = w.settling.restitutions[w.contacts.touching[n]]
         if NPOISSON > 0:
-            w.law_poisson[n] = contact_poisson[w.touching[n]]
+            w.contacts.impact.poisson[n] = contact_poisson[w.contacts.touching[n]]
     if NTWO > 0:
-        fn_normals_on(p, s.t, s.x, w.modes, w.normal_rows, w.normal_bias)
-    for n in range(w.law_count):
-        w.contact_approach[w.touching[n]] = -w.law_b[w.law_first[n]]
+        fn_normals_on(p, s.t, s.x, w.modes, w.contacts.normal_rows, w.contacts.normal_bias)
+    for n in range(law.count):
+        w.contacts.approach[w.contacts.touching[n]] = -law.b[law.first[n]]
     found = strike_all(w)
     if found != IMPACT_NONE:
         if found != IMPACT_DONE:
-            w.culprit = w.touching[0]
+            w.culprit = fastest_approach(w)
             if found == IMPACT_ENDLESS:
                 w.culprit += NMODE - NCON
                 return CHATTERING
             return PARADOX
-        w.law_p[:] = w.law_impulse
+        # The impulses change all speeds; a two-sided contact is not struck by its constraint.
         add_responses(s.x, w)
-        for n in range(w.law_count):
-            w.contact_struck[w.touching[n]] = w.law_impulse[w.law_first[n]]
-            w.contact_lost[w.touching[n]] = w.law_loss[n]
+        for n in range(law.count):
+            w.settling.struck[w.contacts.touching[n]] = law.p[law.first[n]]
+            w.settling.lost[w.contacts.touching[n]] = w.contacts.impact.loss[n]
             if NTWO > 0:
-                if contact_normals[w.touching[n]] > 0:
-                    w.contact_struck[w.touching[n]] = 0.0
-        fn_contact_rows_on(p, s.t, s.x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
+                if contact_normals[w.contacts.touching[n]] > 0:
+                    w.settling.struck[w.contacts.touching[n]] = 0.0
+        fn_contact_rows_on(p, s.t, s.x, w.modes, w.contacts.rows, w.contacts.speeds, w.contacts.bias)
         set_speeds(s, w)
-    for n in range(w.law_count):
-        r = w.law_first[n]
-        w.contact_leaves[w.touching[n]] = 1 if w.law_b[r] > CONTACT_ROUNDOFF * w.law_sizes[r] else 0
+    for n in range(law.count):
+        r = law.first[n]
+        w.settling.leaves[w.contacts.touching[n]] = 1 if law.b[r] > CONTACT_ROUNDOFF * law.terms[r] else 0
     return OK
 
 
 def closed_mode(n: int, w: Work) -> int:
     """Return the mode of a listed contact that the law has found."""
-    if w.law_mode[n] == CONTACT_OPEN:
+    law = w.contacts.law
+    if law.mode[n] == CONTACT_OPEN:
         return 0
-    if w.law_slips[n] == 0:
+    if law.slips[n] == 0:
         return 1
-    if w.law_mode[n] == CONTACT_STICKS:
+    if law.mode[n] == CONTACT_STICKS:
         return 2
-    return -1 if w.law_slips[n] == 1 and w.law_direction[2 * n] < 0.0 else 1
+    return -1 if law.slips[n] == 1 and law.direction[2 * n] < 0.0 else 1
 
 
 def decide_loaded(p: Params, s: State, w: Work) -> Status:
     """Find the modes of the listed contacts, with loads that depend on reactions."""
-    keep_begin(w.contact_rates, w.contact_lam, w)
+    keep_begin(w.contacts.rates, w.contacts.lam, w)
     set_frictions(p, s.t, s.x, w)
     find_slips(s, w)
-    status = solve_loaded(p, s.t, s.x, w.contact_rates, w.contact_lam, True, w)
+    status = solve_loaded(p, s.t, s.x, w.contacts.rates, w.contacts.lam, True, w)
     if not failed(status) and slides_back(w):
-        status = solve_loaded(p, s.t, s.x, w.contact_rates, w.contact_lam, True, w)
+        status = solve_loaded(p, s.t, s.x, w.contacts.rates, w.contacts.lam, True, w)
     return status
 
 
+def leave_out_held(w: Work) -> bool:
+    """Leave out listed contacts whose gaps no motion changes at this place, as that of a pendulum over the
+    floor at its lowest point: neither a force nor its lack tells whether they stay closed. Return whether
+    there are any."""
+    law = w.contacts.law
+    found = False
+    for n in range(law.count):
+        i = w.contacts.touching[n]
+        k = law.first[n]
+        held = law.W[k * law.rows + k] == 0.0
+        if NTWO > 0:
+            held = held and contact_normals[i] == 0
+        if held:
+            w.contacts.touched[i] = 0
+            found = True
+    if found:
+        list_contacts(True, w)
+    return found
+
+
 def decide(p: Params, s: State, w: Work) -> Status:
-    """Find which contacts in w.touched stay closed, w.contact_closed, and the rates w.contact_rates."""
+    """Find which contacts in w.contacts.touched stay closed, w.settling.closed, and the rates
+    w.contacts.rates."""
+    law = w.contacts.law
     for i in range(NCON):
-        w.contact_closed[i] = 0
+        w.settling.closed[i] = 0
     list_contacts(True, w)
     if NLOADED > 0:
-        if w.law_count == 0:
+        if law.count == 0:
             s.rhs += 1
             for i in range(NCROW):
-                w.contact_forces[i] = 0.0
-            return moves_freely(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
-    status = rhs_at(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
+                w.contacts.forces[i] = 0.0
+            return moves_freely(p, s.t, s.x, w.contacts.rates, w.contacts.lam, w)
+    # b of the law is the acceleration without forces of contacts, and W their responses.
+    status = rhs_at(p, s.t, s.x, w.contacts.rates, w.contacts.lam, w)
     s.rhs += 1
-    if failed(status) or w.law_count == 0:
+    if failed(status) or law.count == 0:
         return status
     if NLOADS > 0:
         status = decide_loaded(p, s, w)
@@ -167,50 +204,53 @@ def decide(p: Params, s: State, w: Work) -> Status:
             return status
     else:
         status = respond(p, s.t, s.x, w)
-        if failed(status):
+        if not failed(status) and leave_out_held(w):
+            status = respond(p, s.t, s.x, w)
+        if failed(status) or law.count == 0:
             return status
-        set_accelerations(w.contact_rates, w)
+        set_accelerations(w.contacts.rates, w)
         set_frictions(p, s.t, s.x, w)
         find_slips(s, w)
         if NTWO > 0:
-            fn_normals_on(p, s.t, s.x, w.modes, w.normal_rows, w.normal_bias)
-            set_normals_given(w.contact_rates, w.contact_lam, w)
+            fn_normals_on(p, s.t, s.x, w.modes, w.contacts.normal_rows, w.contacts.normal_bias)
+            set_normals_given(w.contacts.rates, w.contacts.lam, w)
             pass_slips(w)
+        # A slip that was set to begin against its force may move the other way: then it sticks.
         found = find_law(w)
         if found <= LAW_FOUND and slides_back(w):
             found = find_law(w)
         if found > LAW_FOUND:
-            w.culprit = w.touching[w.law_culprit]
+            w.culprit = w.contacts.touching[law.culprit]
             return PARADOX
-    add_cancelling(w.contact_rates, w)
-    for n in range(w.law_count):
-        w.contact_closed[w.touching[n]] = closed_mode(n, w)
+    add_cancelling(w.contacts.rates, w)
+    for n in range(law.count):
+        w.settling.closed[w.contacts.touching[n]] = closed_mode(n, w)
         if NTWO > 0:
-            contact = w.touching[n]
+            contact = w.contacts.touching[n]
             if contact_normals[contact] == 1:
-                falls = w.contact_hit[contact] == TURNS and s.normal_signs[contact] != 0
-                w.normal_signs[contact] = -s.normal_signs[contact] if falls else normal_sign(n, w)
+                falls = w.settling.hit[contact] == TURNS and s.normal_signs[contact] != 0
+                w.contacts.normal_signs[contact] = -s.normal_signs[contact] if falls else normal_sign(n, w)
         if NSPACE > 0:
             for k in range(2):
-                w.slip_axes[2 * w.touching[n] + k] = w.law_direction[2 * n + k]
+                w.contacts.slip_axes[2 * w.contacts.touching[n] + k] = law.direction[2 * n + k]
     return OK
 
 
 def gap_acceleration(i: int, w: Work) -> Real:
-    """Return the acceleration of a gap for the rates w.contact_rates."""
+    """Return the acceleration of a gap for the rates w.contacts.rates."""
     row = contact_first[i]
-    total = w.contact_bias[row]
+    total = w.contacts.bias[row]
     for j in range(NV):
-        total += w.contact_rows[row * NV + j] * w.contact_rates[NQ + j]
+        total += w.contacts.rows[row * NV + j] * w.contacts.rates[NQ + j]
     return total
 
 
 def acceleration_roundoff(i: int, w: Work) -> Real:
     """Return the round-off of this acceleration."""
     row = contact_first[i]
-    total = fabs(w.contact_bias[row])
+    total = fabs(w.contacts.bias[row])
     for j in range(NV):
-        total += fabs(w.contact_rows[row * NV + j] * w.contact_rates[NQ + j])
+        total += fabs(w.contacts.rows[row * NV + j] * w.contacts.rates[NQ + j])
     return CONTACT_ROUNDOFF * total
 
 
@@ -218,48 +258,50 @@ def decide_released(p: Params, s: State, w: Work) -> Status:
     """Decide without contacts whose force has fallen to zero; if one would sink in, decide with them too."""
     released = False
     for i in range(NCON):
-        w.contact_near[i] = w.touched[i]
-        if w.contact_hit[i] == RELEASES and w.touched[i] > 0:
-            w.touched[i] = 0
+        w.settling.near[i] = w.contacts.touched[i]
+        if w.settling.hit[i] == RELEASES and w.contacts.touched[i] > 0:
+            w.contacts.touched[i] = 0
             released = True
     status = decide(p, s, w)
     if failed(status) or not released:
         return status
     sinks = False
     for i in range(NCON):
-        if w.contact_hit[i] == RELEASES and w.contact_near[i] > 0:
+        if w.settling.hit[i] == RELEASES and w.settling.near[i] > 0:
             if gap_acceleration(i, w) < -acceleration_roundoff(i, w):
                 sinks = True
     if sinks:
         for i in range(NCON):
-            w.touched[i] = w.contact_near[i]
+            w.contacts.touched[i] = w.settling.near[i]
         return decide(p, s, w)
     return status
 
 
 def find_rests(s: State, w: Work) -> bool:
-    """Return whether further contacts rest: their next bounce, by w.contact_rates, stays below the least
+    """Return whether further contacts rest: their next bounce, by w.contacts.rates, stays below the least
     height, a part of the largest one that they fell from. That is half the speed before the impact times the
     time since they touched: the height of a fall from rest, up to twice that of a flight up and down. Set
     s.rest_times."""
     found = False
     for i in range(NCON):
-        speed = fabs(w.contact_speeds[contact_first[i]])
-        if w.contact_leaves[i] > 0 and w.contact_rests[i] == 0 and contact_bounds_rate[i] == 0:
+        speed = fabs(w.contacts.speeds[contact_first[i]])
+        if w.settling.leaves[i] > 0 and w.settling.rests[i] == 0 and contact_bounds_rate[i] == 0:
+            # The next bounce: of the height u^2 / (2 a) and the duration 2 u / a.
             falls = -gap_acceleration(i, w)
             before = s.bounce_speeds[i]
             s.bounce_speeds[i] = speed
             if falls > 0.0:
                 flight = 2.0 * speed / falls
-                height = 0.5 * w.contact_approach[i] * fabs(s.t - s.touch_times[i])
+                height = 0.5 * w.contacts.approach[i] * fabs(s.t - s.touch_times[i])
                 if height > s.fall_heights[i]:
                     s.fall_heights[i] = height
                 least = LOWEST_BOUNCE * s.fall_heights[i]
-                least += SLACK_GROWTH * w.indicator_roundoff[NFREE - NCON + i]
+                least += SLACK_GROWTH * w.events.roundoff[NFREE - NCON + i]
                 if speed * flight < 4.0 * least:
-                    ratio = speed / before if before > speed else w.restitutions[i]
+                    # Ratios of speeds are those of flights: the rest of the series takes flight / (1 - r).
+                    ratio = speed / before if before > speed else w.settling.restitutions[i]
                     if ratio < 1.0:
-                        w.contact_rests[i] = 1
+                        w.settling.rests[i] = 1
                         s.rest_times[i] = s.t + flight / (1.0 - ratio)
                         found = True
                 elif s.h > LONGEST_AFTER_BOUNCE * flight:
@@ -268,19 +310,19 @@ def find_rests(s: State, w: Work) -> bool:
 
 
 def bring_to_rest(p: Params, s: State, w: Work) -> Status:
-    """Stop the contacts in w.contact_rests, and decide again."""
+    """Stop the contacts in w.settling.rests, and decide again."""
     for i in range(NCON):
-        w.touched[i] = 1 if w.contact_closed[i] != 0 or w.contact_rests[i] > 0 else 0
-        w.contact_near[i] = w.touched[i]
-        w.contact_modes[i] = w.contact_closed[i] if w.contact_closed[i] != 0 else 1
+        w.contacts.touched[i] = 1 if w.settling.closed[i] != 0 or w.settling.rests[i] > 0 else 0
+        w.settling.near[i] = w.contacts.touched[i]
+        w.contacts.modes[i] = w.settling.closed[i] if w.settling.closed[i] != 0 else 1
     list_contacts(True, w)
     let_slip(p, s, w)
     status = close(p, s.t, s.x, w)
     if failed(status):
         return status
-    fn_contact_rows_on(p, s.t, s.x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
+    fn_contact_rows_on(p, s.t, s.x, w.modes, w.contacts.rows, w.contacts.speeds, w.contacts.bias)
     for i in range(NCON):
-        w.touched[i] = w.contact_near[i]
+        w.contacts.touched[i] = w.settling.near[i]
     return decide(p, s, w)
 
 
@@ -291,32 +333,32 @@ def keep_closed(p: Params, s: State, w: Work) -> Status:
     status = OK
     find_touching(s.x, w)
     for i in range(NCON):
-        if contact_bounds_rate[i] > 0 and w.contact_hit[i] == REACHES:
-            w.touched[i] = 1
+        if contact_bounds_rate[i] > 0 and w.settling.hit[i] == REACHES:
+            w.contacts.touched[i] = 1
     list_contacts(True, w)
-    if w.law_count > 0:
+    if w.contacts.law.count > 0:
         status = close(p, s.t, s.x, w)
     for i in range(NCON):
-        w.touched[i] = w.contact_near[i]
-        w.contact_modes[i] = 1
+        w.contacts.touched[i] = w.settling.near[i]
+        w.contacts.modes[i] = 1
     return status
 
 
 def settle_states(p: Params, s: State, w: Work) -> Status:
-    """Do what contacts do at (s.t, s.x), with the hits w.contact_hit. Their modes in s.x follow."""
+    """Do what contacts do at (s.t, s.x), with the hits w.settling.hit. Their modes in s.x follow."""
     find_near_contacts(p, s, w)
     for i in range(NCON):
-        w.contact_struck[i] = 0.0
-        w.contact_lost[i] = 0.0
-        w.contact_leaves[i] = 0
-        w.contact_rests[i] = 0
-        w.contact_approach[i] = 0.0
-        w.contact_near[i] = w.touched[i]
+        w.settling.struck[i] = 0.0
+        w.settling.lost[i] = 0.0
+        w.settling.leaves[i] = 0
+        w.settling.rests[i] = 0
+        w.contacts.approach[i] = 0.0
+        w.settling.near[i] = w.contacts.touched[i]
     list_contacts(True, w)
-    if w.law_count > 0:
+    if w.contacts.law.count > 0:
         list_contacts(False, w)
-        status = seat(p, s.t, s.x, s.sizes, w)
-        if not failed(status) and w.contacts_go_on:
+        status = seat(p, s.t, s.x, w)
+        if not failed(status) and w.settling.go_on:
             status = keep_closed(p, s, w)
         if failed(status):
             return status
@@ -329,7 +371,7 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
         if failed(status):
             return status
     for i in range(NCON):
-        w.touched[i] = 1 if w.contact_near[i] > 0 and w.contact_leaves[i] == 0 else 0
+        w.contacts.touched[i] = 1 if w.settling.near[i] > 0 and w.settling.leaves[i] == 0 else 0
     status = decide_released(p, s, w)
     if failed(status):
         return status
@@ -338,35 +380,35 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
         if failed(status):
             return status
     for i in range(NCON):
-        touched = w.contact_leaves[i] > 0 or s.x[NX - NCON + i] != 0.0
-        if touched or w.contact_closed[i] != 0:
+        touched = w.settling.leaves[i] > 0 or s.x[NX - NCON + i] != 0.0
+        if touched or w.settling.closed[i] != 0:
             s.touch_times[i] = s.t
-        s.x[NX - NCON + i] = float(w.contact_closed[i])
-        if w.contact_closed[i] != 0:
+        s.x[NX - NCON + i] = float(w.settling.closed[i])
+        if w.settling.closed[i] != 0:
             s.bounce_speeds[i] = 0.0
     if not find_touching(s.x, w):
         return OK
     list_contacts(True, w)
     status = close(p, s.t, s.x, w)
     if NTWO > 0:
-        s.normal_signs[:] = w.normal_signs
+        s.normal_signs[:] = w.contacts.normal_signs
     if NSPACE > 0:
-        s.slip_axes[:] = w.slip_axes
+        s.slips.axes[:] = w.contacts.slip_axes
         turn_slips(p, s, w)
     return status
 
 
 def report_contacts(s: State, begins: bool, w: Work) -> bool:
     """Store what each contact did, beside what it did before at this event; return whether any did something.
-    w.x_settled is the state before."""
+    w.settling.x is the state before."""
     found = False
     for i in range(NCON):
-        before = w.x_settled[NX - NCON + i]
+        before = w.settling.x[NX - NCON + i]
         now = s.x[NX - NCON + i]
         kind = 0
-        if w.contact_rests[i] > 0:
+        if w.settling.rests[i] > 0:
             kind = RESTS
-        elif w.contact_struck[i] > 0.0:
+        elif w.settling.struck[i] > 0.0:
             kind = STRIKES
         elif before != now and not begins:
             kind = CLOSES if before == 0.0 else OPENS
@@ -374,40 +416,80 @@ def report_contacts(s: State, begins: bool, w: Work) -> bool:
                 kind = STICKS if now == 2.0 else SLIPS
         if kind > 0:
             found = True
-        if w.contacts_acted:
-            w.contact_struck[i] += s.contact_impulses[i]
-            w.contact_lost[i] += s.contact_losses[i]
-            if kind == 0 or (kind != RESTS and w.contact_struck[i] > 0.0):
+        if w.settling.has_acted:
+            w.settling.struck[i] += s.contact_impulses[i]
+            w.settling.lost[i] += s.contact_losses[i]
+            if kind == 0 or (kind != RESTS and w.settling.struck[i] > 0.0):
                 kind = s.contact_kinds[i] if kind == 0 else STRIKES
         s.contact_kinds[i] = kind
-        s.contact_impulses[i] = w.contact_struck[i]
+        s.contact_impulses[i] = w.settling.struck[i]
         if NIMPULSE > 0:
-            if impulse_state[i] >= 0 and (w.contact_struck[i] > 0.0 or kind == RESTS):
-                s.x[impulse_state[i]] = 0.0 if kind == RESTS else w.contact_struck[i]  # ever softer impacts
-        s.contact_losses[i] = w.contact_lost[i]
-    w.contacts_acted = True
+            if impulse_state[i] >= 0 and (w.settling.struck[i] > 0.0 or kind == RESTS):
+                s.x[impulse_state[i]] = 0.0 if kind == RESTS else w.settling.struck[i]  # ever softer impacts
+        s.contact_losses[i] = w.settling.lost[i]
+    w.settling.has_acted = True
     return found
 
 
 def settle(p: Params, s: State, begins: bool, w: Work) -> Status:
-    """Do what contacts do at (s.t, s.x), with the hits w.contact_hit, and report it in *s. The work integral
+    """Do what contacts do at (s.t, s.x), with the hits w.settling.hit, and report it in *s. The work integral
     gains the change of the energy. A failure ends the run: s.x is as before, and the
     records of bounces are not."""
-    w.x_settled[:] = s.x
+    w.settling.x[:] = s.x
     if NZ > 0:
-        fn_energies(p, s.t, s.x, w.contact_energies)
-        before = w.contact_energies[2]
+        fn_energies(p, s.t, s.x, w.settling.energies)
+        before = w.settling.energies[2]
     status = settle_states(p, s, w)
     if failed(status):
-        s.x[:] = w.x_settled
+        s.x[:] = w.settling.x
         return status
     enlarge_sizes(s.x, s.sizes)
     widen_ranges(s.x, s.lowest, s.highest)
     if NZ > 0:
-        fn_energies(p, s.t, s.x, w.contact_energies)
-        s.x[NINT - 1] += w.contact_energies[2] - before
+        fn_energies(p, s.t, s.x, w.settling.energies)
+        s.x[NINT - 1] += w.settling.energies[2] - before
     if report_contacts(s, begins, w):
         s.settlements += 1
         s.changes += 1
         s.after_event = True
     return OK
+
+
+def settle_jump(p: Params, s: State, w: Work) -> Status:
+    """Let contacts act at (s.t, s.x) after a jump, as at a start. Returns PENETRATION, with the contact and
+    its depth, if it is beyond its bound; s.x is as before then."""
+    set_gaps(p, s.t, s.x, w)
+    for i in range(NQ + NV):
+        w.search.x_part_middle[i] = reach_of(i, s)
+    estimate_indicator_roundoff(p, s, w.search.x_part_middle, w)
+    w.settling.go_on = False
+    for i in range(NCON):
+        least = (0.5 * MOST_PENETRATION / SPACING + SLACK_GROWTH) * w.events.roundoff[NFREE - NCON + i]
+        if w.contacts.gaps[i] < -least and contact_bounds_rate[i] == 0:
+            w.culprit = i
+            s.penetration = -w.contacts.gaps[i]
+            return PENETRATION
+        w.settling.hit[i] = PARTS if w.contacts.gaps[i] > least and contact_bounds_rate[i] == 0 else 0
+        s.bounce_speeds[i] = 0.0
+    return settle(p, s, False, w)
+
+
+def bounds_jump(p: Params, s: State, w: Work) -> bool:
+    """Return whether a gap, or the rate of one that is closed, differs between the modes of relations
+    w.settling.modes_before and w.modes."""
+    fn_indicators_on(p, s.t, s.x, w.settling.modes_before, w.events.indicators)
+    set_gaps(p, s.t, s.x, w)
+    estimate_indicator_roundoff(p, s, s.x, w)
+    for i in range(NCON):
+        change = fabs(w.contacts.gaps[i] - w.events.indicators[NMODE - NCON + i])
+        if change > SLACK_GROWTH * w.events.roundoff[NFREE - NCON + i]:
+            return True
+    if find_touching(s.x, w):
+        fn_contact_rows_on(p, s.t, s.x, w.modes, w.contacts.rows, w.contacts.speeds, w.contacts.bias)
+        for i in range(NCON):
+            row = contact_first[i]
+            if w.contacts.touched[i] > 0 and fabs(w.contacts.speeds[row]) > CONTACT_ROUNDOFF * speed_size(
+                row, s, w
+            ):
+                return True
+    return False

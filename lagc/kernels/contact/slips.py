@@ -6,7 +6,7 @@ velocity has no part along the axis, the slip stops, or it has turned and gets a
 
 from math import fabs, sqrt
 
-from lagc.kernels.contact.frozen_modes import CONTACT_SLIPS
+from lagc.kernels.contact.law import CONTACT_SLIPS
 from lagc.kernels.contact.touching import (
     close,
     find_touching,
@@ -37,10 +37,10 @@ def reach_of(i: int, s: State) -> Real:
 
 def speed_size(row: int, s: State, w: Work) -> Real:
     """Return the speed of a row that states of their sizes so far have."""
-    own = w.contact_speeds[row]
+    own = w.contacts.speeds[row]
     reach = 0.0
     for j in range(NV):
-        entry = w.contact_rows[row * NV + j]
+        entry = w.contacts.rows[row * NV + j]
         own -= entry * s.x[NQ + j]
         reach += fabs(entry) * reach_of(NQ + j, s)
     return reach + fabs(own)
@@ -51,10 +51,10 @@ def slip_speed(i: int, w: Work) -> Real:
     row = contact_first[i] + 1
     if NSPACE > 0:
         if contact_slips[i] == 2:
-            one = w.contact_speeds[row]
-            other = w.contact_speeds[row + 1]
+            one = w.contacts.speeds[row]
+            other = w.contacts.speeds[row + 1]
             return sqrt(one * one + other * other)
-    return fabs(w.contact_speeds[row])
+    return fabs(w.contacts.speeds[row])
 
 
 def slip_size(i: int, s: State, w: Work) -> Real:
@@ -69,88 +69,93 @@ def slip_size(i: int, s: State, w: Work) -> Real:
 
 def is_pushed(i: int, w: Work) -> bool:
     """Return whether static friction no longer holds a contact, whose direction of slip is given."""
-    given = w.contact_slides[2 * i] != 0.0 or w.contact_slides[2 * i + 1] != 0.0
-    return w.contact_hit[i] == SLIDES and given
+    given = w.contacts.slides[2 * i] != 0.0 or w.contacts.slides[2 * i + 1] != 0.0
+    return w.settling.hit[i] == SLIDES and given
 
 
 def is_passing(n: int, push: Real, rate: Real, w: Work) -> bool:
     """Return whether friction of a normal force `push` cannot stop a slip with this acceleration: a mechanism
     has no motion along the slip row, as a crank at its dead centre, and the slip passes zero there."""
-    k = w.law_first[n] + 1
-    return w.law_w[k * w.law_rows + k] * w.law_static[n] * push <= PASSING * fabs(rate)
+    law = w.contacts.law
+    k = law.first[n] + 1
+    return law.W[k * law.rows + k] * law.static_friction[n] * push <= PASSING * fabs(rate)
 
 
 def pass_slips(w: Work) -> None:
     """Let listed contacts whose slip passes zero slip along its acceleration, which forces do not change."""
+    law = w.contacts.law
     largest = 0.0
-    for n in range(w.law_count):
-        k = w.law_first[n] + 1
-        if w.law_slips[n] > 0 and w.law_w[k * w.law_rows + k] > largest:
-            largest = w.law_w[k * w.law_rows + k]
-    for n in range(w.law_count):
-        k = w.law_first[n] + 1
-        if w.law_slips[n] == 1 and w.law_moves[n] == 0 and contact_normals[w.touching[n]] > 0:
+    for n in range(law.count):
+        k = law.first[n] + 1
+        if law.slips[n] > 0 and law.W[k * law.rows + k] > largest:
+            largest = law.W[k * law.rows + k]
+    for n in range(law.count):
+        k = law.first[n] + 1
+        if law.slips[n] == 1 and law.moves[n] == 0 and contact_normals[w.contacts.touching[n]] > 0:
             push = 0.0
-            for m in range(contact_normals[w.touching[n]]):
-                push += fabs(w.normal_given[normal_first[w.touching[n]] + m])
-            seen = fabs(w.law_b[k]) > CONTACT_ROUNDOFF * w.law_sizes[k]
-            if seen and is_passing(n, push, w.law_b[k], w):
-                w.law_moves[n] = 1
-                w.law_direction[2 * n] = 1.0 if w.law_b[k] > 0.0 else -1.0
-                w.law_b[k] = 0.0
-                for r in range(w.law_rows):
-                    w.law_w[k * w.law_rows + r] = 0.0
-                w.law_w[k * w.law_rows + k] = largest  # the scale of its forces
+            for m in range(contact_normals[w.contacts.touching[n]]):
+                push += fabs(w.contacts.normal_given[normal_first[w.contacts.touching[n]] + m])
+            seen = fabs(law.b[k]) > CONTACT_ROUNDOFF * law.terms[k]
+            if seen and is_passing(n, push, law.b[k], w):
+                law.moves[n] = 1
+                law.direction[2 * n] = 1.0 if law.b[k] > 0.0 else -1.0
+                law.b[k] = 0.0
+                for r in range(law.rows):
+                    law.W[k * law.rows + r] = 0.0
+                law.W[k * law.rows + k] = largest  # the scale of its forces
 
 
 def keep_passing(w: Work) -> None:
     """Do not stop the slips of listed contacts that pass zero."""
-    for n in range(w.law_count):
-        i = w.touching[n]
-        if contact_normals[i] > 0 and w.contact_hit[i] == STOPS:
-            rate = w.law_u[w.law_first[n] + 1]
-            if is_passing(n, fabs(w.law_p[w.law_first[n]]), rate, w):
-                w.contact_hit[i] = 0
+    law = w.contacts.law
+    for n in range(law.count):
+        i = w.contacts.touching[n]
+        if contact_normals[i] > 0 and w.settling.hit[i] == STOPS:
+            rate = law.u[law.first[n] + 1]
+            if is_passing(n, fabs(law.p[law.first[n]]), rate, w):
+                w.settling.hit[i] = 0
 
 
 def find_slips(s: State, w: Work) -> None:
     """Set the listed contacts that move along their slip rows, and those whose static friction no longer
     holds, to slip."""
     if NSLIP > 0:
-        for n in range(w.law_count):
-            if w.law_slips[n] > 0:
-                i = w.touching[n]
+        law = w.contacts.law
+        for n in range(law.count):
+            if law.slips[n] > 0:
+                i = w.contacts.touching[n]
                 speed = slip_speed(i, w)
                 if speed > CONTACT_ROUNDOFF * slip_size(i, s, w):
-                    w.law_moves[n] = 1
-                    for k in range(w.law_slips[n]):
-                        w.law_direction[2 * n + k] = w.contact_speeds[contact_first[i] + 1 + k] / speed
+                    law.moves[n] = 1
+                    for k in range(law.slips[n]):
+                        law.direction[2 * n + k] = w.contacts.speeds[contact_first[i] + 1 + k] / speed
                 elif is_pushed(i, w):
-                    if w.law_slips[n] == 2 and w.law_static[n] > w.law_friction[n]:
-                        w.law_static[n] = w.law_friction[n]  # the law finds the direction
+                    if law.slips[n] == 2 and law.static_friction[n] > law.friction[n]:
+                        law.static_friction[n] = law.friction[n]  # the law finds the direction
                     else:
-                        w.law_moves[n] = 1
-                        for k in range(w.law_slips[n]):
-                            w.law_direction[2 * n + k] = w.contact_slides[2 * i + k]
+                        law.moves[n] = 1
+                        for k in range(law.slips[n]):
+                            law.direction[2 * n + k] = w.contacts.slides[2 * i + k]
 
 
 def slides_back(w: Work) -> bool:
     """Return whether a contact that was set to slip would do so against its direction; it is not set then."""
     found = False
     if NSLIP > 0:
-        for n in range(w.law_count):
-            i = w.touching[n]
-            if w.law_slips[n] > 0 and is_pushed(i, w):
+        law = w.contacts.law
+        for n in range(law.count):
+            i = w.contacts.touching[n]
+            if law.slips[n] > 0 and is_pushed(i, w):
                 along = 0.0
                 least = 0.0
-                for k in range(w.law_slips[n]):
-                    r = w.law_first[n] + 1 + k
-                    along += w.law_u[r] * w.contact_slides[2 * i + k]
-                    least += CONTACT_ROUNDOFF * w.law_sizes[r]
-                if w.law_mode[n] == CONTACT_SLIPS and w.law_moves[n] > 0 and along < -least:
-                    w.contact_slides[2 * i] = 0.0
-                    w.contact_slides[2 * i + 1] = 0.0
-                    w.law_moves[n] = 0
+                for k in range(law.slips[n]):
+                    r = law.first[n] + 1 + k
+                    along += law.u[r] * w.contacts.slides[2 * i + k]
+                    least += CONTACT_ROUNDOFF * law.terms[r]
+                if law.mode[n] == CONTACT_SLIPS and law.moves[n] > 0 and along < -least:
+                    w.contacts.slides[2 * i] = 0.0
+                    w.contacts.slides[2 * i + 1] = 0.0
+                    law.moves[n] = 0
                     found = True
     return found
 
@@ -159,28 +164,29 @@ def let_slip(p: Params, s: State, w: Work) -> None:
     """Set the friction of the listed contacts that stop to bounce and go on slipping. To take the speed of a
     gap away at once is a pull; it takes away the friction that is too much afterwards."""
     if NSLIP > 0:
+        law = w.contacts.law
         set_frictions(p, s.t, s.x, w)
-        for n in range(w.law_count):
-            i = w.touching[n]
+        for n in range(law.count):
+            i = w.contacts.touching[n]
             first = contact_first[i]
             slips = False
-            if w.law_slips[n] > 0 and w.contact_closed[i] == 0:
+            if law.slips[n] > 0 and w.settling.closed[i] == 0:
                 speed = slip_speed(i, w)
-                slips = speed > w.law_friction[n] * fabs(w.contact_speeds[first])
-                for k in range(w.law_slips[n]):
-                    w.law_direction[2 * n + k] = w.contact_speeds[first + 1 + k] / (speed + TINY)
+                slips = speed > law.friction[n] * fabs(w.contacts.speeds[first])
+                for k in range(law.slips[n]):
+                    law.direction[2 * n + k] = w.contacts.speeds[first + 1 + k] / (speed + TINY)
             if not slips:
-                w.law_friction[n] = 0.0
+                law.friction[n] = 0.0
 
 
 def push_slip(i: int, w: Work) -> None:
-    """Set w.contact_slides of a contact against its friction."""
+    """Set w.contacts.slides of a contact against its friction."""
     force = 0.0
     for k in range(contact_slips[i]):
-        own = w.contact_forces[contact_first[i] + 1 + k]
+        own = w.contacts.forces[contact_first[i] + 1 + k]
         force += own * own
     for k in range(contact_slips[i]):
-        w.contact_slides[2 * i + k] = -w.contact_forces[contact_first[i] + 1 + k] / (sqrt(force) + TINY)
+        w.contacts.slides[2 * i + k] = -w.contacts.forces[contact_first[i] + 1 + k] / (sqrt(force) + TINY)
 
 
 def slip_error(i: int, w: Work) -> Real:
@@ -188,8 +194,8 @@ def slip_error(i: int, w: Work) -> Real:
     found = 0.0
     for k in range(2):
         for j in range(NV):
-            entry = w.contact_rows[(contact_first[i] + 1 + k) * NV + j]
-            found += fabs(entry) * w.error_weights[NQ + j]
+            entry = w.contacts.rows[(contact_first[i] + 1 + k) * NV + j]
+            found += fabs(entry) * w.error.weights[NQ + j]
     return found
 
 
@@ -197,20 +203,20 @@ def keep_slip_errors(s: State, w: Work) -> None:
     """Keep the errors of slips in space of an accepted step."""
     for i in range(NCON):
         if contact_slips[i] == 2:
-            s.slip_errors[i] = LEFT_BY_STOP * slip_error(i, w)
+            s.slips.errors[i] = LEFT_BY_STOP * slip_error(i, w)
 
 
 def turns_fast(s: State, w: Work) -> bool:
     """Return whether a slip in space falls below half of its speed in a step and turns: its direction turns
     ever faster towards a stop, and a step that passes much of that is not accurate within."""
     for i in range(NCON):
-        turns = s.slip_speeds[i] > s.slip_roundoff[i]
+        turns = s.slips.speeds[i] > s.slips.roundoff[i]
         if contact_slips[i] == 2 and s.x[NX - NCON + i] == 1.0 and turns:
-            one = w.contact_speeds[contact_first[i] + 1]
-            other = w.contact_speeds[contact_first[i] + 2]
-            along = w.slip_axes[2 * i] * one + w.slip_axes[2 * i + 1] * other
-            aside = w.slip_axes[2 * i] * other - w.slip_axes[2 * i + 1] * one
-            if along < 0.5 * s.slip_speeds[i] and fabs(aside) > ASIDE_STOP * slip_error(i, w):
+            one = w.contacts.speeds[contact_first[i] + 1]
+            other = w.contacts.speeds[contact_first[i] + 2]
+            along = w.contacts.slip_axes[2 * i] * one + w.contacts.slip_axes[2 * i + 1] * other
+            aside = w.contacts.slip_axes[2 * i] * other - w.contacts.slip_axes[2 * i + 1] * one
+            if along < 0.5 * s.slips.speeds[i] and fabs(aside) > ASIDE_STOP * slip_error(i, w):
                 return True
     return False
 
@@ -225,15 +231,15 @@ def is_stopped(i: int, w: Work) -> bool:
 
 
 def stop_slips(p: Params, s: State, w: Work) -> Status:
-    """Stop the contacts in w.touched whose slip has ended, and set w.contact_slides of those whose static
-    friction no longer holds."""
+    """Stop the contacts in w.contacts.touched whose slip has ended, and set w.contacts.slides of those whose
+    static friction no longer holds."""
     found = False
     for i in range(NCON):
-        if w.contact_hit[i] == STOPS or w.contact_hit[i] == SLIDES:
+        if w.settling.hit[i] == STOPS or w.settling.hit[i] == SLIDES:
             found = True
     if not found:
         return OK
-    status = rates_at(p, s.t, s.x, w.contact_rates, w.contact_lam, w)
+    status = rates_at(p, s.t, s.x, w.contacts.rates, w.contacts.lam, w)
     s.rhs += 1
     if failed(status):
         return status
@@ -242,37 +248,37 @@ def stop_slips(p: Params, s: State, w: Work) -> Status:
     find_touching(s.x, w)
     for i in range(NCON):
         if NSLIP > 0:
-            w.contact_slides[2 * i] = 0.0
-            w.contact_slides[2 * i + 1] = 0.0
-            if w.contact_hit[i] == SLIDES:
+            w.contacts.slides[2 * i] = 0.0
+            w.contacts.slides[2 * i + 1] = 0.0
+            if w.settling.hit[i] == SLIDES:
                 push_slip(i, w)
-        if w.contact_hit[i] == STOPS and is_stopped(i, w):
-            w.contact_modes[i] = 2
+        if w.settling.hit[i] == STOPS and is_stopped(i, w):
+            w.contacts.modes[i] = 2
     list_contacts(True, w)  # a slip that begins does so at zero
     status = close(p, s.t, s.x, w)
     for i in range(NCON):
-        w.touched[i] = w.contact_near[i]
+        w.contacts.touched[i] = w.settling.near[i]
     return status
 
 
 def turn_slips(p: Params, s: State, w: Work) -> None:
-    """Set the directions of slips in space, s.slip_axes and w.slip_axes, at (s.t, s.x). One that is round-off
-    is as before."""
+    """Set the directions of slips in space, s.slips.axes and w.contacts.slip_axes, at (s.t, s.x). One that is
+    round-off is as before."""
     if NSPACE > 0:
         if find_touching(s.x, w):
-            fn_contact_rows_on(p, s.t, s.x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
+            fn_contact_rows_on(p, s.t, s.x, w.modes, w.contacts.rows, w.contacts.speeds, w.contacts.bias)
             for i in range(NCON):
-                if contact_slips[i] == 2 and w.contact_modes[i] == 1:
+                if contact_slips[i] == 2 and w.contacts.modes[i] == 1:
                     speed = slip_speed(i, w)
-                    s.slip_speeds[i] = speed
-                    s.slip_roundoff[i] = CONTACT_ROUNDOFF * slip_size(i, s, w)
-                    if s.slip_errors[i] > s.slip_roundoff[i]:
-                        s.slip_roundoff[i] = s.slip_errors[i]
-                    if speed > s.slip_roundoff[i]:
+                    s.slips.speeds[i] = speed
+                    s.slips.roundoff[i] = CONTACT_ROUNDOFF * slip_size(i, s, w)
+                    if s.slips.errors[i] > s.slips.roundoff[i]:
+                        s.slips.roundoff[i] = s.slips.errors[i]
+                    if speed > s.slips.roundoff[i]:
                         for k in range(2):
-                            s.slip_axes[2 * i + k] = w.contact_speeds[contact_first[i] + 1 + k] / speed
-        w.slip_axes[:] = s.slip_axes
-        w.slip_roundoff[:] = s.slip_roundoff
+                            s.slips.axes[2 * i + k] = w.contacts.speeds[contact_first[i] + 1 + k] / speed
+        w.contacts.slip_axes[:] = s.slips.axes
+        w.contacts.slip_roundoff[:] = s.slips.roundoff
 
 
 def time_to_stop(p: Params, s: State, t: Real, rates: Vec[NX], w: Work) -> Real:
@@ -281,13 +287,13 @@ def time_to_stop(p: Params, s: State, t: Real, rates: Vec[NX], w: Work) -> Real:
     step."""
     found = 0.0
     if NSPACE > 0:
-        fn_indicators_on(p, t, s.x_new, w.modes, w.indicators)
-        fn_indicator_rates_on(p, t, s.x_new, w.modes, rates, w.indicator_rates)
+        fn_indicators_on(p, t, s.x_new, w.modes, w.events.indicators)
+        fn_indicator_rates_on(p, t, s.x_new, w.modes, rates, w.events.rates)
         for i in range(NCON):
             if contact_slips[i] == 2 and s.x[NX - NCON + i] == 1.0:
-                if w.crossed[slip_relation(i)] > 0:
-                    along = slip_along(i, w.indicators, w)
-                    rate = slip_along(i, w.indicator_rates, w)
+                if w.events.crossed[slip_relation(i)] > 0:
+                    along = slip_along(i, w.events.indicators, w)
+                    rate = slip_along(i, w.events.rates, w)
                     if fabs(along) > ALONG_STOP * slip_error(i, w) and rate != 0.0:
                         found = -along / rate
     return found

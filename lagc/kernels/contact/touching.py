@@ -12,8 +12,8 @@ from math import fabs, sqrt
 
 from lagc.kernels.arithmetic.quaternions import normalise
 from lagc.kernels.constraints.projection import project
-from lagc.kernels.contact.enumeration import LAW_FOUND, LAW_NONE
-from lagc.kernels.contact.frozen_modes import CONTACT_SLIPS, CONTACT_STICKS, shares_force, solve_frozen
+from lagc.kernels.contact.law import CONTACT_SLIPS, CONTACT_STICKS, shares_force, solve_frozen
+from lagc.kernels.contact.modes import LAW_FOUND, LAW_NONE, set_law
 from lagc.kernels.contact.normal_forces import set_normals_given, solve_touching
 from lagc.kernels.contact.responses import (
     add_cancelling,
@@ -27,76 +27,79 @@ from lagc.kernels.contact.responses import (
     set_accelerations,
     set_loads,
 )
-from lagc.kernels.contact.set_law import set_law
 from lagc.kernels.contact.shares import AT_BOUND, share_load
 from lagc.kernels.dynamics.loaded_reactions import MOST_LOAD_STEPS, motion_at
 from lagc.kernels.dynamics.rhs import rhs_at, store_rates
+from lagc.kernels.events.sampled_indicators import add_sample, forget_samples
 from lagc.kernels.language.vocabulary import *
 
 MOST_SEATINGS = 4  # Newton iterations of the gaps of contacts that touch
 
 
 def find_touching(x: Vec[NX], w: Work) -> bool:
-    """Set w.touched and w.contact_modes by the modes in x, which may be perturbed by round-off. Return
-    whether any contact touches."""
+    """Set w.contacts.touched and w.contacts.modes by the modes in x, which may be perturbed by round-off.
+    Return whether any contact touches."""
     found = False
     for i in range(NCON):
         mode = x[NX - NCON + i]
-        w.touched[i] = 1 if fabs(mode) > 0.5 else 0
-        w.contact_modes[i] = -1 if mode < 0.0 else 1
-        if w.touched[i] == 0 or mode > 1.5:
-            w.contact_modes[i] = 2 * w.touched[i]
-        if w.touched[i] > 0:
+        w.contacts.touched[i] = 1 if fabs(mode) > 0.5 else 0
+        w.contacts.modes[i] = -1 if mode < 0.0 else 1
+        if w.contacts.touched[i] == 0 or mode > 1.5:
+            w.contacts.modes[i] = 2 * w.contacts.touched[i]
+        if w.contacts.touched[i] > 0:
             found = True
     return found
 
 
 def list_contacts(sliding: bool, w: Work) -> None:
-    """List the contacts in w.touched for the law, closed in the modes w.contact_modes and without friction,
-    and with slip rows if `sliding`; else for displacements, which bounds of velocities do not restrict."""
+    """List the contacts in w.contacts.touched for the law, closed in the modes w.contacts.modes and without
+    friction, and with slip rows if `sliding`; else for displacements, which bounds of velocities do not
+    restrict."""
+    law = w.contacts.law
+    # Entry n of the law is contact touching[n]; its row r is row touching_rows[r] of all contacts.
     n = 0
     m = 0
     for i in range(NCON):
-        if w.touched[i] > 0 and (sliding or contact_bounds_rate[i] == 0):
-            w.touching[n] = i
-            w.law_first[n] = m
-            w.law_slips[n] = contact_slips[i] if sliding else 0
-            w.law_two_sided[n] = 0
-            w.law_unit[n] = contact_unit[i]
-            w.law_friction[n] = 0.0
-            w.law_static[n] = 0.0
-            w.law_moves[n] = 0
-            sticks = w.contact_modes[i] == 2 and w.law_slips[n] > 0
-            w.law_mode[n] = CONTACT_STICKS if sticks else CONTACT_SLIPS
-            w.law_direction[2 * n] = -1.0 if w.contact_modes[i] < 0 else 1.0
-            w.law_direction[2 * n + 1] = 0.0
-            for k in range(w.law_slips[n] + 1):
-                w.touching_rows[m] = contact_first[i] + k
+        if w.contacts.touched[i] > 0 and (sliding or contact_bounds_rate[i] == 0):
+            w.contacts.touching[n] = i
+            law.first[n] = m
+            law.slips[n] = contact_slips[i] if sliding else 0
+            law.two_sided[n] = 0
+            law.unit[n] = contact_unit[i]
+            law.friction[n] = 0.0
+            law.static_friction[n] = 0.0
+            law.moves[n] = 0
+            sticks = w.contacts.modes[i] == 2 and law.slips[n] > 0
+            law.mode[n] = CONTACT_STICKS if sticks else CONTACT_SLIPS
+            law.direction[2 * n] = -1.0 if w.contacts.modes[i] < 0 else 1.0
+            law.direction[2 * n + 1] = 0.0
+            for k in range(law.slips[n] + 1):
+                w.contacts.touching_rows[m] = contact_first[i] + k
                 m += 1
             n += 1
-    w.law_count = n
-    w.law_rows = m
+    law.count = n
+    law.rows = m
 
 
 def set_slip_directions(w: Work) -> None:
     """Let the listed contacts that slip in space do so along their velocities. In a step these are taken
     beyond a stop: a velocity against that at its beginning has the same direction as this one. A velocity
     that is round-off has the direction at the beginning."""
-    for n in range(w.law_count):
-        i = w.touching[n]
+    for n in range(w.contacts.law.count):
+        i = w.contacts.touching[n]
         if contact_slips[i] == 2:
-            one = w.contact_speeds[contact_first[i] + 1]
-            other = w.contact_speeds[contact_first[i] + 2]
+            one = w.contacts.speeds[contact_first[i] + 1]
+            other = w.contacts.speeds[contact_first[i] + 2]
             size = sqrt(one * one + other * other)
             if w.modes_fixed:
-                if w.slips_held or size <= w.slip_roundoff[i]:
-                    one = w.slip_axes[2 * i]
-                    other = w.slip_axes[2 * i + 1]
+                if w.contacts.slips_held or size <= w.contacts.slip_roundoff[i]:
+                    one = w.contacts.slip_axes[2 * i]
+                    other = w.contacts.slip_axes[2 * i + 1]
                     size = 1.0
-                elif one * w.slip_axes[2 * i] + other * w.slip_axes[2 * i + 1] < 0.0:
+                elif one * w.contacts.slip_axes[2 * i] + other * w.contacts.slip_axes[2 * i + 1] < 0.0:
                     size = -size
-            w.law_direction[2 * n] = one / size if size != 0.0 else 0.0
-            w.law_direction[2 * n + 1] = other / size if size != 0.0 else 0.0
+            w.contacts.law.direction[2 * n] = one / size if size != 0.0 else 0.0
+            w.contacts.law.direction[2 * n + 1] = other / size if size != 0.0 else 0.0
 
 
 def slip_relation(i: int) -> int:
@@ -107,130 +110,128 @@ def slip_relation(i: int) -> int:
 def slip_along(i: int, rates: Vec[NMODE], w: Work) -> Real:
     """Return the part of these rates of relations along the direction in which a contact slips in space."""
     k = slip_relation(i)
-    return w.slip_axes[2 * i] * rates[k] + w.slip_axes[2 * i + 1] * rates[k + 1]
+    return w.contacts.slip_axes[2 * i] * rates[k] + w.contacts.slip_axes[2 * i + 1] * rates[k + 1]
 
 
 def set_frictions(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """Set the friction of the listed contacts at (t, x)."""
     if NSLIP > 0:
-        fn_frictions_on(p, t, x, w.modes, w.frictions)
-        for n in range(w.law_count):
-            w.law_friction[n] = w.frictions[2 * w.touching[n]]
-            w.law_static[n] = w.frictions[2 * w.touching[n] + 1]
+        fn_frictions_on(p, t, x, w.modes, w.contacts.frictions)
+        for n in range(w.contacts.law.count):
+            w.contacts.law.friction[n] = w.contacts.frictions[2 * w.contacts.touching[n]]
+            w.contacts.law.static_friction[n] = w.contacts.frictions[2 * w.contacts.touching[n] + 1]
 
 
 def cone_margin(i: int, w: Work) -> Real:
-    """Return how much more friction a contact that sticks could bear, by w.contact_forces."""
+    """Return how much more friction a contact that sticks could bear, by w.contacts.forces."""
     margin = 0.0
     if NSLIP > 0:
         row = contact_first[i]
-        force = fabs(w.contact_forces[row + 1])
+        force = fabs(w.contacts.forces[row + 1])
         if NSPACE > 0:
             if contact_slips[i] == 2:
-                other = w.contact_forces[row + 2]
+                other = w.contacts.forces[row + 2]
                 force = sqrt(force * force + other * other)
-        margin = w.frictions[2 * i + 1] * w.contact_forces[row] - force
+        margin = w.contacts.frictions[2 * i + 1] * w.contacts.forces[row] - force
     return margin
 
 
 def bear_load(w: Work) -> None:
     """Let contacts that bear their load in many ways do so by the smallest forces within their cones. If
-    these do not bear it, modes change: the forces stay, as if the cones were wider, and w.law_lack is not
-    zero."""
-    for n in range(w.law_count):
-        if w.law_mode[n] == CONTACT_STICKS:
-            w.law_mu[n] = w.law_static[n]
-    share_load(w)
+    these do not bear it, modes change: the forces stay, as if the cones were wider, and w.contacts.law.lack
+    is not zero."""
+    law = w.contacts.law
+    for n in range(law.count):
+        if law.mode[n] == CONTACT_STICKS:
+            law.mu[n] = law.static_friction[n]
+    share_load(w.contacts.law)
 
 
 def set_margins_of_block(block: int, w: Work) -> None:
     """Set the margins of contacts that share a load. At the bound of a cone the margin is minus the load that
     is left; while some shares bear the load, it is the largest force."""
+    law = w.contacts.law
     size = 0.0
     slides = False
-    for n in range(w.law_count):
-        if w.law_block[n] == block and fabs(w.force_margins[w.touching[n]]) > size:
-            size = fabs(w.force_margins[w.touching[n]])
+    for n in range(law.count):
+        if law.block[n] == block and fabs(w.contacts.force_margins[w.contacts.touching[n]]) > size:
+            size = fabs(w.contacts.force_margins[w.contacts.touching[n]])
     least = AT_BOUND * size
     if NSLIP > 0:
-        for n in range(w.law_count):
-            i = w.touching[n]
-            if w.law_block[n] == block and w.law_mode[n] == CONTACT_STICKS:
-                if w.force_margins[i] > least and w.cone_margins[i] <= least:
+        for n in range(law.count):
+            i = w.contacts.touching[n]
+            if law.block[n] == block and law.mode[n] == CONTACT_STICKS:
+                if w.contacts.force_margins[i] > least and w.contacts.cone_margins[i] <= least:
                     slides = True
-    for n in range(w.law_count):
-        if w.law_block[n] == block:
-            i = w.touching[n]
-            opens = w.force_margins[i] <= least
+    for n in range(law.count):
+        if law.block[n] == block:
+            i = w.contacts.touching[n]
+            opens = w.contacts.force_margins[i] <= least
             if opens:
-                w.force_margins[i] = size if slides or w.law_lack[n] == 0.0 else -w.law_lack[n]
+                w.contacts.force_margins[i] = size if slides or law.lack[n] == 0.0 else -law.lack[n]
             if NSLIP > 0:
-                if w.law_mode[n] == CONTACT_STICKS and w.cone_margins[i] <= least:
-                    w.cone_margins[i] = size if opens or w.law_lack[n] == 0.0 else -w.law_lack[n]
+                if law.mode[n] == CONTACT_STICKS and w.contacts.cone_margins[i] <= least:
+                    w.contacts.cone_margins[i] = size if opens or law.lack[n] == 0.0 else -law.lack[n]
 
 
 def set_margins(w: Work) -> None:
-    """Set w.force_margins and w.cone_margins of the listed contacts, by w.contact_forces: what falls to zero
-    where they open or slip. Contacts that share a load do so where no shares bear it; those of a block that
-    are at the bounds of their cones begin."""
-    for n in range(w.law_count):
-        i = w.touching[n]
-        w.force_margins[i] = w.contact_forces[contact_first[i]]
+    """Set w.contacts.force_margins and w.contacts.cone_margins of the listed contacts, by w.contacts.forces:
+    what falls to zero where they open or slip. Contacts that share a load do so where no shares bear it;
+    those of a block that are at the bounds of their cones begin."""
+    law = w.contacts.law
+    for n in range(law.count):
+        i = w.contacts.touching[n]
+        w.contacts.force_margins[i] = w.contacts.forces[contact_first[i]]
         if NSLIP > 0:
-            w.cone_margins[i] = cone_margin(i, w) if w.law_mode[n] == CONTACT_STICKS else 0.0
-    for n in range(w.law_count):
-        if w.law_shared[n] > 0 and w.law_block[n] == n:
-            set_margins_of_block(n, w)
+            w.contacts.cone_margins[i] = cone_margin(i, w) if law.mode[n] == CONTACT_STICKS else 0.0
+    if NBESIDE > 0:
+        for n in range(law.count):
+            if law.shared[n] > 0 and law.block[n] == n:
+                set_margins_of_block(n, w)
 
 
 def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
-    """Add the forces w.law_p to rates and multipliers, and store them in w.contact_forces with their range in
-    w.force_low and w.force_high."""
+    """Add the forces w.contacts.law.p to rates and multipliers, and store them in w.contacts.forces and their
+    samples."""
+    law = w.contacts.law
     if NPUSHED > 0:  # the power of their loads
-        for r in range(w.law_rows):
-            w.contact_forces[w.touching_rows[r]] = w.law_p[r]
+        for r in range(law.rows):
+            w.contacts.forces[w.contacts.touching_rows[r]] = law.p[r]
     add_cancelling(xdot, w)
     for i in range(NC):
-        for r in range(w.law_rows):
-            lam[i] += w.contact_responses[r * NR + NV + i] * w.law_p[r]
+        for r in range(law.rows):
+            lam[i] += w.contacts.responses[r * NR + NV + i] * law.p[r]
     if NZ > 0:
         w.a[:] = part(xdot, NQ, NQ + NV)
         w.qdot[:] = part(xdot, 0, NQ)
         store_rates(p, t, x, xdot, lam, w)
-    for r in range(w.law_rows):
-        row = w.touching_rows[r]
-        w.contact_forces[row] = w.law_p[r]
-    for e in range(w.law_unknowns):
-        row = w.law_unknown[e]
-        if w.law_lack[w.law_contact[e]] > 0.0:
-            w.contact_forces[w.touching_rows[row]] = w.law_scale[row] * w.law_share[e]
+    for r in range(law.rows):
+        row = w.contacts.touching_rows[r]
+        w.contacts.forces[row] = law.p[r]
+    if NBESIDE > 0:
+        for e in range(law.unknowns):
+            row = law.unknown[e]
+            if law.lack[law.contact[e]] > 0.0:
+                w.contacts.forces[w.contacts.touching_rows[row]] = law.scale[row] * law.share[e]
     set_margins(w)
-    for r in range(w.law_rows):
-        row = w.touching_rows[r]
+    for r in range(law.rows):
+        row = w.contacts.touching_rows[r]
         if NZ > 0:
             for j in range(NV):
-                xdot[NQ + NV] += w.law_p[r] * w.contact_rows[row * NV + j] * x[NQ + j]
-    for n in range(w.law_count):
-        contact = w.touching[n]
-        force = w.force_margins[contact]
-        if force < w.force_low[contact]:
-            w.force_low[contact] = force
-        if force > w.force_high[contact]:
-            w.force_high[contact] = force
+                xdot[NQ + NV] += law.p[r] * w.contacts.rows[row * NV + j] * x[NQ + j]
+    for n in range(law.count):
+        contact = w.contacts.touching[n]
+        add_sample(NMODE - NCON + contact, w.contacts.force_margins[contact], w)
         if NSLIP > 0:
-            if w.law_mode[n] == CONTACT_STICKS:
-                margin = w.cone_margins[contact]
-                if margin < w.cone_low[contact]:
-                    w.cone_low[contact] = margin
-                if margin > w.cone_high[contact]:
-                    w.cone_high[contact] = margin
+            if law.mode[n] == CONTACT_STICKS:
+                add_sample(slip_relation(contact), w.contacts.cone_margins[contact], w)
 
 
 def open_push(w: Work) -> int:
     """Return a listed contact whose normal force loads depend on and other contacts share; -1 without."""
-    for n in range(w.law_count):
+    for n in range(w.contacts.law.count):
         for k in range(NPUSHED):
-            if pushed_contact[k] == w.touching[n] and shares_force(n, w):
+            if pushed_contact[k] == w.contacts.touching[n] and shares_force(n, w.contacts.law):
                 return n
     return -1
 
@@ -239,9 +240,10 @@ def solve_loaded(
     p: Params, t: Real, x: Vec[NX], rates: Vec[NX], lam: Vec[NC], decides: bool, w: Work
 ) -> Status:
     """Solve the law of the listed contacts with loads that depend on reactions, by Newton's method for these:
-    in the modes w.law_mode or, if it `decides`, in those that it finds. w.load_begin is the motion without
-    both; `rates` and `lam` become the motion without forces of contacts. Returns PARADOX, with w.culprit: a
-    contact; or, counted behind these, a constraint equation or a contact whose force loads leave open."""
+    in the modes w.contacts.law.mode or, if it `decides`, in those that it finds. w.loads.begin is the motion
+    without both; `rates` and `lam` become the motion without forces of contacts. Returns PARADOX, with
+    w.culprit: a contact; or, counted behind these, a constraint equation or a contact whose force loads leave
+    open."""
     for turn in range(MOST_LOAD_STEPS):
         status = respond(p, t, x, w)
         if failed(status):
@@ -256,19 +258,19 @@ def solve_loaded(
                 return PARADOX
         set_accelerations(rates, w)
         if decides:
-            found = set_law(w)
+            found = set_law(w.contacts.law)
         else:
-            found = LAW_FOUND if solve_frozen(w) else LAW_NONE
+            found = LAW_FOUND if solve_frozen(w.contacts.law) else LAW_NONE
         if found > LAW_FOUND:
             if not begins:
-                w.culprit = w.touching[w.law_culprit]
+                w.culprit = w.contacts.touching[w.contacts.law.culprit]
                 return PARADOX
-            for r in range(w.law_rows):
-                w.law_p[r] = 0.0
+            for r in range(w.contacts.law.rows):
+                w.contacts.law.p[r] = 0.0
         if not decides:
             shared = open_push(w)
             if shared >= 0:
-                w.culprit = NCON + NC + w.touching[shared]
+                w.culprit = NCON + NC + w.contacts.touching[shared]
                 return PARADOX
         agree = reactions_agree(lam, w)
         if NCURVED > 0:
@@ -278,7 +280,7 @@ def solve_loaded(
             agree = True
         if agree:
             return OK
-    w.culprit = NCON + NC + w.touching[0]
+    w.culprit = NCON + NC + w.contacts.touching[0]
     return PARADOX
 
 
@@ -294,14 +296,15 @@ def moves_freely(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w:
 def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
     """Compute xdot and lam at (t, x) with the contacts that touch by the modes in x, and their forces."""
     for r in range(NCROW):
-        w.contact_forces[r] = 0.0
+        w.contacts.forces[r] = 0.0
     if NLOADED > 0:
         if not find_touching(x, w):
             return moves_freely(p, t, x, xdot, lam, w)
     status = rhs_at(p, t, x, xdot, lam, w)
     if failed(status) or not find_touching(x, w):
         return status
-    fn_contact_rows_on(p, t, x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
+    # The rows of contacts that touch, and their law in the modes of the step.
+    fn_contact_rows_on(p, t, x, w.modes, w.contacts.rows, w.contacts.speeds, w.contacts.bias)
     list_contacts(True, w)
     if NSPACE > 0:
         set_slip_directions(w)
@@ -317,98 +320,104 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
             return status
         set_accelerations(xdot, w)
         if NTWO > 0:
-            fn_normals_on(p, t, x, w.modes, w.normal_rows, w.normal_bias)
+            fn_normals_on(p, t, x, w.modes, w.contacts.normal_rows, w.contacts.normal_bias)
             set_normals_given(xdot, lam, w)
         if not solve_touching(w):
-            w.culprit = w.touching[w.law_culprit]
+            w.culprit = w.contacts.touching[w.contacts.law.culprit]
             return PARADOX
-    bear_load(w)
+    if NBESIDE > 0:
+        bear_load(w)
     take_forces(p, t, x, xdot, lam, w)
     return OK
 
 
 def forget_forces(w: Work) -> None:
-    """Begin the ranges of forces anew."""
-    for i in range(NCON):
-        w.force_low[i] = UNKNOWN
-        w.force_high[i] = -UNKNOWN
-        if NSLIP > 0:
-            w.cone_low[i] = UNKNOWN
-            w.cone_high[i] = -UNKNOWN
+    """Begin the ranges of forces, and of the friction that is left, anew."""
+    forget_samples(NMODE - NCON - NSLIP, NMODE, w)
 
 
 def displace_contacts(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    """Move the coordinates by the displacement X w.law_p."""
+    """Move the coordinates by the displacement X w.contacts.law.p."""
     largest = largest_scaled(w)
     for j in range(NV):
-        w.contact_solution[j] = response_to_forces(j, 0.0, largest, w)
+        w.contacts.solution[j] = response_to_forces(j, 0.0, largest, w)
     if HAS_DISPLACE:
-        fn_displace(p, t, x, w.contact_solution, w.contact_shift)
+        fn_displace(p, t, x, w.contacts.solution, w.contacts.shift)
         for i in range(NQ):
-            x[i] += w.contact_shift[i]
+            x[i] += w.contacts.shift[i]
     else:
         for i in range(NQ):
-            x[i] += w.contact_solution[i]
+            x[i] += w.contacts.solution[i]
     if NQUAT > 0:
         normalise(x)
 
 
 def set_gaps(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    """Set w.contact_gaps at (t, x), on the modes of relations w.modes."""
-    fn_indicators_on(p, t, x, w.modes, w.contact_indicators)
+    """Set w.contacts.gaps at (t, x), on the modes of relations w.modes."""
+    fn_indicators_on(p, t, x, w.modes, w.contacts.indicators)
     for i in range(NCON):
-        w.contact_gaps[i] = w.contact_indicators[NMODE - NCON + i]
+        w.contacts.gaps[i] = w.contacts.indicators[NMODE - NCON + i]
 
 
 def largest_gap(w: Work) -> Real:
-    """Return the largest distance of a listed contact from touching, over the size of its gap."""
+    """Return the largest distance of a listed contact from touching, by the scale of its row."""
     worst = 0.0
-    for n in range(w.law_count):
-        own = fabs(w.contact_gaps[w.touching[n]]) / (w.contact_sizes[w.touching[n]] + TINY)
+    for n in range(w.contacts.law.count):
+        own = w.contacts.law.row_scale[w.contacts.law.first[n]] * fabs(
+            w.contacts.gaps[w.contacts.touching[n]]
+        )
         if not own <= worst:
             worst = own
     return worst
 
 
-def seat(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> Status:
+def are_seated(w: Work) -> bool:
+    """Return whether the gaps of all listed contacts are zero."""
+    for n in range(w.contacts.law.count):
+        if w.contacts.gaps[w.contacts.touching[n]] != 0.0:
+            return False
+    return True
+
+
+def seat(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     """Move the coordinates so that the gaps of the listed contacts are zero, by Newton's method with the
     shortest displacements in the metric of the mass matrix."""
-    fn_contact_sizes(p, t, x, sizes, w.contact_sizes)
+    law = w.contacts.law
     set_gaps(p, t, x, w)
-    before = largest_gap(w)
     for n in range(MOST_SEATINGS):
-        if before == 0.0:
+        if are_seated(w):
             break
-        fn_contact_rows_on(p, t, x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
+        # The law of displacements: W p + gap = 0 moves each coordinate by X p.
+        fn_contact_rows_on(p, t, x, w.modes, w.contacts.rows, w.contacts.speeds, w.contacts.bias)
         status = respond(p, t, x, w)
         if failed(status):
             return status
-        for k in range(w.law_count):
-            w.law_b[w.law_first[k]] = w.contact_gaps[w.touching[k]]
-            w.law_sizes[w.law_first[k]] = 0.0
-        solve_frozen(w)
-        w.x_contact[:] = x
+        for k in range(law.count):
+            law.b[law.first[k]] = w.contacts.gaps[w.contacts.touching[k]]
+            law.terms[law.first[k]] = 0.0
+        solve_frozen(w.contacts.law)
+        # Steps go on while they make the largest gap smaller; the last one that does not is taken back.
+        before = largest_gap(w)
+        w.contacts.x[:] = x
         displace_contacts(p, t, x, w)
         set_gaps(p, t, x, w)
-        now = largest_gap(w)
-        if not now < before:
-            x[:] = w.x_contact
+        if not largest_gap(w) < before:
+            x[:] = w.contacts.x
             break
-        before = now
     return OK
 
 
 def close(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     """Change the speeds so that the gaps of the listed contacts keep their lengths, and those that stick do
     not slip, by the least change in the metric of the mass matrix."""
-    fn_contact_rows_on(p, t, x, w.modes, w.contact_rows, w.contact_speeds, w.contact_bias)
+    fn_contact_rows_on(p, t, x, w.modes, w.contacts.rows, w.contacts.speeds, w.contacts.bias)
     status = respond(p, t, x, w)
     if failed(status):
         return status
-    for r in range(w.law_rows):
-        w.law_b[r] = w.contact_speeds[w.touching_rows[r]]
-        w.law_sizes[r] = 0.0
-    solve_frozen(w)
+    for r in range(w.contacts.law.rows):
+        w.contacts.law.b[r] = w.contacts.speeds[w.contacts.touching_rows[r]]
+        w.contacts.law.terms[r] = 0.0
+    solve_frozen(w.contacts.law)
     add_cancelling(x, w)
     return OK
 
@@ -419,7 +428,7 @@ def put_on_constraints(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Wo
     if failed(status) or not find_touching(x, w):
         return status
     list_contacts(False, w)
-    status = seat(p, t, x, sizes, w)
+    status = seat(p, t, x, w)
     if failed(status):
         return status
     list_contacts(True, w)

@@ -22,20 +22,20 @@ MOST_LOAD_STEPS = 30  # of Newton's method
 
 
 def update_load(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    """Compute w.load_force and w.load_slopes at w.load_lam."""
+    """Compute w.loads.force and w.loads.slopes at w.loads.lam."""
     if NPUSHED > 0:
-        fn_pushed_on(p, t, x, w.modes, w.load_lam, w.contact_forces, w.load_force, w.load_slopes)
+        fn_pushed_on(p, t, x, w.modes, w.loads.lam, w.contacts.forces, w.loads.force, w.loads.slopes)
     elif NMODE > 0:
-        fn_loaded_on(p, t, x, w.modes, w.load_lam, w.load_force, w.load_slopes)
+        fn_loaded_on(p, t, x, w.modes, w.loads.lam, w.loads.force, w.loads.slopes)
     else:
-        fn_loaded(p, t, x, w.load_lam, w.load_force, w.load_slopes)
+        fn_loaded(p, t, x, w.loads.lam, w.loads.force, w.loads.slopes)
 
 
 def load_response(w: Work) -> None:
-    """Compute w.load_answer, the accelerations and multipliers by w.load_force alone."""
+    """Compute w.loads.answer, the accelerations and multipliers by w.loads.force alone."""
     for i in range(NR):
-        w.load_rhs[i] = w.load_force[i] if i < NV else 0.0
-    solve_at(w.load_rhs, w.load_answer, w)
+        w.loads.rhs[i] = w.loads.force[i] if i < NV else 0.0
+    solve_at(w.loads.rhs, w.loads.answer, w)
 
 
 def acts_along(k: int) -> bool:
@@ -46,124 +46,131 @@ def acts_along(k: int) -> bool:
 
 
 def reach_of_actuator(k: int, w: Work) -> Real:
-    """Return the most by which the multiplier of a held row can follow the force w.load_force, whose response
-    is w.load_answer, by the inequality of Cauchy and Schwarz in the metric of the inverse mass matrix."""
+    """Return the most by which the multiplier of a held row can follow the force w.loads.force, whose
+    response is w.loads.answer, by the inequality of Cauchy and Schwarz in the metric of the inverse mass
+    matrix."""
     row = NV + loading_row[k]
-    own = w.load_answer[row]
+    own = w.loads.answer[row]
     power = 0.0
     for i in range(NV):
-        power += w.load_force[i] * w.load_answer[i]
+        power += w.loads.force[i] * w.loads.answer[i]
     for i in range(NR):
-        w.load_rhs[i] = 1.0 if i == row else 0.0
-    solve_at(w.load_rhs, w.load_answer, w)
-    return sqrt(fabs(power * w.load_answer[row]) + own * own)
+        w.loads.rhs[i] = 1.0 if i == row else 0.0
+    solve_at(w.loads.rhs, w.loads.answer, w)
+    return sqrt(fabs(power * w.loads.answer[row]) + own * own)
 
 
 def linearize_load(w: Work) -> None:
-    """Compute w.load_columns, the responses to w.load_slopes, and w.load_matrix, 1 - dmu/dlam."""
+    """Compute w.loads.columns, the responses to w.loads.slopes, and w.loads.matrix, 1 - dmu/dlam."""
     for k in range(NLOADED):
         for i in range(NV):
-            w.load_force[i] = w.load_slopes[k * NV + i]
+            w.loads.force[i] = w.loads.slopes[k * NV + i]
         load_response(w)
         for i in range(NR):
-            w.load_columns[k * NR + i] = w.load_answer[i]
+            w.loads.columns[k * NR + i] = w.loads.answer[i]
         for i in range(NLOADED):
-            own = w.load_answer[NV + loading_row[i]]
-            w.load_matrix[i * NLOADED + k] = (1.0 if i == k else 0.0) - own
-            w.load_sizes[i * NLOADED + k] = (1.0 if i == k else 0.0) + fabs(own)
+            own = w.loads.answer[NV + loading_row[i]]
+            w.loads.matrix[i * NLOADED + k] = (1.0 if i == k else 0.0) - own
+            w.loads.sizes[i * NLOADED + k] = (1.0 if i == k else 0.0) + fabs(own)
         if NHELD > 0:
             if load_held[k] > 0:
-                w.load_matrix[k * NLOADED + k] -= 1.0
-                w.load_sizes[k * NLOADED + k] = reach_of_actuator(k, w)
+                w.loads.matrix[k * NLOADED + k] -= 1.0
+                w.loads.sizes[k * NLOADED + k] = reach_of_actuator(k, w)
 
 
 def eliminate_load(w: Work) -> Real:
-    """Solve w.load_matrix d = w.load_step for d, in its place. Return the sign of the determinant, or 0 with
-    w.culprit if the matrix is singular to round-off of its terms."""
+    """Solve w.loads.matrix d = w.loads.step for d, in its place. Return the sign of the determinant, or 0
+    with w.culprit if the matrix is singular to round-off of its terms."""
     sign = 1.0
     for k in range(NLOADED):
+        # Partial pivoting; `sizes` go with their rows.
         best = k
         for i in range(k + 1, NLOADED):
-            if fabs(w.load_matrix[i * NLOADED + k]) > fabs(w.load_matrix[best * NLOADED + k]):
+            if fabs(w.loads.matrix[i * NLOADED + k]) > fabs(w.loads.matrix[best * NLOADED + k]):
                 best = i
         if best != k:
             sign = -sign
             for j in range(NLOADED):
-                kept = w.load_matrix[k * NLOADED + j]
-                w.load_matrix[k * NLOADED + j] = w.load_matrix[best * NLOADED + j]
-                w.load_matrix[best * NLOADED + j] = kept
-                kept = w.load_sizes[k * NLOADED + j]
-                w.load_sizes[k * NLOADED + j] = w.load_sizes[best * NLOADED + j]
-                w.load_sizes[best * NLOADED + j] = kept
-            kept = w.load_step[k]
-            w.load_step[k] = w.load_step[best]
-            w.load_step[best] = kept
-        pivot = w.load_matrix[k * NLOADED + k]
-        if not fabs(pivot) > CONTACT_ROUNDOFF * w.load_sizes[k * NLOADED + k]:
+                kept = w.loads.matrix[k * NLOADED + j]
+                w.loads.matrix[k * NLOADED + j] = w.loads.matrix[best * NLOADED + j]
+                w.loads.matrix[best * NLOADED + j] = kept
+                kept = w.loads.sizes[k * NLOADED + j]
+                w.loads.sizes[k * NLOADED + j] = w.loads.sizes[best * NLOADED + j]
+                w.loads.sizes[best * NLOADED + j] = kept
+            kept = w.loads.step[k]
+            w.loads.step[k] = w.loads.step[best]
+            w.loads.step[best] = kept
+        # A pivot is zero if it is round-off of the terms that were summed to it.
+        pivot = w.loads.matrix[k * NLOADED + k]
+        if not fabs(pivot) > CONTACT_ROUNDOFF * w.loads.sizes[k * NLOADED + k]:
             w.culprit = loading_row[k]
             return 0.0
         if pivot < 0.0:
             sign = -sign
         for i in range(k + 1, NLOADED):
-            factor = w.load_matrix[i * NLOADED + k] / pivot
+            factor = w.loads.matrix[i * NLOADED + k] / pivot
             for j in range(k, NLOADED):
-                w.load_matrix[i * NLOADED + j] -= factor * w.load_matrix[k * NLOADED + j]
-                w.load_sizes[i * NLOADED + j] += fabs(factor) * w.load_sizes[k * NLOADED + j]
-            w.load_step[i] -= factor * w.load_step[k]
+                w.loads.matrix[i * NLOADED + j] -= factor * w.loads.matrix[k * NLOADED + j]
+                w.loads.sizes[i * NLOADED + j] += fabs(factor) * w.loads.sizes[k * NLOADED + j]
+            w.loads.step[i] -= factor * w.loads.step[k]
+    # Back substitution.
     for back in range(NLOADED):
         last = NLOADED - 1 - back
         for j in range(last + 1, NLOADED):
-            w.load_step[last] -= w.load_matrix[last * NLOADED + j] * w.load_step[j]
-        w.load_step[last] /= w.load_matrix[last * NLOADED + last]
+            w.loads.step[last] -= w.loads.matrix[last * NLOADED + j] * w.loads.step[j]
+        w.loads.step[last] /= w.loads.matrix[last * NLOADED + last]
     return sign
 
 
 def load_orientation(p: Params, t: Real, x: Vec[NX], factor: Real, lam: Vec[NC], w: Work) -> Real:
     """Return the sign of the determinant of 1 - dmu/dlam at factor lam, or 0."""
     for i in range(NC):
-        w.load_lam[i] = factor * lam[i]
+        w.loads.lam[i] = factor * lam[i]
     update_load(p, t, x, w)
     linearize_load(w)
     return eliminate_load(w)
 
 
 def solve_load(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
-    """Find w.load_lam and w.load_total, the accelerations and multipliers that the loads add. It ends where
+    """Find w.loads.lam and w.loads.total, the accelerations and multipliers that the loads add. It ends where
     the residual is 64 units in the last place of its terms, or a step 1e-10 of them. Return whether it
     ends."""
-    w.load_lam[:] = w.load_free
+    # Newton's method for lam = free + response to the loads at lam, from the reactions without loads.
+    w.loads.lam[:] = w.loads.free
     if NHELD > 0:
         for k in range(NLOADED):
             if load_held[k] > 0:
-                w.load_lam[loading_row[k]] = 0.0
+                w.loads.lam[loading_row[k]] = 0.0
     for turn in range(MOST_LOAD_STEPS):
+        # Residual of each loading row, and the size of its terms. A held row demands that the sum vanishes.
         update_load(p, t, x, w)
         load_response(w)
-        w.load_total[:] = w.load_answer
+        w.loads.total[:] = w.loads.answer
         done = True
         for k in range(NLOADED):
             row = loading_row[k]
-            w.load_step[k] = w.load_free[row] + w.load_answer[NV + row]
-            w.load_reach[k] = fabs(w.load_free[row]) + fabs(w.load_answer[NV + row])
+            w.loads.step[k] = w.loads.free[row] + w.loads.answer[NV + row]
+            w.loads.reach[k] = fabs(w.loads.free[row]) + fabs(w.loads.answer[NV + row])
             if acts_along(k):
-                w.load_step[k] -= w.load_lam[row]
-                w.load_reach[k] += fabs(w.load_lam[row])
-            if not fabs(w.load_step[k]) <= 64.0 * SPACING * w.load_reach[k]:
+                w.loads.step[k] -= w.loads.lam[row]
+                w.loads.reach[k] += fabs(w.loads.lam[row])
+            if not fabs(w.loads.step[k]) <= 64.0 * SPACING * w.loads.reach[k]:
                 done = False
             if not acts_along(k):
-                w.load_reach[k] = fabs(w.load_lam[row])
+                w.loads.reach[k] = fabs(w.loads.lam[row])
         if done and (not NHELD > 0 or turn > 0):
             return True
+        # The step by the derivatives of the loads; accelerations and multipliers follow linearly.
         linearize_load(w)
         if eliminate_load(w) == 0.0:
             return False
         done = True
         for k in range(NLOADED):
-            step = w.load_step[k]
-            w.load_lam[loading_row[k]] += step
+            step = w.loads.step[k]
+            w.loads.lam[loading_row[k]] += step
             for i in range(NR):
-                w.load_total[i] += step * w.load_columns[k * NR + i]
-            if not fabs(step) <= LOAD_STEP * w.load_reach[k]:
+                w.loads.total[i] += step * w.loads.columns[k * NR + i]
+            if not fabs(step) <= LOAD_STEP * w.loads.reach[k]:
                 done = False
         if done:
             return True
@@ -194,23 +201,26 @@ def motion_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wo
     w.culprit = loading_row[0]
     if status == REDUNDANT:  # multipliers of equations that depend on each other are open
         return PARADOX
-    w.load_free[:] = lam
+    # The motion without loads, then their share on top of it, with the same factors.
+    w.loads.free[:] = lam
     factored = assemble_at(p, t, x, w)
     if failed(factored):
         return factored
     if not solve_load(p, t, x, w):
         return PARADOX
     for i in range(NV):
-        xdot[NQ + i] += w.load_total[i]
+        xdot[NQ + i] += w.loads.total[i]
     for i in range(NC):
-        lam[i] += w.load_total[NV + i]
+        lam[i] += w.loads.total[NV + i]
+    # The multiplier of a held row is that of its actuator.
     if NHELD > 0:
         for k in range(NLOADED):
             if load_held[k] > 0:
-                lam[loading_row[k]] = w.load_lam[loading_row[k]]
+                lam[loading_row[k]] = w.loads.lam[loading_row[k]]
     if NCURVED > 0:
         if is_one_of_many(p, t, x, lam, w):
             return PARADOX
+    # The power depends on the loads.
     if NZ > 0:
         w.a[:] = part(xdot, NQ, NQ + NV)
         w.qdot[:] = part(xdot, 0, NQ)

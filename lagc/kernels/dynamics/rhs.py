@@ -26,12 +26,12 @@ def hold(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     w.modes_fixed = True
     if NTWO > 0:
         for i in range(NCON):
-            w.normal_signs[i] = 0
+            w.contacts.normal_signs[i] = 0
     if NSPACE > 0:
         for i in range(NCON):
-            w.slip_axes[2 * i] = 0.0
-            w.slip_axes[2 * i + 1] = 0.0
-            w.slip_roundoff[i] = 0.0
+            w.contacts.slip_axes[2 * i] = 0.0
+            w.contacts.slip_axes[2 * i + 1] = 0.0
+            w.contacts.slip_roundoff[i] = 0.0
 
 
 def system_at(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
@@ -53,63 +53,65 @@ def assemble_entries(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
 
 
 def assemble_rhs(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    """Compute the right-hand side (r, gamma) in w.kkt_rhs, and qdot."""
+    """Compute the right-hand side (r, gamma) in w.rows.rhs, and qdot."""
     if NM > 0:
         system_at(p, t, x, w)
-        w.kkt_rhs[:NV] = w.force
-        w.kkt_rhs[NV : NV + NC] = w.gamma
+        w.rows.rhs[:NV] = w.force
+        w.rows.rhs[NV : NV + NC] = w.gamma
     elif NMODE > 0:
         update_modes(p, t, x, w)
-        fn_forces_on(p, t, x, w.modes, w.qdot, w.kkt_rhs)
+        fn_forces_on(p, t, x, w.modes, w.qdot, w.rows.rhs)
     else:
-        fn_forces(p, t, x, w.qdot, w.kkt_rhs)
+        fn_forces(p, t, x, w.qdot, w.rows.rhs)
 
 
 def measure_regularity(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    """Compute w.constraint_violation, the scaled distance of x from the constraints, and w.regularity: for
+    """Compute w.rows.violation, the scaled distance of x from the constraints, and w.rows.regularity: for
     each row its change over the size of the coordinates (for angles plus 1), over the size of its terms,
     at most 1."""
     for i in range(NGROUP):
-        w.group_sizes[i] = 0.0
-    enlarge_sizes(x, w.group_sizes)
-    w.group_sizes[0] += 1.0
-    w.constraint_violation = 0.0
-    fn_scales(p, t, x, w.row_buffer2)
-    fn_reaches(p, t, x, w.group_sizes, w.reaches)
+        w.rows.group_sizes[i] = 0.0
+    enlarge_sizes(x, w.rows.group_sizes)
+    w.rows.group_sizes[0] += 1.0
+    w.rows.violation = 0.0
+    fn_scales(p, t, x, w.rows.buffer2)
+    fn_reaches(p, t, x, w.rows.group_sizes, w.rows.reaches)
     if NH > 0:
-        fn_position(p, t, x, w.row_buffer)
+        fn_position(p, t, x, w.rows.buffer)
         for i in range(NH):
-            miss = fabs(w.row_buffer[i]) / (w.row_buffer2[i] + VANISHING_ROW * w.reaches[i])
-            if not miss <= w.constraint_violation:
-                w.constraint_violation = miss
+            miss = fabs(w.rows.buffer[i]) / (w.rows.buffer2[i] + VANISHING_ROW * w.rows.reaches[i])
+            if not miss <= w.rows.violation:
+                w.rows.violation = miss
     for i in range(NC):
-        w.regularity[i] = w.reaches[i] / w.row_buffer2[i] if w.reaches[i] < w.row_buffer2[i] else 1.0
+        w.rows.regularity[i] = (
+            w.rows.reaches[i] / w.rows.buffer2[i] if w.rows.reaches[i] < w.rows.buffer2[i] else 1.0
+        )
 
 
 def mark_faint_gradients(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    """Reduce w.regularity of rows whose gradient is much shorter than others: it may be round-off of its
+    """Reduce w.rows.regularity of rows whose gradient is much shorter than others: it may be round-off of its
     terms."""
     if NM > 0:
         for i in range(NC):
             total = 0.0
             for j in range(NV):
                 total += fabs(w.G[i * NV + j])
-            w.row_buffer[i] = total
+            w.rows.buffer[i] = total
     else:
-        fn_gradients(p, t, x, w.row_buffer)
+        fn_gradients(p, t, x, w.rows.buffer)
     largest = 0.0
     smallest = inf
     for i in range(NC):
-        if w.row_buffer[i] > largest:
-            largest = w.row_buffer[i]
-        if w.row_buffer[i] < smallest:
-            smallest = w.row_buffer[i]
+        if w.rows.buffer[i] > largest:
+            largest = w.rows.buffer[i]
+        if w.rows.buffer[i] < smallest:
+            smallest = w.rows.buffer[i]
     if not smallest < FAINT_GRADIENT * largest:
         return
-    fn_gradient_sizes(p, t, x, w.row_buffer2)
+    fn_gradient_sizes(p, t, x, w.rows.buffer2)
     for i in range(NC):
-        if w.row_buffer[i] > 0.0 and w.row_buffer[i] < w.regularity[i] * w.row_buffer2[i]:
-            w.regularity[i] = w.row_buffer[i] / w.row_buffer2[i]
+        if w.rows.buffer[i] > 0.0 and w.rows.buffer[i] < w.rows.regularity[i] * w.rows.buffer2[i]:
+            w.rows.regularity[i] = w.rows.buffer[i] / w.rows.buffer2[i]
 
 
 def system_fault(x: Vec[NX], w: Work) -> int:
@@ -126,7 +128,7 @@ def system_fault(x: Vec[NX], w: Work) -> int:
             if i < 0 and (not_finite(w.G, NG) >= 0 or not_finite(w.gamma, NC) >= 0):
                 i = size(NQ)
     elif i < 0:
-        i = not_finite(w.kkt_rhs, NR)
+        i = not_finite(w.rows.rhs, NR)
         if i >= 0:
             i = i + NQ if i < NV else size(NQ)
     if i >= 0:
@@ -143,8 +145,8 @@ def least_share(w: Work) -> Real:
     dependent, and off the constraints, where dependent rows have an independent share of the size of the
     violation."""
     least = REMAINS_DEPENDENT if w.rank_deficient else DEPENDENT
-    if 30.0 * w.constraint_violation > least:
-        least = 30.0 * w.constraint_violation if 30.0 * w.constraint_violation < 0.1 else 0.1
+    if 30.0 * w.rows.violation > least:
+        least = 30.0 * w.rows.violation if 30.0 * w.rows.violation < 0.1 else 0.1
     return least
 
 
@@ -161,16 +163,19 @@ def factor_safely(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
         w.culprit = fault
         return NOT_FINITE
     if NC > 0:
+        # Rows whose gradient nearly vanishes count by their regularity, so that they are not taken for
+        # dependent.
         measure_regularity(p, t, x, w)
         mark_faint_gradients(p, t, x, w)
         if NM > 0:
             status = factor_rank_revealing(p, t, x, least_share(w), w)
             if status == REDUNDANT:
-                for i in range(w.rank, NC):
-                    w.redundant[w.row_order[i]] = 1
+                for i in range(w.factors.rank, NC):
+                    w.redundant[w.factors.order[i]] = 1
         else:
             assemble_entries(p, t, x, w)
             status = factor_sparse(p, t, x, least_share(w), w)
+        # Later evaluations look for the dependent rows from the beginning.
         w.rank_deficient = status == REDUNDANT
         return status
     return OK if cholesky(w) else SINGULAR_MASS
@@ -182,7 +187,7 @@ def store_rates(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
     xdot[NQ : NQ + NV] = w.a
     if NZ > 0:
         if NPUSHED > 0:
-            fn_pushed_work_on(p, t, x, w.modes, w.a, lam, w.contact_forces, w.power)
+            fn_pushed_work_on(p, t, x, w.modes, w.a, lam, w.contacts.forces, w.power)
         elif NMODE > 0:
             fn_work_on(p, t, x, w.modes, w.a, lam, w.power)
         else:
@@ -192,6 +197,7 @@ def store_rates(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
 
 def rhs_any_rank(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
     """Compute rates and multipliers for any rank of G."""
+    # Without dense equations the right-hand side is made before the factors, which need its entries.
     if not NM > 0:
         assemble_rhs(p, t, x, w)
         unfit = system_fault(x, w)
@@ -202,6 +208,7 @@ def rhs_any_rank(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w:
     if failed(status):
         return status
     if NM > 0:
+        # Solve with the factors: M a - G^T lam = r, G a = gamma.
         w.a[:] = w.force
         if NC > 0:
             status = solve_rank_revealing(w, w.gamma, w.a, lam)
@@ -211,11 +218,12 @@ def rhs_any_rank(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w:
             solve_lower(w, w.a)
             solve_upper(w, w.a)
     else:
-        status = solve_sparse(w.kkt_rhs, w.kkt_solution, w)
+        status = solve_sparse(w.rows.rhs, w.rows.solution, w)
         if failed(status):
             return status
-        w.a[:] = part(w.kkt_solution, 0, NV)
-        lam[:] = part(w.kkt_solution, NV, NV + NC)
+        w.a[:] = part(w.rows.solution, 0, NV)
+        lam[:] = part(w.rows.solution, NV, NV + NC)
+    # Rates that overflow are refused here, before a step uses them.
     store_rates(p, t, x, xdot, lam, w)
     fault = not_finite(xdot, NINT)
     if fault >= 0:
@@ -230,13 +238,13 @@ def rhs_refined(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
     assemble_entries(p, t, x, w)
     if NM > 0:
         fn_factor(w.kkt_entries, w.health)
-        fn_solve(w.kkt_entries, w.kkt_rhs, w.kkt_solution)
-        fn_refine(w.kkt_entries, w.kkt_rhs, w.kkt_solution)
+        fn_solve(w.kkt_entries, w.rows.rhs, w.rows.solution)
+        fn_refine(w.kkt_entries, w.rows.rhs, w.rows.solution)
     else:
         factor_all_rows(w)
-        solve_sparse(w.kkt_rhs, w.kkt_solution, w)
-    w.a[:] = part(w.kkt_solution, 0, NV)
-    lam[:] = part(w.kkt_solution, NV, NV + NC)
+        solve_sparse(w.rows.rhs, w.rows.solution, w)
+    w.a[:] = part(w.rows.solution, 0, NV)
+    lam[:] = part(w.rows.solution, NV, NV + NC)
     store_rates(p, t, x, xdot, lam, w)
 
 
@@ -256,6 +264,7 @@ def rhs_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work)
     for any rank."""
     if STRAIGHT:
         if NC > 0:
+            # The sparse factors have no pivoting: they serve while the rows are independent.
             if w.rank_deficient:
                 return rhs_any_rank(p, t, x, xdot, lam, w)
         if NMODE > 0:
@@ -264,6 +273,8 @@ def rhs_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work)
         else:
             fn_rhs(p, t, x, xdot, lam, w.health)
         if NM > 0 or NC > 0:
+            # Judge the solve by its smallest pivot and its residual, from good to bad: as it is, one
+            # refinement, the factorization for any rank.
             least = LEAST_PIVOT if NC > 0 else SINGULAR
             if NC > 0:
                 if not w.health[0] >= TRUSTED_PIVOT:

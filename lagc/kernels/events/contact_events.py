@@ -1,10 +1,13 @@
-"""Events of contacts: gaps that close and forces that fall to zero."""
+"""Events of contacts: gaps that close, forces that fall to zero, slips that end.
 
-from lagc.kernels.contact.jumps import bounds_jump, settle_jump
-from lagc.kernels.contact.settle import settle
-from lagc.kernels.contact.slack import set_contact_slack
-from lagc.kernels.contact.slips import REACHES, RELEASES, SLIDES, STOPS, TURNS
-from lagc.kernels.contact.touching import slip_relation
+The slack of their indicators is the round-off by which these may be beyond zero where a step begins.
+"""
+
+from lagc.kernels.contact.law import CONTACT_STICKS
+from lagc.kernels.contact.settle import bounds_jump, settle, settle_jump
+from lagc.kernels.contact.slips import REACHES, RELEASES, SLIDES, STOPS, TURNS, reach_of
+from lagc.kernels.contact.touching import find_touching, rates_at, set_gaps, slip_along, slip_relation
+from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
 from lagc.kernels.events.mode_change import MOST_CHANGES, change_modes
 from lagc.kernels.events.modes import choose_modes, update_edges
 from lagc.kernels.events.when_clauses import (
@@ -19,25 +22,25 @@ from lagc.kernels.language.vocabulary import *
 
 
 def take_hits(s: State, w: Work) -> bool:
-    """Move contacts from w.crossed to w.contact_hit; return whether there are any."""
+    """Move contacts from w.events.crossed to w.settling.hit; return whether there are any."""
     found = False
     for i in range(NCON):
         k = NMODE - NCON + i
-        w.contact_hit[i] = 0
+        w.settling.hit[i] = 0
         mode = s.x[NX - NCON + i]
         if NSLIP > 0:
             if contact_slips[i] > 0:
-                if w.crossed[slip_relation(i)] > 0:
-                    w.crossed[slip_relation(i)] = 0
-                    w.contact_hit[i] = SLIDES if mode == 2.0 else STOPS
+                if w.events.crossed[slip_relation(i)] > 0:
+                    w.events.crossed[slip_relation(i)] = 0
+                    w.settling.hit[i] = SLIDES if mode == 2.0 else STOPS
                     w.culprit = k
                     found = True
-        if w.crossed[k] > 0:
-            w.crossed[k] = 0
-            w.contact_hit[i] = RELEASES if mode != 0.0 else REACHES
+        if w.events.crossed[k] > 0:
+            w.events.crossed[k] = 0
+            w.settling.hit[i] = RELEASES if mode != 0.0 else REACHES
             if NTWO > 0:
                 if contact_normals[i] > 0:
-                    w.contact_hit[i] = TURNS
+                    w.settling.hit[i] = TURNS
             w.culprit = k
             found = True
     return found
@@ -46,7 +49,7 @@ def take_hits(s: State, w: Work) -> bool:
 def others_cross(w: Work) -> bool:
     """Return whether relations cross that are no contacts."""
     for k in range(NMODE):
-        if w.crossed[k] > 0:
+        if w.events.crossed[k] > 0:
             return True
     return False
 
@@ -60,52 +63,112 @@ def contacts_chatter(s: State) -> bool:
     return s.changes_at_time > MOST_CHANGES + 2 * NMODE
 
 
+def force_roundoff(n: int, k: int, w: Work) -> Real:
+    """Return the round-off of the force along row k of a listed contact: that of its acceleration over its
+    response. It is zero for contacts that share a load, which cross at once, and along a slip that
+    constraints hold."""
+    law = w.contacts.law
+    row = law.first[n] + k
+    response = law.W[row * law.rows + row]
+    if law.shared[n] > 0 or not response > 0.0:
+        return 0.0
+    return CONTACT_ROUNDOFF * law.terms[row] / response
+
+
+def set_force_slack(s: State, w: Work) -> None:
+    """Set the slack of the listed contacts: of their forces, and of friction that they could still bear."""
+    for n in range(w.contacts.law.count):
+        i = w.contacts.touching[n]
+        least = force_roundoff(n, 0, w)
+        margin = w.contacts.force_margins[i]
+        s.slack[NMODE - NCON + i] = least - (2.0 * margin if margin < 0.0 else 0.0)
+        if NSLIP > 0:
+            if w.contacts.law.mode[n] == CONTACT_STICKS:
+                for m in range(w.contacts.law.slips[n]):
+                    least += force_roundoff(n, 1 + m, w)
+                margin = w.contacts.cone_margins[i]
+                s.slack[slip_relation(i)] = least - (2.0 * margin if margin < 0.0 else 0.0)
+
+
+def set_contact_slack(p: Params, s: State, w: Work) -> None:
+    """Set the slack of contacts: of open ones by the round-off of their gaps, of those that touch by the
+    round-off of their forces, w.contacts.forces at (s.t, s.x)."""
+    for i in range(NQ + NV):
+        w.search.x_part_middle[i] = reach_of(i, s)
+    estimate_indicator_roundoff(p, s, w.search.x_part_middle, w)
+    # One that leaves after an impact has no slack: its gap is watched from zero on.
+    set_gaps(p, s.t, s.x, w)
+    w.events.indicators[:] = w.contacts.indicators
+    for i in range(NCON):
+        beyond = -w.contacts.gaps[i] if w.contacts.gaps[i] < 0.0 else 0.0
+        if w.settling.leaves[i] == 0:
+            beyond += SLACK_GROWTH * w.events.roundoff[NFREE - NCON + i]
+        s.slack[NMODE - NCON + i] = beyond
+        if NSLIP > 0:
+            if contact_slips[i] > 0:
+                k = slip_relation(i)
+                speed = s.x[NX - NCON + i] * w.events.indicators[k]
+                least = SLACK_GROWTH * w.events.roundoff[k - NTIMED]
+                if NSPACE > 0:
+                    if contact_slips[i] == 2:
+                        speed = slip_along(i, w.events.indicators, w)
+                        least += SLACK_GROWTH * w.events.roundoff[k + 1 - NTIMED]
+                s.slack[k] = least - (2.0 * speed if speed < 0.0 else 0.0)
+    if find_touching(s.x, w):
+        status = rates_at(p, s.t, s.x, w.contacts.rates, w.contacts.lam, w)
+        s.rhs += 1
+        if not failed(status):
+            set_force_slack(s, w)
+
+
 def act_after_contacts(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
     """Let clauses `when` act whose conditions became true `since` before s.t. New values move contacts."""
     status = OK
     if NWHEN > 0:
         status = act_on_conditions(p, s, direction, since, w)
         if NJUMP > 0:
-            if w.at_event_time and (status == TERMINATED or not failed(status)):
+            if w.clauses.at_event_time and (status == TERMINATED or not failed(status)):
                 set_contact_slack(p, s, w)
     return status
 
 
 def find_unmoved(p: Params, s: State, w: Work) -> None:
-    """Set w.indicators_unmoved: indicators of the state that are w.indicators_before at (s.t, s.x) too."""
-    fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
+    """Set w.settling.indicators_unmoved: indicators of the state that are w.events.indicators_before at (s.t,
+    s.x) too."""
+    fn_indicators_on(p, s.t, s.x, w.modes, w.events.indicators)
     for k in range(NMODE):
-        w.indicators_unmoved[k] = 0
-        if k < NMODE - NCON - NSLIP - NLATE and w.indicators[k] == w.indicators_before[k]:
-            w.indicators_unmoved[k] = 1
+        w.settling.indicators_unmoved[k] = 0
+        if k < NMODE - NCON - NSLIP - NLATE and w.events.indicators[k] == w.events.indicators_before[k]:
+            w.settling.indicators_unmoved[k] = 1
 
 
 def settle_event(p: Params, s: State, direction: Real, jumps: bool, w: Work) -> Status:
     """Let contacts act, then find the modes of relations that they change, and let clauses `when` act.
     `jumps`: a bound has jumped."""
-    fn_indicators_on(p, s.t, s.x, w.modes, w.indicators_before)
-    w.contacts_go_on = True
+    fn_indicators_on(p, s.t, s.x, w.modes, w.events.indicators_before)
+    w.settling.go_on = True
     status = settle_jump(p, s, w) if jumps else settle(p, s, False, w)
     if failed(status):
         return status
     find_unmoved(p, s, w)
-    w.rates_settled[:] = s.k[0]
+    w.settling.rates[:] = s.k[0]
     status = choose_modes(p, s, direction, w)
-    w.contact_rates[:] = s.k[0]
-    s.k[0][:] = w.rates_settled  # the dense output of the step before needs it
+    w.contacts.rates[:] = s.k[0]
+    s.k[0][:] = w.settling.rates  # the dense output of the step before needs it
     s.rate_place = ABSENT
     if failed(status):
         return status
     for k in range(NMODE):
-        w.crossed[k] = 0
+        w.events.crossed[k] = 0
     if NWHEN > 0:
-        w.xdot[:] = w.contact_rates
+        w.xdot[:] = w.contacts.rates
     set_contact_slack(p, s, w)
     return act_after_contacts(p, s, direction, 0.0, w)
 
 
 def pass_hits(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """Do what happens where contacts in w.contact_hit and relations in w.crossed cross, at (s.t, s.x)."""
+    """Do what happens where contacts in w.settling.hit and relations in w.events.crossed cross, at (s.t,
+    s.x)."""
     if contacts_chatter(s):
         return CHATTERING
     jumps = False
@@ -113,17 +176,18 @@ def pass_hits(p: Params, s: State, direction: Real, w: Work) -> Status:
         s.changed[k] = 0
     if NWHEN > 0:
         s.acts = 0
-    if others_cross(w):
-        status = change_modes(p, s, direction, w)
-        if failed(status):
-            return status
-        w.modes[:] = s.modes
-        jumps = bounds_jump(p, s, w)
+    if NPLAIN > 0:
+        if others_cross(w):
+            status = change_modes(p, s, direction, w)
+            if failed(status):
+                return status
+            w.modes[:] = s.modes
+            jumps = bounds_jump(p, s, w)
     return settle_event(p, s, direction, jumps, w)
 
 
 def pass_relations(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """Do what happens where relations in w.crossed cross, at (s.t, s.x)."""
+    """Do what happens where relations in w.events.crossed cross, at (s.t, s.x)."""
     status = change_modes(p, s, direction, w)
     if status != OK:
         return status
@@ -137,12 +201,16 @@ def pass_relations(p: Params, s: State, direction: Real, w: Work) -> Status:
 
 
 def pass_event(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """Do what happens where relations or contacts in w.crossed cross, at (s.t, s.x)."""
-    w.contacts_acted = False
-    w.modes_before[:] = s.modes
+    """Do what happens where relations or contacts in w.events.crossed cross, at (s.t, s.x)."""
+    w.settling.has_acted = False
+    w.settling.modes_before[:] = s.modes
     if NWHEN > 0:
         save_state(s, w)
-    status = pass_hits(p, s, direction, w) if take_hits(s, w) else pass_relations(p, s, direction, w)
+    status = OK
+    if take_hits(s, w):
+        status = pass_hits(p, s, direction, w)
+    elif NPLAIN > 0:
+        status = pass_relations(p, s, direction, w)
     if NWHEN > 0:
         if failed(status) and status != TERMINATED:
             restore_state(s, w)
@@ -157,13 +225,13 @@ def start_contacts(p: Params, s: State, direction: Real, elsewhere: bool, w: Wor
     if elsewhere:
         fn_modes(p, s.t, s.x, w.modes)
     update_edges(w)
-    w.contacts_acted = False
+    w.settling.has_acted = False
     for i in range(NCON):
-        w.contact_hit[i] = 0
+        w.settling.hit[i] = 0
     for k in range(NMODE):
-        w.indicators_unmoved[k] = 0
+        w.settling.indicators_unmoved[k] = 0
     begins = not s.parameters_known
-    w.contacts_go_on = False
+    w.settling.go_on = False
     status = settle(p, s, True, w) if begins else settle_jump(p, s, w)
     if failed(status):
         return status

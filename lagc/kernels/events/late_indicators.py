@@ -1,39 +1,38 @@
 """Indicators that accelerations and reactions decide, as of `reaction(rope) < 0`.
 
 They are known where the equations of motion are solved: each value costs an evaluation of the rates. They
-have no enclosure. Their range over a part of a step is that of samples, widened by a quarter, and their rates
-are difference quotients.
+are sampled, and their rates are difference quotients.
 """
 
 from math import fabs
 
 from lagc.kernels.contact.touching import rates_at
+from lagc.kernels.events.sampled_indicators import add_sample, enclose_samples, forget_samples
 from lagc.kernels.integrators.dispatch import end_rate_row
 from lagc.kernels.language.vocabulary import *
 
-LATE_MARGIN = 0.25  # of the range of samples: what is added to it
 LATE_DIFFERENCE = 0.0009765625  # of the last step: time over which a difference quotient is taken
 STEP_SAMPLES = 4  # parts of a step between its samples
 
 
-def late_relation(j: int) -> int:
+def late_relation(j: Size) -> int:
     """Return the relation of a late indicator."""
     return NMODE - NCON - NSLIP - NLATE + j
 
 
 def late_at(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> bool:
-    """Compute w.late_values, the late indicators at (t, x), and w.late_modes, the modes that they give.
+    """Compute w.late.values, the late indicators at (t, x), and w.late.modes, the modes that they give.
     Return whether the equations of motion have a solution there."""
     s.rhs += 1
-    if failed(rates_at(p, t, x, w.late_rates, w.late_lam, w)):
+    if failed(rates_at(p, t, x, w.late.rates, w.late.lam, w)):
         return False
-    w.late_known[:NV] = part(w.late_rates, NQ, NQ + NV)
+    w.late.known[:NV] = part(w.late.rates, NQ, NQ + NV)
     for i in range(NC):
-        w.late_known[NV + i] = w.late_lam[i]
+        w.late.known[NV + i] = w.late.lam[i]
     if NCON > 0:
         for i in range(NCROW):
-            w.late_known[NV + NC + i] = w.contact_forces[i]
-    fn_late_on(p, t, x, w.modes, w.late_known, w.late_values, w.late_modes)
+            w.late.known[NV + NC + i] = w.contacts.forces[i]
+    fn_late_on(p, t, x, w.modes, w.late.known, w.late.values, w.late.modes)
     return True
 
 
@@ -44,7 +43,7 @@ def indicators_at(
     fn_indicators_on(p, t, x, modes, found)
     known = late_at(p, t, x, s, w)
     for j in range(NLATE):
-        found[late_relation(j)] = w.late_values[j] if known else 0.0
+        found[late_relation(j)] = w.late.values[j] if known else 0.0
 
 
 def indicator_rates_at(
@@ -56,19 +55,19 @@ def indicator_rates_at(
     time = LATE_DIFFERENCE * s.h_old
     known = time != 0.0 and late_at(p, t, x, s, w)
     if known:
-        w.late_here[:] = w.late_values
-        w.late_x[:] = x
+        w.late.here[:] = w.late.values
+        w.late.x[:] = x
         for i in range(NINT):
-            w.late_x[i] -= time * rates[i]
-        known = late_at(p, t - time, w.late_x, s, w)
+            w.late.x[i] -= time * rates[i]
+        known = late_at(p, t - time, w.late.x, s, w)
     for j in range(NLATE):
-        found[late_relation(j)] = (w.late_here[j] - w.late_values[j]) / time if known else 0.0
+        found[late_relation(j)] = (w.late.here[j] - w.late.values[j]) / time if known else 0.0
 
 
 def adopt_late_modes(w: Work) -> None:
-    """Set w.candidate_modes of late indicators to the modes that their last values give."""
+    """Set w.events.candidate_modes of late indicators to the modes that their last values give."""
     for j in range(NLATE):
-        w.candidate_modes[late_relation(j)] = w.late_modes[j]
+        w.events.candidate_modes[late_relation(j)] = w.late.modes[j]
 
 
 def set_late_modes(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
@@ -77,8 +76,8 @@ def set_late_modes(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
         done = True
         if late_at(p, t, x, s, w):
             for j in range(NLATE):
-                if w.modes[late_relation(j)] != w.late_modes[j]:
-                    w.modes[late_relation(j)] = w.late_modes[j]
+                if w.modes[late_relation(j)] != w.late.modes[j]:
+                    w.modes[late_relation(j)] = w.late.modes[j]
                     done = False
         if done:
             break
@@ -86,21 +85,15 @@ def set_late_modes(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
 
 def forget_late_range(w: Work) -> None:
     """Begin the ranges of late indicators anew."""
-    for j in range(NLATE):
-        w.late_low[j] = UNKNOWN
-        w.late_high[j] = -UNKNOWN
+    forget_samples(late_relation(0), late_relation(NLATE), w)
 
 
 def add_late_range(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
     """Add the late indicators at (t, x) to their ranges."""
     known = late_at(p, t, x, s, w)
     for j in range(NLATE):
-        low = w.late_values[j] if known else -UNKNOWN
-        high = w.late_values[j] if known else UNKNOWN
-        if low < w.late_low[j]:
-            w.late_low[j] = low
-        if high > w.late_high[j]:
-            w.late_high[j] = high
+        add_sample(late_relation(j), w.late.values[j] if known else -UNKNOWN, w)
+        add_sample(late_relation(j), w.late.values[j] if known else UNKNOWN, w)
 
 
 def sample_late_step(p: Params, s: State, method: int, a: Trial, w: Work) -> None:
@@ -109,45 +102,43 @@ def sample_late_step(p: Params, s: State, method: int, a: Trial, w: Work) -> Non
     forget_late_range(w)
     for k in range(STEP_SAMPLES + 1):
         part_of = float(k) / float(STEP_SAMPLES)
-        w.late_x[:] = s.x
+        w.late.x[:] = s.x
         for i in range(NINT):
             apart = s.x_new[i] - s.x[i]
             correction = (1.0 - 2.0 * part_of) * apart
             correction += a.h * ((part_of - 1.0) * s.k[0][i] + part_of * s.k[end_rate_row(method)][i])
-            w.late_x[i] += part_of * apart + part_of * (part_of - 1.0) * correction
-        add_late_range(p, s.t + part_of * a.h, w.late_x, s, w)
+            w.late.x[i] += part_of * apart + part_of * (part_of - 1.0) * correction
+        add_late_range(p, s.t + part_of * a.h, w.late.x, s, w)
 
 
 def enclose_late(w: Work) -> None:
-    """Set w.enclosures of late indicators to their ranges, widened by a quarter."""
+    """Set w.events.enclosures of late indicators to their ranges."""
     for j in range(NLATE):
-        more = LATE_MARGIN * (w.late_high[j] - w.late_low[j])
-        w.enclosures[2 * (late_relation(j) - NTIMED)] = w.late_low[j] - more
-        w.enclosures[2 * (late_relation(j) - NTIMED) + 1] = w.late_high[j] + more
+        enclose_samples(late_relation(j), w)
 
 
 def estimate_late_roundoff(p: Params, s: State, reach: Vec[NX], w: Work) -> None:
-    """Compute w.indicator_roundoff of late indicators: their largest change where all states, and where every
+    """Compute w.events.roundoff of late indicators: their largest change where all states, and where every
     other one, change by one unit in the last place of their size or `reach`."""
     known = late_at(p, s.t, s.x, s, w)
-    w.late_here[:] = w.late_values
+    w.late.here[:] = w.late.values
     for j in range(NLATE):
-        w.indicator_roundoff[late_relation(j) - NTIMED] = SPACING * fabs(w.late_here[j]) if known else 0.0
+        w.events.roundoff[late_relation(j) - NTIMED] = SPACING * fabs(w.late.here[j]) if known else 0.0
     for turn in range(2):
-        w.late_x[:] = s.x
+        w.late.x[:] = s.x
         for i in range(NQ + NV):
             size = fabs(s.x[i]) if fabs(s.x[i]) > fabs(reach[i]) else fabs(reach[i])
             if turn == 0 or i % 2 == 0:
-                w.late_x[i] += SPACING * size
-        known = known and late_at(p, s.t, w.late_x, s, w)
+                w.late.x[i] += SPACING * size
+        known = known and late_at(p, s.t, w.late.x, s, w)
         for j in range(NLATE):
-            change = fabs(w.late_values[j] - w.late_here[j])
-            if known and change > w.indicator_roundoff[late_relation(j) - NTIMED]:
-                w.indicator_roundoff[late_relation(j) - NTIMED] = change
+            change = fabs(w.late.values[j] - w.late.here[j])
+            if known and change > w.events.roundoff[late_relation(j) - NTIMED]:
+                w.events.roundoff[late_relation(j) - NTIMED] = change
 
 
 def late_span(k: int, distance: Real, w: Work) -> Real:
     """Return how far relation k moved over the samples of the last part of a step if it is late, else
     `distance`."""
-    j = k - late_relation(0)
-    return w.late_high[j] - w.late_low[j] if j >= 0 and j < NLATE else distance
+    late = k >= late_relation(0) and k < late_relation(NLATE)
+    return w.events.sampled_high[k] - w.events.sampled_low[k] if late else distance

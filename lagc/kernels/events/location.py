@@ -52,23 +52,23 @@ def is_known(low: Real, high: Real) -> bool:
 
 
 def enclose_time(t0: Real, t1: Real, w: Work) -> None:
-    """Set the ends of the time in w.box."""
-    w.box[0] = t0 if t0 < t1 else t1
-    w.box[NQ + NV + 1] = t1 if t0 < t1 else t0
+    """Set the ends of the time in w.search.box."""
+    w.search.box[0] = t0 if t0 < t1 else t1
+    w.search.box[NQ + NV + 1] = t1 if t0 < t1 else t0
 
 
 def enclose_state(i: int, low: Real, high: Real, more: Real, w: Work) -> None:
-    """Set the ends of state i in w.box to [low - more, high + more]."""
-    w.box[1 + i] = low - more
-    w.box[NQ + NV + 2 + i] = high + more
+    """Set the ends of state i in w.search.box to [low - more, high + more]."""
+    w.search.box[1 + i] = low - more
+    w.search.box[NQ + NV + 2 + i] = high + more
 
 
 def enclose_step(s: State, method: int, a: Trial, w: Work) -> None:
-    """Set w.box to an estimate of the range of the step from s.x to s.x_new. It is the hull of the control
-    points of the cubic through both ends, widened by a quarter and by |h| times the largest deviation of a
-    stage from this cubic."""
+    """Set w.search.box to an estimate of the range of the step from s.x to s.x_new. It is the hull of the
+    control points of the cubic through both ends, widened by a quarter and by |h| times the largest deviation
+    of a stage from this cubic."""
     enclose_time(s.t, a.t_new, w)
-    method_stage_deviations(method, a.h, s, w.x_part_middle)
+    method_stage_deviations(method, a.h, s, w.search.x_part_middle)
     for i in range(NQ + NV):
         low = s.x[i]
         high = low
@@ -83,71 +83,81 @@ def enclose_step(s: State, method: int, a: Trial, w: Work) -> None:
                 low = value
             if value > high:
                 high = value
-        enclose_state(i, low, high, ENCLOSURE_MARGIN * (high - low) + fabs(a.h) * w.x_part_middle[i], w)
+        enclose_state(
+            i, low, high, ENCLOSURE_MARGIN * (high - low) + fabs(a.h) * w.search.x_part_middle[i], w
+        )
 
 
 def enclose_part(t: Real, h: Real, left: Real, right: Real, w: Work) -> None:
-    """Set w.box to an estimate of the range of a part of a step: the hull of its ends and middle, widened
-    by a quarter of their second difference, which is twice as factor as a parabola needs."""
+    """Set w.search.box to an estimate of the range of a part of a step: the hull of its ends and middle,
+    widened by a quarter of their second difference, which is twice as wide as a parabola needs."""
     enclose_time(t + left * h, t + right * h, w)
     for i in range(NQ + NV):
-        low = w.x_part_begin[i]
+        low = w.search.x_part_begin[i]
         high = low
-        if w.x_part_middle[i] < low:
-            low = w.x_part_middle[i]
-        if w.x_part_middle[i] > high:
-            high = w.x_part_middle[i]
-        if w.x_part_end[i] < low:
-            low = w.x_part_end[i]
-        if w.x_part_end[i] > high:
-            high = w.x_part_end[i]
+        if w.search.x_part_middle[i] < low:
+            low = w.search.x_part_middle[i]
+        if w.search.x_part_middle[i] > high:
+            high = w.search.x_part_middle[i]
+        if w.search.x_part_end[i] < low:
+            low = w.search.x_part_end[i]
+        if w.search.x_part_end[i] > high:
+            high = w.search.x_part_end[i]
         enclose_state(
-            i, low, high, 0.25 * fabs(w.x_part_begin[i] - 2.0 * w.x_part_middle[i] + w.x_part_end[i]), w
+            i,
+            low,
+            high,
+            0.25 * fabs(w.search.x_part_begin[i] - 2.0 * w.search.x_part_middle[i] + w.search.x_part_end[i]),
+            w,
         )
 
 
 def enclose_dense_output(s: State, method: int, a: Trial, left: Real, right: Real, w: Work) -> None:
-    """Set w.box for a part of a step by its dense output. w.x_part_begin is known."""
-    method_dense_at(method, right, s, w.x_part_end)
-    method_dense_at(method, 0.5 * (left + right), s, w.x_part_middle)
+    """Set w.search.box for a part of a step by its dense output. w.search.x_part_begin is known."""
+    method_dense_at(method, right, s, w.search.x_part_end)
+    method_dense_at(method, 0.5 * (left + right), s, w.search.x_part_middle)
     enclose_part(s.t, a.h, left, right, w)
 
 
 def trial_dense_output(p: Params, s: State, method: int, a: Trial, w: Work) -> Status:
     """Compute the coefficients of the dense output of the step from s.x to s.x_new."""
-    w.x_trial[:] = s.x_new
-    status = method_dense_output(method, p, s.t, s.x, w.x_trial, a.h, s, w)
-    s.x_new[:] = w.x_trial
+    w.search.x_trial[:] = s.x_new
+    status = method_dense_output(method, p, s.t, s.x, w.search.x_trial, a.h, s, w)
+    s.x_new[:] = w.search.x_trial
     s.dense_place = ABSENT
     return status
 
 
 def update_margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
-    """Compute w.margins, for the indicators that depend on the state."""
-    indicators_at(p, t, x, w.modes, w.indicators, s, w)
+    """Compute w.events.margins, for the indicators that depend on the state."""
+    indicators_at(p, t, x, w.modes, w.events.indicators, s, w)
     if NCON > 0:
         indicate_forces(p, t, x, w)
     for j in range(NFREE):
         k = NTIMED + j
-        w.margins[j] = margin(k, w.indicators[k], s.slack[k], w)
+        w.events.margins[j] = margin(k, w.events.indicators[k], s.slack[k], w)
 
 
 def any_crossed(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> bool:
     """Return whether one of these indicators is beyond its crossing."""
     update_margins(p, t, x, s, w)
     for j in range(NFREE):
-        if w.margins[j] < 0.0:
+        if w.events.margins[j] < 0.0:
             return True
     return False
 
 
 def smallest_margin(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Real:
     """Return the smallest margin. Each is divided by its change over the part of the step,
-    w.margin_changes, as the indicators have different units."""
+    w.events.margin_changes, as the indicators have different units."""
     least = inf
     update_margins(p, t, x, s, w)
     for j in range(NFREE):
-        own = w.margins[j] / w.margin_changes[j] if w.margin_changes[j] > 0.0 else w.margins[j]
+        own = (
+            w.events.margins[j] / w.events.margin_changes[j]
+            if w.events.margin_changes[j] > 0.0
+            else w.events.margins[j]
+        )
         if own < least:
             least = own
     return least
@@ -157,44 +167,49 @@ def within_mode(k: int, low: Real, high: Real, w: Work) -> bool:
     """Return whether an indicator between these bounds stays in its mode."""
     if NEDGES > 0:
         if has_edges[k] > 0:
-            return low > w.edges[2 * k] and high < w.edges[2 * k + 1]
+            return low > w.events.edges[2 * k] and high < w.events.edges[2 * k + 1]
     if w.modes[k] == 0.0:
         return low >= 0.0 and high <= 0.0
     return low > 0.0 if w.modes[k] > 0.0 else high < 0.0
 
 
 def excludes_crossings(p: Params, s: State, w: Work) -> bool:
-    """Return whether no indicator crosses in w.box."""
-    fn_enclosure_on(p, w.modes, w.box, w.enclosures)
+    """Return whether no indicator crosses in w.search.box."""
+    fn_enclosure_on(p, w.modes, w.search.box, w.events.enclosures)
     if NLATE > 0:
         enclose_late(w)
     if NCON > 0:
         enclose_forces(s, w)
     for j in range(NFREE):
         k = NTIMED + j
-        low = w.enclosures[2 * j] + s.slack[k]
-        high = w.enclosures[2 * j + 1] - s.slack[k]
-        if not (is_known(w.enclosures[2 * j], w.enclosures[2 * j + 1]) and within_mode(k, low, high, w)):
+        low = w.events.enclosures[2 * j] + s.slack[k]
+        high = w.events.enclosures[2 * j + 1] - s.slack[k]
+        if not (
+            is_known(w.events.enclosures[2 * j], w.events.enclosures[2 * j + 1])
+            and within_mode(k, low, high, w)
+        ):
             return False
     return True
 
 
 def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right: Real, w: Work) -> Real:
     """Return the part of the step where the smallest margin changes sign, to one unit in the last place of
-    the time and just beyond the crossing, with w.crossed. Illinois method (M. Dowell, P. Jarratt, BIT 11
-    (1971) 168-174); each third iteration bisects."""
+    the time and just beyond the crossing, with w.events.crossed. Illinois method (M. Dowell, P. Jarratt, BIT
+    11 (1971) 168-174); each third iteration bisects."""
+    # Margins of several indicators are compared by what each changes over the part.
     low = left
     high = right
-    method_dense_at(method, low, s, w.x_part_middle)
-    update_margins(p, s.t + low * h, w.x_part_middle, s, w)
-    w.margin_changes[:] = w.margins
-    method_dense_at(method, high, s, w.x_part_middle)
-    update_margins(p, s.t + high * h, w.x_part_middle, s, w)
+    method_dense_at(method, low, s, w.search.x_part_middle)
+    update_margins(p, s.t + low * h, w.search.x_part_middle, s, w)
+    w.events.margin_changes[:] = w.events.margins
+    method_dense_at(method, high, s, w.search.x_part_middle)
+    update_margins(p, s.t + high * h, w.search.x_part_middle, s, w)
     for j in range(NFREE):
-        w.margin_changes[j] = fabs(w.margin_changes[j] - w.margins[j])
-    above = smallest_margin(p, s.t + high * h, w.x_part_middle, s, w)
-    method_dense_at(method, low, s, w.x_part_middle)
-    below = smallest_margin(p, s.t + low * h, w.x_part_middle, s, w)
+        w.events.margin_changes[j] = fabs(w.events.margin_changes[j] - w.events.margins[j])
+    above = smallest_margin(p, s.t + high * h, w.search.x_part_middle, s, w)
+    method_dense_at(method, low, s, w.search.x_part_middle)
+    below = smallest_margin(p, s.t + low * h, w.search.x_part_middle, s, w)
+    # The end that stays halves its value, so that the secant does not keep to one side.
     least = 2.0 * SPACING * (1.0 + fabs(s.t / h))
     turn = 0
     while high - low > least:
@@ -207,8 +222,8 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
         if part > 1.0 - shortest:
             part = 1.0 - shortest
         guess = low + part * (high - low)
-        method_dense_at(method, guess, s, w.x_part_middle)
-        found = smallest_margin(p, s.t + guess * h, w.x_part_middle, s, w)
+        method_dense_at(method, guess, s, w.search.x_part_middle)
+        found = smallest_margin(p, s.t + guess * h, w.search.x_part_middle, s, w)
         if found < 0.0:
             high = guess
             above = found
@@ -218,12 +233,12 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
             below = found
             above *= 0.5
         turn += 1
-    method_dense_at(method, high, s, w.x_part_middle)
-    update_margins(p, s.t + high * h, w.x_part_middle, s, w)
+    method_dense_at(method, high, s, w.search.x_part_middle)
+    update_margins(p, s.t + high * h, w.search.x_part_middle, s, w)
     for i in range(NTIMED):
-        w.crossed[i] = 0
+        w.events.crossed[i] = 0
     for j in range(NFREE):
-        w.crossed[NTIMED + j] = 1 if w.margins[j] < 0.0 else 0
+        w.events.crossed[NTIMED + j] = 1 if w.events.margins[j] < 0.0 else 0
     return high
 
 
@@ -242,27 +257,27 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     looked = 0
     left = 0.0
     width = LONGEST_PART
-    w.x_part_begin[:] = s.x
+    w.search.x_part_begin[:] = s.x
     while left < 1.0:
         right = left + width if left + width < 1.0 else 1.0
         enclose_dense_output(s, method, a, left, right, w)
         if NLATE > 0:
             forget_late_range(w)
-            add_late_range(p, s.t + left * a.h, w.x_part_begin, s, w)
-            add_late_range(p, s.t + 0.5 * (left + right) * a.h, w.x_part_middle, s, w)
-            add_late_range(p, s.t + right * a.h, w.x_part_end, s, w)
+            add_late_range(p, s.t + left * a.h, w.search.x_part_begin, s, w)
+            add_late_range(p, s.t + 0.5 * (left + right) * a.h, w.search.x_part_middle, s, w)
+            add_late_range(p, s.t + right * a.h, w.search.x_part_end, s, w)
         if NCON > 0:
             forget_forces(w)
-            force_range(p, s.t + left * a.h, w.x_part_begin, w)
-            force_range(p, s.t + 0.5 * (left + right) * a.h, w.x_part_middle, w)
-            force_range(p, s.t + right * a.h, w.x_part_end, w)
+            force_range(p, s.t + left * a.h, w.search.x_part_begin, w)
+            force_range(p, s.t + 0.5 * (left + right) * a.h, w.search.x_part_middle, w)
+            force_range(p, s.t + right * a.h, w.search.x_part_end, w)
         if excludes_crossings(p, s, w):
             if width < LONGEST_PART:
                 width *= 2.0
         elif width > SHORTEST_PART:
             width *= 0.5
             continue
-        elif any_crossed(p, s.t + right * a.h, w.x_part_end, s, w):
+        elif any_crossed(p, s.t + right * a.h, w.search.x_part_end, s, w):
             return locate_crossing(p, s, method, a.h, left, right, w)
         elif looked < MOST_SHORT_PARTS:  # it may be crossed twice
             looked += 1
@@ -272,24 +287,27 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
         else:
             width = SHORTEST_PART
         left = right
-        w.x_part_begin[:] = w.x_part_end
+        w.search.x_part_begin[:] = w.search.x_part_end
     return NO_EVENT
 
 
 def moves_away(k: int, direction: Real, w: Work) -> bool:
-    """Return whether an indicator moves away from its crossing, by w.indicator_rates."""
-    rate = w.indicator_rates[k] * direction
+    """Return whether an indicator moves away from its crossing, by w.events.rates."""
+    rate = w.events.rates[k] * direction
     if NEDGES > 0:
         if has_edges[k] > 0:
-            above = w.edges[2 * k + 1] - w.indicators[k] < w.indicators[k] - w.edges[2 * k]
+            above = (
+                w.events.edges[2 * k + 1] - w.events.indicators[k]
+                < w.events.indicators[k] - w.events.edges[2 * k]
+            )
             return rate < 0.0 if above else rate > 0.0
     return rate * w.modes[k] > 0.0
 
 
 def all_move_away(direction: Real, w: Work) -> bool:
-    """Return whether all indicators in w.crossed do so."""
+    """Return whether all indicators in w.events.crossed do so."""
     for j in range(NFREE):
-        if w.crossed[NTIMED + j] > 0 and not moves_away(NTIMED + j, direction, w):
+        if w.events.crossed[NTIMED + j] > 0 and not moves_away(NTIMED + j, direction, w):
             return False
     return True
 
@@ -297,65 +315,67 @@ def all_move_away(direction: Real, w: Work) -> bool:
 def crosses_by_roundoff(
     p: Params, s: State, method: int, part: Real, factor: Real, a: Trial, w: Work
 ) -> bool:
-    """Return whether the indicators in w.crossed move away from their crossings both at the beginning of the
-    step and after this part. They are beyond by round-off then, and `factor` times this is added to their
-    slack."""
+    """Return whether the indicators in w.events.crossed move away from their crossings both at the beginning
+    of the step and after this part. They are beyond by round-off then, and `factor` times this is added to
+    their slack."""
     if NCON > 0:
         if force_crosses(s, w):
             return False
-    indicator_rates_at(p, s.t, s.x, w.modes, s.k[0], w.indicator_rates, s, w)
+    indicator_rates_at(p, s.t, s.x, w.modes, s.k[0], w.events.rates, s, w)
     if not all_move_away(a.direction, w):
         return False
-    method_dense_at(method, part, s, w.x_part_middle)
+    method_dense_at(method, part, s, w.search.x_part_middle)
     s.rhs += 1
-    if failed(rates_at(p, s.t + part * a.h, w.x_part_middle, w.xdot, w.lam, w)):
+    if failed(rates_at(p, s.t + part * a.h, w.search.x_part_middle, w.xdot, w.lam, w)):
         return False
-    indicator_rates_at(p, s.t + part * a.h, w.x_part_middle, w.modes, w.xdot, w.indicator_rates, s, w)
+    indicator_rates_at(p, s.t + part * a.h, w.search.x_part_middle, w.modes, w.xdot, w.events.rates, s, w)
     if not all_move_away(a.direction, w):
         return False
     for j in range(NFREE):
-        if w.crossed[NTIMED + j] > 0:
-            s.slack[NTIMED + j] -= factor * w.margins[j]
+        if w.events.crossed[NTIMED + j] > 0:
+            s.slack[NTIMED + j] -= factor * w.events.margins[j]
     return True
 
 
 def estimate_indicator_roundoff(p: Params, s: State, reach: Vec[NX], w: Work) -> None:
-    """Compute w.indicator_roundoff: the change of each indicator of the state by one unit in the last
+    """Compute w.events.roundoff: the change of each indicator of the state by one unit in the last
     place of the time and of states as large as here, or as `reach`."""
     enclose_time(s.t - SPACING * fabs(s.t), s.t + SPACING * fabs(s.t), w)
     for i in range(NQ + NV):
         size = fabs(s.x[i]) if fabs(s.x[i]) > fabs(reach[i]) else fabs(reach[i])
         enclose_state(i, s.x[i], s.x[i], SPACING * size, w)
-    fn_enclosure_on(p, w.modes, w.box, w.enclosures)
+    fn_enclosure_on(p, w.modes, w.search.box, w.events.enclosures)
     for j in range(NFREE):
-        far = w.enclosures[2 * j + 1] - w.enclosures[2 * j]
-        w.indicator_roundoff[j] = far if far >= 0.0 and far < inf else 0.0
+        far = w.events.enclosures[2 * j + 1] - w.events.enclosures[2 * j]
+        w.events.roundoff[j] = far if far >= 0.0 and far < inf else 0.0
     if NLATE > 0:
         estimate_late_roundoff(p, s, reach, w)
 
 
 def is_within_slack(k: int, s: State, w: Work) -> bool:
-    """Return whether an indicator in sliding mode, w.indicators_before, is within its slack."""
-    return s.modes[k] == 0.0 and has_edges[k] == 0 and fabs(w.indicators_before[k]) <= s.slack[k]
+    """Return whether an indicator in sliding mode, w.events.indicators_before, is within its slack."""
+    return s.modes[k] == 0.0 and has_edges[k] == 0 and fabs(w.events.indicators_before[k]) <= s.slack[k]
 
 
 def is_crossing(k: int, direction: Real, w: Work) -> bool:
     """Return whether an indicator that crosses in the dense output crosses at the end of the step, by its
     rate there. One that moves away has not reached its crossing; one that moves back has not left it."""
     if w.modes[k] == 0.0 and has_edges[k] == 0:
-        ahead = w.indicator_rates[k] * direction
-        return ahead * w.indicators_before[k] >= 0.0 and (w.indicators_before[k] != 0.0 or ahead != 0.0)
+        ahead = w.events.rates[k] * direction
+        return ahead * w.events.indicators_before[k] >= 0.0 and (
+            w.events.indicators_before[k] != 0.0 or ahead != 0.0
+        )
     return not moves_away(k, direction, w)
 
 
 def release_slack(p: Params, s: State, w: Work) -> None:
     """Set the slack of an indicator to 0 once its margin is several times the slack."""
-    indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
+    indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
     if NCON > 0:
         spare_contacts(s, w)
     for j in range(NFREE):
         k = NTIMED + j
-        if margin(k, w.indicators[k], 0.0, w) > SLACK_GROWTH * s.slack[k]:
+        if margin(k, w.events.indicators[k], 0.0, w) > SLACK_GROWTH * s.slack[k]:
             s.slack[k] = 0.0
 
 
@@ -367,13 +387,13 @@ def increase_slack(p: Params, s: State, k: int, w: Work) -> None:
     for i in range(NGROUP):
         sizes[i] = 0.0
     enlarge_sizes(s.x, sizes)
-    enlarge_sizes(w.x_trial, sizes)
+    enlarge_sizes(w.search.x_trial, sizes)
     for i in range(NQ + NV):
-        w.x_part_middle[i] = sizes[scaling_group[i]]
-    estimate_indicator_roundoff(p, s, w.x_part_middle, w)
+        w.search.x_part_middle[i] = sizes[scaling_group[i]]
+    estimate_indicator_roundoff(p, s, w.search.x_part_middle, w)
     j = k - NTIMED
-    off = fabs(margin(k, w.indicators_before[k], s.slack[k], w)) + fabs(w.margins[j])
-    roundoff = w.indicator_roundoff[j]
+    off = fabs(margin(k, w.events.indicators_before[k], s.slack[k], w)) + fabs(w.events.margins[j])
+    roundoff = w.events.roundoff[j]
     if off < roundoff:
         least = s.slack[k] if s.slack[k] > off else off
         off = roundoff * sqrt(sqrt(least / roundoff))
@@ -381,72 +401,73 @@ def increase_slack(p: Params, s: State, k: int, w: Work) -> None:
 
 
 def confirm_crossings(p: Params, s: State, direction: Real, w: Work) -> bool:
-    """Remove indicators from w.crossed that do not cross, and return whether any does."""
+    """Remove indicators from w.events.crossed that do not cross, and return whether any does."""
     found = False
     for k in range(NMODE):
-        if w.crossed[k] > 0:
+        if w.events.crossed[k] > 0:
             if k >= NTIMED:
                 crosses = is_crossing(k, direction, w)
                 if not crosses or is_within_slack(k, s, w):
                     increase_slack(p, s, k, w)
                 if not crosses:
-                    w.crossed[k] = 0
-            if w.crossed[k] > 0:
+                    w.events.crossed[k] = 0
+            if w.events.crossed[k] > 0:
                 found = True
     return found
 
 
 def crosses_within_roundoff(p: Params, s: State, direction: Real, w: Work) -> bool:
-    """Return whether an indicator crosses within round-off of the time, with w.crossed. No step gets
+    """Return whether an indicator crosses within round-off of the time, with w.events.crossed. No step gets
     nearer if the equations end at the crossing, as sqrt(x) at 0."""
     found = False
     time = EVENT_TIME_ULPS * SPACING * fabs(s.t)
-    indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
-    indicator_rates_at(p, s.t, s.x, w.modes, s.k[0], w.indicator_rates, s, w)
+    indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
+    indicator_rates_at(p, s.t, s.x, w.modes, s.k[0], w.events.rates, s, w)
     if NCON > 0:
         spare_contacts(s, w)
     for k in range(NMODE):
-        w.crossed[k] = 0
+        w.events.crossed[k] = 0
     for j in range(NFREE):
         i = NTIMED + j
-        own = margin(i, w.indicators[i], s.slack[i], w)
-        if own < time * fabs(w.indicator_rates[i]):
-            if own > margin(i, w.indicators[i] + time * direction * w.indicator_rates[i], s.slack[i], w):
-                w.crossed[i] = 1
+        own = margin(i, w.events.indicators[i], s.slack[i], w)
+        if own < time * fabs(w.events.rates[i]):
+            if own > margin(i, w.events.indicators[i] + time * direction * w.events.rates[i], s.slack[i], w):
+                w.events.crossed[i] = 1
                 found = True
     return found
 
 
 def crossing_time(k: int, t: Real, direction: Real, w: Work) -> Real:
     """Return the time after t at which a relation of time alone changes, or infinity."""
-    slope = w.indicator_slopes[k]
+    slope = w.events.slopes[k]
     ahead = slope * direction
     if NEDGES > 0:
         if has_edges[k] > 0:
-            target = w.edges[2 * k + 1] if ahead > 0.0 else w.edges[2 * k]
-            return t + (target - w.indicators[k]) / slope
+            target = w.events.edges[2 * k + 1] if ahead > 0.0 else w.events.edges[2 * k]
+            return t + (target - w.events.indicators[k]) / slope
     if not w.modes[k] * ahead < 0.0:
         return inf * direction
-    return t - w.indicators[k] / slope
+    return t - w.events.indicators[k] / slope
 
 
 def next_time_event(p: Params, s: State, t1: Real, direction: Real, w: Work) -> Real:
-    """Return the next time at which a relation of time alone changes, with w.crossed, or t1 if that comes
-    first."""
-    fn_slopes_on(p, w.modes, w.indicator_slopes)
-    fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
+    """Return the next time at which a relation of time alone changes, with w.events.crossed, or t1 if that
+    comes first."""
+    fn_slopes_on(p, w.modes, w.events.slopes)
+    fn_indicators_on(p, s.t, s.x, w.modes, w.events.indicators)
     earliest = inf * direction
     first = 0
     for k in range(NMODE):
-        w.crossed[k] = 0
+        w.events.crossed[k] = 0
     for k in range(NTIMED):
-        w.event_times[k] = crossing_time(k, s.t, direction, w)
-        if (w.event_times[k] - earliest) * direction < 0.0:
-            earliest = w.event_times[k]
+        w.events.times[k] = crossing_time(k, s.t, direction, w)
+        if (w.events.times[k] - earliest) * direction < 0.0:
+            earliest = w.events.times[k]
             first = k
     if not fabs(earliest) < inf:
         return t1
-    fn_indicators_on(p, earliest, s.x, w.modes, w.indicators)
+    # Once more from there: far from zero a time is known to its round-off there, not here.
+    fn_indicators_on(p, earliest, s.x, w.modes, w.events.indicators)
     earliest = crossing_time(first, earliest, direction, w)
     near = 8.0 * SPACING * (fabs(earliest) + fabs(s.t))
     if (earliest - s.t) * direction < 0.0:
@@ -455,15 +476,16 @@ def next_time_event(p: Params, s: State, t1: Real, direction: Real, w: Work) -> 
         earliest = t1
     if (earliest - t1) * direction > 0.0:
         return t1
+    # Relations that change at one time do so together.
     for k in range(NTIMED):
-        if fabs(w.event_times[k] - earliest) <= near:
-            w.crossed[k] = 1
+        if fabs(w.events.times[k] - earliest) <= near:
+            w.events.crossed[k] = 1
     return earliest
 
 
 def is_time_event_due(w: Work) -> bool:
-    """Return whether w.crossed holds a relation of time alone."""
+    """Return whether w.events.crossed holds a relation of time alone."""
     for k in range(NTIMED):
-        if w.crossed[k] > 0:
+        if w.events.crossed[k] > 0:
             return True
     return False

@@ -30,32 +30,32 @@ CONTACT_MOTION = 64.0  # units in the last place: a smaller motion over the long
 
 
 def find_contacts(p: Params, s: State, w: Work) -> None:
-    """Mark indicators of clauses in w.in_contact that would move by no more than round-off of the states over
-    the longest step: bodies touch that do not approach each other."""
+    """Mark indicators of clauses in w.clauses.in_contact that would move by no more than round-off of the
+    states over the longest step: bodies touch that do not approach each other."""
     for i in range(NQ + NV):
-        w.x_part_middle[i] = s.sizes[scaling_group[i]]
-    estimate_indicator_roundoff(p, s, w.x_part_middle, w)
+        w.search.x_part_middle[i] = s.sizes[scaling_group[i]]
+    estimate_indicator_roundoff(p, s, w.search.x_part_middle, w)
     for j in range(NFREE):
         k = NTIMED + j
-        w.size_roundoff[j] = w.indicator_roundoff[j]
-        distance = fabs(w.indicator_rates[k]) * s.longest_step
+        w.clauses.size_roundoff[j] = w.events.roundoff[j]
+        distance = fabs(w.events.rates[k]) * s.longest_step
         if NLATE > 0:
             distance = late_span(k, distance, w)
-        near = distance <= CONTACT_MOTION * w.indicator_roundoff[j] and s.longest_step > 0.0
-        known = is_known(w.enclosures[2 * j], w.enclosures[2 * j + 1])
-        w.in_contact[j] = 1 if near and known and clauses_only[k] > 0 and has_edges[k] == 0 else 0
+        near = distance <= CONTACT_MOTION * w.events.roundoff[j] and s.longest_step > 0.0
+        known = is_known(w.events.enclosures[2 * j], w.events.enclosures[2 * j + 1])
+        w.clauses.in_contact[j] = 1 if near and known and clauses_only[k] > 0 and has_edges[k] == 0 else 0
 
 
 def drop_contacts(p: Params, s: State, w: Work) -> bool:
-    """Remove indicators in contact from w.crossed, and return whether any crosses."""
+    """Remove indicators in contact from w.events.crossed, and return whether any crosses."""
     find_contacts(p, s, w)
     found = False
     for k in range(NMODE):
-        if k >= NTIMED and w.crossed[k] > 0:
-            if w.in_contact[k - NTIMED] > 0:
+        if k >= NTIMED and w.events.crossed[k] > 0:
+            if w.clauses.in_contact[k - NTIMED] > 0:
                 increase_slack(p, s, k, w)
-                w.crossed[k] = 0
-        if w.crossed[k] > 0:
+                w.events.crossed[k] = 0
+        if w.events.crossed[k] > 0:
             found = True
     return found
 
@@ -65,23 +65,23 @@ def cancel_grazing(p: Params, s: State, direction: Real, w: Work) -> bool:
     changes of modes. Return whether there are any."""
     found = False
     if NWHEN > 0:
-        if w.clauses_first:
+        if w.clauses.act_first:
             return False
     others = 0
     for i in range(NMODE):
-        others += w.crossed[i]
+        others += w.events.crossed[i]
         if NWHEN > 0:
             if clauses_only[i] > 0:  # it turns none back
-                others -= w.crossed[i]
+                others -= w.events.crossed[i]
     for j in range(NFREE):
         k = NTIMED + j
-        touches = w.crossed[k] > 0 and w.indicator_jumped[k] == 0 and others > 1
+        touches = w.events.crossed[k] > 0 and w.events.jumped[k] == 0 and others > 1
         if NWHEN > 0:
             if clauses_only[k] > 0:
-                touches = w.crossed[k] > 0 and w.indicator_jumped[k] == 0 and others > 0
-        if touches and turns_back(k, w.indicator_rates[k], w.old_indicator_rates[k], direction, w):
+                touches = w.events.crossed[k] > 0 and w.events.jumped[k] == 0 and others > 0
+        if touches and turns_back(k, w.events.rates[k], w.events.old_rates[k], direction, w):
             w.modes[k] = s.modes[k]
-            w.crossed[k] = 0
+            w.events.crossed[k] = 0
             others -= 1
             if NWHEN > 0:
                 if clauses_only[k] > 0:
@@ -89,7 +89,7 @@ def cancel_grazing(p: Params, s: State, direction: Real, w: Work) -> bool:
             found = True
     if found:
         update_edges(w)
-        indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
+        indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
     return found
 
 
@@ -102,12 +102,12 @@ def correct_state(p: Params, s: State, direction: Real, w: Work) -> None:
     """Correct the state to first order for the time since the first crossing, or until it: the rates
     differ before and after it. This residual time of the location is mostly round-off."""
     for k in range(NMODE):
-        if w.crossed[k] > 0:
+        if w.events.crossed[k] > 0:
             since = time_since_crossing(k, direction, w)
             if is_first_order(since, s):
                 for i in range(NINT):
-                    s.x[i] += since * (w.xdot[i] - w.old_rates[i])
-                indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
+                    s.x[i] += since * (w.xdot[i] - w.events.old_state_rates[i])
+                indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
             return
 
 
@@ -118,7 +118,7 @@ def is_chattering(s: State, w: Work) -> bool:
         s.changes_at_time = 0
     s.changes_at_time += 1
     for k in range(NMODE):
-        if w.crossed[k] > 0:
+        if w.events.crossed[k] > 0:
             w.culprit = k
     return s.changes_at_time > MOST_CHANGES + 2 * NMODE
 
@@ -127,23 +127,26 @@ def cross_edge(k: int, s: State, direction: Real, w: Work) -> None:
     """Move a stepwise relation to its next mode. If its indicator moves away from the nearest edge it
     stays, as a repeated step may lead elsewhere; at a second event at the same time it moves."""
     if NEDGES > 0:
-        up = w.old_indicator_rates[k] * direction > 0.0
-        above = w.edges[2 * k + 1] - w.indicators_before[k] < w.indicators_before[k] - w.edges[2 * k]
+        up = w.events.old_rates[k] * direction > 0.0
+        above = (
+            w.events.edges[2 * k + 1] - w.events.indicators_before[k]
+            < w.events.indicators_before[k] - w.events.edges[2 * k]
+        )
         if k < NTIMED or up == above or s.t == s.t_changed:
             step_mode(k, up, w)
 
 
 def leave_modes(s: State, direction: Real, w: Work) -> None:
-    """Change the modes of the relations in w.crossed."""
+    """Change the modes of the relations in w.events.crossed."""
     for i in range(NMODE):
-        if w.crossed[i] > 0:
+        if w.events.crossed[i] > 0:
             if has_edges[i] > 0:
                 cross_edge(i, s, direction, w)
             elif w.modes[i] == 0.0:
                 away = (
-                    w.old_indicator_rates[i] * direction
+                    w.events.old_rates[i] * direction
                     if is_within_slack(i, s, w)
-                    else w.indicators_before[i]
+                    else w.events.indicators_before[i]
                 )
                 w.modes[i] = sign_of(away)
             else:
@@ -151,11 +154,11 @@ def leave_modes(s: State, direction: Real, w: Work) -> None:
 
 
 def holds_back(direction: Real, w: Work) -> int:
-    """Return the first relation in w.crossed whose indicator is driven back at once, or -1."""
+    """Return the first relation in w.events.crossed whose indicator is driven back at once, or -1."""
     for j in range(NFREE):
         k = NTIMED + j
-        if w.crossed[k] > 0 and w.indicator_jumped[k] == 0:
-            if turns_back(k, w.indicator_rates[k], w.old_indicator_rates[k], direction, w):
+        if w.events.crossed[k] > 0 and w.events.jumped[k] == 0:
+            if turns_back(k, w.events.rates[k], w.events.old_rates[k], direction, w):
                 return k
     return -1
 
@@ -167,30 +170,30 @@ def cross_together(first: int, s: State, direction: Real, w: Work) -> None:
         if find_simultaneous(s, first, direction, w):
             for j in range(NFREE):
                 k = NTIMED + j
-                if w.sliding_candidates[j] > 0 and w.crossed[k] == 0 and clauses_only[k] > 0:
-                    if w.modes[k] * w.old_indicator_rates[k] * direction < 0.0:
+                if w.events.sliding_candidates[j] > 0 and w.events.crossed[k] == 0 and clauses_only[k] > 0:
+                    if w.modes[k] * w.events.old_rates[k] * direction < 0.0:
                         w.modes[k] = -w.modes[k]
 
 
 def find_clauses_first(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """Set w.clauses_first: forces drive an indicator back that crosses, and the crossing makes conditions
+    """Set w.clauses.act_first: forces drive an indicator back that crosses, and the crossing makes conditions
     of clauses `when` true. The clauses act on the crossing, before the motion is said to slide or chatter."""
-    w.clauses_first = False
+    w.clauses.act_first = False
     status = update_indicator_rates(p, s, w)
     if failed(status):
         return status
     first = holds_back(direction, w)
     if first >= 0:
-        w.candidate_modes[:] = w.modes
+        w.events.candidate_modes[:] = w.modes
         cross_together(first, s, direction, w)
-        fn_holds_on(p, s.t, s.x, w.modes, w.conditions)
+        fn_holds_on(p, s.t, s.x, w.modes, w.clauses.conditions)
         for k in range(NWHEN):
-            if w.conditions[k] > s.conditions[k]:
-                w.clauses_first = True
-        if w.clauses_first:
-            indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
+            if w.clauses.conditions[k] > s.conditions[k]:
+                w.clauses.act_first = True
+        if w.clauses.act_first:
+            indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
         else:
-            w.modes[:] = w.candidate_modes
+            w.modes[:] = w.events.candidate_modes
     return status
 
 
@@ -199,58 +202,60 @@ def slide_along(s: State, direction: Real, w: Work) -> None:
     if NFREE > 1:
         for i in range(NFREE):
             first = NTIMED + i
-            if w.crossed[first] > 0 and w.modes[first] == 0.0 and s.modes[first] != 0.0:
+            if w.events.crossed[first] > 0 and w.modes[first] == 0.0 and s.modes[first] != 0.0:
                 if find_simultaneous(s, first, direction, w):
                     for j in range(NFREE):
                         k = NTIMED + j
-                        least = SLIDING_RATE * fabs(w.old_indicator_rates[k])
-                        if w.sliding_candidates[j] > 0 and fabs(w.indicator_rates[k]) <= least:
+                        least = SLIDING_RATE * fabs(w.events.old_rates[k])
+                        if w.events.sliding_candidates[j] > 0 and fabs(w.events.rates[k]) <= least:
                             w.modes[k] = 0.0
 
 
 def is_driven_back(p: Params, s: State, direction: Real, w: Work) -> bool:
     """Return whether an indicator that crossed is driven back at once and does not slide; sets w.culprit."""
     if NWHEN > 0:
-        if w.clauses_first:
+        if w.clauses.act_first:
             return False
     for j in range(NFREE):
         k = NTIMED + j
-        rate = w.indicator_rates[k]
+        rate = w.events.rates[k]
         if (
-            w.crossed[k] > 0
-            and w.indicator_jumped[k] == 0
-            and turns_back(k, rate, w.old_indicator_rates[k], direction, w)
+            w.events.crossed[k] > 0
+            and w.events.jumped[k] == 0
+            and turns_back(k, rate, w.events.old_rates[k], direction, w)
         ):
             # An indicator leaves its sliding mode only if it does not return.
             left = s.modes[k] == 0.0 and not is_within_slack(k, s, w)
-            if left or not slides(p, s, k, rate, w.old_indicator_rates[k], w):
+            if left or not slides(p, s, k, rate, w.events.old_rates[k], w):
                 w.culprit = k
                 return True
     return False
 
 
 def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """Change the modes of the relations in w.crossed at (s.t, s.x). Returns CHATTERING, with the relation
-    as the culprit, if an indicator is driven back on both sides and does not slide."""
+    """Change the modes of the relations in w.events.crossed at (s.t, s.x). Returns CHATTERING, with the
+    relation as the culprit, if an indicator is driven back on both sides and does not slide."""
+    # Rates, indicators and edges before the change: what crosses is confirmed by these.
     if NEDGES > 0:
         for i in range(NEDGES):
-            w.old_edges[i] = w.edges[i]
+            w.events.old_edges[i] = w.events.edges[i]
     s.rhs += 1
-    status = rates_at(p, s.t, s.x, w.old_rates, w.lam, w)
+    status = rates_at(p, s.t, s.x, w.events.old_state_rates, w.lam, w)
     if failed(status):
         return status
-    indicator_rates_at(p, s.t, s.x, w.modes, w.old_rates, w.indicator_rates, s, w)
-    indicators_at(p, s.t, s.x, w.modes, w.indicators_before, s, w)
-    w.indicators[:] = w.indicators_before
+    indicator_rates_at(p, s.t, s.x, w.modes, w.events.old_state_rates, w.events.rates, s, w)
+    indicators_at(p, s.t, s.x, w.modes, w.events.indicators_before, s, w)
+    w.events.indicators[:] = w.events.indicators_before
     if NFREE > 0:
         if not confirm_crossings(p, s, direction, w):
             return OK
         if NWHEN > 0:
             if not drop_contacts(p, s, w):
                 return OK
-    w.old_indicator_rates[:] = w.indicator_rates
+    # New modes of what crosses, then of what these move; clauses `when` may act before the motion slides.
+    w.events.old_rates[:] = w.events.rates
     leave_modes(s, direction, w)
-    propagate_changes(p, s, direction, w.old_rates, w)
+    propagate_changes(p, s, direction, w.events.old_state_rates, w)
     if NWHEN > 0:
         status = find_clauses_first(p, s, direction, w)
         if failed(status):
@@ -258,7 +263,8 @@ def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
     if NFREE > 1:
         if slide_together(p, s, direction, w):
             update_edges(w)
-            indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
+            indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
+    # By the rates in the new modes an indicator goes on, was only touched, slides, or is driven back.
     status = update_indicator_rates(p, s, w)
     if failed(status):
         return status

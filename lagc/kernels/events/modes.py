@@ -26,16 +26,16 @@ def sign_of(a: Real) -> Real:
 def update_edges(w: Work) -> None:
     """Compute the edges of the current modes. An outermost edge is infinite: no indicator reaches it."""
     if NEDGES > 0:
-        fn_edges_on(w.modes, w.edges)
+        fn_edges_on(w.modes, w.events.edges)
         for i in range(NEDGES):
-            if fabs(w.edges[i]) >= NO_EDGE:
-                w.edges[i] *= inf
+            if fabs(w.events.edges[i]) >= NO_EDGE:
+                w.events.edges[i] *= inf
 
 
 def step_mode(k: int, up: bool, w: Work) -> None:
     """Move a stepwise relation to its next mode, up or down, if there is one."""
     if NEDGES > 0:
-        if fabs(w.edges[2 * k + 1] if up else w.edges[2 * k]) < inf:
+        if fabs(w.events.edges[2 * k + 1] if up else w.events.edges[2 * k]) < inf:
             w.modes[k] += 1.0 if up else -1.0
 
 
@@ -43,8 +43,8 @@ def margin(k: int, indicator: Real, slack: Real, w: Work) -> Real:
     """Return the distance of an indicator from its crossing, plus its slack; negative beyond it."""
     if NEDGES > 0:
         if has_edges[k] > 0:
-            low = indicator - w.edges[2 * k]
-            high = w.edges[2 * k + 1] - indicator
+            low = indicator - w.events.edges[2 * k]
+            high = w.events.edges[2 * k + 1] - indicator
             return slack + (low if low < high else high)
     mode = w.modes[k]
     return slack + (mode * indicator if mode != 0.0 else -fabs(indicator))
@@ -53,42 +53,45 @@ def margin(k: int, indicator: Real, slack: Real, w: Work) -> Real:
 def advance_mode(k: int, direction: Real, more: Real, w: Work, t: Real) -> None:
     """If an indicator is within round-off and `more` of a crossing, change its mode to the one that it
     moves to."""
-    ahead = w.indicator_rates[k] * direction
+    ahead = w.events.rates[k] * direction
     near = more + 16.0 * SPACING * (
-        fabs(w.indicators[k]) + fabs(w.old_indicators[k]) + fabs(t * w.indicator_rates[k])
+        fabs(w.events.indicators[k]) + fabs(w.events.old_indicators[k]) + fabs(t * w.events.rates[k])
     )
     if NEDGES > 0:
         if has_edges[k] > 0:
-            if ahead > 0.0 and w.edges[2 * k + 1] - w.indicators[k] <= near:
+            if ahead > 0.0 and w.events.edges[2 * k + 1] - w.events.indicators[k] <= near:
                 step_mode(k, True, w)
-            elif ahead < 0.0 and w.indicators[k] - w.edges[2 * k] <= near:
+            elif ahead < 0.0 and w.events.indicators[k] - w.events.edges[2 * k] <= near:
                 step_mode(k, False, w)
             return
     if NCON > 0:
         if k >= NMODE - NCON - NSLIP:  # a contact
             return
-    if fabs(w.indicators[k]) <= near and ahead != 0.0:
+    if fabs(w.events.indicators[k]) <= near and ahead != 0.0:
         w.modes[k] = sign_of(ahead)
 
 
 def adopt_modes(p: Params, s: State, w: Work) -> None:
-    """Give indicators that differ from w.indicators_before the modes of their values, and mark them in
-    w.indicator_jumped. Repeat, since modes change other indicators."""
+    """Give indicators that differ from w.events.indicators_before the modes of their values, and mark them in
+    w.events.jumped. Repeat, since modes change other indicators."""
     for k in range(NMODE):
-        w.indicator_jumped[k] = 0
+        w.events.jumped[k] = 0
     for turn in range(NMODE):
         done = True
-        indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
-        fn_own_modes_on(p, s.t, s.x, w.modes, w.candidate_modes)
+        indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
+        if NPLAIN > 0:
+            fn_own_modes_on(p, s.t, s.x, w.modes, w.events.candidate_modes)
+        else:
+            w.events.candidate_modes[:] = w.modes
         if NLATE > 0:
             adopt_late_modes(w)
         for k in range(NMODE):
-            if w.indicators[k] != w.indicators_before[k]:
-                w.indicator_jumped[k] = 1
-                if w.candidate_modes[k] != w.modes[k]:
-                    w.modes[k] = w.candidate_modes[k]
+            if w.events.indicators[k] != w.events.indicators_before[k]:
+                w.events.jumped[k] = 1
+                if w.events.candidate_modes[k] != w.modes[k]:
+                    w.modes[k] = w.events.candidate_modes[k]
                     done = False
-        w.indicators_before[:] = w.indicators
+        w.events.indicators_before[:] = w.events.indicators
         if done:
             break
     update_edges(w)
@@ -96,12 +99,12 @@ def adopt_modes(p: Params, s: State, w: Work) -> None:
 
 def propagate_changes(p: Params, s: State, direction: Real, rates: Vec[NX], w: Work) -> None:
     """After some modes changed, update the modes of indicators that depend on them and jump.
-    w.indicators_before are the indicators before; `rates` are the rates of the state there."""
-    w.old_indicators[:] = w.indicators_before
+    w.events.indicators_before are the indicators before; `rates` are the rates of the state there."""
+    w.events.old_indicators[:] = w.events.indicators_before
     adopt_modes(p, s, w)
-    indicator_rates_at(p, s.t, s.x, w.modes, rates, w.indicator_rates, s, w)
+    indicator_rates_at(p, s.t, s.x, w.modes, rates, w.events.rates, s, w)
     for k in range(NMODE):
-        if w.indicator_jumped[k] > 0:
+        if w.events.jumped[k] > 0:
             advance_mode(k, direction, 0.0, w, s.t)
     update_edges(w)
 
@@ -114,7 +117,7 @@ def accept_modes(s: State, w: Work) -> None:
             if k >= NMODE - NCON - NSLIP:  # their slack is set by `set_contact_slack`
                 s.modes[k] = w.modes[k]
                 continue
-        beyond = -margin(k, w.indicators[k], 0.0, w)
+        beyond = -margin(k, w.events.indicators[k], 0.0, w)
         least = s.slack[k] if w.modes[k] == 0.0 and s.modes[k] == 0.0 else 0.0
         s.slack[k] = beyond if beyond > least else least
         s.modes[k] = w.modes[k]
@@ -123,20 +126,42 @@ def accept_modes(s: State, w: Work) -> None:
 def is_at_lower_edge(k: int, w: Work) -> bool:
     """Return whether an indicator is exactly at the lower edge of its mode."""
     if NEDGES > 0:
-        return w.indicators_before[k] == w.edges[2 * k]
+        return w.events.indicators_before[k] == w.events.edges[2 * k]
     return False
+
+
+def leave_zero(direction: Real, w: Work) -> bool:
+    """Give indicators at zero, or at the lower edge of their modes, the modes that they move to, and mark
+    them in w.events.crossed. Return whether there are any."""
+    found = False
+    for k in range(NMODE):
+        ahead = sign_of(w.events.rates[k] * direction)
+        w.events.crossed[k] = 0
+        if has_edges[k] > 0:
+            if is_at_lower_edge(k, w) and ahead < 0.0:
+                step_mode(k, False, w)
+                w.events.crossed[k] = 1
+        elif w.modes[k] == 0.0 and ahead != 0.0:
+            if NCON > 0:
+                if w.settling.indicators_unmoved[k] > 0:
+                    continue
+            w.modes[k] = ahead
+            w.events.crossed[k] = 1
+        if w.events.crossed[k] > 0:
+            found = True
+    return found
 
 
 def choose_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Find the modes of a new state, and compute its rates. An indicator at zero gets the mode that it
     moves to."""
     if NCON > 0:
-        w.candidate_modes[:] = w.modes
+        w.events.candidate_modes[:] = w.modes
     fn_modes(p, s.t, s.x, w.modes)
     if NCON > 0:
         for k in range(NMODE):
-            if w.indicators_unmoved[k] > 0:
-                w.modes[k] = w.candidate_modes[k]
+            if w.settling.indicators_unmoved[k] > 0:
+                w.modes[k] = w.events.candidate_modes[k]
     if NLATE > 0:
         set_late_modes(p, s.t, s.x, s, w)
     update_edges(w)
@@ -144,28 +169,15 @@ def choose_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
     s.rhs += 1
     if failed(status):
         return status
-    indicators_at(p, s.t, s.x, w.modes, w.indicators_before, s, w)
-    indicator_rates_at(p, s.t, s.x, w.modes, s.k[0], w.indicator_rates, s, w)
-    changed = False
-    for k in range(NMODE):
-        ahead = sign_of(w.indicator_rates[k] * direction)
-        w.crossed[k] = 0
-        if has_edges[k] > 0:
-            if is_at_lower_edge(k, w) and ahead < 0.0:
-                step_mode(k, False, w)
-                w.crossed[k] = 1
-        elif w.modes[k] == 0.0 and ahead != 0.0:
-            if NCON > 0:
-                if w.indicators_unmoved[k] > 0:
-                    continue
-            w.modes[k] = ahead
-            w.crossed[k] = 1
-        if w.crossed[k] > 0:
-            changed = True
-    w.indicators[:] = w.indicators_before
-    if changed:
-        propagate_changes(p, s, direction, s.k[0], w)
-        status = rates_at(p, s.t, s.x, s.k[0], w.lam, w)
-        s.rhs += 1
+    indicators_at(p, s.t, s.x, w.modes, w.events.indicators_before, s, w)
+    indicator_rates_at(p, s.t, s.x, w.modes, s.k[0], w.events.rates, s, w)
+    w.events.indicators[:] = w.events.indicators_before
+    if NPLAIN > 0:
+        if leave_zero(direction, w):
+            propagate_changes(p, s, direction, s.k[0], w)
+            status = rates_at(p, s.t, s.x, s.k[0], w.lam, w)
+            s.rhs += 1
+    else:  # the motion does not depend on modes of gaps
+        leave_zero(direction, w)
     accept_modes(s, w)
     return status

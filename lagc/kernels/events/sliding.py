@@ -32,47 +32,44 @@ def time_since_crossing(k: int, direction: Real, w: Work) -> Real:
     if NEDGES > 0:
         if has_edges[k] > 0:
             target = (
-                w.old_edges[2 * k + 1] if w.old_indicator_rates[k] * direction > 0.0 else w.old_edges[2 * k]
+                w.events.old_edges[2 * k + 1]
+                if w.events.old_rates[k] * direction > 0.0
+                else w.events.old_edges[2 * k]
             )
     return (
-        (w.old_indicators[k] - target) / w.old_indicator_rates[k] if w.old_indicator_rates[k] != 0.0 else 0.0
+        (w.events.old_indicators[k] - target) / w.events.old_rates[k] if w.events.old_rates[k] != 0.0 else 0.0
     )
 
 
 def update_indicator_rates(p: Params, s: State, w: Work) -> Status:
-    """Compute w.indicator_rates in the modes w.modes."""
+    """Compute w.events.rates in the modes w.modes."""
     s.rhs += 1
     status = rates_at(p, s.t, s.x, w.xdot, w.lam, w)
     if not failed(status):
-        indicator_rates_at(p, s.t, s.x, w.modes, w.xdot, w.indicator_rates, s, w)
+        indicator_rates_at(p, s.t, s.x, w.modes, w.xdot, w.events.rates, s, w)
     return status
 
 
 def first_crossed(w: Work) -> int:
-    """Return the first relation in w.crossed."""
+    """Return the first relation in w.events.crossed."""
     first = 0
-    while first < NMODE - 1 and w.crossed[first] == 0:
+    while first < NMODE - 1 and w.events.crossed[first] == 0:
         first += 1
     return first
 
 
 def find_simultaneous(s: State, first: int, direction: Real, w: Work) -> bool:
     """Mark the indicators that reach zero at the same time as this one, within the error of the step, in
-    w.sliding_candidates. Return whether there are any."""
+    w.events.sliding_candidates. Return whether there are any."""
     when = time_since_crossing(first, direction, w)
     near = s.event_time_error + EVENT_TIME_ULPS * SPACING * fabs(s.t)
     found = False
     for j in range(NFREE):
         k = NTIMED + j
-        w.sliding_candidates[j] = 0
-        if (
-            has_edges[k] == 0
-            and w.indicator_jumped[k] == 0
-            and w.old_indicator_rates[k] != 0.0
-            and k != first
-        ):
+        w.events.sliding_candidates[j] = 0
+        if has_edges[k] == 0 and w.events.jumped[k] == 0 and w.events.old_rates[k] != 0.0 and k != first:
             if fabs(time_since_crossing(k, direction, w) - when) <= near:
-                w.sliding_candidates[j] = 1
+                w.events.sliding_candidates[j] = 1
                 found = True
     return found
 
@@ -86,19 +83,19 @@ def set_sliding(p: Params, s: State, first: int, w: Work) -> bool:
     several = False
     for j in range(NFREE):
         k = NTIMED + j
-        if w.sliding_candidates[j] > 0:
+        if w.events.sliding_candidates[j] > 0:
             mode = w.modes[k]
-            rate = w.indicator_rates[first]
+            rate = w.events.rates[first]
             w.modes[k] = 0.0
             if failed(update_indicator_rates(p, s, w)):
                 return False
-            if fabs(w.indicator_rates[first] - rate) > SLIDING_RATE * fabs(w.old_indicator_rates[first]):
+            if fabs(w.events.rates[first] - rate) > SLIDING_RATE * fabs(w.events.old_rates[first]):
                 several = True
             else:
-                w.sliding_candidates[j] = 0
+                w.events.sliding_candidates[j] = 0
                 w.modes[k] = mode
-                w.indicator_rates[first] = rate
-    w.sliding_candidates[first - NTIMED] = 1
+                w.events.rates[first] = rate
+    w.events.sliding_candidates[first - NTIMED] = 1
     return several
 
 
@@ -107,15 +104,15 @@ def is_sliding_consistent(p: Params, s: State, direction: Real, w: Work) -> bool
     there = not failed(update_indicator_rates(p, s, w))
     for j in range(NFREE):
         k = NTIMED + j
-        if w.sliding_candidates[j] > 0:
-            if not fabs(w.indicator_rates[k]) <= SLIDING_RATE * fabs(w.old_indicator_rates[k]):
+        if w.events.sliding_candidates[j] > 0:
+            if not fabs(w.events.rates[k]) <= SLIDING_RATE * fabs(w.events.old_rates[k]):
                 there = False
-            w.modes[k] = sign_of(w.old_indicator_rates[k] * direction)
+            w.modes[k] = sign_of(w.events.old_rates[k] * direction)
     there = there and not failed(update_indicator_rates(p, s, w))
     for j in range(NFREE):
         k = NTIMED + j
-        if w.sliding_candidates[j] > 0:
-            if not turns_back(k, w.indicator_rates[k], w.old_indicator_rates[k], direction, w):
+        if w.events.sliding_candidates[j] > 0:
+            if not turns_back(k, w.events.rates[k], w.events.old_rates[k], direction, w):
                 there = False
             w.modes[k] = 0.0
     return there
@@ -125,22 +122,22 @@ def slide_together(p: Params, s: State, direction: Real, w: Work) -> bool:
     """Return whether several indicators that reach zero together slide there, as joints with dry friction
     do. They are in mode zero then."""
     if NWHEN > 0:
-        if w.clauses_first:
+        if w.clauses.act_first:
             return False
     first = first_crossed(w)
     if (
         first < NTIMED
         or has_edges[first] > 0
-        or w.indicator_jumped[first] > 0
-        or w.old_indicator_rates[first] == 0.0
+        or w.events.jumped[first] > 0
+        or w.events.old_rates[first] == 0.0
     ):
         return False
     if not find_simultaneous(s, first, direction, w):
         return False
-    w.candidate_modes[:] = w.modes
+    w.events.candidate_modes[:] = w.modes
     if set_sliding(p, s, first, w) and is_sliding_consistent(p, s, direction, w):
         return True
-    w.modes[:] = w.candidate_modes
+    w.modes[:] = w.events.candidate_modes
     return False
 
 
@@ -150,7 +147,7 @@ def slides(p: Params, s: State, k: int, rate: Real, before: Real, w: Work) -> bo
         return False
     mode = w.modes[k]
     w.modes[k] = 0.0
-    if not failed(update_indicator_rates(p, s, w)) and fabs(w.indicator_rates[k]) <= SLIDING_RATE * (
+    if not failed(update_indicator_rates(p, s, w)) and fabs(w.events.rates[k]) <= SLIDING_RATE * (
         fabs(rate) + fabs(before)
     ):
         return True
@@ -164,6 +161,6 @@ def set_sliding_slack(s: State, w: Work) -> None:
     for j in range(NFREE):
         k = NTIMED + j
         if s.modes[k] == 0.0 and s.changed[k] > 0:
-            own = EVENT_TIME_ULPS * SPACING * fabs(s.t * w.old_indicator_rates[k])
+            own = EVENT_TIME_ULPS * SPACING * fabs(s.t * w.events.old_rates[k])
             if own > s.slack[k]:
                 s.slack[k] = own

@@ -7,7 +7,7 @@ left. Conditions that this makes true trigger more clauses.
 from math import fabs, inf
 
 from lagc.kernels.constraints.projection import project
-from lagc.kernels.contact.jumps import settle_jump
+from lagc.kernels.contact.settle import settle_jump
 from lagc.kernels.contact.touching import rates_at
 from lagc.kernels.events.late_indicators import indicator_rates_at, indicators_at, set_late_modes
 from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
@@ -22,22 +22,22 @@ MOST_PROJECTION = 1e-6  # of the sizes of states: a larger change of new values 
 
 
 def update_conditions(p: Params, s: State, w: Work) -> bool:
-    """Evaluate the conditions; return whether some have become true, w.triggered."""
+    """Evaluate the conditions; return whether some have become true, w.clauses.triggered."""
     found = False
-    fn_holds_on(p, s.t, s.x, w.modes, w.conditions)
+    fn_holds_on(p, s.t, s.x, w.modes, w.clauses.conditions)
     for k in range(NWHEN):
-        w.triggered[k] = 1 if w.conditions[k] > s.conditions[k] else 0
-        s.conditions[k] = w.conditions[k]
-        if w.triggered[k] > 0:
+        w.clauses.triggered[k] = 1 if w.clauses.conditions[k] > s.conditions[k] else 0
+        s.conditions[k] = w.clauses.conditions[k]
+        if w.clauses.triggered[k] > 0:
             found = True
     return found
 
 
 def last_reinit_clause(w: Work) -> int:
-    """Return the last clause in w.triggered that assigns values to states, or -1."""
+    """Return the last clause in w.clauses.triggered that assigns values to states, or -1."""
     found = -1
     for j in range(NJUMP):
-        if w.triggered[reinit_clause[j]] > 0:
+        if w.clauses.triggered[reinit_clause[j]] > 0:
             found = reinit_clause[j]
     return found
 
@@ -45,10 +45,10 @@ def last_reinit_clause(w: Work) -> int:
 def apply_reinit(p: Params, s: State, k: int, w: Work) -> bool:
     """Assign the new values of clause k; return whether there are any."""
     found = False
-    fn_reinit(p, s.t, s.x, w.reinit_values)
+    fn_reinit(p, s.t, s.x, w.clauses.reinit_values)
     for j in range(NJUMP):
         if reinit_clause[j] == k:
-            s.x[reinit_target[j]] = w.reinit_values[j]
+            s.x[reinit_target[j]] = w.clauses.reinit_values[j]
             found = True
     if NDISC > 0:
         box_discrete(s, w)
@@ -59,33 +59,36 @@ def meets_constraints(p: Params, s: State, w: Work) -> bool:
     """Project the new values onto the constraints; return whether that changes them by no more than
     round-off. Speeds without inertia follow the constraints: by the metric of the mass matrix they move
     alone."""
-    w.x_reinit[:] = s.x
+    w.clauses.x_reinit[:] = s.x
     if failed(project(p, s.t, s.x, s.sizes, w)):
         return False
     for i in range(NQ + NV):
         free = False
         if NMASSLESS > 0:
             free = massless[i] == 1
-        if not free and not fabs(s.x[i] - w.x_reinit[i]) <= MOST_PROJECTION * s.sizes[scaling_group[i]]:
+        if (
+            not free
+            and not fabs(s.x[i] - w.clauses.x_reinit[i]) <= MOST_PROJECTION * s.sizes[scaling_group[i]]
+        ):
             return False
     return True
 
 
 def slide_after_reinit(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Set indicators to mode zero that new values leave at zero, to which both sides drive them back."""
-    indicator_rates_at(p, s.t, s.x, w.modes, w.xdot, w.indicator_rates, s, w)
+    indicator_rates_at(p, s.t, s.x, w.modes, w.xdot, w.events.rates, s, w)
     found = False
     for j in range(NFREE):
         k = NTIMED + j
-        at_zero = has_edges[k] == 0 and fabs(w.indicators[k]) <= SLACK_GROWTH * w.indicator_roundoff[j]
-        if at_zero and (w.crossed[k] > 0 or w.indicator_jumped[k] > 0):
-            rate = w.indicator_rates[k]
+        at_zero = has_edges[k] == 0 and fabs(w.events.indicators[k]) <= SLACK_GROWTH * w.events.roundoff[j]
+        if at_zero and (w.events.crossed[k] > 0 or w.events.jumped[k] > 0):
+            rate = w.events.rates[k]
             if NCON > 0:
                 if k >= NMODE - NCON - NSLIP:
                     continue
             if w.modes[k] * rate * direction < 0.0:
                 found = True
-                slides(p, s, k, rate, w.old_indicator_rates[k], w)
+                slides(p, s, k, rate, w.events.old_rates[k], w)
     if not found:
         return OK
     s.rhs += 1
@@ -93,18 +96,18 @@ def slide_after_reinit(p: Params, s: State, direction: Real, w: Work) -> Status:
 
 
 def choose_modes_after_reinit(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """Find the modes of a state that has jumped, and its rates w.xdot. w.indicators_before are the
+    """Find the modes of a state that has jumped, and its rates w.xdot. w.events.indicators_before are the
     indicators before the jump."""
-    w.old_indicators[:] = w.indicators_before
+    w.events.old_indicators[:] = w.events.indicators_before
     adopt_modes(p, s, w)
     status = rates_at(p, s.t, s.x, w.xdot, w.lam, w)
     s.rhs += 1
     if failed(status):
         return status
-    indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
-    indicator_rates_at(p, s.t, s.x, w.modes, w.xdot, w.indicator_rates, s, w)
+    indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
+    indicator_rates_at(p, s.t, s.x, w.modes, w.xdot, w.events.rates, s, w)
     for i in range(NTIMED):
-        if w.indicator_jumped[i] > 0:
+        if w.events.jumped[i] > 0:
             advance_mode(i, direction, 0.0, w, s.t)
     if NFREE > 0:
         find_contacts(p, s, w)
@@ -114,11 +117,11 @@ def choose_modes_after_reinit(p: Params, s: State, direction: Real, w: Work) -> 
             if NCON > 0:
                 if k >= NMODE - NCON - NSLIP:  # the modes of contacts are in the state
                     continue
-            if w.indicator_jumped[k] > 0:
-                w.indicator_reset[j] = 1
-            beyond = w.crossed[k] > 0 and w.indicator_reset[j] == 0 and has_edges[k] == 0
-            if w.in_contact[j] == 0:
-                advance_mode(k, direction, inf if beyond else SLACK_GROWTH * w.indicator_roundoff[j], w, s.t)
+            if w.events.jumped[k] > 0:
+                w.clauses.indicator_reset[j] = 1
+            beyond = w.events.crossed[k] > 0 and w.clauses.indicator_reset[j] == 0 and has_edges[k] == 0
+            if w.clauses.in_contact[j] == 0:
+                advance_mode(k, direction, inf if beyond else SLACK_GROWTH * w.events.roundoff[j], w, s.t)
             elif beyond:
                 w.modes[k] = 0.0
     update_edges(w)
@@ -142,23 +145,24 @@ def reset_conditions(p: Params, s: State, direction: Real, w: Work) -> Status:
     make them true again."""
     status = choose_modes_after_reinit(p, s, direction, w)
     if not failed(status):
-        fn_holds_on(p, s.t, s.x, w.modes, w.conditions)
+        fn_holds_on(p, s.t, s.x, w.modes, w.clauses.conditions)
         for k in range(NWHEN):
-            if w.conditions[k] < s.conditions[k]:
-                s.conditions[k] = w.conditions[k]
+            if w.clauses.conditions[k] < s.conditions[k]:
+                s.conditions[k] = w.clauses.conditions[k]
     return status
 
 
 def reinitialize(p: Params, s: State, giver: int, direction: Real, w: Work) -> Status:
-    """Assign the new values of the clauses in w.triggered up to `giver`, the last one that has any. The
-    work integral gains the change of the energy."""
-    indicators_at(p, s.t, s.x, w.modes, w.indicators_before, s, w)
+    """Assign the new values of the clauses in w.clauses.triggered up to `giver`, the last one that has any.
+    The work integral gains the change of the energy."""
+    indicators_at(p, s.t, s.x, w.modes, w.events.indicators_before, s, w)
     if NZ > 0:
-        fn_energies(p, s.t, s.x, w.energies)
-        before = w.energies[2]
+        fn_energies(p, s.t, s.x, w.clauses.energies)
+        before = w.clauses.energies[2]
+    # Clauses act in the order of the text, each on the values that those before it gave.
     given = 0
     for k in range(giver + 1):
-        if w.triggered[k] > 0 and apply_reinit(p, s, k, w):
+        if w.clauses.triggered[k] > 0 and apply_reinit(p, s, k, w):
             given += 1
             if not_finite(s.x, NX) >= 0:
                 w.culprit = k
@@ -174,8 +178,9 @@ def reinitialize(p: Params, s: State, giver: int, direction: Real, w: Work) -> S
             w.culprit = giver
             return MISPLACED
     if NZ > 0:
-        fn_energies(p, s.t, s.x, w.energies)
-        s.x[NINT - 1] += w.energies[2] - before
+        fn_energies(p, s.t, s.x, w.clauses.energies)
+        s.x[NINT - 1] += w.clauses.energies[2] - before
+    # Contacts act on the new values before the modes of relations are known.
     if NCON > 0:
         status = settle_jump(p, s, w)
         if failed(status):
@@ -187,7 +192,7 @@ def reinitialize(p: Params, s: State, giver: int, direction: Real, w: Work) -> S
 
 
 def has_left_crossing(p: Params, s: State, direction: Real, w: Work) -> bool:
-    """Return whether the indicators in w.crossed enter their new modes, and were elsewhere since their
+    """Return whether the indicators in w.events.crossed enter their new modes, and were elsewhere since their
     last crossing. An indicator that returns within round-off of time or state, as in ever shorter bounces,
     has not left it; nor has one that returns within round-off of the sizes of states without end."""
     is_low = False
@@ -195,12 +200,12 @@ def has_left_crossing(p: Params, s: State, direction: Real, w: Work) -> bool:
         estimate_indicator_roundoff(p, s, s.x, w)
         for j in range(NFREE):
             k = NTIMED + j
-            if w.crossed[k] > 0 and w.indicator_jumped[k] == 0:
-                distance = fabs(w.old_indicator_rates[k]) * fabs(s.t - s.crossing_times[j])
-                if distance <= SLACK_GROWTH * w.size_roundoff[j]:
+            if w.events.crossed[k] > 0 and w.events.jumped[k] == 0:
+                distance = fabs(w.events.old_rates[k]) * fabs(s.t - s.crossing_times[j])
+                if distance <= SLACK_GROWTH * w.clauses.size_roundoff[j]:
                     is_low = True
-                if distance <= SLACK_GROWTH * w.indicator_roundoff[j] or turns_back(
-                    k, w.old_indicator_rates[k], w.old_indicator_rates[k], direction, w
+                if distance <= SLACK_GROWTH * w.events.roundoff[j] or turns_back(
+                    k, w.events.old_rates[k], w.events.old_rates[k], direction, w
                 ):
                     return False
     s.short_bounces = s.short_bounces + 1 if is_low else 0
@@ -208,22 +213,24 @@ def has_left_crossing(p: Params, s: State, direction: Real, w: Work) -> bool:
 
 
 def report_chattering(w: Work) -> Status:
-    """Return CHATTERING, with the last clause in w.triggered as the culprit."""
+    """Return CHATTERING, with the last clause in w.clauses.triggered as the culprit."""
     for k in range(NWHEN):
-        if w.triggered[k] > 0:
+        if w.clauses.triggered[k] > 0:
             w.culprit = NMODE + k
     return CHATTERING
 
 
 def act_in_order(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
     """Let the clauses act whose conditions become true, and then those that they trigger. Before the first
-    new values the state goes back by `since`, the time since the crossing, and w.at_event_time is set."""
+    new values the state goes back by `since`, the time since the crossing, and w.clauses.at_event_time is
+    set."""
     ended = OK
+    # New values may make other conditions true, which trigger their clauses in the next round.
     while update_conditions(p, s, w):
         if s.acts == 0 and not has_left_crossing(p, s, direction, w):
             return report_chattering(w)
         for k in range(NWHEN):
-            if w.triggered[k] > 0:
+            if w.clauses.triggered[k] > 0:
                 if s.acts == NACTS:
                     return report_chattering(w)
                 s.acted[s.acts] = k
@@ -234,8 +241,8 @@ def act_in_order(p: Params, s: State, direction: Real, since: Real, w: Work) -> 
         if NJUMP > 0:
             giver = last_reinit_clause(w)
             if giver >= 0:
-                if not w.at_event_time:
-                    w.at_event_time = True
+                if not w.clauses.at_event_time:
+                    w.clauses.at_event_time = True
                     extrapolate_state(s, -since, w)
                     s.t -= since
                 status = reinitialize(p, s, giver, direction, w)
@@ -248,24 +255,24 @@ def act_on_conditions(p: Params, s: State, direction: Real, since: Real, w: Work
     """Let the clauses act whose conditions became true `since` before (s.t, s.x). They act on the state of
     that time, which then moves on to s.t. Rates are in w.xdot."""
     for j in range(NFREE):
-        w.indicator_reset[j] = 0
+        w.clauses.indicator_reset[j] = 0
     s.acts = 0
     now = s.t
-    w.at_event_time = False
+    w.clauses.at_event_time = False
     status = act_in_order(p, s, direction, since, w)
     s.t = now
-    if w.at_event_time and (status == TERMINATED or not failed(status)):
+    if w.clauses.at_event_time and (status == TERMINATED or not failed(status)):
         extrapolate_state(s, since, w)
-        indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
+        indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
         accept_modes(s, w)
         s.rate_place = ABSENT
     return status
 
 
 def event_delay(s: State, direction: Real, w: Work) -> Real:
-    """Return the time since the first crossing in w.crossed, or 0 if it is more than round-off."""
+    """Return the time since the first crossing in w.events.crossed, or 0 if it is more than round-off."""
     for k in range(NMODE):
-        if w.crossed[k] > 0:
+        if w.events.crossed[k] > 0:
             since = time_since_crossing(k, direction, w)
             return since if is_first_order(since, s) else 0.0
     return 0.0
@@ -273,25 +280,25 @@ def event_delay(s: State, direction: Real, w: Work) -> Real:
 
 def save_state(s: State, w: Work) -> None:
     """Save what clauses may change."""
-    w.x_saved[:] = s.x
-    w.conditions_saved[:] = s.conditions
-    w.modes_saved[:] = s.modes
-    w.slack_saved[:] = s.slack
+    w.clauses.x_saved[:] = s.x
+    w.clauses.conditions_saved[:] = s.conditions
+    w.clauses.modes_saved[:] = s.modes
+    w.clauses.slack_saved[:] = s.slack
 
 
 def restore_state(s: State, w: Work) -> None:
     """Restore the saved state: actions that fail are not done at all, and another call tries them again."""
-    s.x[:] = w.x_saved
-    s.conditions[:] = w.conditions_saved
-    s.modes[:] = w.modes_saved
-    s.slack[:] = w.slack_saved
+    s.x[:] = w.clauses.x_saved
+    s.conditions[:] = w.clauses.conditions_saved
+    s.modes[:] = w.clauses.modes_saved
+    s.slack[:] = w.clauses.slack_saved
 
 
 def record_crossing_times(s: State, w: Work) -> None:
     """Store the times of the crossings. For crossings that follow ever faster, such as bounces, limit the
     next step to a multiple of the time between the last two."""
     for j in range(NFREE):
-        if w.crossed[NTIMED + j] > 0:
+        if w.events.crossed[NTIMED + j] > 0:
             since = fabs(s.t - s.crossing_times[j])
             if since > 0.0 and s.h > MOST_GROWTH_AFTER_EVENT * since:
                 s.h = MOST_GROWTH_AFTER_EVENT * since
@@ -299,7 +306,7 @@ def record_crossing_times(s: State, w: Work) -> None:
 
 
 def handle_event(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """Change the modes of the relations in w.crossed at (s.t, s.x), then let clauses `when` act."""
+    """Change the modes of the relations in w.events.crossed at (s.t, s.x), then let clauses `when` act."""
     if NWHEN > 0:
         save_state(s, w)
     status = change_modes(p, s, direction, w)
@@ -318,14 +325,14 @@ def update_modes_for_parameters(p: Params, s: State, direction: Real, w: Work) -
     moves get the modes of their values."""
     w.modes[:] = s.modes
     update_edges(w)
-    indicators_at(s.p, s.t, s.x, w.modes, w.indicators_before, s, w)
-    w.old_indicators[:] = w.indicators_before
+    indicators_at(s.p, s.t, s.x, w.modes, w.events.indicators_before, s, w)
+    w.events.old_indicators[:] = w.events.indicators_before
     adopt_modes(p, s, w)
     s.rhs += 1
     status = rates_at(p, s.t, s.x, s.k[0], w.lam, w)
     if failed(status):
         return status
-    indicators_at(p, s.t, s.x, w.modes, w.indicators, s, w)
+    indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
     accept_modes(s, w)
     return status
 
@@ -343,6 +350,7 @@ def start_modes(p: Params, s: State, direction: Real, elsewhere: bool, w: Work) 
             s.conditions_known = True
             for j in range(NFREE):
                 s.crossing_times[j] = -inf
+        # Later calls compare with the conditions before: what the caller changed may trigger clauses.
         save_state(s, w)
         if elsewhere:
             status = choose_modes(p, s, direction, w)
@@ -351,7 +359,7 @@ def start_modes(p: Params, s: State, direction: Real, elsewhere: bool, w: Work) 
         if status != OK:
             return status
         for k in range(NMODE):
-            w.crossed[k] = 0
+            w.events.crossed[k] = 0
         w.xdot[:] = s.k[0]
         status = act_on_conditions(p, s, direction, 0.0, w)
         if failed(status) and status != TERMINATED:

@@ -46,7 +46,7 @@ def has_two_estimates(method: int) -> bool:
 
 
 def method_error_parts(method: int, s: State, w: Work) -> None:
-    """Compute these estimates in w.error_parts."""
+    """Compute these estimates in w.error.parts."""
     for m in static(METHODS):
         if len(m.ERROR) == 2:
             if method == m.NUMBER:
@@ -96,7 +96,7 @@ def method_keep_stages(method: int, s: State) -> None:
 
 
 def method_estimate_roundoff(method: int, p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> None:
-    """Raise w.rate_roundoff to the round-off of a step over h from x."""
+    """Raise w.error.rate_roundoff to the round-off of a step over h from x."""
     for m in static(METHODS):
         if m.IMPLICIT > 0:
             if method == m.NUMBER:

@@ -31,7 +31,7 @@ def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status
 
 def error(h: Real, s: State, w: Work) -> Real:
     """Return the scaled error: the root mean square over coordinates and speeds of the estimate over
-    w.error_weights (HNW II.4.11). Two estimates e5 and e3 are combined to |e5|^2 / sqrt(|e5|^2 + 0.01
+    w.error.weights (HNW II.4.11). Two estimates e5 and e3 are combined to |e5|^2 / sqrt(|e5|^2 + 0.01
     |e3|^2) (HNW II.10.17). Infinite if it overflows."""
     if len(ERROR) == 0:
         return 0.0
@@ -40,10 +40,10 @@ def error(h: Real, s: State, w: Work) -> Real:
     if len(ERROR) == 2:
         second = 0.0
     for i in range(NQ + NV):
-        e = h * combination(ERROR[0], s.k, i) / w.error_weights[i]
+        e = h * combination(ERROR[0], s.k, i) / w.error.weights[i]
         first += e * e
         if len(ERROR) == 2:
-            e = h * combination(ERROR[1], s.k, i) / w.error_weights[i]
+            e = h * combination(ERROR[1], s.k, i) / w.error.weights[i]
             second += e * e
     if len(ERROR) == 2:
         total = n * (first + 0.01 * second)
@@ -61,19 +61,19 @@ def add_stability(s: State, w: Work) -> None:
     if len(STABILITY) > 0:
         h = s.h_old / number(STABILITY[0])
         for i in range(NQ + NV):
-            apart = h * (s.k[len(C)][i] - s.k[len(C) - 1][i]) / w.error_weights[i]
+            apart = h * (s.k[len(C)][i] - s.k[len(C) - 1][i]) / w.error.weights[i]
             s.rates_apart += apart * apart
             stage = s.x_old[i] + s.h_old * combination(A[len(C) - 1], s.k, i)
-            apart = (s.x[i] - stage) / w.error_weights[i]
+            apart = (s.x[i] - stage) / w.error.weights[i]
             s.states_apart += apart * apart
 
 
 def error_parts(s: State, w: Work) -> None:
-    """Compute the error estimates as vectors in w.error_parts, without the factor h."""
+    """Compute the error estimates as vectors in w.error.parts, without the factor h."""
     if NH > 0:
         for j in static(range(len(ERROR))):
             for i in range(NINT):
-                w.error_parts[j][i] = combination(ERROR[j], s.k, i)
+                w.error.parts[j][i] = combination(ERROR[j], s.k, i)
 
 
 def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:

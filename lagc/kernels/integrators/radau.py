@@ -27,10 +27,10 @@ LARGEST = 1e12  # scaled error of a state
 
 def start_stages(h: Real, s: State) -> None:
     """Extrapolate the last step to the stages of a step over h, if it is known."""
-    known = s.kept_step == s.steps
+    known = s.newton.kept_step == s.steps
     for j in static(range(len(C))):
         for i in range(NC):
-            s.stage_lam[j][i] = s.start_lam[i]
+            s.newton.stage_lam[j][i] = s.newton.start_lam[i]
         there = 1.0 + number(C[j]) * h / s.h_old if known else 0.0
         for i in range(NINT):
             s.k[1 + j][i] = 0.0
@@ -42,44 +42,54 @@ def start_stages(h: Real, s: State) -> None:
                 value = first + (there - number(C[0])) * slope
                 s.k[1 + j][i] = (there - 1.0) * (s.k[7][i] - there * value)
             for i in range(NC):
-                first = (s.kept_lam[1][i] - s.kept_lam[0][i]) / (number(C[1]) - number(C[0]))
-                slope = (s.kept_lam[2][i] - s.kept_lam[1][i]) / (1.0 - number(C[1])) - first
+                first = (s.newton.kept_lam[1][i] - s.newton.kept_lam[0][i]) / (number(C[1]) - number(C[0]))
+                slope = (s.newton.kept_lam[2][i] - s.newton.kept_lam[1][i]) / (1.0 - number(C[1])) - first
                 slope /= 1.0 - number(C[0])
                 value = first + (there - number(C[1])) * slope
-                s.stage_lam[j][i] = s.kept_lam[0][i] + (there - number(C[0])) * value
+                s.newton.stage_lam[j][i] = s.newton.kept_lam[0][i] + (there - number(C[0])) * value
 
 
 def newton_increments(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> None:
-    """Compute the next increments of the stages in w.increments."""
+    """Compute the next increments of the stages in w.newton.increments."""
     if NDISC > 0:
-        keep_discrete(x, w.x_stage)
+        keep_discrete(x, w.newton.x_stage)
     for i in range(NX):
-        w.x_stage[i] = x[i]
+        w.newton.x_stage[i] = x[i]
+    # Residual of each stage at its state x + z_j and its rates, the row of A^-1 z / h. Dependent constraint
+    # equations have none.
     for j in static(range(len(C))):
         for i in range(NQ + NV):
-            w.x_stage[i] = x[i] + s.k[1 + j][i]
-            w.rates_stage[i] = combination(INVERSE[j], s.k, i) / h
-        residual_at(p, t + number(C[j]) * h, s.stage_lam[j], w)
+            w.newton.x_stage[i] = x[i] + s.k[1 + j][i]
+            w.newton.rates_stage[i] = combination(INVERSE[j], s.k, i) / h
+        residual_at(p, t + number(C[j]) * h, s.newton.stage_lam[j], w)
         if NC > 0:
             for i in range(NC):
-                if s.dependent[i] == 1:
-                    w.residual[NQ + NV + i] = 0.0
-        w.stage_residuals[j][:] = w.residual
+                if s.newton.dependent[i] == 1:
+                    w.newton.residual[NQ + NV + i] = 0.0
+        w.newton.stage_residuals[j][:] = w.newton.residual
     s.rhs += len(C)
+    # In the basis of A^-1's eigenvectors the three stages fall into one real and one complex system (HW
+    # IV.8.5).
     for i in range(NNEWTON):
-        first = combination(FORTH[0], w.stage_residuals, i)
-        second = combination(FORTH[1], w.stage_residuals, i)
-        third = combination(FORTH[2], w.stage_residuals, i)
-        w.stage_residuals[0][i] = -first
-        w.stage_residuals[1][i] = -second
-        w.stage_residuals[2][i] = -third
-    solve_shifted(number(SHIFT) / h, s, w.stage_residuals[0], w)
+        first = combination(FORTH[0], w.newton.stage_residuals, i)
+        second = combination(FORTH[1], w.newton.stage_residuals, i)
+        third = combination(FORTH[2], w.newton.stage_residuals, i)
+        w.newton.stage_residuals[0][i] = -first
+        w.newton.stage_residuals[1][i] = -second
+        w.newton.stage_residuals[2][i] = -third
+    solve_shifted(number(SHIFT) / h, s, w.newton.stage_residuals[0], w)
     solve_turned(
-        number(SHIFTS[0]) / h, number(SHIFTS[1]) / h, s, w.stage_residuals[1], w.stage_residuals[2], w
+        number(SHIFTS[0]) / h,
+        number(SHIFTS[1]) / h,
+        s,
+        w.newton.stage_residuals[1],
+        w.newton.stage_residuals[2],
+        w,
     )
+    # Back from this basis.
     for j in static(range(len(C))):
         for i in range(NNEWTON):
-            w.increments[j][i] = combination(BACK[j], w.stage_residuals, i)
+            w.newton.increments[j][i] = combination(BACK[j], w.newton.stage_residuals, i)
 
 
 def scaled_norm(e: Vec[NNEWTON], w: Work) -> Real:
@@ -87,7 +97,7 @@ def scaled_norm(e: Vec[NNEWTON], w: Work) -> Real:
     LARGEST; not a number if one is none."""
     total = 0.0
     for i in range(NQ + NV):
-        own = e[i] / (w.error_weights[i] * w.loosening)
+        own = e[i] / (w.error.weights[i] * w.newton.loosening)
         if fabs(own) > LARGEST:
             own = LARGEST
         total += own * own
@@ -95,35 +105,38 @@ def scaled_norm(e: Vec[NNEWTON], w: Work) -> Real:
 
 
 def estimate_roundoff(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> None:
-    """Raise w.rate_roundoff to the round-off of a step over h, divided by h: the solution of the real system
-    for the change of the residual when state, rates, multipliers and the sums of M a are perturbed by four
-    units in the last place. Costs two evaluations."""
+    """Raise w.error.rate_roundoff to the round-off of a step over h, divided by h: the solution of the real
+    system for the change of the residual when state, rates, multipliers and the sums of M a are perturbed by
+    four units in the last place. Costs two evaluations."""
+    # The residual as it is, then with its inputs perturbed, by turns up and down.
     for turn in range(2):
-        w.x_stage[:] = x
-        w.rates_stage[:] = s.k[0]
+        w.newton.x_stage[:] = x
+        w.newton.rates_stage[:] = s.k[0]
         for i in range(NC):
-            w.lam[i] = s.start_lam[i]
+            w.lam[i] = s.newton.start_lam[i]
         if turn == 1:
-            w.residual_before[:] = w.residual
+            w.newton.residual_before[:] = w.newton.residual
             for i in range(NQ + NV):
-                w.x_stage[i] *= 1.0 + FOUR_ULPS if i % 2 == 0 else 1.0 - FOUR_ULPS
-                w.rates_stage[i] *= 1.0 - FOUR_ULPS if i % 2 == 0 else 1.0 + FOUR_ULPS
+                w.newton.x_stage[i] *= 1.0 + FOUR_ULPS if i % 2 == 0 else 1.0 - FOUR_ULPS
+                w.newton.rates_stage[i] *= 1.0 - FOUR_ULPS if i % 2 == 0 else 1.0 + FOUR_ULPS
             for i in range(NC):
                 w.lam[i] *= 1.0 + FOUR_ULPS if i % 2 == 0 else 1.0 - FOUR_ULPS
         residual_at(p, t, w.lam, w)
     s.rhs += 2
+    # The difference, and the round-off of the sums of M a, which the perturbation does not reach.
     for i in range(NNEWTON):
-        w.residual[i] -= w.residual_before[i]
+        w.newton.residual[i] -= w.newton.residual_before[i]
     for i in range(NV):
         terms = 0.0
         for j in range(NV):
-            terms += fabs(s.mass[i * NV + j] * s.k[0][NQ + j])
-        w.residual[NQ + i] += FOUR_ULPS * terms if i % 2 == 0 else -FOUR_ULPS * terms
-    solve_shifted(number(SHIFT) / h, s, w.residual, w)
+            terms += fabs(s.newton.mass[i * NV + j] * s.k[0][NQ + j])
+        w.newton.residual[NQ + i] += FOUR_ULPS * terms if i % 2 == 0 else -FOUR_ULPS * terms
+    # A step amplifies it as the real system does.
+    solve_shifted(number(SHIFT) / h, s, w.newton.residual, w)
     for i in range(NQ + NV):
-        change = fabs(w.residual[i] / h)
-        if change > w.rate_roundoff[i]:
-            w.rate_roundoff[i] = change
+        change = fabs(w.newton.residual[i] / h)
+        if change > w.error.rate_roundoff[i]:
+            w.error.rate_roundoff[i] = change
     s.roundoff_memory = 1.0
 
 
@@ -131,8 +144,8 @@ def are_roundoff(h: Real, w: Work) -> bool:
     """Return whether all increments are below ten times the round-off, or the tolerance."""
     for j in static(range(len(C))):
         for i in range(NQ + NV):
-            least = w.newton_tolerance * w.loosening * w.error_weights[i]
-            if not fabs(w.increments[j][i]) <= 10.0 * fabs(h) * w.rate_roundoff[i] + least:
+            least = w.newton.tolerance * w.newton.loosening * w.error.weights[i]
+            if not fabs(w.newton.increments[j][i]) <= 10.0 * fabs(h) * w.error.rate_roundoff[i] + least:
                 return False
     return True
 
@@ -142,19 +155,19 @@ def add_increments(s: State, x: Vec[NX], w: Work) -> Real:
     largest scaled size, which is no number if one of them is none."""
     for j in static(range(len(C))):
         for i in range(NQ + NV):
-            s.k[1 + j][i] += w.increments[j][i]
+            s.k[1 + j][i] += w.newton.increments[j][i]
         for i in range(NC):
-            s.stage_lam[j][i] += w.increments[j][NQ + NV + i]
+            s.newton.stage_lam[j][i] += w.newton.increments[j][NQ + NV + i]
     for i in range(NQ + NV):
         s.x_new[i] = x[i] + s.k[len(C)][i]
-    enlarge_sizes(s.x_new, w.trial_sizes)
+    enlarge_sizes(s.x_new, w.error.sizes)
     for i in range(NQ + NV):
-        least = w.newton_rtol * w.trial_sizes[scaling_group[i]]
-        if least > w.error_weights[i]:
-            w.error_weights[i] = least
+        least = w.newton.rtol * w.error.sizes[scaling_group[i]]
+        if least > w.error.weights[i]:
+            w.error.weights[i] = least
     largest = 0.0
     for j in static(range(len(C))):
-        own = scaled_norm(w.increments[j], w)
+        own = scaled_norm(w.newton.increments[j], w)
         if not own <= largest:
             largest = own
     return largest
@@ -163,16 +176,17 @@ def add_increments(s: State, x: Vec[NX], w: Work) -> Real:
 def solve_stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> bool:
     """Solve the equations of the stages (HW IV.8); return whether that succeeds. Increments that are
     round-off do not shrink: they end the iteration."""
-    eta = sqrt(s.newton_eta)
-    s.newton_eta = eta  # also where one iteration is enough: a ratio from long ago says little (HW IV.8)
+    eta = sqrt(s.newton.eta)
+    s.newton.eta = eta  # also where one iteration is enough: a ratio from long ago says little (HW IV.8)
     before = 0.0
     ratio_before = 1.0
-    for n in range(w.newton_most):
+    for n in range(w.newton.most):
+        # `eta` estimates the sum of the increments that follow over the last one, theta / (1 - theta).
         newton_increments(p, t, x, h, s, w)
         now = add_increments(s, x, w)
         if not now <= LARGEST:
             return False
-        s.newton_count = n + 1
+        s.newton.count = n + 1
         if before > 0.0:
             ratio = now / before
             theta = sqrt(ratio * ratio_before) if ratio_before < DIVERGENT else ratio
@@ -181,18 +195,20 @@ def solve_stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> 
             if theta < DIVERGENT:
                 eta = theta / (1.0 - theta)
                 left = eta * now
-                for k in range(w.newton_most - 1 - n):
+                for k in range(w.newton.most - 1 - n):
                     left *= theta
-            if (theta >= DIVERGENT or left > w.newton_tolerance) and (n > 1 or theta > MOST_GROWN):
+            # `left` is what the last allowed iteration would leave: give up as soon as that is too much (HW
+            # IV.8.11).
+            if (theta >= DIVERGENT or left > w.newton.tolerance) and (n > 1 or theta > MOST_GROWN):
                 if not are_roundoff(h, w):
                     estimate_roundoff(p, t, x, h, s, w)
                 return are_roundoff(h, w)
             if theta >= DIVERGENT:
                 eta = 1.0 / (1.0 - DIVERGENT)
-            s.newton_theta = theta
-            s.newton_eta = eta
+            s.newton.theta = theta
+            s.newton.eta = eta
         before = now
-        if eta * now <= w.newton_tolerance or (s.roundoff_memory > 0.0 and are_roundoff(h, w)):
+        if eta * now <= w.newton.tolerance or (s.roundoff_memory > 0.0 and are_roundoff(h, w)):
             return True
     return False
 
@@ -201,40 +217,45 @@ def add_work(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> None
     """Integrate the work over the stages."""
     if NZ > 0:
         for i in range(NX):
-            w.x_stage[i] = x[i]
+            w.newton.x_stage[i] = x[i]
         for j in static(range(len(C))):
             for i in range(NQ + NV):
-                w.x_stage[i] = x[i] + s.k[1 + j][i]
-                w.rates_stage[i] = combination(INVERSE[j], s.k, i) / h
-            w.a[:] = part(w.rates_stage, NQ, NQ + NV)
+                w.newton.x_stage[i] = x[i] + s.k[1 + j][i]
+                w.newton.rates_stage[i] = combination(INVERSE[j], s.k, i) / h
+            w.a[:] = part(w.newton.rates_stage, NQ, NQ + NV)
             if NMODE > 0:
-                fn_work_on(p, t + number(C[j]) * h, w.x_stage, w.modes, w.a, s.stage_lam[j], w.power)
+                fn_work_on(
+                    p, t + number(C[j]) * h, w.newton.x_stage, w.modes, w.a, s.newton.stage_lam[j], w.power
+                )
             else:
-                fn_work(p, t + number(C[j]) * h, w.x_stage, w.a, s.stage_lam[j], w.power)
-            w.stage_power[1 + j][0] = w.power[0]
+                fn_work(p, t + number(C[j]) * h, w.newton.x_stage, w.a, s.newton.stage_lam[j], w.power)
+            w.newton.stage_power[1 + j][0] = w.power[0]
         for j in static(range(len(C))):
-            s.k[1 + j][NQ + NV] = h * combination(A[j], w.stage_power, 0)
+            s.k[1 + j][NQ + NV] = h * combination(A[j], w.newton.stage_power, 0)
 
 
 def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
     """Compute the stages less x in the rows of s.k from 1 on, and the end of the step in s.x_new. The
     derivatives and factors of a step before are used again while they serve."""
-    if s.jacobian_step < 0:
+    if s.newton.jacobian_step < 0:
         status = update_jacobian(p, t, x, s, w)
         if failed(status):
             return status
     solved = False
     while not solved:
-        if s.factored != h:
-            s.factored = h
+        # The factors belong to one step size.
+        if s.newton.factored != h:
+            s.newton.factored = h
             if not factor_stages(number(SHIFT) / h, number(SHIFTS[0]) / h, number(SHIFTS[1]) / h, s):
-                s.factored = 0.0
+                s.newton.factored = 0.0
                 return NOT_CONVERGED
         start_stages(h, s)
         solved = solve_stages(p, t, x, h, s, w)
         if not solved:
-            s.newton_eta = 1.0
-            if s.jacobian_step == s.steps:
+            # A failure with old derivatives is tried again with new ones; with new ones the step is
+            # shortened.
+            s.newton.eta = 1.0
+            if s.newton.jacobian_step == s.steps:
                 return NOT_CONVERGED
             status = update_jacobian(p, t, x, s, w)
             if failed(status):
@@ -247,17 +268,17 @@ def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status
 
 
 def filter_error(own: Vec[NX], h: Real, s: State, w: Work) -> None:
-    """Solve the real system of the Newton method for w.residual, with rates on the right."""
+    """Solve the real system of the Newton method for w.newton.residual, with rates on the right."""
     for i in range(NQ):
-        w.residual[i] = own[i]
+        w.newton.residual[i] = own[i]
     for i in range(NV):
         total = 0.0
         for j in range(NV):
-            total += s.mass[i * NV + j] * own[NQ + j]
-        w.residual[NQ + i] = total
+            total += s.newton.mass[i * NV + j] * own[NQ + j]
+        w.newton.residual[NQ + i] = total
     for i in range(NC):
-        w.residual[NQ + NV + i] = 0.0
-    solve_shifted(number(SHIFT) / h, s, w.residual, w)
+        w.newton.residual[NQ + NV + i] = 0.0
+    solve_shifted(number(SHIFT) / h, s, w.newton.residual, w)
 
 
 def error(h: Real, s: State, w: Work) -> Real:
@@ -267,19 +288,19 @@ def error(h: Real, s: State, w: Work) -> Real:
     for i in range(NQ + NV):
         own[i] = s.k[0][i] + combination(ESTIMATE, s.k, i) / h
     filter_error(own, h, s, w)
-    found = scaled_norm(w.residual, w)
+    found = scaled_norm(w.newton.residual, w)
     if found > 1.0:
         for i in range(NQ + NV):
-            own[i] = w.residual[i] * (number(SHIFT) / h)
+            own[i] = w.newton.residual[i] * (number(SHIFT) / h)
         filter_error(own, h, s, w)
-        found = scaled_norm(w.residual, w)
+        found = scaled_norm(w.newton.residual, w)
     return found
 
 
 def next_size(s: State, a: Trial) -> Real:
     """Return the size of the next step, by the predictive controller (HW IV.8.25). A size that is nearly the
     last one stays, so that the factors serve again."""
-    safety = 0.9 * (2.0 * MOST_ITERATED + 1.0) / (2.0 * MOST_ITERATED + float(s.newton_count))
+    safety = 0.9 * (2.0 * MOST_ITERATED + 1.0) / (2.0 * MOST_ITERATED + float(s.newton.count))
     factor = sqrt(sqrt(a.error)) / safety
     if s.h_old != 0.0:
         predicted = fabs(s.h_old) / a.size * sqrt(a.error / sqrt(s.error_old)) / 0.9
@@ -290,7 +311,7 @@ def next_size(s: State, a: Trial) -> Real:
         factor = 1.0 / number(SHRINK)
     if factor < 1.0 / number(GROW):
         factor = 1.0 / number(GROW)
-    if s.newton_theta <= FAST and factor <= 1.0 and factor * SAME_SIZE >= 1.0:
+    if s.newton.theta <= FAST and factor <= 1.0 and factor * SAME_SIZE >= 1.0:
         factor = 1.0
     return a.size / factor
 
@@ -307,11 +328,11 @@ def keep_stages(s: State) -> None:
     for j in static(range(len(C))):
         s.k[5 + j][:] = s.k[1 + j]
         for i in range(NC):
-            s.kept_lam[j][i] = s.stage_lam[j][i]
-    s.start_lam[:] = s.stage_lam[len(C) - 1]
-    if s.newton_theta > FAST:
-        s.jacobian_step = -1
-    s.kept_step = s.steps + 1
+            s.newton.kept_lam[j][i] = s.newton.stage_lam[j][i]
+    s.newton.start_lam[:] = s.newton.stage_lam[len(C) - 1]
+    if s.newton.theta > FAST:
+        s.newton.jacobian_step = -1
+    s.newton.kept_step = s.steps + 1
 
 
 def restore_stages(s: State) -> None:

@@ -46,12 +46,13 @@ def perturb_inputs(p: Params, s: State, x: Vec[NX], other: Params) -> Real:
 
 
 def estimate_rate_roundoff(p: Params, s: State, h: Real, w: Work) -> None:
-    """Raise w.rate_roundoff to the change of the rates when time, state and parameters are perturbed: at the
-    accepted state, and one explicit Euler step over h from it, where the state also moves by what the
-    first change brings to it. At one state alone the round-off of a small difference may happen to
-    cancel. Costs three evaluations."""
+    """Raise w.error.rate_roundoff to the change of the rates when time, state and parameters are perturbed:
+    at the accepted state, and one explicit Euler step over h from it, where the state also moves by what the
+    first change brings to it. At one state alone the round-off of a small difference may happen to cancel.
+    Costs three evaluations."""
     x = vector(NX)
     other = params()
+    # The change at the accepted state, against its rates s.k[0].
     t = perturb_inputs(p, s, x, other)
     s.rhs += 1
     if failed(rates_at(other, t, x, w.xdot, w.lam, w)):
@@ -60,6 +61,7 @@ def estimate_rate_roundoff(p: Params, s: State, h: Real, w: Work) -> None:
     for i in range(NINT):
         change[i] = 0.0
     enlarge_differences(w.xdot, s.k[0], change)
+    # The change after an Euler step, with both motions one step on.
     moved = vector(NX)
     if NDISC > 0:
         keep_discrete(s.x, moved)
@@ -71,9 +73,10 @@ def estimate_rate_roundoff(p: Params, s: State, h: Real, w: Work) -> None:
     if not failed(rates_at(p, s.t + h, moved, rates, w.lam, w)):
         if not failed(rates_at(other, t + h, x, w.xdot, w.lam, w)):
             enlarge_differences(w.xdot, rates, change)
+    # The round-off is the largest of all estimates in this attempt.
     for i in range(NINT):
-        if change[i] > w.rate_roundoff[i]:
-            w.rate_roundoff[i] = change[i]
+        if change[i] > w.error.rate_roundoff[i]:
+            w.error.rate_roundoff[i] = change[i]
 
 
 def norm_of_error(h: Real, parts: Mat[TWO, NX], w: Work) -> Real:
@@ -81,11 +84,11 @@ def norm_of_error(h: Real, parts: Mat[TWO, NX], w: Work) -> Real:
     II.10.17)."""
     first = 0.0
     for i in range(NQ + NV):
-        e = h * parts[0][i] / w.error_weights[i]
+        e = h * parts[0][i] / w.error.weights[i]
         first += e * e
     second = 0.0
     for i in range(NQ + NV):
-        e = h * parts[1][i] / w.error_weights[i]
+        e = h * parts[1][i] / w.error.weights[i]
         second += e * e
     total = float(size(NQ) + NV) * (first + 0.01 * second)
     if not total < inf:
@@ -96,9 +99,10 @@ def norm_of_error(h: Real, parts: Mat[TWO, NX], w: Work) -> Real:
 def is_nearly_dependent(p: Params, s: State, h: Real, w: Work) -> bool:
     """Return whether constraint equations are nearly dependent within the motion of the attempted step over
     h, or within a thousandth of the distance to such a configuration. Coordinates of a group that moves by
-    less than the residual of the projection are round-off: sets w.coordinate_roundoff."""
+    less than the residual of the projection are round-off: sets w.error.coordinate_roundoff."""
     if not perturb_off_constraints(p, s.t, s.x, s.sizes, w):
         return False
+    # In each group: the motion of the step, and what a projection leaves of a perturbation.
     moved = vector(NGROUP)
     for k in range(NGROUP):
         moved[k] = 0.0
@@ -109,15 +113,18 @@ def is_nearly_dependent(p: Params, s: State, h: Real, w: Work) -> bool:
         own = scaling_group[i]
         if fabs(s.x_new[i] - s.x[i]) > moved[own]:
             moved[own] = fabs(s.x_new[i] - s.x[i])
-        if fabs(w.x_perturbed[i] - s.x[i]) > left[own]:
-            left[own] = fabs(w.x_perturbed[i] - s.x[i])
+        if fabs(w.error.x_perturbed[i] - s.x[i]) > left[own]:
+            left[own] = fabs(w.error.x_perturbed[i] - s.x[i])
+    # A group that moves by less than its projection leaves is known to that only.
     for i in range(NQ):
-        if left[scaling_group[i]] > w.trial_sizes[scaling_group[i]]:
-            w.coordinate_roundoff[i] = left[scaling_group[i]] / fabs(h)
+        if left[scaling_group[i]] > w.error.sizes[scaling_group[i]]:
+            w.error.coordinate_roundoff[i] = left[scaling_group[i]] / fabs(h)
+    # Near dependent rows a perturbation grows as 1 / distance, so that the product of motion and remainder
+    # tells whether the motion crosses them.
     for k in range(NGROUP):
-        reach = w.trial_sizes[k]
-        if w.reaches[NC + NH + k] > reach:
-            reach = w.reaches[NC + NH + k]
+        reach = w.error.sizes[k]
+        if w.rows.reaches[NC + NH + k] > reach:
+            reach = w.rows.reaches[NC + NH + k]
         if k == 0 and reach > 1.0:
             reach = 1.0
         if left[k] > reach:
@@ -134,21 +141,21 @@ def error_along_constraints(p: Params, s: State, t: Real, h: Real, error: Real, 
     along the constraints counts, as the projection removes the rest."""
     method_error_parts(method, s, w)
     for k in range(2):
-        w.error_parts_before[k][:] = w.error_parts[k]
-    if failed(method_stages(method, p, s.t, w.x_perturbed, h, s, w)):
+        w.error.parts_before[k][:] = w.error.parts[k]
+    if failed(method_stages(method, p, s.t, w.error.x_perturbed, h, s, w)):
         return error
     method_error_parts(method, s, w)
     for k in range(2):
         for i in range(NINT):
-            w.error_parts_before[k][i] -= w.error_parts[k][i]
-    change = norm_of_error(h, w.error_parts_before, w)
-    if not change > 0.1 * norm_of_error(h, w.error_parts, w):
+            w.error.parts_before[k][i] -= w.error.parts[k][i]
+    change = norm_of_error(h, w.error.parts_before, w)
+    if not change > 0.1 * norm_of_error(h, w.error.parts, w):
         return error
     method_stages(method, p, s.t, s.x, h, s, w)  # restore the step
     method_error_parts(method, s, w)
     if not project_error(p, t, s.x_new, w):
         return error
-    return norm_of_error(h, w.error_parts, w)
+    return norm_of_error(h, w.error.parts, w)
 
 
 def fade_roundoff(s: State, w: Work) -> None:
@@ -159,9 +166,9 @@ def fade_roundoff(s: State, w: Work) -> None:
         s.roundoff_memory = 0.0
     for i in range(NINT):
         s.rate_roundoff[i] = left * s.rate_roundoff[i] if s.roundoff_memory > 0.0 else 0.0
-        w.rate_roundoff[i] = s.rate_roundoff[i]
+        w.error.rate_roundoff[i] = s.rate_roundoff[i]
     for i in range(NINT):
-        w.coordinate_roundoff[i] = 0.0
+        w.error.coordinate_roundoff[i] = 0.0
 
 
 def weighted_error(s: State, o: Options, h: Real, w: Work) -> Real:
@@ -182,10 +189,10 @@ def error_without_roundoff(p: Params, s: State, t: Real, h: Real, o: Options, be
             looked = o.project and has_two_estimates(o.method)
             return error_along_constraints(p, s, t, h, before, o.method, w) if looked else before
     if NSPACE > 0:
-        w.slips_held = True  # where a slip ends its direction is uncertain, its stop is not
+        w.contacts.slips_held = True  # where a slip ends its direction is uncertain, its stop is not
     estimate_rate_roundoff(p, s, h, w)
     if NSPACE > 0:
-        w.slips_held = False
+        w.contacts.slips_held = False
     error = weighted_error(s, o, h, w)
     if error <= 1.0 or error < 0.5 * before:
         s.roundoff_memory = 1.0

@@ -10,68 +10,72 @@ from lagc.kernels.linear_algebra.dense_lu import factor_complex, factor_real, so
 
 
 def residual_at(p: Params, t: Real, lam: Vec[NC], w: Work) -> None:
-    """Compute the residual w.residual of the equations at the state w.x_stage and the rates w.rates_stage."""
-    w.a[:] = part(w.rates_stage, NQ, NQ + NV)
+    """Compute the residual w.newton.residual of the equations at the state w.newton.x_stage and the rates
+    w.newton.rates_stage."""
+    w.a[:] = part(w.newton.rates_stage, NQ, NQ + NV)
     if NMODE > 0:
-        fn_residual_on(p, t, w.x_stage, w.modes, w.a, lam, w.qdot, w.residual_rows)
+        fn_residual_on(p, t, w.newton.x_stage, w.modes, w.a, lam, w.qdot, w.newton.residual_rows)
     else:
-        fn_residual(p, t, w.x_stage, w.a, lam, w.qdot, w.residual_rows)
+        fn_residual(p, t, w.newton.x_stage, w.a, lam, w.qdot, w.newton.residual_rows)
     for i in range(NQ):
-        w.residual[i] = w.rates_stage[i] - w.qdot[i]
+        w.newton.residual[i] = w.newton.rates_stage[i] - w.qdot[i]
     for i in range(NR):
-        w.residual[NQ + i] = w.residual_rows[i]
+        w.newton.residual[NQ + i] = w.newton.residual_rows[i]
 
 
 def derive_columns(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
     """Compute the derivatives of the equations column by column, by (q, v, lam) and then by the
     accelerations."""
     for j in range(NDIRECTION):
-        w.direction[j] = 0.0
+        w.newton.direction[j] = 0.0
     for j in range(NDIRECTION):
-        w.direction[j] = 1.0
+        w.newton.direction[j] = 1.0
         if NMODE > 0:
-            fn_newton_column_on(p, t, x, w.modes, w.a, w.lam, w.direction, w.residual)
+            fn_newton_column_on(p, t, x, w.modes, w.a, w.lam, w.newton.direction, w.newton.residual)
         else:
-            fn_newton_column(p, t, x, w.a, w.lam, w.direction, w.residual)
-        w.direction[j] = 0.0
+            fn_newton_column(p, t, x, w.a, w.lam, w.newton.direction, w.newton.residual)
+        w.newton.direction[j] = 0.0
         if j < NNEWTON:
             for i in range(NNEWTON):
-                s.slopes[i * NNEWTON + j] = w.residual[i]
+                s.newton.slopes[i * NNEWTON + j] = w.newton.residual[i]
         else:
             for i in range(NV):
-                s.mass[i * NV + j - NNEWTON] = w.residual[NQ + i]
+                s.newton.mass[i * NV + j - NNEWTON] = w.newton.residual[NQ + i]
 
 
 def update_jacobian(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Status:
     """Compute the derivatives of the equations at (t, x), whose rates are s.k[0]."""
     if NC > 0:
-        w.redundant_before[:] = w.redundant
+        # Which equations depend on others at this state: these are left out of the stages.
+        w.rows.redundant_before[:] = w.redundant
         for i in range(NC):
             w.redundant[i] = 0
         status = motion_at(p, t, x, w.xdot, w.lam, w)
         for i in range(NC):
-            s.dependent[i] = w.redundant[i] if status == REDUNDANT else 0
-            if w.redundant_before[i] == 1:
+            s.newton.dependent[i] = w.redundant[i] if status == REDUNDANT else 0
+            if w.rows.redundant_before[i] == 1:
                 w.redundant[i] = 1
         s.rhs += 1
         if failed(status):
             return status
-        s.start_lam[:] = w.lam
+        s.newton.start_lam[:] = w.lam
+    # Derivatives by coordinates, speeds and multipliers, and the mass matrix.
     w.a[:] = part(s.k[0], NQ, NQ + NV)
     if NDIRECTION > 0:
         derive_columns(p, t, x, s, w)
     elif NMODE > 0:
-        fn_newton_on(p, t, x, w.modes, w.a, w.lam, s.slopes, s.mass)
+        fn_newton_on(p, t, x, w.modes, w.a, w.lam, s.newton.slopes, s.newton.mass)
     else:
-        fn_newton(p, t, x, w.a, w.lam, s.slopes, s.mass)
+        fn_newton(p, t, x, w.a, w.lam, s.newton.slopes, s.newton.mass)
     if NC > 0:
         for i in range(NC):
-            if s.dependent[i] == 1:  # its multiplier stays
+            if s.newton.dependent[i] == 1:  # its multiplier stays
                 for j in range(NNEWTON):
-                    s.slopes[(NQ + NV + i) * NNEWTON + j] = 0.0
-                s.slopes[(NQ + NV + i) * NNEWTON + NQ + NV + i] = 1.0
-    s.jacobian_step = s.steps
-    s.factored = 0.0
+                    s.newton.slopes[(NQ + NV + i) * NNEWTON + j] = 0.0
+                s.newton.slopes[(NQ + NV + i) * NNEWTON + NQ + NV + i] = 1.0
+    # Factors of other derivatives are void.
+    s.newton.jacobian_step = s.steps
+    s.newton.factored = 0.0
     return OK
 
 
@@ -79,34 +83,37 @@ def factor_stages(real: Real, re: Real, im: Real, s: State) -> bool:
     """Factor J + real B and J + (re + i im) B with B = diag(1, M, 0); return whether they are regular. Where
     qdot = v, the coordinates are eliminated: their increments follow from those of the speeds."""
     first = 0 if HAS_DISPLACE else size(NQ)
+    # J, less the rows and columns of the coordinates if they are eliminated.
     for i in range(NLINEAR):
         for j in range(NLINEAR):
-            own = s.slopes[(first + i) * NNEWTON + first + j]
-            s.real_factors[i * NLINEAR + j] = own
-            s.complex_factors[i * NLINEAR + j] = own
-            s.imaginary_factors[i * NLINEAR + j] = 0.0
+            own = s.newton.slopes[(first + i) * NNEWTON + first + j]
+            s.newton.real_factors[i * NLINEAR + j] = own
+            s.newton.complex_factors[i * NLINEAR + j] = own
+            s.newton.imaginary_factors[i * NLINEAR + j] = 0.0
     if HAS_DISPLACE:
         for i in range(NQ):
-            s.real_factors[i * NLINEAR + i] += real
-            s.complex_factors[i * NLINEAR + i] += re
-            s.imaginary_factors[i * NLINEAR + i] += im
+            s.newton.real_factors[i * NLINEAR + i] += real
+            s.newton.complex_factors[i * NLINEAR + i] += re
+            s.newton.imaginary_factors[i * NLINEAR + i] += im
     else:
+        # Where qdot = v, a shift sigma gives dq = dv / sigma: its columns go to those of the speeds.
         square = re * re + im * im
         for i in range(NR):
             for j in range(NQ):
-                own = s.slopes[(NQ + i) * NNEWTON + j]
-                s.real_factors[i * NLINEAR + j] += own / real
-                s.complex_factors[i * NLINEAR + j] += own * re / square
-                s.imaginary_factors[i * NLINEAR + j] -= own * im / square
+                own = s.newton.slopes[(NQ + i) * NNEWTON + j]
+                s.newton.real_factors[i * NLINEAR + j] += own / real
+                s.newton.complex_factors[i * NLINEAR + j] += own * re / square
+                s.newton.imaginary_factors[i * NLINEAR + j] -= own * im / square
+    # The shift times M.
     first = size(NQ) - first
     for i in range(NV):
         for j in range(NV):
-            own = s.mass[i * NV + j]
-            s.real_factors[(first + i) * NLINEAR + first + j] += real * own
-            s.complex_factors[(first + i) * NLINEAR + first + j] += re * own
-            s.imaginary_factors[(first + i) * NLINEAR + first + j] += im * own
-    return factor_real(s.real_factors, s.real_pivots) and factor_complex(
-        s.complex_factors, s.imaginary_factors, s.complex_pivots
+            own = s.newton.mass[i * NV + j]
+            s.newton.real_factors[(first + i) * NLINEAR + first + j] += real * own
+            s.newton.complex_factors[(first + i) * NLINEAR + first + j] += re * own
+            s.newton.imaginary_factors[(first + i) * NLINEAR + first + j] += im * own
+    return factor_real(s.newton.real_factors, s.newton.real_pivots) and factor_complex(
+        s.newton.complex_factors, s.newton.imaginary_factors, s.newton.complex_pivots
     )
 
 
@@ -114,53 +121,67 @@ def solve_shifted(real: Real, s: State, r: Vec[NNEWTON], w: Work) -> None:
     """Replace r by the solution of (J + real B) s = r."""
     if HAS_DISPLACE:
         for i in range(NNEWTON):
-            w.linear[i] = r[i]
-        solve_real(s.real_factors, s.real_pivots, w.linear)
+            w.newton.linear[i] = r[i]
+        solve_real(s.newton.real_factors, s.newton.real_pivots, w.newton.linear)
         for i in range(NNEWTON):
-            r[i] = w.linear[i]
+            r[i] = w.newton.linear[i]
     else:
         inverse = 1.0 / real
         for i in range(NR):
             total = r[NQ + i]
             for j in range(NQ):
-                total -= s.slopes[(NQ + i) * NNEWTON + j] * (inverse * r[j])
-            w.linear[i] = total
-        solve_real(s.real_factors, s.real_pivots, w.linear)
+                total -= s.newton.slopes[(NQ + i) * NNEWTON + j] * (inverse * r[j])
+            w.newton.linear[i] = total
+        solve_real(s.newton.real_factors, s.newton.real_pivots, w.newton.linear)
         for i in range(NV):
-            r[i] = inverse * (r[i] + w.linear[i])
+            r[i] = inverse * (r[i] + w.newton.linear[i])
         for i in range(NR):
-            r[NQ + i] = w.linear[i]
+            r[NQ + i] = w.newton.linear[i]
 
 
 def solve_turned(re: Real, im: Real, s: State, r: Vec[NNEWTON], q: Vec[NNEWTON], w: Work) -> None:
     """Replace r + i q by the solution of the system with J + (re + i im) B."""
     if HAS_DISPLACE:
         for i in range(NNEWTON):
-            w.linear[i] = r[i]
-            w.linear_imaginary[i] = q[i]
-        solve_complex(s.complex_factors, s.imaginary_factors, s.complex_pivots, w.linear, w.linear_imaginary)
+            w.newton.linear[i] = r[i]
+            w.newton.linear_imaginary[i] = q[i]
+        solve_complex(
+            s.newton.complex_factors,
+            s.newton.imaginary_factors,
+            s.newton.complex_pivots,
+            w.newton.linear,
+            w.newton.linear_imaginary,
+        )
         for i in range(NNEWTON):
-            r[i] = w.linear[i]
-            q[i] = w.linear_imaginary[i]
+            r[i] = w.newton.linear[i]
+            q[i] = w.newton.linear_imaginary[i]
     else:
         square = re * re + im * im
         away = re / square  # the real and imaginary part of 1 / (re + i im)
         back = -im / square
+        # Put the residuals of the coordinates, divided by the shift, into the equations of the speeds.
         for i in range(NR):
             own = r[NQ + i]
             turned = q[NQ + i]
             for j in range(NQ):
-                slope = s.slopes[(NQ + i) * NNEWTON + j]
+                slope = s.newton.slopes[(NQ + i) * NNEWTON + j]
                 own -= slope * (away * r[j] - back * q[j])
                 turned -= slope * (away * q[j] + back * r[j])
-            w.linear[i] = own
-            w.linear_imaginary[i] = turned
-        solve_complex(s.complex_factors, s.imaginary_factors, s.complex_pivots, w.linear, w.linear_imaginary)
+            w.newton.linear[i] = own
+            w.newton.linear_imaginary[i] = turned
+        solve_complex(
+            s.newton.complex_factors,
+            s.newton.imaginary_factors,
+            s.newton.complex_pivots,
+            w.newton.linear,
+            w.newton.linear_imaginary,
+        )
+        # The coordinates follow from the speeds, again by 1 / (re + i im).
         for i in range(NV):
-            own = r[i] + w.linear[i]
-            turned = q[i] + w.linear_imaginary[i]
+            own = r[i] + w.newton.linear[i]
+            turned = q[i] + w.newton.linear_imaginary[i]
             r[i] = away * own - back * turned
             q[i] = away * turned + back * own
         for i in range(NR):
-            r[NQ + i] = w.linear[i]
-            q[NQ + i] = w.linear_imaginary[i]
+            r[NQ + i] = w.newton.linear[i]
+            q[NQ + i] = w.newton.linear_imaginary[i]

@@ -16,13 +16,13 @@ MOST_COUNTED = 1e9  # steps of one call whose end is searched on the grid
 
 def grid_time(s: State, index: Count) -> Real:
     """Return the time of a point of the grid."""
-    return s.grid_begin + float(index) * s.grid_step
+    return s.grid.begin + float(index) * s.grid.step
 
 
 def grid_roundoff(s: State, t: Real) -> Real:
     """Return the round-off of a point of the grid at t, and of the time that a caller computes for it."""
-    counted = 2.0 * SPACING * fabs(t - s.grid_begin)
-    return SPACING * fabs(t) + counted + WITHIN_ROUNDOFF * fabs(s.grid_step)
+    counted = 2.0 * SPACING * fabs(t - s.grid.begin)
+    return SPACING * fabs(t) + counted + WITHIN_ROUNDOFF * fabs(s.grid.step)
 
 
 def is_grid_point(s: State, index: Count, t: Real) -> bool:
@@ -31,49 +31,49 @@ def is_grid_point(s: State, index: Count, t: Real) -> bool:
 
 
 def begin_grid(s: State, t1: Real, o: Options) -> None:
-    """Begin a call to t1: find the point of the grid where it ends, s.grid_goal.  The grid begins anew if
+    """Begin a call to t1: find the point of the grid where it ends, s.grid.goal.  The grid begins anew if
     the caller changed the step, the direction or the state."""
-    forward = t1 > s.t or (t1 == s.t and s.grid_step >= 0.0)
+    forward = t1 > s.t or (t1 == s.t and s.grid.step >= 0.0)
     step = o.step if forward else -o.step
-    if s.grid_step != step:
-        s.grid_stride = 1
-    if s.grid_step != step or state_changed(s):
-        s.grid_step = step
-        s.grid_begin = s.t
-        s.grid_index = 0
-        s.grid_rest = o.step
-    s.grid_goal = s.grid_index
-    if is_grid_point(s, s.grid_index + s.grid_stride, t1):
-        s.grid_goal += s.grid_stride
+    if s.grid.step != step:
+        s.grid.stride = 1
+    if s.grid.step != step or state_changed(s):
+        s.grid.step = step
+        s.grid.begin = s.t
+        s.grid.index = 0
+        s.grid.rest = o.step
+    s.grid.goal = s.grid.index
+    if is_grid_point(s, s.grid.index + s.grid.stride, t1):
+        s.grid.goal += s.grid.stride
         return
-    steps = (t1 - grid_time(s, s.grid_index)) / step
+    steps = (t1 - grid_time(s, s.grid.index)) / step
     nearest: Count = 1
     if steps > 1.0 and steps < MOST_COUNTED:
         nearest = whole(floor(steps + 0.5))
-    if is_grid_point(s, s.grid_index + nearest, t1):
-        s.grid_goal += nearest
+    if is_grid_point(s, s.grid.index + nearest, t1):
+        s.grid.goal += nearest
 
 
 def is_reached(s: State, t1: Real, o: Options) -> bool:
     """Return whether a call to t1 has ended."""
-    return s.t == t1 and (o.step == 0.0 or s.grid_index >= s.grid_goal)
+    return s.t == t1 and (o.step == 0.0 or s.grid.index >= s.grid.goal)
 
 
 def plan_fixed_step(s: State, target: Real, t1: Real, a: Trial) -> None:
     """Set the end of a fixed step: the next point of the grid, or `target`, the end of the call or an event
     time, if that comes first."""
-    following = grid_time(s, s.grid_index + 1)
-    if target == t1 and s.grid_goal > s.grid_index:
+    following = grid_time(s, s.grid.index + 1)
+    if target == t1 and s.grid.goal > s.grid.index:
         a.ends_on_grid = True
-        a.ends_on_target = s.grid_index + 1 == s.grid_goal
+        a.ends_on_target = s.grid.index + 1 == s.grid.goal
     else:
         beyond = (target - following) * a.direction
         near = grid_roundoff(s, target)
         a.ends_on_target = beyond <= near or (
-            target == t1 and beyond <= near + LENGTHENED * fabs(s.grid_step)
+            target == t1 and beyond <= near + LENGTHENED * fabs(s.grid.step)
         )
         a.ends_on_grid = beyond >= -near and (beyond <= near or not a.ends_on_target)
-    a.size = s.grid_rest if a.ends_on_grid else fabs(target - s.t)
+    a.size = s.grid.rest if a.ends_on_grid else fabs(target - s.t)
     a.h = a.size * a.direction
     a.t_new = following
     if a.ends_on_target or (following - target) * a.direction > 0.0:
@@ -90,15 +90,15 @@ def fixed_step_underflows(s: State, t1: Real, a: Trial) -> bool:
 def pass_grid(s: State, t1: Real, a: Trial) -> None:
     """Count an accepted step."""
     if a.ends_on_grid:
-        s.grid_index += 1
-        s.grid_rest = fabs(s.grid_step)
+        s.grid.index += 1
+        s.grid.rest = fabs(s.grid.step)
     elif a.ends_on_target and a.t_new == t1:
-        s.grid_begin = t1
-        s.grid_index = 0
-        s.grid_goal = 0
-        s.grid_rest = fabs(s.grid_step)
+        s.grid.begin = t1
+        s.grid.index = 0
+        s.grid.goal = 0
+        s.grid.rest = fabs(s.grid.step)
     else:  # at an event
-        s.grid_rest -= a.size
-        if s.grid_rest <= WITHIN_ROUNDOFF * fabs(s.grid_step):
-            s.grid_index += 1
-            s.grid_rest += fabs(s.grid_step)
+        s.grid.rest -= a.size
+        if s.grid.rest <= WITHIN_ROUNDOFF * fabs(s.grid.step):
+            s.grid.index += 1
+            s.grid.rest += fabs(s.grid.step)

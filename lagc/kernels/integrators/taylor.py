@@ -48,53 +48,65 @@ def set_order(tolerance: Real, s: State) -> None:
     step of order p over e^-c of the radius of convergence meets a tolerance of e^-L for p = L / c, about. The
     least work is at c = 2 if it grows as p^2 (JZ 3.2.1) and at 1 if it grows as p: sums of products are the
     smaller part of it here."""
-    if tolerance == s.series_tolerance:
+    if tolerance == s.series.tolerance:
         return
-    s.series_tolerance = tolerance
+    s.series.tolerance = tolerance
     digits = -natural_log(tolerance)
     order = 1.0 + digits / FALL
     if order < LEAST_ORDER:
         order = LEAST_ORDER
     if order > float(size(NTERM)) - 1.0:
         order = float(size(NTERM)) - 1.0
-    s.series_order = whole(order)
-    fall = digits / (float(s.series_order) - 1.0)
-    s.series_ratio = exponential(fall if fall > 1.0 else 1.0)
-    s.series_fall = 1.0
-    for k in range(s.series_order - COUNTED):
-        s.series_fall *= s.series_ratio
+    s.series.order = whole(order)
+    fall = digits / (float(s.series.order) - 1.0)
+    s.series.ratio = exponential(fall if fall > 1.0 else 1.0)
+    s.series.fall = 1.0
+    for k in range(s.series.order - COUNTED):
+        s.series.fall *= s.series.ratio
 
 
 def expand(p: Params, t: Real, x: Vec[NX], scale: Real, s: State, w: Work) -> Status:
-    """Compute the coefficients of the motion from (t, x) in s.series: row k is scale^k / k! times derivative
-    k. Its first rates are left in w.xdot."""
-    s.series_step = -1
-    s.series_scale = scale
+    """Compute the coefficients of the motion from (t, x) in s.series.coefficients: row k is scale^k / k!
+    times derivative k. Its first rates are left in w.xdot."""
+    s.series.step = -1
+    s.series.scale = scale
     s.rhs += 1
+    # The model's own function gives the first rates, and the values that its recurrences need.
     if NMODE > 0:
-        fn_series_on(p, t, x, w.modes, w.xdot, w.values)
+        fn_series_on(p, t, x, w.modes, w.xdot, w.series.values)
     else:
-        fn_series(p, t, x, w.xdot, w.values)
-    s.series[0][:] = x
+        fn_series(p, t, x, w.xdot, w.series.values)
+    s.series.coefficients[0][:] = x
     for i in range(NINT):
-        w.scaled[i] = scale * w.xdot[i]
-    order = s.series_order
+        w.series.scaled[i] = scale * w.xdot[i]
+    order = s.series.order
     for i in range(NINT):
-        s.series[1][i] = scale * w.xdot[i]
+        s.series.coefficients[1][i] = scale * w.xdot[i]
+    # Coefficient k + 1 from those up to k: products are convolutions of the factors' coefficients, the rest
+    # is a recurrence of the model.
     for k in range(1, order):
         inverse = 1.0 / float(k)
-        w.scaled[NX] = float(k)
-        w.scaled[NX + 1] = inverse
-        w.scaled[NX + 2] = scale if k == 1 else 0.0
-        fn_convolve(k, w.left, w.right, w.squares, w.sums)
+        w.series.scaled[NX] = float(k)
+        w.series.scaled[NX + 1] = inverse
+        w.series.scaled[NX + 2] = scale if k == 1 else 0.0
+        fn_convolve(k, w.series.left, w.series.right, w.series.squares, w.series.sums)
         fn_series_next(
-            p, s.series[k], w.scaled, w.values, w.sums, w.left[k], w.right[k], w.squares[k], w.rates_next
+            p,
+            s.series.coefficients[k],
+            w.series.scaled,
+            w.series.values,
+            w.series.sums,
+            w.series.left[k],
+            w.series.right[k],
+            w.series.squares[k],
+            w.series.rates_next,
         )
+        # From rates of coefficients to the next coefficient of x: integration divides by k + 1.
         share = scale / float(k + 1)
         for i in range(NINT):
-            w.scaled[i] = scale * w.rates_next[i]
-            s.series[k + 1][i] = share * w.rates_next[i]
-    w.culprit = not_finite(s.series[order], NINT)
+            w.series.scaled[i] = scale * w.series.rates_next[i]
+            s.series.coefficients[k + 1][i] = share * w.series.rates_next[i]
+    w.culprit = not_finite(s.series.coefficients[order], NINT)
     return NOT_FINITE if w.culprit >= 0 else OK
 
 
@@ -102,45 +114,49 @@ def follows_rates(h: Real, s: State, w: Work) -> bool:
     """Return whether the series has the rates of the right-hand side, which also holds where constraint
     equations depend on each other."""
     for i in range(NQ + NV):
-        if not fabs(h * (w.xdot[i] - s.k[0][i])) <= DIFFERENT * w.error_weights[i]:
+        if not fabs(h * (w.xdot[i] - s.k[0][i])) <= DIFFERENT * w.error.weights[i]:
             return False
     return True
 
 
 def planned_size(s: State, w: Work) -> Real:
-    """Return the size of a step: the radius of convergence over s.series_ratio (JZ 3.2.2). The radius is the
+    """Return the size of a step: the radius of convergence over s.series.ratio (JZ 3.2.2). The radius is the
     least one of four orders, since some vanish at symmetric states.  Coefficients are compared with those of
     steps of the same size, so that logarithms are small."""
-    first = s.series_order - COUNTED
+    # The largest coefficient of the last orders, over the error weights.
+    first = s.series.order - COUNTED
     largest = vector(FOUR)
     for k in range(COUNTED + 1):
         largest[k] = 0.0
     for i in range(NQ + NV):
-        share = s.series_tolerance / w.error_weights[i]
+        share = s.series.tolerance / w.error.weights[i]
         for k in range(COUNTED + 1):
-            own = share * fabs(s.series[first + k][i])
+            own = share * fabs(s.series.coefficients[first + k][i])
             if own > largest[k]:
                 largest[k] = own
+    # |c_k| (h/scale)^k is the tolerance at h: take roots by logarithms.
     known = False
     least = 0.0
-    fall = s.series_fall
+    fall = s.series.fall
     for k in range(COUNTED + 1):
         if largest[k] > 0.0:
             room = -natural_log(fall * largest[k]) / float(first + k)
             if not known or room < least:
                 least = room
             known = True
-        fall *= s.series_ratio
+        fall *= s.series.ratio
+    # A margin of e^(-0.7 / (order - 1)) (JZ 3.2.2); the size grows by the factor GROW at most.
     factor = number(GROW)
     if known:
-        own = exponential(least - 0.7 / (float(s.series_order) - 1.0))
+        own = exponential(least - 0.7 / (float(s.series.order) - 1.0))
         if own < factor:
             factor = own
-    return fabs(s.series_scale) * factor
+    return fabs(s.series.scale) * factor
 
 
 def begin_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     """Compute the coefficients of a step and its size, a.size, with the last size as their scale."""
+    # The order follows from the tolerance; a fixed step asks for round-off.
     tolerance = 0.0
     if o.step == 0.0:
         largest = 0.0
@@ -152,10 +168,13 @@ def begin_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     scale = a.size
     status = expand(p, s.t, s.x, scale * a.direction, s, w)
     turns = 0
+    # Coefficients overflow where the scale is far beyond the radius of convergence.
     while status == NOT_FINITE and o.step == 0.0 and turns < MOST_SHORTENED:
         scale *= SHORTENED
         status = expand(p, s.t, s.x, scale * a.direction, s, w)
         turns += 1
+    # The straight-line series has no pivoting: where it fails or differs from the rates, another method goes
+    # on.
     if NC > 0 or NM > 0:
         if status == NOT_FINITE:
             return NOT_CONVERGED
@@ -164,26 +183,28 @@ def begin_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     if NC > 0 or NM > 0:
         if not follows_rates(a.size, s, w):
             return NOT_CONVERGED
+    # The coefficients tell the size, so no step is rejected for its error.
     if o.step == 0.0:
-        s.series_size = planned_size(s, w)
-        a.size = s.series_size
+        s.series.size = planned_size(s, w)
+        a.size = s.series.size
         if o.max_step > 0.0 and a.size > o.max_step:
             a.size = o.max_step
     return OK
 
 
 def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
-    """Evaluate the polynomial from x and its slope at the end of the step, s.x_new and w.end_slopes."""
-    part = h / s.series_scale
+    """Evaluate the polynomial from x and its slope at the end of the step, s.x_new and
+    w.series.end_slopes."""
+    part = h / s.series.scale
     s.x_new[:] = x
     for i in range(NINT):
         own = 0.0
         change = 0.0
-        for k in range(s.series_order, 0, -1):
+        for k in range(s.series.order, 0, -1):
             change = own + part * change
-            own = s.series[k][i] + part * own
+            own = s.series.coefficients[k][i] + part * own
         s.x_new[i] = x[i] + part * own
-        w.end_slopes[i] = (own + part * change) / s.series_scale
+        w.series.end_slopes[i] = (own + part * change) / s.series.scale
     return OK
 
 
@@ -191,16 +212,16 @@ def error(h: Real, s: State, w: Work) -> Real:
     """Return the scaled error by the defect of the polynomial at the end of the step, the difference of its
     slope and the rate there: of order p it is h / (p + 1) times that."""
     total = 0.0
-    share = h / (float(s.series_order) + 1.0)
+    share = h / (float(s.series.order) + 1.0)
     for i in range(NQ + NV):
-        e = share * (w.end_slopes[i] - s.k[END_RATE][i]) / w.error_weights[i]
+        e = share * (w.series.end_slopes[i] - s.k[END_RATE][i]) / w.error.weights[i]
         total += e * e
     return sqrt(total / float(size(NQ) + NV)) if total < inf else inf
 
 
 def next_size(s: State, a: Trial) -> Real:
     """Return the scale of the coefficients of the next step, which have its size."""
-    return s.series_size
+    return s.series.size
 
 
 def reduced_size(a: Trial) -> Real:
@@ -210,19 +231,19 @@ def reduced_size(a: Trial) -> Real:
 
 def keep_series(s: State) -> None:
     """Keep what the coefficients of an accepted step are made with."""
-    s.series_step = s.steps + 1
-    s.kept_scale = s.series_scale
-    s.kept_order = s.series_order
+    s.series.step = s.steps + 1
+    s.series.kept_scale = s.series.scale
+    s.series.kept_order = s.series.order
 
 
 def restore_series(s: State, w: Work) -> Status:
     """Compute the coefficients of the last step again, if a later attempt has overwritten them."""
-    if s.series_step == s.steps:
+    if s.series.step == s.steps:
         return OK
-    s.series_order = s.kept_order
-    s.series_tolerance = 0.0
-    status = expand(s.p, s.t_old, s.x_old, s.kept_scale, s, w)
-    s.series_step = s.steps
+    s.series.order = s.series.kept_order
+    s.series.tolerance = 0.0
+    status = expand(s.p, s.t_old, s.x_old, s.series.kept_scale, s, w)
+    s.series.step = s.steps
     return status
 
 
@@ -230,22 +251,24 @@ def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
     """Compute the largest deviation of the slopes at three points of the step from that of the cubic between
     its ends."""
     slopes = vector(THREE)
-    part = h / s.series_scale
-    inverse = 1.0 / s.series_scale
+    part = h / s.series.scale
+    inverse = 1.0 / s.series.scale
     for i in range(NX):
         far[i] = 0.0
     for i in range(NQ + NV):
         early = 0.0
         middle = 0.0
         late = 0.0
-        for k in range(s.series_order, 0, -1):
-            own = float(k) * s.series[k][i]
+        # Slopes at 1/4, 1/2 and 3/4 by Horner's rule.
+        for k in range(s.series.order, 0, -1):
+            own = float(k) * s.series.coefficients[k][i]
             early = own + 0.25 * part * early
             middle = own + 0.5 * part * middle
             late = own + 0.75 * part * late
         slopes[0] = early
         slopes[1] = middle
         slopes[2] = late
+        # Slope of the cubic Hermite interpolant there.
         mean = (s.x_new[i] - s.x[i]) / h
         for j in range(3):
             c = 0.25 * float(j + 1)
@@ -257,13 +280,13 @@ def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
 
 def dense_at(part: Real, s: State, x: Vec[NX]) -> None:
     """Evaluate the polynomial at a part of the last step, with that part of the projection of its end."""
-    time = part * s.series_part
-    x[:] = s.series[s.series_order]
+    time = part * s.series.part
+    x[:] = s.series.coefficients[s.series.order]
     if NDISC > 0:
-        keep_discrete(s.series[0], x)
-    for k in range(s.series_order - 1, -1, -1):
+        keep_discrete(s.series.coefficients[0], x)
+    for k in range(s.series.order - 1, -1, -1):
         for i in range(NINT):
-            x[i] = s.series[k][i] + time * x[i]
+            x[i] = s.series.coefficients[k][i] + time * x[i]
     if NC > 0 or NQUAT > 0:
         for i in range(NINT):
             x[i] += part * s.r[0][i]
@@ -271,7 +294,7 @@ def dense_at(part: Real, s: State, x: Vec[NX]) -> None:
 
 def dense_output(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, w: Work) -> Status:
     """Compute what the end z of the step differs by from the polynomial."""
-    s.series_part = h / s.series_scale
+    s.series.part = h / s.series.scale
     if NC > 0 or NQUAT > 0:
         end = vector(NX)
         for i in range(NINT):

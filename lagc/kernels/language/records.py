@@ -1,5 +1,6 @@
 """The records of a run: options, workspace, state of a trajectory, and one attempted step."""
 
+from lagc.kernels.language.contact_law import ContactLaw, ImpactWork
 from lagc.kernels.language.sizes import *
 from lagc.kernels.language.words import Code, Count, IVec, Mat, Params, Real, Size, Vec, struct
 
@@ -22,6 +23,312 @@ ABSENT = 0  # a rate or dense output that is not stored
 STAGES = 1  # a rate in the first stage; a dense output that the stages determine
 READY = 2  # a rate in the last stage; a dense output whose coefficients are known
 OPEN = 3  # a dense output that the stages determine with the rate at the end, which is not known
+
+
+@struct
+class Options:
+    """How to integrate.  All numbers are finite and not negative."""
+
+    method: int  # lagc_method
+    project: bool  # 1: project onto the constraints after each step; 0: let the constraints drift
+    alone: bool  # 1: rtol is relative to each state alone; 0: to the states of its scaling group
+    max_steps: Count  # limit of accepted and rejected steps of one call; 0: no limit
+    rtol: Real  # below 1; relative to the largest magnitude so far in the scaling group, or see `alone`
+    atol: Real  # added for every state; if it is 0, rtol is at least 1e-15
+    step: Real  # > 0: fixed step size, rtol and atol are not used
+    first_step: Real  # 0: chosen
+    max_step: Real  # 0: no limit
+    if NMODE > 0:
+        report: int  # 1: advance and record return INTERRUPTED after each event, see s->changed
+        halves: bool  # 1: the last step before an event, or before the end of a call, is split in two
+
+
+@struct
+class ConstraintWork:
+    """Workspace of the constraint equations: solves with [M G^T; G 0], scales of the rows, projection."""
+
+    # Solves with [M G^T; G 0]
+    rhs: Vec[NR]
+    solution: Vec[NR]
+    is_assembled: bool  # the factors of this projection exist
+    if NM > 0:
+        is_dense: bool  # the factors are those of the rank-revealing factorization
+    else:
+        residual: Vec[NR]
+        correction: Vec[NR]
+    # Constraint rows and their scales
+    scales: Vec[NC]  # of the residuals
+    rate_scales: Vec[NC]  # of the residual rates
+    reaches: Vec[NREACH]  # change of each row over the sizes of the states
+    gamma_sizes: Vec[NC]  # sum of the magnitudes of the terms of gamma
+    regularity: Vec[NC]  # 1; less for a degenerate row, whose gradient nearly vanishes
+    violation: Real  # scaled distance of x from the constraints
+    group_sizes: Vec[NGROUP]
+    values: Vec[NC]
+    buffer: Vec[NC]
+    buffer2: Vec[NC]
+    redundant_before: IVec[NC]
+    # Projection
+    x_candidate: Vec[NX]
+    dq: Vec[NQ]
+
+
+@struct
+class FactorWork:
+    """Rank-revealing factorization L^-1 G^T = Q F diag(lengths), with M = L L^T."""
+
+    q_rows: Mat[NC, NV]  # Q^T
+    q_begin: IVec[NC]  # first and last column of each row of Q^T that is not zero
+    q_end: IVec[NC]
+    factor: Mat[NC, NC]  # F
+    lengths: Vec[NC]
+    order: IVec[NC]  # pivot order
+    rank: Size
+    penalty: Real  # > 0: L is the factor of M + penalty G^T G
+    dependence: Mat[NC, NC]  # dependent rows as combinations of the independent ones
+    normal_matrix: Mat[NC, NC]
+    rhs: Vec[NC]
+    mu: Vec[NC]
+
+
+@struct
+class ErrorWork:
+    """Workspace of the estimated error of a step."""
+
+    sizes: Vec[NGROUP]  # s->sizes, with the new state included
+    weights: Vec[NX]
+    longest_step: Real  # over which groups at rest are extrapolated; 0: they are not
+    rate_roundoff: Vec[NX]  # round-off of the rates in the error weights of this attempt
+    coordinate_roundoff: Vec[NX]  # residual of the projection of coordinates, divided by the step size
+    if NH > 0:
+        parts: Mat[TWO, NX]  # the two error estimates of the step
+        parts_before: Mat[TWO, NX]  # those of the step before it was perturbed
+        x_perturbed: Vec[NX]
+
+
+@struct
+class NewtonWork:
+    """Workspace of implicit methods: the stages are solved by Newton's method."""
+
+    loosening: Real  # of the estimated error over that of the weights
+    tolerance: Real  # scaled error of the stages
+    rtol: Real  # in their weights
+    most: int  # iterations
+    x_stage: Vec[NX]
+    rates_stage: Vec[NX]
+    residual: Vec[NNEWTON]
+    residual_before: Vec[NNEWTON]
+    residual_rows: Vec[NR]
+    direction: Vec[NDIRECTION]
+    linear: Vec[NLINEAR]
+    linear_imaginary: Vec[NLINEAR]
+    stage_residuals: Mat[THREE, NNEWTON]
+    increments: Mat[THREE, NNEWTON]
+    stage_power: Mat[FOUR, TWO]
+
+
+@struct
+class SeriesWork:
+    """Workspace of the Taylor series of the motion."""
+
+    values: Vec[NVALUE]  # of the state, for all orders
+    scaled: Vec[NSERIES]  # scale times the rates of an order; k, 1/k, the coefficient of time
+    end_slopes: Vec[NX]  # of the polynomial
+    rates_next: Vec[NX]
+    sums: Vec[NCONVOLVED]  # of products of coefficients, lanes, then squares
+    left: Mat[NTERM, NLANE]  # coefficients of both factors of each lane
+    right: Mat[NTERM, NLANE]
+    squares: Mat[NTERM, NSQUARE]
+
+
+@struct
+class EventWork:
+    """Workspace of relations: their event indicators, detection and location of zero crossings."""
+
+    indicators: Vec[NMODE]  # event indicators
+    rates: Vec[NMODE]
+    crossed: IVec[NMODE]  # 1: this indicator crosses zero, or an edge, at the end of the step
+    indicators_before: Vec[NMODE]  # in the modes that were looked at before
+    jumped: IVec[NMODE]  # 1: this indicator changed with the modes of others
+    candidate_modes: Vec[NMODE]
+    sliding_candidates: IVec[NFREE]  # 1: this indicator reaches zero at the same time
+    # The modes that an event leaves
+    old_indicators: Vec[NMODE]
+    old_rates: Vec[NMODE]
+    old_state_rates: Vec[NX]  # of the state
+    if NSAMPLED > 0:
+        sampled_low: Vec[NMODE]  # range of indicators over the samples of a part of a step
+        sampled_high: Vec[NMODE]
+    if NEDGES > 0:
+        edges: Vec[NEDGES]  # lower and upper edge of the mode of each stepwise relation
+        old_edges: Vec[NEDGES]
+    if NTIMED > 0:
+        # Relations of time alone
+        slopes: Vec[NTIMED]
+        times: Vec[NTIMED]
+    if NFREE > 0:
+        # Detection of zero crossings
+        enclosures: Vec[NENDS]  # lower and upper bound of each indicator in the box
+        margins: Vec[NFREE]  # distance of each indicator from its crossing, negative beyond it
+        margin_changes: Vec[NFREE]
+        roundoff: Vec[NFREE]  # change of each indicator by one unit in the last place of (t, x)
+
+
+@struct
+class SearchWork:
+    """The parts of a step in which zero crossings and narrow features are looked for."""
+
+    box: Vec[NBOX]  # lower ends of time and states, then upper ends
+    x_trial: Vec[NX]
+    x_part_begin: Vec[NX]
+    x_part_middle: Vec[NX]
+    x_part_end: Vec[NX]
+
+
+@struct
+class LoadWork:
+    """Workspace of loads that depend on reactions."""
+
+    if NLOADED > 0:
+        free: Vec[NC]  # multipliers without them
+    lam: Vec[NC]
+    force: Vec[NV]
+    slopes: Vec[NLOADSLOPES]  # derivatives of the forces by these reactions, one after the other
+    if NLOADED > 0:
+        rhs: Vec[NR]
+        answer: Vec[NR]
+        total: Vec[NR]  # accelerations and multipliers that the loads add
+        columns: Vec[NLOADCOLUMNS]
+        matrix: Vec[NLOADMATRIX]
+        sizes: Vec[NLOADMATRIX]  # of the terms of its entries
+        step: Vec[NLOADED]
+        reach: Vec[NLOADED]  # of the terms of each multiplier
+    if NCON > 0:
+        begin: Vec[NR]  # accelerations and multipliers without loads and contacts
+        rest: Vec[NV]  # forces at reactions of zero, by their slopes
+        pushes: Vec[NCROW]
+        if NLOADED > 0:
+            matrix_kept: Vec[NLOADMATRIX]
+            sizes_kept: Vec[NLOADMATRIX]
+
+
+@struct
+class LateWork:
+    """Relations that accelerations or reactions decide."""
+
+    values: Vec[NLATE]  # their indicators
+    modes: Vec[NLATE]  # modes that these give
+    here: Vec[NLATE]
+    known: Vec[NKNOWN]
+    x: Vec[NX]
+    rates: Vec[NX]
+    lam: Vec[NC]
+
+
+@struct
+class ClauseWork:
+    """Workspace of clauses `when`."""
+
+    conditions: Vec[NWHEN]  # 1: this condition is true
+    triggered: IVec[NWHEN]  # 1: it has become true
+    indicator_reset: IVec[NFREE]  # 1: a clause changed this indicator at this event
+    act_first: bool  # clauses act on a crossing that forces drive back
+    in_contact: IVec[NFREE]  # 1: this indicator of clauses moves by round-off alone
+    size_roundoff: Vec[NFREE]  # change of each indicator by one unit in the last place of the sizes
+    at_event_time: bool  # the state is that at the time of the crossing
+    x_saved: Vec[NX]
+    conditions_saved: Vec[NWHEN]
+    modes_saved: Vec[NMODE]
+    slack_saved: Vec[NMODE]
+    if NJUMP > 0:
+        reinit_values: Vec[NJUMP]
+        x_reinit: Vec[NX]
+        energies: Vec[THREE]
+
+
+@struct
+class GuardWork:
+    """Workspace of step guards: narrow features, and divisors near zero."""
+
+    if NFEAT > 0:
+        # Step guards: narrow features
+        feature_bounds: Vec[NBOUNDS]  # lower and upper bound of each in the box
+        feature_values: Vec[NFEAT]
+        feature_low: Vec[NFEAT]  # range that the ends of the step show
+        feature_high: Vec[NFEAT]
+    if NPOLE > 0:
+        # Step guards: divisors near zero
+        divisor_bounds: Vec[NNEAR]  # lower and upper bound of each in the box
+        divisor_limits: Vec[NPOLE]  # least distance of each from zero
+        divisor_begin: Vec[NPOLE]
+        divisor_middle: Vec[NPOLE]
+        divisor_end: Vec[NPOLE]
+        guards_divisors: bool  # a divisor may come nearer to zero within the step
+
+
+@struct
+class ContactWork:
+    """Workspace of contacts: their rows, responses, forces and friction at one state."""
+
+    touched: IVec[NCON]  # 1: it touches
+    modes: IVec[NCON]  # 0 open, 1 or -1 slips forwards or backwards, 2 sticks; 1 without friction
+    touching: IVec[NCON]  # the listed contacts
+    touching_rows: IVec[NCROW]  # their rows
+    rows: Vec[NGRADIENTS]  # gradients of the rows by the speeds
+    speeds: Vec[NCROW]  # rates of the rows
+    bias: Vec[NCROW]  # accelerations of the rows where those of the speeds are 0
+    gaps: Vec[NCON]
+    indicators: Vec[NMODE]
+    approach: Vec[NCON]  # speed before an impact
+    responses: Vec[NRESPONSES]  # accelerations and multipliers for a unit of each listed row
+    rhs: Vec[NR]
+    solution: Vec[NR]
+    shift: Vec[NQ]
+    forces: Vec[NCROW]  # at the last evaluation
+    force_margins: Vec[NCON]  # zero where a contact opens: its normal force, or a measure of its set
+    x: Vec[NX]
+    rates: Vec[NX]
+    lam: Vec[NC]
+    if NSLIP > 0:
+        # Friction
+        frictions: Vec[NDIRECT]  # of slip and of sticking, of each contact
+        slides: Vec[NDIRECT]  # direction in which a contact begins to slip, by its force
+        cone_margins: Vec[NCON]  # what falls to zero where it slips
+        if NSPACE > 0:
+            slip_axes: Vec[NDIRECT]  # direction in which each contact slips at the beginning of a step
+            slip_roundoff: Vec[NCON]  # of its slip
+            slips_held: bool  # they keep these directions
+        if NTWO > 0:
+            # Two-sided contacts: their normal forces as sums of accelerations, multipliers and forces
+            normal_rows: Vec[NNORMALROWS]  # derivatives of each component
+            normal_bias: Vec[NNORMAL]
+            normal_given: Vec[NNORMAL]  # without the forces of contacts
+            normal_effects: Vec[NNORMALEFFECTS]  # their derivatives by the forces of listed rows
+            normal_axes: Vec[NNORMAL]  # direction of each normal force
+            normal_signs: IVec[NCON]  # of normal forces with one component; 0: not known
+    law: ContactLaw  # of the listed contacts
+    impact: ImpactWork  # of them
+
+
+@struct
+class SettlingWork:
+    """Workspace of contacts at an event."""
+
+    hit: IVec[NCON]  # what has happened, by the kinds in `slips`
+    has_acted: bool  # at this event already
+    go_on: bool  # speeds have not jumped: contacts that touched before keep touching
+    modes_before: Vec[NMODE]  # of relations, before the event
+    indicators_unmoved: IVec[NMODE]  # 1: contacts do not change it
+    near: IVec[NCON]
+    leaves: IVec[NCON]
+    closed: IVec[NCON]  # modes that the law has found
+    rests: IVec[NCON]
+    struck: Vec[NCON]  # impulse
+    lost: Vec[NCON]  # energy
+    energies: Vec[THREE]
+    restitutions: Vec[NCON]
+    x: Vec[NX]
+    rates: Vec[NX]
 
 
 @struct
@@ -54,322 +361,99 @@ class Work:
         # Sparse factors of [M G^T; G 0]
         kkt_entries: Vec[NWORK]
     if NC > 0:
-        # Solves with [M G^T; G 0]
-        kkt_rhs: Vec[NR]
-        kkt_solution: Vec[NR]
+        rows: ConstraintWork
         rank_deficient: bool  # constraint equations are known to depend on others
-        is_assembled: bool  # the factors of this projection exist
         if NM > 0:
-            is_dense: bool  # the factors are those of the rank-revealing factorization
-        else:
-            kkt_residual: Vec[NR]
-            kkt_correction: Vec[NR]
-        # Constraint rows and their scales
-        row_scales: Vec[NC]  # of the residuals
-        rate_scales: Vec[NC]  # of the residual rates
-        reaches: Vec[NREACH]  # change of each row over the sizes of the states
-        gamma_sizes: Vec[NC]  # sum of the magnitudes of the terms of gamma
-        regularity: Vec[NC]  # 1; less for a degenerate row, whose gradient nearly vanishes
-        constraint_violation: Real  # scaled distance of x from the constraints
-        group_sizes: Vec[NGROUP]
-        row_values: Vec[NC]
-        row_buffer: Vec[NC]
-        row_buffer2: Vec[NC]
-        redundant_before: IVec[NC]
-        if NM > 0:
-            # Rank-revealing factorization L^-1 G^T = Q F diag(row_lengths)
-            q_rows: Mat[NC, NV]  # Q^T
-            q_begin: IVec[NC]  # first and last column of each row of Q^T that is not zero
-            q_end: IVec[NC]
-            q_factor: Mat[NC, NC]  # F
-            row_lengths: Vec[NC]
-            row_order: IVec[NC]  # pivot order
-            rank: Size
-            penalty: Real  # > 0: L is the factor of M + penalty G^T G
-            dependence: Mat[NC, NC]  # dependent rows as combinations of the independent ones
-            normal_matrix: Mat[NC, NC]
-            row_rhs: Vec[NC]
-            mu: Vec[NC]
-        # Projection
-        x_candidate: Vec[NX]
-        dq: Vec[NQ]
+            factors: FactorWork
     position_residual: Real  # largest scaled residuals after a projection
     velocity_residual: Real
-    # Error of a step
-    trial_sizes: Vec[NGROUP]  # s->sizes, with the new state included
-    error_weights: Vec[NX]
-    longest_step: Real  # over which groups at rest are extrapolated; 0: they are not
-    rate_roundoff: Vec[NX]  # round-off of the rates in the error weights of this attempt
-    coordinate_roundoff: Vec[NX]  # residual of the projection of coordinates, divided by the step size
-    if NH > 0:
-        error_parts: Mat[TWO, NX]  # the two error estimates of the step
-        error_parts_before: Mat[TWO, NX]  # those of the step before it was perturbed
-        x_perturbed: Vec[NX]
+    error: ErrorWork
     if NNEWTON > 0:
-        # Implicit methods
-        loosening: Real  # of the estimated error over that of the weights
-        newton_tolerance: Real  # scaled error of the stages
-        newton_rtol: Real  # in their weights
-        newton_most: int  # iterations
-        x_stage: Vec[NX]
-        rates_stage: Vec[NX]
-        residual: Vec[NNEWTON]
-        residual_before: Vec[NNEWTON]
-        residual_rows: Vec[NR]
-        direction: Vec[NDIRECTION]
-        linear: Vec[NLINEAR]
-        linear_imaginary: Vec[NLINEAR]
-        stage_residuals: Mat[THREE, NNEWTON]
-        increments: Mat[THREE, NNEWTON]
-        stage_power: Mat[FOUR, TWO]
+        newton: NewtonWork
     if NSERIES > 0:
-        # Taylor series
-        values: Vec[NVALUE]  # of the state, for all orders
-        scaled: Vec[NSERIES]  # scale times the rates of an order; k, 1/k, the coefficient of time
-        end_slopes: Vec[NX]  # of the polynomial
-        rates_next: Vec[NX]
-        sums: Vec[NCONVOLVED]  # of products of coefficients, lanes, then squares
-        left: Mat[NTERM, NLANE]  # coefficients of both factors of each lane
-        right: Mat[NTERM, NLANE]
-        squares: Mat[NTERM, NSQUARE]
+        series: SeriesWork
     if NMODE > 0:
         # Modes of relations
         modes: Vec[NMODE]
         modes_fixed: bool  # evaluations keep these modes; else they follow the state
-        indicators: Vec[NMODE]  # event indicators
-        indicator_rates: Vec[NMODE]
-        crossed: IVec[NMODE]  # 1: this indicator crosses zero, or an edge, at the end of the step
-        indicators_before: Vec[NMODE]  # in the modes that were looked at before
-        indicator_jumped: IVec[NMODE]  # 1: this indicator changed with the modes of others
-        candidate_modes: Vec[NMODE]
-        sliding_candidates: IVec[NFREE]  # 1: this indicator reaches zero at the same time
-        # The modes that an event leaves
-        old_indicators: Vec[NMODE]
-        old_indicator_rates: Vec[NMODE]
-        old_rates: Vec[NX]  # of the state
+        events: EventWork
     if NLOADS > 0:
-        # Loads that depend on reactions
-        if NLOADED > 0:
-            load_free: Vec[NC]  # multipliers without them
-        load_lam: Vec[NC]
-        load_force: Vec[NV]
-        load_slopes: Vec[NLOADSLOPES]  # derivatives of the forces by these reactions, one after the other
-        if NLOADED > 0:
-            load_rhs: Vec[NR]
-            load_answer: Vec[NR]
-            load_total: Vec[NR]  # accelerations and multipliers that the loads add
-            load_columns: Vec[NLOADCOLUMNS]
-            load_matrix: Vec[NLOADMATRIX]
-            load_sizes: Vec[NLOADMATRIX]  # of the terms of its entries
-            load_step: Vec[NLOADED]
-            load_reach: Vec[NLOADED]  # of the terms of each multiplier
-        if NCON > 0:
-            load_begin: Vec[NR]  # accelerations and multipliers without loads and contacts
-            load_rest: Vec[NV]  # forces at reactions of zero, by their slopes
-            load_pushes: Vec[NCROW]
-            if NLOADED > 0:
-                load_matrix_kept: Vec[NLOADMATRIX]
-                load_sizes_kept: Vec[NLOADMATRIX]
+        loads: LoadWork
     if NLATE > 0:
-        # Relations that accelerations or reactions decide
-        late_values: Vec[NLATE]  # their indicators
-        late_modes: Vec[NLATE]  # modes that these give
-        late_here: Vec[NLATE]
-        late_low: Vec[NLATE]  # range over the samples of a part of a step
-        late_high: Vec[NLATE]
-        late_known: Vec[NKNOWN]
-        late_x: Vec[NX]
-        late_rates: Vec[NX]
-        late_lam: Vec[NC]
-    if NEDGES > 0:
-        edges: Vec[NEDGES]  # lower and upper edge of the mode of each stepwise relation
-        old_edges: Vec[NEDGES]
-    if NTIMED > 0:
-        # Relations of time alone
-        indicator_slopes: Vec[NTIMED]
-        event_times: Vec[NTIMED]
-    if NFREE > 0:
-        # Detection of zero crossings
-        enclosures: Vec[NENDS]  # lower and upper bound of each indicator in the box
-        margins: Vec[NFREE]  # distance of each indicator from its crossing, negative beyond it
-        margin_changes: Vec[NFREE]
-        indicator_roundoff: Vec[NFREE]  # change of each indicator by one unit in the last place of (t, x)
+        late: LateWork
     if NWHEN > 0:
-        # Clauses `when`
-        conditions: Vec[NWHEN]  # 1: this condition is true
-        triggered: IVec[NWHEN]  # 1: it has become true
-        indicator_reset: IVec[NFREE]  # 1: a clause changed this indicator at this event
-        clauses_first: bool  # clauses act on a crossing that forces drive back
-        in_contact: IVec[NFREE]  # 1: this indicator of clauses moves by round-off alone
-        size_roundoff: Vec[NFREE]  # change of each indicator by one unit in the last place of the sizes
-        at_event_time: bool  # the state is that at the time of the crossing
-        x_saved: Vec[NX]
-        conditions_saved: Vec[NWHEN]
-        modes_saved: Vec[NMODE]
-        slack_saved: Vec[NMODE]
-    if NJUMP > 0:
-        reinit_values: Vec[NJUMP]
-        x_reinit: Vec[NX]
-        energies: Vec[THREE]
-    if NFEAT > 0:
-        # Step guards: narrow features
-        feature_bounds: Vec[NBOUNDS]  # lower and upper bound of each in the box
-        feature_values: Vec[NFEAT]
-        feature_low: Vec[NFEAT]  # range that the ends of the step show
-        feature_high: Vec[NFEAT]
-    if NPOLE > 0:
-        # Step guards: divisors near zero
-        divisor_bounds: Vec[NNEAR]  # lower and upper bound of each in the box
-        divisor_limits: Vec[NPOLE]  # least distance of each from zero
-        divisor_begin: Vec[NPOLE]
-        divisor_middle: Vec[NPOLE]
-        divisor_end: Vec[NPOLE]
-        guards_divisors: bool  # a divisor may come nearer to zero within the step
+        clauses: ClauseWork
+    if NGUARD > 0:
+        guards: GuardWork
     if NCON > 0:
-        # Contacts
-        touched: IVec[NCON]  # 1: it touches
-        contact_modes: IVec[NCON]  # 0 open, 1 or -1 slips forwards or backwards, 2 sticks; 1 without friction
-        touching: IVec[NCON]  # the listed contacts
-        touching_rows: IVec[NCROW]  # their rows
-        contact_rows: Vec[NGRADIENTS]  # gradients of the rows by the speeds
-        contact_speeds: Vec[NCROW]  # rates of the rows
-        contact_bias: Vec[NCROW]  # accelerations of the rows where those of the speeds are 0
-        contact_gaps: Vec[NCON]
-        contact_indicators: Vec[NMODE]
-        contact_sizes: Vec[NCON]  # change of each gap over the sizes of the states
-        contact_approach: Vec[NCON]  # speed before an impact
-        contact_responses: Vec[NRESPONSES]  # accelerations and multipliers for a unit of each listed row
-        contact_rhs: Vec[NR]
-        contact_solution: Vec[NR]
-        contact_shift: Vec[NQ]
-        contact_forces: Vec[NCROW]  # at the last evaluation
-        force_margins: Vec[NCON]  # zero where a contact opens: its normal force, or a measure of its set
-        force_low: Vec[NCON]  # range of the normal forces over the evaluations of a step
-        force_high: Vec[NCON]
-        x_contact: Vec[NX]
-        contact_rates: Vec[NX]
-        contact_lam: Vec[NC]
-        # Contacts at an event
-        contact_hit: IVec[NCON]  # what has happened, by the kinds in `slips`
-        contacts_acted: bool  # at this event already
-        contacts_go_on: bool  # speeds have not jumped: contacts that touched before keep touching
-        modes_before: Vec[NMODE]  # of relations, before the event
-        indicators_unmoved: IVec[NMODE]  # 1: contacts do not change it
-        contact_near: IVec[NCON]
-        contact_leaves: IVec[NCON]
-        contact_closed: IVec[NCON]  # as contact_modes
-        contact_rests: IVec[NCON]
-        contact_struck: Vec[NCON]  # impulse
-        contact_lost: Vec[NCON]  # energy
-        contact_energies: Vec[THREE]
-        restitutions: Vec[NCON]
-        if NSLIP > 0:
-            # Friction
-            frictions: Vec[NDIRECT]  # of slip and of sticking, of each contact
-            contact_slides: Vec[NDIRECT]  # direction in which a contact begins to slip, by its force
-            cone_margins: Vec[NCON]  # what falls to zero where it slips
-            cone_low: Vec[NCON]  # range of static friction less force over the evaluations of a step
-            cone_high: Vec[NCON]
-            if NSPACE > 0:
-                slip_axes: Vec[NDIRECT]  # direction in which each contact slips at the beginning of a step
-                slip_roundoff: Vec[NCON]  # of its slip
-                slips_held: bool  # they keep these directions
-            if NTWO > 0:
-                # Two-sided contacts: their normal forces as sums of accelerations, multipliers and forces
-                normal_rows: Vec[NNORMALROWS]  # derivatives of each component
-                normal_bias: Vec[NNORMAL]
-                normal_given: Vec[NNORMAL]  # without the forces of contacts
-                normal_effects: Vec[NNORMALEFFECTS]  # their derivatives by the forces of listed rows
-                normal_axes: Vec[NNORMAL]  # direction of each normal force
-                normal_signs: IVec[NCON]  # of normal forces with one component; 0: not known
-        x_settled: Vec[NX]
-        rates_settled: Vec[NX]
-        # Law of contacts that touch: u = W p + b. First the problem
-        law_count: int  # contacts that touch
-        law_rows: int  # their rows
-        law_first: IVec[NCON]  # normal row of each; its slip rows follow
-        law_slips: IVec[NCON]  # slip rows of each: 0, 1 or 2
-        law_unit: IVec[NCON]  # unit of its gap: a number, the same for the same unit
-        law_two_sided: IVec[NCON]  # it never opens; 1: its normal force has a sign, 2: a direction
-        law_friction: Vec[NCON]  # coefficient of friction while it slips
-        law_static: Vec[NCON]  # the same while it sticks
-        law_moves: IVec[NCON]  # 1: it slips already, along law_direction
-        law_direction: Vec[NDIRECT]  # unit vector of the slip
-        law_w: Vec[NDELASSUS]  # W by rows
-        law_b: Vec[NCROW]
-        law_sizes: Vec[NCROW]  # sum of the magnitudes of the terms of b; 0: not known
-        law_mode: IVec[NCON]  # modes before, then the modes found
-        # Its solution
-        law_p: Vec[NCROW]  # forces or impulses
-        law_u: Vec[NCROW]  # relative accelerations or velocities
-        law_other_mode: IVec[NCON]  # of a second solution
-        law_culprit: int  # a contact that contradicts others, sinks in, or has several modes
-        law_rank: int  # of the rows of closed contacts
-        law_unknowns: int
-        # Its solver
-        law_slides: IVec[NCON]  # 1: the direction of its slip is given
-        law_turns: IVec[NCON]  # 1: its slip direction is an unknown
-        law_turning: bool  # there is such a contact
-        law_sign: IVec[NCON]  # sign of the normal force while it slips: -1 at some two-sided contacts
-        law_mu: Vec[NCON]
-        law_least: Vec[NCON]  # least normal force
-        law_scale: Vec[NCROW]  # of forces
-        law_row_scale: Vec[NCROW]  # of u
-        law_size: Real  # the largest scaled b
-        law_roundoff: Real  # of scaled b
-        law_contact: IVec[NLAW]  # contact of each unknown
-        law_unknown: IVec[NLAW]  # its row; law_rows: a slip angle
-        law_matrix: Vec[NLAWS]
-        law_right: Vec[NLAW]
-        law_step: Vec[NLAW]
-        law_order: IVec[NLAW]
-        law_choice: IVec[NCON]
-        # Shares of a load: the smallest forces in the cones
-        law_share: Vec[NLAW]
-        law_pull: Vec[NLAW]  # what is projected on the cones
-        law_place: IVec[NLAW]  # where it is
-        law_metric: Vec[NLAW]
-        law_dual: Vec[NLAW]
-        law_dual_before: Vec[NLAW]
-        law_left: Vec[NLAW]  # load that is not borne
-        law_factor: Vec[NLAWS]
-        law_share_terms: Real
-        law_block: IVec[NCON]  # of contacts that rows connect: the number of one of them
-        law_row_block: IVec[NLAW]
-        law_block_now: int  # that is solved
-        law_shared: IVec[NCON]  # 1: its block bears its load in many ways
-        law_lack: Vec[NCON]  # load that no forces of its block bear
-        law_kept_mode: IVec[NCON]
-        law_kept_p: Vec[NCROW]
-        law_kept_u: Vec[NCROW]
-        law_kept_direction: Vec[NDIRECT]
-        # Impacts: their law and results, then what `impact` keeps of all contacts
-        law_restitution: Vec[NCON]
-        if NPOISSON > 0:
-            law_poisson: IVec[NCON]  # 1: Poisson's law, 0: Newton's law
-        law_impulse: Vec[NCROW]
-        law_loss: Vec[NCON]  # energy that each contact took
-        law_rounds: int
-        impact_count: int
-        impact_rows: int
-        impact_first: IVec[NCON]
-        impact_slips: IVec[NCON]
-        impact_two_sided: IVec[NCON]
-        impact_unit: IVec[NCON]
-        impact_friction: Vec[NCON]
-        impact_of: IVec[NCON]  # contact of each one in a round
-        impact_w: Vec[NDELASSUS]
-        impact_u: Vec[NCROW]
-        impact_u_before: Vec[NCROW]  # of a round
-        impact_p_before: Vec[NCROW]
-        impact_sizes: Vec[NCROW]  # of the terms of u
+        contacts: ContactWork
+        settling: SettlingWork
     if NSEARCH > 0:
-        # Parts of a step
-        box: Vec[NBOX]  # lower ends of time and states, then upper ends
-        x_trial: Vec[NX]
-        x_part_begin: Vec[NX]
-        x_part_middle: Vec[NX]
-        x_part_end: Vec[NX]
+        search: SearchWork
+
+
+@struct
+class NewtonState:
+    """Jacobian and estimates that an implicit method keeps from step to step."""
+
+    kept_step: Count  # steps behind which the stages of the last one are kept; -1: none
+    jacobian_step: Count  # steps at which the derivatives were computed; -1: not known
+    factored: Real  # step size of the factors; 0: none
+    count: int  # iterations of the last step
+    eta: Real  # sum of the increments that follow over the last one
+    theta: Real  # ratio of two increments
+    slopes: Vec[NSLOPES]  # derivatives of the equations of a stage by q, v and multipliers
+    mass: Vec[NMASS]
+    real_factors: Vec[NFACTORS]
+    real_pivots: IVec[NLINEAR]
+    complex_factors: Vec[NFACTORS]
+    imaginary_factors: Vec[NFACTORS]
+    complex_pivots: IVec[NLINEAR]
+    start_lam: Vec[NC]  # multipliers at the beginning of a step
+    stage_lam: Mat[THREE, NC]
+    kept_lam: Mat[THREE, NC]  # those of the kept stages
+    dependent: IVec[NC]  # 1: this constraint equation depends on others
+
+
+@struct
+class SeriesState:
+    """The Taylor series of the motion, and what it tells of the next one."""
+
+    coefficients: Mat[NTERM, NX]  # coefficients of the states, in the time over series_scale
+    scale: Real
+    part: Real  # size of the last step over it
+    size: Real  # that the coefficients admit
+    tolerance: Real
+    ratio: Real  # of successive terms at the end of a step
+    fall: Real  # its power k, for the least order k that the radius is estimated from
+    order: Count
+    step: Count  # steps behind which the coefficients are those of the last one; -1: none
+    kept_scale: Real  # of the last step
+    kept_order: Count
+
+
+@struct
+class GridState:
+    """The grid of fixed steps."""
+
+    begin: Real  # grid of fixed steps
+    step: Real  # negative backwards; 0: there is no grid
+    index: Count  # points that were passed
+    rest: Real  # size of the step to the next point
+    goal: Count  # the point where the call ends, or grid_index if it ends at none
+    stride: Count  # points that the last call passed
+
+
+@struct
+class SlipState:
+    """The directions in which contacts slip in space."""
+
+    axes: Vec[NDIRECT]  # of the next step
+    roundoff: Vec[NCON]
+    errors: Vec[NCON]  # that the last step may have made
+    speeds: Vec[NCON]  # at the beginning of the step
+    axes_old: Vec[NDIRECT]  # of the last step
+    roundoff_old: Vec[NCON]
 
 
 @struct
@@ -429,45 +513,12 @@ class State:
     stability_due: Count  # steps to the end of the next test of stability
     rates_apart: Real  # sums of this test
     states_apart: Real
-    grid_begin: Real  # grid of fixed steps
-    grid_step: Real  # negative backwards; 0: there is no grid
-    grid_index: Count  # points that were passed
-    grid_rest: Real  # size of the step to the next point
-    grid_goal: Count  # the point where the call ends, or grid_index if it ends at none
-    grid_stride: Count  # points that the last call passed
+    grid: GridState
     x_new: Vec[NX]  # end of the step that is attempted
     if NNEWTON > 0:
-        # Implicit methods
-        kept_step: Count  # steps behind which the stages of the last one are kept; -1: none
-        jacobian_step: Count  # steps at which the derivatives were computed; -1: not known
-        factored: Real  # step size of the factors; 0: none
-        newton_count: int  # iterations of the last step
-        newton_eta: Real  # sum of the increments that follow over the last one
-        newton_theta: Real  # ratio of two increments
-        slopes: Vec[NSLOPES]  # derivatives of the equations of a stage by q, v and multipliers
-        mass: Vec[NMASS]
-        real_factors: Vec[NFACTORS]
-        real_pivots: IVec[NLINEAR]
-        complex_factors: Vec[NFACTORS]
-        imaginary_factors: Vec[NFACTORS]
-        complex_pivots: IVec[NLINEAR]
-        start_lam: Vec[NC]  # multipliers at the beginning of a step
-        stage_lam: Mat[THREE, NC]
-        kept_lam: Mat[THREE, NC]  # those of the kept stages
-        dependent: IVec[NC]  # 1: this constraint equation depends on others
+        newton: NewtonState
     if NSERIES > 0:
-        # Taylor series
-        series: Mat[NTERM, NX]  # coefficients of the states, in the time over series_scale
-        series_scale: Real
-        series_part: Real  # size of the last step over it
-        series_size: Real  # that the coefficients admit
-        series_tolerance: Real
-        series_ratio: Real  # of successive terms at the end of a step
-        series_fall: Real  # its power k, for the least order k that the radius is estimated from
-        series_order: Count
-        series_step: Count  # steps behind which the coefficients are those of the last one; -1: none
-        kept_scale: Real  # of the last step
-        kept_order: Count
+        series: SeriesState
     # Round-off
     roundoff_estimated: bool  # the error of the last step was compared with its round-off
     roundoff_memory: Real  # 1 when round-off decided on a step; fades with the distance from it to 0
@@ -498,9 +549,4 @@ class State:
             normal_signs: IVec[NCON]  # of the next step
             normal_signs_old: IVec[NCON]  # of the last step
         if NSPACE > 0:
-            slip_axes: Vec[NDIRECT]  # of the next step
-            slip_roundoff: Vec[NCON]
-            slip_errors: Vec[NCON]  # that the last step may have made
-            slip_speeds: Vec[NCON]  # at the beginning of the step
-            slip_axes_old: Vec[NDIRECT]  # of the last step
-            slip_roundoff_old: Vec[NCON]
+            slips: SlipState

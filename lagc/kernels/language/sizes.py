@@ -78,6 +78,9 @@ class NSPACE(metaclass=SizeType): ...  # contacts with two slip rows
 class NTWO(metaclass=SizeType): ...  # two-sided contacts: joints and constraints with friction
 class NNORMAL(metaclass=SizeType): ...  # components of their normal forces
 class NPOISSON(metaclass=SizeType): ...  # contacts with Poisson's law of impact
+class NSAMPLED(metaclass=SizeType): ...  # relations whose indicators are sampled
+class NBESIDE(metaclass=SizeType): ...  # NCROW - 1: rows of contacts beside one
+class NPLAIN(metaclass=SizeType): ...  # relations that are no contacts
 class NCROW(metaclass=SizeType): ...  # NCON + NSLIP: their rows
 class NGRADIENTS(metaclass=SizeType): ...  # NCROW NV
 class NRESPONSES(metaclass=SizeType): ...  # NCROW (NV + NC)
@@ -86,8 +89,6 @@ class NDELASSUS(metaclass=SizeType): ...  # NCROW NCROW
 class NDIRECT(metaclass=SizeType): ...  # 2 NCON
 class NNORMALEFFECTS(metaclass=SizeType): ...  # NNORMAL NCROW
 class NNORMALROWS(metaclass=SizeType): ...  # NNORMAL NKNOWN
-class NLAW(metaclass=SizeType): ...  # NCROW + NCON: unknowns of given contact modes, with slip angles
-class NLAWS(metaclass=SizeType): ...  # NLAW NLAW
 
 
 # The same for every model.

@@ -2,8 +2,7 @@
 
 from typing import Any, Protocol
 
-from lagc.kernels.language.options import Options
-from lagc.kernels.language.records import State, Work
+from lagc.kernels.language.records import Options, State, Work
 from lagc.kernels.language.sizes import NGROUP, NX
 from lagc.kernels.language.trial import TangentWork, Trial
 from lagc.kernels.language.words import IVec, Length, Params, Real, Row, Rows, Status, Vec

@@ -9,6 +9,7 @@ no memory except local vectors.
 
     v[:] = w            copies a vector; v[a:b] = part(w, c, d) a part of one
     r = w.dq            a name for a vector, or a row of a matrix, of a record: nothing is copied
+    l = w.law           a name for a record that is a member of another; it is passed to kernels as w.law
     v = vector(NX)      a local vector, to be filled before it is read; p = params() likewise
     a = Trial()         a local record of zeros
     present(v)          whether an optional vector or record (NULL) is given

@@ -9,14 +9,15 @@ def mass_entry(w: Work, i: int, j: int) -> Real:
     """Return an entry of M, or of M + penalty G^T G."""
     value = w.M[i * (i + 1) // 2 + j]
     if NC > 0:
-        if w.penalty > 0.0:
+        if w.factors.penalty > 0.0:
             for k in range(NC):
-                value += w.penalty * w.G[k * NV + i] * w.G[k * NV + j]
+                value += w.factors.penalty * w.G[k * NV + i] * w.G[k * NV + j]
     return value
 
 
 def cholesky(w: Work) -> bool:
     """Factor M = L L^T, packed by rows. Return False, with the column as the culprit, if M is singular."""
+    # Copy M, and note where each row begins: L has zeros before the first entry of M that is not zero.
     for i in range(NV):
         row = i * (i + 1) // 2
         head = i
@@ -26,6 +27,7 @@ def cholesky(w: Work) -> bool:
             if value != 0.0:
                 head = j
         w.row_begin[i] = head
+    # Columns from left to right. A pivot that is round-off of its own entry means that M is singular.
     for k in range(NV):
         diagonal = k * (k + 1) // 2 + k
         if not w.cholesky[diagonal] > SINGULAR * mass_entry(w, k, k):
@@ -41,6 +43,7 @@ def cholesky(w: Work) -> bool:
             factor = w.cholesky[row + k] / pivot
             w.cholesky[row + k] = factor
             w.pivot_column[i] = factor
+            # Update the rest of the row by the outer product of the column.
             for j in range(k + 1, i + 1):
                 w.cholesky[row + j] -= factor * w.pivot_column[j]
     return True

@@ -55,6 +55,7 @@ def magnitude(re: Real, im: Real) -> Real:
 def factor_complex(re: Vec[NFACTORS], im: Vec[NFACTORS], pivots: IVec[NLINEAR]) -> bool:
     """Replace re + i im by its factors; return whether it is regular. The diagonal of U is inverted."""
     for k in range(NLINEAR):
+        # Partial pivoting by |re| + |im|.
         best = k
         for i in range(k + 1, NLINEAR):
             if magnitude(re[i * NLINEAR + k], im[i * NLINEAR + k]) > magnitude(
@@ -70,6 +71,7 @@ def factor_complex(re: Vec[NFACTORS], im: Vec[NFACTORS], pivots: IVec[NLINEAR]) 
                 other = im[k * NLINEAR + j]
                 im[k * NLINEAR + j] = im[best * NLINEAR + j]
                 im[best * NLINEAR + j] = other
+        # The inverse of the pivot, scaled first so that its square does not overflow.
         largest = magnitude(re[k * NLINEAR + k], im[k * NLINEAR + k])
         if not largest > 0.0:
             return False
@@ -78,6 +80,7 @@ def factor_complex(re: Vec[NFACTORS], im: Vec[NFACTORS], pivots: IVec[NLINEAR]) 
         length = largest * (own * own + turned * turned)
         re[k * NLINEAR + k] = own / length
         im[k * NLINEAR + k] = -turned / length
+        # Subtract the row from those below: the factor is the entry times this inverse.
         for i in range(k + 1, NLINEAR):
             own = re[i * NLINEAR + k] * re[k * NLINEAR + k] - im[i * NLINEAR + k] * im[k * NLINEAR + k]
             turned = re[i * NLINEAR + k] * im[k * NLINEAR + k] + im[i * NLINEAR + k] * re[k * NLINEAR + k]

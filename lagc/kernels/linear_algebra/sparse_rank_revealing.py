@@ -56,7 +56,7 @@ def factor_independent_rows(least: Real, w: Work) -> int:
     """Factor without damping, with the rows whose independent share is above `least`. A degenerate row
     counts by its regularity."""
     for i in range(NC):
-        limit = least / w.regularity[i]
+        limit = least / w.rows.regularity[i]
         w.kkt_entries[NWORK - 2 - NC + i] = limit * limit
     return factor_with_damping(0.0, w)
 
@@ -74,7 +74,7 @@ def least_independent_part(w: Work) -> Real:
 def factor_all_rows(w: Work) -> bool:
     """Factor with all rows; return whether the factors are accurate."""
     for i in range(NC):
-        w.regularity[i] = 1.0
+        w.rows.regularity[i] = 1.0
     kept = factor_independent_rows(DEPENDENT, w)
     return kept == NC and least_independent_part(w) >= LEAST_PIVOT and w.health[0] >= LEAST_PIVOT
 
@@ -82,7 +82,7 @@ def factor_all_rows(w: Work) -> bool:
 def are_well_separated(w: Work) -> bool:
     """Return whether the rows that are kept are well separated."""
     for i in range(NC):
-        own = independent_part(w, i) * w.regularity[i] * w.regularity[i]
+        own = independent_part(w, i) * w.rows.regularity[i] * w.rows.regularity[i]
         if own > 0.0 and own < WELL_SEPARATED * WELL_SEPARATED:
             return False
     return True
@@ -101,7 +101,7 @@ def factor_sparse(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) -> Statu
     if not w.health[0] > SINGULAR:
         w.culprit = size(NV)
         return SINGULAR_MASS
-    fn_gamma_sizes(p, t, x, w.gamma_sizes)
+    fn_gamma_sizes(p, t, x, w.rows.gamma_sizes)
     status = OK
     for i in range(NC):
         if not independent_part(w, i) > 0.0:
@@ -113,10 +113,10 @@ def factor_sparse(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) -> Statu
 
 def refine_solution(r: Vec[NR], s: Vec[NR], w: Work) -> None:
     """Do one step of iterative refinement."""
-    fn_rest(w.kkt_entries, r, s, w.kkt_residual)
-    fn_solve(w.kkt_entries, w.kkt_residual, w.kkt_correction)
+    fn_rest(w.kkt_entries, r, s, w.rows.residual)
+    fn_solve(w.kkt_entries, w.rows.residual, w.rows.correction)
     for i in range(NR):
-        s[i] += w.kkt_correction[i]
+        s[i] += w.rows.correction[i]
 
 
 def find_contradiction(r: Vec[NR], s: Vec[NR], w: Work) -> Status:
@@ -126,9 +126,9 @@ def find_contradiction(r: Vec[NR], s: Vec[NR], w: Work) -> Status:
     power = 0.0  # a M a
     forces = 0.0
     for j in range(NV):
-        power += s[j] * (r[j] - w.kkt_residual[j])
+        power += s[j] * (r[j] - w.rows.residual[j])
     for i in range(NC):
-        power += s[NV + i] * (r[NV + i] - w.kkt_residual[NV + i])
+        power += s[NV + i] * (r[NV + i] - w.rows.residual[NV + i])
         forces += row_size(w, i) * s[NV + i] * s[NV + i]
     extent = sqrt(fabs(power)) + sqrt(forces)
     status = OK
@@ -136,8 +136,8 @@ def find_contradiction(r: Vec[NR], s: Vec[NR], w: Work) -> Status:
     for i in range(NC):
         if independent_part(w, i) > 0.0:
             continue
-        terms = sqrt(row_size(w, i)) / w.regularity[i] * extent + w.gamma_sizes[i]
-        residual = fabs(w.kkt_residual[NV + i]) / (fabs(r[NV + i]) + terms + TINY)
+        terms = sqrt(row_size(w, i)) / w.rows.regularity[i] * extent + w.rows.gamma_sizes[i]
+        residual = fabs(w.rows.residual[NV + i]) / (fabs(r[NV + i]) + terms + TINY)
         if residual > worst:
             status = INCONSISTENT
             w.culprit = i
@@ -148,7 +148,7 @@ def find_contradiction(r: Vec[NR], s: Vec[NR], w: Work) -> Status:
 def factor_all_damped(w: Work) -> None:
     """Factor with all rows, damped, except those whose gradient is round-off."""
     for i in range(NC):
-        w.kkt_entries[NWORK - 2 - NC + i] = -1.0 if w.regularity[i] > DEPENDENT else NEVER_KEPT
+        w.kkt_entries[NWORK - 2 - NC + i] = -1.0 if w.rows.regularity[i] > DEPENDENT else NEVER_KEPT
     factor_with_damping(DAMPED, w)
 
 
@@ -167,12 +167,12 @@ def project_to_null_space(reduction: Real, lam: Vec[NC], w: Work) -> Real:
     left = whole
     spare = whole
     for j in range(NV):
-        w.kkt_residual[j] = 0.0
+        w.rows.residual[j] = 0.0
     for n in range(MOST_PROJECTIONS):
         for i in range(NC):
-            w.kkt_residual[NV + i] = DAMPED * row_size(w, i) * lam[i]
-        fn_solve(w.kkt_entries, w.kkt_residual, w.kkt_correction)
-        lam[:] = part(w.kkt_correction, NV, NV + NC)
+            w.rows.residual[NV + i] = DAMPED * row_size(w, i) * lam[i]
+        fn_solve(w.kkt_entries, w.rows.residual, w.rows.correction)
+        lam[:] = part(w.rows.correction, NV, NV + NC)
         spare = size_of_forces(lam, w)
         left *= reduction * reduction
         if not spare > CG_CONVERGED * whole:
@@ -191,16 +191,16 @@ def shorten_multipliers(s: Vec[NR], w: Work) -> None:
     for n in range(MOST_CG_STEPS):
         for i in range(NC):
             extent = row_size(w, i)
-            w.row_buffer2[i] = s[NV + i] / extent if extent > 0.0 else 0.0
-        spare = project_to_null_space(reduction, w.row_buffer2, w)
+            w.rows.buffer2[i] = s[NV + i] / extent if extent > 0.0 else 0.0
+        spare = project_to_null_space(reduction, w.rows.buffer2, w)
         if spare == 0.0:
             break
         norm = 0.0
         for i in range(NC):
-            w.row_buffer[i] = w.row_buffer2[i] + (spare / before * w.row_buffer[i] if n > 0 else 0.0)
-            norm += w.row_buffer[i] * w.row_buffer[i]
+            w.rows.buffer[i] = w.rows.buffer2[i] + (spare / before * w.rows.buffer[i] if n > 0 else 0.0)
+            norm += w.rows.buffer[i] * w.rows.buffer[i]
         for i in range(NC):
-            s[NV + i] -= spare / norm * w.row_buffer[i]
+            s[NV + i] -= spare / norm * w.rows.buffer[i]
         before = spare
 
 
@@ -211,7 +211,7 @@ def solve_sparse(r: Vec[NR], s: Vec[NR], w: Work) -> Status:
     refine_solution(r, s, w)
     if not w.rank_deficient:
         return OK
-    fn_rest(w.kkt_entries, r, s, w.kkt_residual)
+    fn_rest(w.kkt_entries, r, s, w.rows.residual)
     status = find_contradiction(r, s, w)
     if status != OK:
         return status

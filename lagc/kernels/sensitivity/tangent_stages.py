@@ -37,6 +37,7 @@ def tangent_stages(
         else:
             for i in range(NX):
                 v.x[i] = s.x_old[i] + s.h_old * combination(A[j], s.k, i)
+        # Stage j of the motion, whose accelerations s.k[j] has: K is factored there once for all directions.
         t = s.t_old + number(C[j]) * s.h_old
         status = look_at_stage(p, t, s.k[j], w, v)
         if failed(status):
@@ -55,6 +56,7 @@ def tangent_stages(
                 v.seeds[columns[k]] = 0.0
             if failed(status):
                 return status
+    # S at the end of the step, by the weights of the method.
     for k in range(m):
         load_rows(table, k * NK, len(C), v)
         for i in range(NX):

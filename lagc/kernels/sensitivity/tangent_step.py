@@ -79,6 +79,7 @@ def estimate_noise(
     """Estimate the round-off of the rates of S at the beginning of the last step: their change when time,
     states, accelerations, parameters and S are perturbed by four units in the last place (compare
     `integrators/roundoff`). The state is accepted: a step that is rejected excuses nothing."""
+    # The factors of the perturbation differ from step to step, and from number to number.
     turn = 2 * s.steps + 3
     other = params()
     other[:] = p
@@ -96,6 +97,7 @@ def estimate_noise(
         seed(columns, k, 0.0, v)
         for i in range(NX):
             v.own[i] = now[k][i] * perturbation_factor((i + 4) * turn)
+        # The largest change so far in each scaling group, which fades.
         for g in range(NGROUP):
             noise[k][g] *= NOISE_FADING
         if failed(status) or failed(rates_near(other, s, turn, columns, k, rates, w, v)):
@@ -139,6 +141,7 @@ def finish_tangents(
         v.x[:] = s.x_before_event
     else:
         v.x[:] = s.x
+    # K is factored at the end of the step, with the accelerations of the motion there.
     if NC > 0 or s.dense_place == OPEN:
         status = look_at(p, s.t, v.x, w, v)
     else:
@@ -152,6 +155,7 @@ def finish_tangents(
         seed(columns, k, 1.0, v)
         if NC > 0 or NQUAT > 0:
             project_tangents(p, s, k, after, blur[k], w, v)
+        # The second half of blur has the round-off of the projection alone.
         blur[m + k][:] = blur[k]
         v.own[:] = after[k]
         status = direction_rates(p, s.t, v.x, v.own, noise[k], table[k * NK + last], w, v)
@@ -246,6 +250,7 @@ def follow_step(
     v.extra_known = False
     v.error = 0.0
     status = OK
+    # Round-off of the rates at the old state, then the stages, then projection and rates at the new one.
     if not repeated:
         status = estimate_noise(p, s, m, columns, now, noise, w, v)
     if not failed(status):
@@ -254,6 +259,7 @@ def follow_step(
         status = finish_tangents(p, s, m, columns, after, table, noise, blur, w, v)
     if failed(status):
         return status
+    # The error estimate of the method, scaled by the weights of each direction.
     for k in range(m):
         add_blur(p, s, k, noise, blur, w, v)
         if o.step == 0.0:
@@ -317,6 +323,7 @@ def follow_once(
     blur: Rows[NGROUP], rounding: Rows[NGROUP], w: Work, v: TangentWork,
 ) -> Status:  # fmt: skip
     """Make a step of the motion that is not too long for S, and S over it."""
+    # A step of the motion is repeated, shorter, until S is accurate over it too.
     fn_copy_state(s, kept)
     v.reason = 0
     repeated = False
@@ -377,6 +384,7 @@ def follow(
     and on. `longest`: the longest step, 0 for no limit. Returns INTERRUPTED after `budget` steps and after
     each step that ends at an event, where the caller changes S. The arrays have a row for each direction,
     table has 16; blur and rounding have m more, for the terms of constraints that cancel in S."""
+    # One step of both after the other. A caller changes S where modes change, so each such step returns.
     count: Count = 0
     while s.t < times[n - 1]:
         if count == budget:
@@ -427,5 +435,5 @@ def event_facts(
     changed with others."""
     modes[:] = s.modes
     modes_old[:] = s.modes_old
-    crossed[:] = w.crossed
-    jumped[:] = w.indicator_jumped
+    crossed[:] = w.events.crossed
+    jumped[:] = w.events.jumped

@@ -38,13 +38,13 @@ def solve_tangents(w: Work, v: TangentWork) -> None:
         solve_at(v.dr, v.solution, w)
         if STRAIGHT:
             if NM > 0:
-                if not w.is_dense:
+                if not w.rows.is_dense:
                     fn_refine(w.kkt_entries, v.dr, v.solution)
             else:
-                fn_rest(w.kkt_entries, v.dr, v.solution, w.kkt_residual)
-                fn_solve(w.kkt_entries, w.kkt_residual, w.kkt_correction)
+                fn_rest(w.kkt_entries, v.dr, v.solution, w.rows.residual)
+                fn_solve(w.kkt_entries, w.rows.residual, w.rows.correction)
                 for i in range(NR):
-                    v.solution[i] += w.kkt_correction[i]
+                    v.solution[i] += w.rows.correction[i]
     else:
         if STRAIGHT:
             if not v.dense:
@@ -122,6 +122,7 @@ def look_at(p: Params, t: Real, x: Vec[NX], w: Work, v: TangentWork) -> Status:
 def stay_on_constraints(p: Params, t: Real, x: Vec[NX], own: Vec[NX], w: Work, v: TangentWork) -> None:
     """Project S so that phi_q S_q + phi_theta = 0, and the same for psi, by the smallest change in the metric
     of the mass matrix; quaternions keep their length.  K is factored at (t, x)."""
+    # Unit quaternions: the part of S along e goes.
     for k in range(NQUAT):
         first = quaternion[k]
         along = 0.0
@@ -134,6 +135,7 @@ def stay_on_constraints(p: Params, t: Real, x: Vec[NX], own: Vec[NX], w: Work, v
     if NC > 0:
         for i in range(NR):
             v.dr[i] = 0.0
+        # Positions first, because the rates of holonomic rows depend on them; then speeds.
         if NH > 0:
             fn_tied(p, t, x, own, v.seeds, v.tied)
             for i in range(NH):

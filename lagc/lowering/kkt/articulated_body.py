@@ -21,13 +21,11 @@ from itertools import islice
 
 from lagc.base.records import dataclass, replace
 from lagc.lowering.kkt.fill_ordering import Entry, Structure, entry
-from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.mechanics.formulation.mass_matrix import Moving
+from lagc.mechanics.formulation.equations import EquationsOfMotion, Moving
 from lagc.mechanics.formulation.states import rate_symbols
 from lagc.symbolic.derivative import gradient, partial
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
-from lagc.symbolic.walk import reachable, substitute, symbols
+from lagc.symbolic.walk import evaluate, reachable, substitute, symbols
 
 _Slopes = dict[int, Node]  # by unknown
 

@@ -51,7 +51,7 @@ class _Factoring:
 
     def __init__(self, block: Block, plan: Elimination, matrix: Matrix, guard: Guard | None):
         self.block, self.structure, self.matrix, self.guard = block, plan.structure, matrix, guard
-        self.current = {**matrix.entries, **_tied(block, plan.structure, matrix)}
+        self.current = {**matrix.entries, **_tie_rows(block, plan.structure, matrix)}
         rows = plan.structure.is_row
         self.sizes = {i: value for (i, j), value in matrix.entries.items() if i == j and not rows(i)}
         self.lessened: set[int] = set()  # what something was subtracted from
@@ -127,9 +127,14 @@ class _Factoring:
         self.health = ratio if first else self.block.apply("min", self.health, ratio)
 
     def substitution(self, step: Step) -> None:
+        """Eliminate a lifted velocity by its definition."""
+        # The unknown k is sum of c_u u. Its row and column go to the unknowns u of its definition:
+        # x^T A x with x_k = c . u adds c_u a_kj to A_uj, and c_u c_w a_kk to A_uw.
         block, k = self.block, step.unknown
         c = {u: self.matrix.coefficients[(k, u)] for u in step.definition}
         row = {j: self.at(k, j) for j in step.near}
+        # z is row k, with a_kk c_u among its entries: so c_u z_w counts c_u a_kw and c_u c_w a_kk, and
+        # c_w a_ku is the other half.
         z = dict(row)
         if step.massive:
             own = self.at(k, k)
@@ -146,14 +151,15 @@ class _Factoring:
                     value = block.add(value, block.mul(c[w], row[u]))
                 if not block.is_zero(value):
                     self.add(u, w, value)
+            # Sizes of pivots follow: c_u^2 times that of k, lessened where that is.
             if k in self.sizes:
                 self.enlarge(u, block.mul(block.mul(c[u], c[u]), self.sizes[k]))
                 if k in self.lessened:
                     self.lessened.add(u)
 
 
-def _tied(block: Block, structure: Structure, matrix: Matrix) -> dict[Entry, int]:
-    """The rows sum of c_u u - w_k = 0 of what is kept."""
+def _tie_rows(block: Block, structure: Structure, matrix: Matrix) -> dict[Entry, int]:
+    """Return the entries of the rows sum of c_u u - w_k = 0 of kept velocities."""
     found: dict[Entry, int] = {}
     for k, row in structure.ties:
         found[row, k] = ~block.one
@@ -174,7 +180,7 @@ def factor(block: Block, plan: Elimination, matrix: Matrix, guard: Guard | None 
 def substitute(
     block: Block, plan: Elimination, factors: Factors, matrix: Matrix, right: Sequence[int]
 ) -> list[int]:
-    """The solution for a right-hand side, which is zero where it ends."""
+    """Return the solution for a right-hand side, which is zero where it ends."""
     x = _padded(block, plan, right)
     for step in plan.steps:
         _forward(block, step, factors.lower, matrix, x)
@@ -184,7 +190,8 @@ def substitute(
 def factor_and_substitute(
     block: Block, plan: Elimination, matrix: Matrix, right: Sequence[int]
 ) -> tuple[Factors, list[int]]:
-    """Both, step by step: what is done to the right-hand side goes on while a pivot is waited for."""
+    """Return factors and solution, made step by step: work on the right-hand side goes on while a pivot is
+    waited for."""
     work, x = _Factoring(block, plan, matrix, None), _padded(block, plan, right)
     for step in plan.steps:
         work.eliminate(step)
@@ -220,7 +227,7 @@ def _backward(block: Block, plan: Elimination, factors: Factors, matrix: Matrix,
 
 
 def _combination(block: Block, structure: Structure, matrix: Matrix, k: int, x: Sequence[int]) -> int:
-    """A lifted velocity by its definition."""
+    """Return a lifted velocity by its definition."""
     return _sum(block, [block.mul(matrix.coefficients[(k, u)], x[u]) for u in structure.definitions[k]])
 
 
@@ -231,6 +238,8 @@ def residual(
     the norm of the inverse pivots, sum of r_k^2 / |D_k|, which is the energy of an impulse r. The terms M_kk
     a_k count for the right side, so that motions driven by constraints alone are not compared with round-off.
     Kept velocities and their definitions are checked if `x` contains them."""
+    # y has x and all velocities by their definitions. A kept velocity is an unknown too: its definition
+    # is a row of its own.
     structure = plan.structure
     ties = dict(structure.ties) if len(x) > plan.size else {}
     y = [*x[: plan.size], *[block.zero] * len(structure.definitions)]
@@ -240,6 +249,7 @@ def residual(
         if k in ties:
             products[ties[k]] = [y[k], ~x[k]]
             y[k] = x[k]
+    # products[i] are the terms of row i of the symmetric matrix times y.
     for (i, j), value in matrix.entries.items():
         products[i].append(block.mul(value, y[j]))
         if i != j:
@@ -254,9 +264,10 @@ def residual(
                 force = block.sub(force, right[k])
         for u in structure.definitions[k]:
             products[u].append(block.mul(matrix.coefficients[(k, u)], force))
+    # The residual of each row, and its size in the norm of the inverse pivots.
     right = [*right, *[block.zero] * (structure.unknowns - len(right))]
     watched = {*range(plan.size), *ties, *ties.values()}
-    rest = {k: _rest(block, right[k], products[k]) for k in watched}
+    rest = {k: _remainder(block, right[k], products[k]) for k in watched}
     left = total = block.zero
     for step in plan.pivots:
         k = step.unknown
@@ -288,7 +299,7 @@ def _sum(block: Block, terms: Sequence[int]) -> int:
     return total
 
 
-def _rest(block: Block, right: int, products: Sequence[int]) -> int:
+def _remainder(block: Block, right: int, products: Sequence[int]) -> int:
     for product in products:
         right = block.sub(right, product)
     return right

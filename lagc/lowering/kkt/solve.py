@@ -165,17 +165,17 @@ def solve(solver: Solver) -> Function:
     """M s1 - G^T s2 = r1, G s1 = r2 with the factors in w."""
     block, plan = Block(), solver.plan
     right = [block.load("r", k) for k in range(plan.size)]
-    x = substitute(block, plan, _kept(block, solver), _assembled(block, solver), right)
+    x = substitute(block, plan, _stored_factors(block, solver), _assembled(block, solver), right)
     _store_all(block, "s", _signed(plan, x))
     return block.function("solve", ("w", "r"), (("s", plan.size),), "M s1 - G^T s2 = r1, G s1 = r2")
 
 
-def rest(solver: Solver) -> Function:
+def remainder(solver: Solver) -> Function:
     """Return the residual of a solution, whatever its factors."""
     block, plan = Block(), solver.plan
     right = [block.load("r", k) for k in range(plan.size)]
     x = _signed(plan, [block.load("s", k) for k in range(plan.size)])
-    left, _ = residual(block, plan, _kept(block, solver), _assembled(block, solver), right, x)
+    left, _ = residual(block, plan, _stored_factors(block, solver), _assembled(block, solver), right, x)
     _store_all(block, "e", left)
     return block.function("rest", ("w", "r", "s"), (("e", plan.size),), "what s leaves of r")
 
@@ -185,7 +185,7 @@ def refiner(solver: Solver) -> Function:
     block, plan = Block(), solver.plan
     right = [block.load("r", k) for k in range(plan.size)]
     x = _signed(plan, [block.load("s", k) for k in range(plan.size)])
-    found = refine(block, plan, _kept(block, solver), _assembled(block, solver), right, x)
+    found = refine(block, plan, _stored_factors(block, solver), _assembled(block, solver), right, x)
     _store_all(block, "s", _signed(plan, found))
     about = "one step of refinement of what solve gave"
     return block.function("refine", ("w", "r", "s"), (("s", plan.size),), about)
@@ -199,7 +199,7 @@ def _assembled(block: Block, solver: Solver) -> Matrix:
     ])  # fmt: skip
 
 
-def _kept(block: Block, solver: Solver) -> Factors:
+def _stored_factors(block: Block, solver: Solver) -> Factors:
     """The factors that `factor` left in w."""
     plan, first = solver.plan, len(solver.nodes)
     lower_part = {at: block.load("w", first + k) for k, at in enumerate(plan.lower)}

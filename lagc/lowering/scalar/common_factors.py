@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from heapq import heapify, heappop, heappush, heapreplace
 from math import isfinite
 
-from lagc.lowering.scalar.emit import Product, inverse, is_divisor, split
+from lagc.lowering.scalar.expand import Product, inverse, is_divisor, split
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.walk import reachable
 

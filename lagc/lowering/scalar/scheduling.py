@@ -45,7 +45,7 @@ class _Balance:
             if self.inner[k]:
                 self.references.append(block.zero)
             elif o.op in _KIND:
-                self.references.append(self._whole(k))
+                self.references.append(self._combined(k))
             else:
                 self.references.append(self._plain(o))
         first = len(function.operations)
@@ -68,8 +68,9 @@ class _Balance:
     def _when(self, a: int) -> int:
         return self.ready.get(max(a, ~a), 0)
 
-    def _whole(self, root: int) -> int:
-        """The sum or product at `root`, from its parts."""
+    def _combined(self, root: int) -> int:
+        """Return the sum or product at `root`: the two parts that are ready first are combined, again and
+        again (D. A. Huffman, Proc. IRE 40, 1952)."""
         block, product = self.block, _KIND[self.function.operations[root].op] == "product"
         parts = self._parts(root)
         heap = [(self._when(a), n, a) for n, a in enumerate(parts)]

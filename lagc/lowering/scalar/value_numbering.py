@@ -13,9 +13,9 @@ from typing import Any, TypeAlias
 
 from lagc.base.records import replace
 from lagc.lowering.program import LEAVES, Function, Operation, Store
-from lagc.symbolic.evaluate import double
 from lagc.symbolic.leaves import Table
 from lagc.symbolic.operators import TRUTHS
+from lagc.symbolic.walk import double
 
 STRAIGHT = 1500  # operations and stores; more are in the order in which they were made, see `rolling`
 

@@ -15,15 +15,14 @@ from lagc.mechanics.analysis.integrability import Integrable, integrable_rows, r
 from lagc.mechanics.analysis.mobility import Mobility, mobility
 from lagc.mechanics.balance.energy import WHOLE
 from lagc.mechanics.balance.outputs import Quantities, momenta
-from lagc.mechanics.formulation.equations import EquationsOfMotion, Row
+from lagc.mechanics.formulation.equations import EquationsOfMotion, Row, triples
 from lagc.mechanics.formulation.euler_lagrange import free_terms, with_rates
 from lagc.mechanics.formulation.inertia import moving_parts
-from lagc.mechanics.formulation.mass_matrix import triples
 from lagc.mechanics.formulation.states import States, build_states
 from lagc.mechanics.identities.constraint_manifold import Consistent, onto, walk
-from lagc.mechanics.identities.sampling_domains import LARGEST, along, anywhere, far_away, on_rows
+from lagc.mechanics.identities.samples import samples
+from lagc.mechanics.identities.sampling_domains import LARGEST, anywhere, far_away, on_motion, on_rows
 from lagc.mechanics.identities.zero_test import ZeroTest
-from lagc.mechanics.numeric.samples import samples
 from lagc.semantics.model import Coordinate, Lagrangian, Potential
 from lagc.symbolic.derivative import gradient, tangent
 from lagc.symbolic.graph import Node
@@ -88,7 +87,6 @@ class Analysis:
     cyclic: tuple[str, ...]
     conserved: tuple[Conserved, ...]
     constraints: tuple[RowKind, ...]
-    integrable_combinations: int  # relations between positions that rows bring only in combination
     dropped: tuple[str, ...]
     seems: Seems
     not_examined: tuple[str, ...]  # what would have been too much work, or met no consistent state
@@ -102,14 +100,17 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
     """Counts, kinds, cyclic coordinates and conserved quantities of a system."""
     states = build_states(equations.model)
     rows = equations.rows
+    # Ranks are asked for on the rows, where closed loops lose some that they have elsewhere.
     met = walk(states, rows)
     moving = mobility(states, rows, met)
     holonomic = [row for row in rows if row.holonomic]
     places = mobility(states, holonomic, met) if len(holonomic) < len(rows) else moving
+    # Velocity rows that are integrable restrict positions, beside the independent holonomic ones.
     asked = [row for k, row in enumerate(rows) if not row.holonomic or k not in places.spare]
     integrable = integrable_rows(states, asked, met.all)
     relations = places.rank + integrable.relations
     cyclic = _cyclic(states)
+    # Conserved quantities are looked for with independent rows, whose multipliers are unique.
     kept = [(k, row) for k, row in enumerate(rows) if k not in moving.spare]
     spare = tuple([rows[k].label for k in sorted(moving.spare)])
     conserved, left = _conserved(equations, states, kept, met, cyclic, moving.proved)
@@ -127,7 +128,6 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
         cyclic=tuple(cyclic),
         conserved=tuple(conserved),
         constraints=tuple(_kinds(equations, integrable)),
-        integrable_combinations=integrable.combinations,
         dropped=equations.dropped,
         seems=Seems(
             cyclic=tuple([name for name, proved in cyclic.items() if not proved]),
@@ -162,7 +162,7 @@ def _kinds(equations: EquationsOfMotion, integrable: Integrable) -> list[RowKind
             why = "whether it restricts positions was not examined"
         else:
             why = integrable.rows.get(row.label, "it restricts speeds without restricting positions")
-        proved = answer is None or integrable.proved
+        proved = answer is None or row.label not in integrable.doubtful
         found.append(
             RowKind(row.label, row.constraint, holonomic, row.time_dependent, row.linear, answer, why, proved)
         )
@@ -222,14 +222,16 @@ def _conserved(
         energy = equations.balance if equations.balance != WHOLE else "energy"
         return [], [f"{energy} and momenta: loads depend on reactions, which are not known without a run"]
     kept = [row for _, row in rows]
+    # The motion itself, with accelerations and multipliers, is sampled for small systems only.
     small = len(equations.v) + len(rows) <= LARGEST
     tries = _tries(states, kept, met, small)
     parts = moving_parts(states)
     free = free_terms(states, with_rates(states))
     found: list[Conserved] = []
     positions = on_rows(states, kept, tries)
-    motion = ZeroTest(along(equations, states, rows, tries) if small else positions)
+    motion = ZeroTest(on_motion(equations, states, rows, tries) if small else positions)
     at_rows = ZeroTest(positions)
+    # Energy is constant where its power vanishes: on the motion, or already on the rows.
     fed = small or symbols([equations.power]).isdisjoint([*equations.a, *equations.lam])
     steady = motion.vanish([equations.power]) if fed else None
     if steady is not None:
@@ -241,6 +243,7 @@ def _conserved(
                 "only what drives brings power: Jacobi's integral, not the energy",
             )
         found.append(Conserved(name, equations.energy, reason, proved))
+    # A cyclic coordinate has a constant momentum if no force acts along its rate.
     forces = _along_rates(equations, states)
     for c in states.model.coordinates:
         if isinstance(c, Coordinate) and c.name in cyclic:
@@ -250,6 +253,7 @@ def _conserved(
                 reason = f"`{c.name}` is cyclic and no force acts along it"
                 proved = unpushed and cyclic[c.name]
                 found.append(Conserved(Symbol("momentum", c.name).name, momentum, reason, proved))
+    # Of the whole system: momenta whose derivatives along the motion vanish.
     if equations.model.bodies and small:
         quantities = Quantities(states, parts, (), free, equations.kinetic, equations.potential)
         found.extend(_totals(states, quantities, motion, at_rows, sure))

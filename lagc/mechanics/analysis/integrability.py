@@ -1,34 +1,30 @@
-"""Integrable velocity constraints, alone or in combination.
+"""Integrable velocity constraints.
 
-The forms of all affine velocity rows span a codistribution I. A combination restricts positions if it
-annihilates all motions that can be made of the allowed ones, Lie brackets included. These combinations are
-the last derived flag of I (R. L. Bryant et al., *Exterior Differential Systems*, 1991, ch. II). A row in this
-flag is integrable; other relations in it are counted. All steps are linear algebra at points of a finite
+Velocity rows restrict positions if their forms are closed along each other and the holonomic rows: dw(X, Y) =
+0 for all X, Y that all of them annihilate (F. W. Warner, *Foundations of Differentiable Manifolds and Lie
+Groups*, th. 2.32). The largest such set of rows is taken. All steps are linear algebra at points of a finite
 field on the constraints, so no tolerance is involved.
 
-For many positions or long rows, brackets become too long. A row then counts as integrable if it is closed
-along the others, dw(X, Y) = 0 for all X, Y that all of them annihilate (F. W. Warner, *Foundations of
-Differentiable Manifolds and Lie Groups*, th. 2.32). Combinations are not searched.
+Combinations of rows may restrict positions where no row does. They are in the first derived system: the w in
+the span of all forms with dw = 0 on what all annihilate (R. L. Bryant et al., *Exterior Differential
+Systems*, 1991, ch. II). Where this is larger than what the rows bring, the number of relations is not proved.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
+from typing import NamedTuple
 
 from lagc.base.records import dataclass, field
 from lagc.mechanics.formulation.equations import Row
-from lagc.mechanics.formulation.speeds import solve_rows
 from lagc.mechanics.formulation.states import States, quaternion_rate, rate_symbols
 from lagc.mechanics.identities.sampling_domains import on_rows
-from lagc.mechanics.identities.zero_test import Truths, ZeroTest
-from lagc.mechanics.numeric.dense_linear import Echelon, Entries
-from lagc.mechanics.numeric.piecewise_branches import spelt_out
+from lagc.mechanics.identities.zero_test import ZeroTest, spelt_out
 from lagc.semantics.model import Coordinate
 from lagc.symbolic.derivative import gradient, seeds, tangent
-from lagc.symbolic.finite_field import P, Point, Undefined
-from lagc.symbolic.graph import Graph, Node
-from lagc.symbolic.walk import reachable, substitute, symbols
+from lagc.symbolic.finite_field import Echelon, Entries, P, Point, Undefined
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import substitute, symbols
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,63 +33,56 @@ class Form:
 
     coefficients: dict[Node, Node]
     slopes: dict[tuple[Node, Node], Node]
-    is_unit: bool = False  # of the length of a quaternion
 
     @property
     def nodes(self) -> list[Node]:
         return [*self.coefficients.values(), *self.slopes.values()]
 
 
-def spelt(graph: Graph, form: Form) -> Form:
-    """Comparisons in the place of abs, sign, min, max."""
-    nodes = iter(spelt_out(graph, form.nodes))
-    coefficients = {x: next(nodes) for x in form.coefficients}
-    return Form(coefficients, {pair: next(nodes) for pair in form.slopes}, form.is_unit)
+@dataclass(frozen=True, slots=True)
+class Integrable:
+    """The reasons of the integrable rows by label; the number of relations between positions that they add to
+    the holonomic rows, and whether it is `proved`; labels of rows that were not examined, and of those that
+    may be integrable with combinations of others."""
+
+    rows: dict[str, str] = field(default_factory=dict)
+    relations: int = 0
+    proved: bool = True
+    open: tuple[str, ...] = ()
+    doubtful: frozenset[str] = frozenset()
+
+
+class _Verdict(NamedTuple):
+    """The verdict of a point: the reasons of the integrable rows, the rows that may be integrable with
+    combinations of others, the number of relations that the integrable rows add, and the most that all may
+    add."""
+
+    reasons: dict[str, str]
+    doubtful: set[str]
+    relations: int
+    most: int
 
 
 def rate_coefficients(states: States, forces: Mapping[int, Node]) -> dict[Node, Node]:
-    """Weights on the speeds, carried to the rates: rate -> sum of forces[j] dv_j/d(rate)."""
+    """Return weights on the speeds, carried to the rates: rate -> sum of forces[j] dv_j/d(rate)."""
     spelt = states.in_rates([states.v[j] for j in forces])
     pairs = list(zip(spelt, forces.values()))
     return gradient(states.graph, seeds(states.graph, pairs), list(states.rates))
 
 
-def velocity_form(states: States, row: Row) -> Form:
+def _velocity_form(states: States, row: Row) -> Form:
+    """Return the form of an affine velocity row in dq and dt."""
     graph = states.graph
     weights = rate_coefficients(states, row.jacobian)
-    coefficients: dict[Node, Node] = {}
+    found: dict[Node, Node] = {}
     for c in states.model.coordinates:
         on_rates = [weights.get(rate, graph.zero) for rate in rate_symbols(c)]
         if isinstance(c, Coordinate):
-            coefficients[c.symbol] = on_rates[0]
-        else:
-            turned = quaternion_rate(c.symbols, on_rates)
-            coefficients.update(zip(c.symbols, [4.0 * x for x in turned]))
-    coefficients[states.model.time] = substitute(graph, [row.rate], states.rest)[0]
-    return _with_slopes({x: node for x, node in coefficients.items() if not node.is_zero})
-
-
-def exact_form(states: States, position: Node) -> Form:
-    """d(position)."""
-    where = [*states.q, states.model.time]
-    return Form(gradient(states.graph, {position: states.graph.one}, where), {})
-
-
-def unit_forms(states: States) -> list[Form]:
-    """d|e|^2 of each quaternion."""
-    graph = states.graph
-    norms = [graph.sum(states.q[i + k] ** 2 for k in range(4)) for i in states.quaternions]
-    return [Form(exact_form(states, norm).coefficients, {}, is_unit=True) for norm in norms]
-
-
-def places(forms: Sequence[Form]) -> list[Node]:
-    """The positions (and time) that the forms speak of, in order."""
-    met = {x for form in forms for x in form.coefficients}
-    met |= {y for form in forms for _, y in form.slopes}
-    return sorted(met, key=lambda x: x.index)
-
-
-def _with_slopes(coefficients: dict[Node, Node]) -> Form:
+            found[c.symbol] = on_rates[0]
+        else:  # a rotation w in body axes has e' = 1/2 e*(0, w), and w = 2 conj(e)*e'
+            found.update(zip(c.symbols, [4.0 * x for x in quaternion_rate(c.symbols, on_rates)]))
+    found[states.model.time] = substitute(graph, [row.rate], states.rest)[0]
+    coefficients = {x: node for x, node in found.items() if not node.is_zero}
     slopes: dict[tuple[Node, Node], Node] = {}
     for x, node in coefficients.items():
         leaves = [s for s in symbols([node]) if s.record.kind in ("coordinate", "time")]
@@ -101,256 +90,125 @@ def _with_slopes(coefficients: dict[Node, Node]) -> Form:
             slope = tangent(node.graph, [node], {y: node.graph.one})[0]
             if not slope.is_zero:
                 slopes[x, y] = slope
-    return Form(coefficients, slopes)
+    return _spelt_out(states, Form(coefficients, slopes))
 
 
-LARGEST = 16  # positions; the brackets of more become long
-LONGEST = 10_000  # nodes of fields whose brackets are formed
-
-Field = dict[Node, Node]
-
-
-class TooLong(Exception):
-    """Brackets are too long to be formed."""
+def _exact_form(states: States, position: Node) -> Form:
+    """Return d(position)."""
+    where = [*states.q, states.model.time]
+    return _spelt_out(states, Form(gradient(states.graph, {position: states.graph.one}, where), {}))
 
 
-def reachable_directions(
-    graph: Graph, forms: Sequence[Form], where: Sequence[Node], point: Point, truths: Truths
-) -> list[Entries]:
-    """Return a basis, at `point`, of the directions of all motions that the forms admit, by place in `where`.
-    Raises Undefined if something has no value there, TooLong if fields or brackets are too long."""
-    span = _Span(where, point, truths)
-    fields = [x for x in _fields(graph, forms, where, point, truths) if span.grows(x)]
-    latest = fields
-    while latest and span.size < len(where):
-        if len(reachable([node for x in latest for node in x.values()])) > LONGEST:
-            raise TooLong
-        brackets = (_bracket(graph, x, y) for x in fields for y in latest)
-        latest = [z for z in brackets if span.grows(z)]
-    return span.directions
-
-
-def _fields(
-    graph: Graph, forms: Sequence[Form], where: Sequence[Node], point: Point, truths: Truths
-) -> list[Field]:
-    """A field for each position that is free, the others solved for."""
-    column = {x: k for k, x in enumerate(where)}
-    rows: list[dict[int, Node]] = []
-    reduced = Echelon()
-    for form in forms:
-        values = point.values(list(form.coefficients.values()), truths)
-        if reduced.grows({column[x]: value for x, value in zip(form.coefficients, values)}):
-            rows.append({column[x]: node for x, node in form.coefficients.items()})
-    pivots = list(reduced.rows)
-    found: list[Field] = []
-    for k, x in enumerate(where):
-        if k not in pivots:
-            right = [-row.get(k, graph.zero) for row in rows]
-            solved = solve_rows(graph, rows, right, pivots)
-            field = {where[j]: node for j, node in solved.items() if not node.is_zero}
-            found.append({**field, x: graph.one})
-    return found
-
-
-def _bracket(graph: Graph, x: Field, y: Field) -> Field:
-    """[x, y] = dy.x - dx.y"""
-    ahead = dict(zip(y, tangent(graph, list(y.values()), x)))
-    back = dict(zip(x, tangent(graph, list(x.values()), y)))
-    zero = graph.zero
-    found = {k: ahead.get(k, zero) - back.get(k, zero) for k in {**ahead, **back}}
-    return {k: node for k, node in found.items() if not node.is_zero}
-
-
-class _Span:
-    """The directions met so far at a point."""
-
-    def __init__(self, where: Sequence[Node], point: Point, truths: Truths):
-        self._column = {x: k for k, x in enumerate(where)}
-        self._point, self._truths = point, truths
-        self._rows = Echelon()
-        self.directions: list[Entries] = []
-
-    @property
-    def size(self) -> int:
-        return len(self.directions)
-
-    def grows(self, field: Field) -> bool:
-        """Take the field's direction in; False where it is none that is new."""
-        values = self._point.values(list(field.values()), self._truths)
-        row = {self._column[x]: value for x, value in zip(field, values)}
-        if not self._rows.grows(row):
-            return False
-        self.directions.append(row)
-        return True
-
-
-@dataclass(frozen=True, slots=True)
-class Integrable:
-    """The reasons of the integrable rows by label; the number of relations between positions that velocity
-    rows add to the holonomic ones, and how many of these belong to no single row; whether all is proved;
-    labels of rows that were not examined."""
-
-    rows: dict[str, str] = field(default_factory=dict)
-    relations: int = 0
-    combinations: int = 0
-    proved: bool = True
-    open: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class _Place:
-    """A point of the field on the constraints."""
-
-    point: Point
-    truths: Truths
-
-    def row(self, form: Form, column: Mapping[Node, int]) -> Entries:
-        values = self.point.values(list(form.coefficients.values()), self.truths)
-        return {column[x]: value for x, value in zip(form.coefficients, values)}
+def _spelt_out(states: States, form: Form) -> Form:
+    """Return the form with comparisons in the place of abs, sign, min, max."""
+    nodes = iter(spelt_out(states.graph, form.nodes))
+    coefficients = {x: next(nodes) for x in form.coefficients}
+    return Form(coefficients, {pair: next(nodes) for pair in form.slopes})
 
 
 def integrable_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping[Node, float]]) -> Integrable:
-    """Return the affine velocity rows among `rows` that restrict positions. The holonomic rows are
-    independent; `tries` meet all rows."""
-    asked = [row for row in rows if not row.holonomic and row.linear]
-    if not asked:
-        return Integrable()
+    """Return the affine velocity rows among `rows` that restrict positions: those that do on every branch.
+    The holonomic rows are independent; `tries` meet all rows."""
     graph = states.graph
-    forms = {row.label: spelt(graph, velocity_form(states, row)) for row in asked}
-    holonomic = [spelt(graph, exact_form(states, row.residual)) for row in rows if row.holonomic]
-    given = [*unit_forms(states), *holonomic]
-    zero_test = ZeroTest(on_rows(states, [row for row in rows if row.linear], tries))
-    found: list[Integrable] = []
-    for labels, beside in _parts(forms, given):
-        part = _Part({x: forms[x] for x in labels}, beside, bool(holonomic))
-        found.append(part.answer(zero_test))
-    integrable = {label: why for x in found for label, why in x.rows.items()}
-    return Integrable(
-        {label: integrable[label] for label in forms if label in integrable},
-        sum(x.relations for x in found),
-        sum(x.combinations for x in found),
-        all(x.proved for x in found),
-        tuple([label for x in found for label in x.open]),
-    )
-
-
-def _parts(forms: Mapping[str, Form], given: Sequence[Form]) -> list[tuple[list[str], list[Form]]]:
-    """The forms in groups that share no position, each with those given that belong to it."""
-    everything = [*forms.values(), *given]
-    group = list(range(len(everything)))
-    owner: dict[Node, int] = {}
-    for k, form in enumerate(everything):
-        for x in places([form]):
-            old, new = group[owner.setdefault(x, k)], group[k]
-            if old != new:
-                group = [new if g == old else g for g in group]
-    found: list[tuple[list[str], list[Form]]] = []
-    for g in dict.fromkeys(group[: len(forms)]):
-        labels = [label for label, own in zip(forms, group) if own == g]
-        found.append((labels, [form for form, own in zip(given, group[len(forms) :]) if own == g]))
-    return found
-
-
-class _Part:
-    """Velocity forms by label, and the exact ones that go with them."""
-
-    def __init__(self, forms: dict[str, Form], given: Sequence[Form], holonomic: bool):
-        self.forms, self.given, self.holonomic = forms, given, holonomic
-        self.where = places([*forms.values(), *given])
-        self.column = {x: k for k, x in enumerate(self.where)}
-
-    def answer(self, zero_test: ZeroTest) -> Integrable:
-        """Integrable on each branch; the fewest relations of all branches."""
-        nodes = [x for form in (*self.forms.values(), *self.given) for x in form.nodes]
-        verdicts: list[tuple[dict[str, str], int, int]] = []
-        proved = True
-        for placed, truths in zero_test.points(nodes):
-            tried = 0
-            for x in placed:
-                try:
-                    verdicts.append(self._at(_Place(x.point, truths)))
-                except Undefined:
-                    continue
-                proved = proved and x.met and x.point.exact and not x.point.rooted
-                tried += 1
-                if tried == 2:
-                    break
-            if not tried:
-                return Integrable(open=tuple(self.forms))
-        common = set(verdicts[0][0]).intersection(*(found for found, _, _ in verdicts))
-        rows = {label: why for label, why in verdicts[0][0].items() if label in common}
-        relations = min(count for _, count, _ in verdicts)
-        return Integrable(rows, relations, min(more for _, _, more in verdicts), proved)
-
-    def _at(self, place: _Place) -> tuple[dict[str, str], int, int]:
-        """Reasons of integrable rows, all new relations, and those of combinations alone."""
-        if len(self.where) <= LARGEST:
-            with suppress(TooLong):
-                return self._reached(place)
-        reasons = self._closed_rows(place)
-        return reasons, self._rank(place, reasons) - self._rank(place, ()), 0
-
-    def _reached(self, place: _Place) -> tuple[dict[str, str], int, int]:
-        """The same by brackets.  Raises TooLong."""
-        kept = self._kept(place, [*self.forms.values(), *self.given])
-        inside = {label for label, form in self.forms.items() if self._annuls(place, form, kept)}
-        whole = len(self.where) - len(kept)
-        reasons = {label: self._reason(place, label) for label in self.forms if label in inside}
-        return reasons, whole - self._rank(place, ()), whole - self._rank(place, inside)
-
-    def _rank(self, place: _Place, labels: Iterable[str]) -> int:
-        """Of the forms given and the labelled ones."""
-        held = Echelon()
-        for form in (*self.given, *(self.forms[label] for label in labels)):
-            held.grows(place.row(form, self.column))
-        return held.rank
-
-    def _kept(self, place: _Place, forms: Sequence[Form]) -> list[Entries]:
-        (graph,) = {x.graph for x in self.where}
-        return reachable_directions(graph, forms, self.where, place.point, place.truths)
-
-    def _annuls(self, place: _Place, form: Form, directions: Sequence[Entries]) -> bool:
-        values = place.row(form, self.column)
-        return not any(sum(e * x.get(j, 0) for j, e in values.items()) % P for x in directions)
-
-    def _reason(self, place: _Place, label: str) -> str:
-        """With as few other rows as will do."""
-        own = self.forms[label]
-        units = [form for form in self.given if form.is_unit]
-        if self._closed(place, own, *self._motions(place, [own, *units])):
-            return "on its own it is the rate of a relation between positions"
-        if self._closed(place, own, *self._motions(place, [own, *self.given])):
-            return "with the holonomic rows it is the rate of a relation between positions"
-        others = [x for x in self.forms if x != label]
-        for x in list(others):
-            rest = [self.forms[y] for y in others if y != x]
-            if self._annuls(place, own, self._kept(place, [own, *rest, *self.given])):
-                others.remove(x)
-        names = ", ".join(f"`{x}`" for x in others)
-        beside = " and the holonomic rows" if self.holonomic else ""
-        return f"together with {names}{beside} it is the rate of a relation between positions"
-
-    def _closed_rows(self, place: _Place) -> dict[str, str]:
-        """The largest set of rows that are closed along each other and the holonomic ones."""
-        inside = dict(self.forms)
-        while inside:
-            motions = self._motions(place, [*inside.values(), *self.given])
-            closed = {x: form for x, form in inside.items() if self._closed(place, form, *motions)}
-            if len(closed) == len(inside):
+    forms = {row.label: _velocity_form(states, row) for row in rows if not row.holonomic and row.linear}
+    if not forms:
+        return Integrable()
+    lengths = [graph.sum(states.q[i + k] ** 2 for k in range(4)) for i in states.quaternions]
+    units = [_exact_form(states, length) for length in lengths]
+    holonomic = [_exact_form(states, row.residual) for row in rows if row.holonomic]
+    test = _Closedness(forms, units, holonomic)
+    verdicts: list[_Verdict] = []
+    exact = True
+    points = ZeroTest(on_rows(states, [row for row in rows if row.linear], tries)).points(test.nodes)
+    for placed, truths in points:
+        tried = 0
+        for x in placed:
+            try:
+                verdicts.append(test.at(x.point, truths))
+            except Undefined:
+                continue
+            exact = exact and x.met and x.point.exact and not x.point.rooted
+            tried += 1
+            if tried == 2:
                 break
-            inside = closed
-        return dict.fromkeys(inside, "the rows together are the rates of relations between positions")
+        if not tried:
+            return Integrable(open=tuple(forms))
+    common = set(forms).intersection(*(v.reasons for v in verdicts))
+    doubtful = set().union(*(v.doubtful for v in verdicts)) if exact else set(forms)
+    relations = min(v.relations for v in verdicts)
+    proved = exact and relations == min(v.most for v in verdicts)
+    reasons = {label: verdicts[0].reasons[label] for label in forms if label in common}
+    return Integrable(reasons, relations, proved, doubtful=frozenset(doubtful))
 
-    def _motions(self, place: _Place, along: Sequence[Form]) -> tuple[Entries, Entries]:
-        """Two that the forms `along` annul, drawn: what vanishes for them does for all such pairs."""
-        rows = Echelon()
-        for form in along:
-            rows.grows(place.row(form, self.column))
-        one, two = (rows.solution(range(len(self.where)), place.point.draw) for _ in range(2))
+
+class _Closedness:
+    """The test of velocity forms by label, beside the exact ones of unit quaternions and holonomic rows."""
+
+    def __init__(self, forms: dict[str, Form], units: Sequence[Form], holonomic: Sequence[Form]):
+        self.forms, self.units, self.exact = forms, units, [*units, *holonomic]
+        every = [*forms.values(), *self.exact]
+        self.nodes = [node for form in every for node in form.nodes]
+        places = {x for form in every for x in form.coefficients}
+        places |= {y for form in every for _, y in form.slopes}
+        self._column = {x: k for k, x in enumerate(sorted(places, key=lambda x: x.index))}
+
+    def at(self, point: Point, truths: Mapping[Node, int]) -> _Verdict:
+        """Return the verdict of a point. Raises Undefined."""
+        self._values = {id(f): self._row(f, point, truths) for f in (*self.forms.values(), *self.exact)}
+        inside = self._closed(self.forms, point, truths)
+        alike = set(inside)
+        while len(closed := self._closed(inside, point, truths)) < len(inside):
+            inside = closed
+        reasons = {label: self._reason(form, point, truths) for label, form in inside.items()}
+        relations = self._echelon([*self.exact, *inside.values()]).rank - self._echelon(self.exact).rank
+        return _Verdict(reasons, alike - set(inside), relations, self._most(point, truths))
+
+    def _closed(self, forms: Mapping[str, Form], point: Point, truths: Mapping[Node, int]) -> dict[str, Form]:
+        """Return the forms that are closed along all of them."""
+        motions = self._motions(self._echelon([*forms.values(), *self.exact]), point)
+        return {x: form for x, form in forms.items() if not self._slope(form, motions, point, truths)}
+
+    def _most(self, point: Point, truths: Mapping[Node, int]) -> int:
+        """Return the dimension of the first derived system beside the exact forms."""
+        rows, columns = self._echelon(self.exact), list[Form]()
+        for form in self.forms.values():
+            if rows.grows(self._values[id(form)]):
+                columns.append(form)
+        vanishing = Echelon()  # of c with sum of c_i dw_i(a, b) = 0, drawn pairs a, b in turn
+        for _ in columns:
+            motions = self._motions(rows, point)
+            slopes = [self._slope(form, motions, point, truths) for form in columns]
+            vanishing.grows(dict(enumerate(slopes)))
+        return len(columns) - vanishing.rank
+
+    def _reason(self, form: Form, point: Point, truths: Mapping[Node, int]) -> str:
+        """Return why a form is integrable, with as few others as will do."""
+        for words, beside in (("on its own", self.units), ("with the holonomic rows", self.exact)):
+            motions = self._motions(self._echelon([form, *beside]), point)
+            if not self._slope(form, motions, point, truths):
+                return f"{words} it is the rate of a relation between positions"
+        return "with other velocity rows it is the rate of a relation between positions"
+
+    def _row(self, form: Form, point: Point, truths: Mapping[Node, int]) -> Entries:
+        values = point.values(list(form.coefficients.values()), truths)
+        return {self._column[x]: value for x, value in zip(form.coefficients, values)}
+
+    def _echelon(self, forms: Iterable[Form]) -> Echelon:
+        found = Echelon()
+        for form in forms:
+            found.grows(self._values[id(form)])
+        return found
+
+    def _motions(self, rows: Echelon, point: Point) -> tuple[Entries, Entries]:
+        """Return two motions that `rows` annul, drawn: what vanishes for them does for all such pairs."""
+        one, two = (rows.solution(range(len(self._column)), point.draw) for _ in range(2))
         return one, two
 
-    def _closed(self, place: _Place, form: Form, a: Entries, b: Entries) -> bool:
-        """dw(a, b) = sum of dA_x/dy (b_x a_y - a_x b_y) = 0 for the form w."""
-        values = place.point.values(list(form.slopes.values()), place.truths)
-        places = ((self.column[x], self.column[y]) for x, y in form.slopes)
-        return not sum(e * (b[x] * a[y] - a[x] * b[y]) for (x, y), e in zip(places, values)) % P
+    def _slope(
+        self, form: Form, motions: tuple[Entries, Entries], point: Point, truths: Mapping[Node, int]
+    ) -> int:
+        """Return dw(a, b) = sum of dA_x/dy (b_x a_y - a_x b_y) for the form w."""
+        a, b = motions
+        values = point.values(list(form.slopes.values()), truths)
+        places = ((self._column[x], self._column[y]) for x, y in form.slopes)
+        return sum(e * (b[x] * a[y] - a[x] * b[y]) for (x, y), e in zip(places, values)) % P

@@ -15,12 +15,11 @@ from lagc.base.records import dataclass, replace
 from lagc.mechanics.formulation.equations import Row
 from lagc.mechanics.formulation.states import States
 from lagc.mechanics.identities.constraint_manifold import Consistent, jacobian, scales
+from lagc.mechanics.identities.linear_algebra import Span
+from lagc.mechanics.identities.samples import samples
 from lagc.mechanics.identities.sampling_domains import at_defaults, on_rows
-from lagc.mechanics.identities.zero_test import Ground, Placed, ZeroTest
-from lagc.mechanics.numeric.dense_linear import Echelon, Span
-from lagc.mechanics.numeric.piecewise_branches import spelt_out
-from lagc.mechanics.numeric.samples import samples
-from lagc.symbolic.finite_field import Undefined
+from lagc.mechanics.identities.zero_test import Ground, Placed, ZeroTest, spelt_out
+from lagc.symbolic.finite_field import Echelon, Undefined
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import depends
 

@@ -40,12 +40,16 @@ def classify(states: States) -> list[Classified]:
     _check(states, labels, raw)
     residuals = states.in_speeds(raw)
     with_speeds = depends(residuals, states.v)
+    # Every row is brought to its rate, a holonomic one by d/dt with the speeds held, and the rate to
+    # G a = gamma: gamma is minus the derivative of the rate along the states.
     holonomic = [x for x in residuals if x not in with_speeds]
     rate_of = dict(zip(holonomic, tangent(states.graph, holonomic, states.drift)))
     rates = [rate_of.get(x, x) for x in residuals]
     gammas = tangent(states.graph, rates, states.drift)
     in_time = depends(residuals, [model.time])
     jacobians = gradients(states.graph, rates, states.place_of_v)
+    # A row is affine if its gradient does not depend on the speeds. The nodes that gradients
+    # are formed of are asked first, because the gradients of long chains are not formed.
     varies = depends(formed_of(jacobians), states.v)
     affine = [
         residual in rate_of or not varies or not depends(own.values(), states.v)

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.mechanics.formulation.mass_matrix import Moving, triples
+from lagc.mechanics.formulation.equations import Moving, triples
 from lagc.mechanics.formulation.states import States
 from lagc.semantics.model import Body
 from lagc.symbolic.derivative import seeds, tangent

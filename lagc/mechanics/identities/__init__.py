@@ -1,1 +1,1 @@
-"""Zero tests of expressions on the constraint manifold."""
+"""Questions at states of the constraints: samples, ranks, zero tests of expressions."""

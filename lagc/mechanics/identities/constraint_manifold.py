@@ -12,14 +12,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from lagc.base.records import dataclass
 from lagc.mechanics.formulation.equations import Row, SlipRow
 from lagc.mechanics.formulation.states import States
-from lagc.mechanics.numeric.cancellation import VANISHES, magnitudes
-from lagc.mechanics.numeric.dense_linear import Span, dimension, least_norm
-from lagc.mechanics.numeric.samples import Chance, samples, unit_sizes
+from lagc.mechanics.identities.linear_algebra import Span, dimension, least_norm
+from lagc.mechanics.identities.samples import VANISHES, Chance, magnitudes, samples, unit_sizes
 from lagc.semantics.model import UNSTATED
 from lagc.symbolic.derivative import gradient
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
-from lagc.symbolic.walk import reachable
+from lagc.symbolic.walk import evaluate, reachable
 
 _ITERATIONS = 40
 _CONVERGED = 1e-12
@@ -205,6 +203,7 @@ class _Manifold:
         below = reachable(flat)
         for _ in range(_ITERATIONS):
             values = magnitudes(flat, state, below)
+            # Residuals that are round-off of their terms are met, and also those that the gradient makes so.
             if not any(value for value, _ in values[: len(residuals)]):
                 return True  # whatever the slopes: a norm has none where it is zero
             if not all(math.isfinite(size) for _, size in values):
@@ -221,6 +220,7 @@ class _Manifold:
                 slow = len(lengths) > _QUICK and lengths[-1] > _SLOW**_QUICK * lengths[-1 - _QUICK]
                 self.tangential = self.tangential or slow
                 return True
+            # The step of least norm, in units of the sizes of the unknowns (Gauss-Newton).
             step = least_norm(matrix, wanted)
             lengths.append(max(map(abs, step)))
             if lengths[-1] == 0.0:

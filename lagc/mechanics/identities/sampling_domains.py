@@ -20,16 +20,13 @@ from lagc.base.records import dataclass
 from lagc.mechanics.formulation.equations import EquationsOfMotion, Row
 from lagc.mechanics.formulation.states import States
 from lagc.mechanics.identities.constraint_manifold import dense
-from lagc.mechanics.identities.zero_test import Ground, State, Truths, defaults
-from lagc.mechanics.numeric.cancellation import VANISHES, magnitudes
-from lagc.mechanics.numeric.dense_linear import RIGHT, Span, solve, solve_exactly
-from lagc.mechanics.numeric.piecewise_branches import spelt_out
-from lagc.mechanics.numeric.samples import samples
+from lagc.mechanics.identities.linear_algebra import Span, solve
+from lagc.mechanics.identities.samples import VANISHES, magnitudes, samples
+from lagc.mechanics.identities.zero_test import Ground, State, Truths, defaults, spelt_out
 from lagc.symbolic.derivative import gradient, tangent
-from lagc.symbolic.evaluate import evaluate
-from lagc.symbolic.finite_field import P, Point, Undefined, is_square, power
+from lagc.symbolic.finite_field import RIGHT, P, Point, Undefined, is_square, power, solve_exactly
 from lagc.symbolic.graph import Node
-from lagc.symbolic.walk import reachable, symbols
+from lagc.symbolic.walk import evaluate, reachable, symbols
 
 Number = TypeVar("Number", int, float)
 
@@ -43,13 +40,7 @@ LARGEST = 160  # accelerations and multipliers that are solved for
 
 def anywhere(states: States) -> Ground:
     """Positions, rates, speeds and time are free."""
-    tries = [*samples(states.model, _STATES), *far_away(states)]
-
-    def place(point: Point, truths: Truths) -> bool:
-        _turn(states, point)
-        return True
-
-    return Ground(states.graph, defaults(states.model), (), place, lambda truths: tries)
+    return on_rows(states, (), [*samples(states.model, _STATES), *far_away(states)])
 
 
 def far_away(states: States) -> list[dict[Node, float]]:
@@ -74,7 +65,7 @@ def at_defaults(states: States, rows: Sequence[Row], tries: Sequence[Mapping[Nod
     return Ground(states.graph, values, placing.support, placing.place, lambda truths: tries, _ALL_DIGITS)
 
 
-def along(
+def on_motion(
     equations: EquationsOfMotion,
     states: States,
     rows: Sequence[tuple[int, Row]],
@@ -84,7 +75,7 @@ def along(
     motion = _Motion(equations, states, rows, tries)
 
     def numbers(truths: Truths | None) -> Sequence[Mapping[Node, float]]:
-        moved = (motion.moved({**s, **(truths or {})}) for s in tries)
+        moved = (motion.with_motion({**s, **(truths or {})}) for s in tries)
         return [m for m in moved if m is not None]
 
     return Ground(states.graph, defaults(states.model), motion.support, motion.place, numbers)
@@ -291,7 +282,7 @@ class _Motion(_Placing):
         point.place({**{self._unknown[j]: x for j, x in found.items()}, **dict.fromkeys(self._others, 0)})
         return met
 
-    def moved(self, state: Mapping[Node, float]) -> dict[Node, float] | None:
+    def with_motion(self, state: Mapping[Node, float]) -> dict[Node, float] | None:
         """`state` with a and lam of its motion; None where the system is singular there."""
         matrix, right = self._system(evaluate(self._flat, state))
         dense = [[row.get(j, 0.0) for j in range(len(right))] for row in matrix]

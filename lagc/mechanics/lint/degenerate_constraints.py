@@ -14,9 +14,8 @@ from lagc.mechanics.formulation.constraints import Classified
 from lagc.mechanics.formulation.equations import Row
 from lagc.mechanics.formulation.states import States
 from lagc.mechanics.identities.constraint_manifold import onto
-from lagc.mechanics.numeric.cancellation import magnitudes
-from lagc.mechanics.numeric.samples import samples
-from lagc.mechanics.redundancy.redundancy import dependent_rows
+from lagc.mechanics.identities.samples import magnitudes, samples
+from lagc.mechanics.redundancy import dependent_rows
 from lagc.symbolic.enclosures import intervals
 from lagc.symbolic.expression_text import brief
 from lagc.symbolic.graph import Node

@@ -64,6 +64,7 @@ class Algebra:
         self.pi: Node | None = None  # what its multiples are written with
         self.named: dict[int, Node] = {}  # sums, by atom, that are written as symbols
         self.orientations: dict[int, int] = {}  # which one an atom is a part of
+        self.twins: dict[int, int] = {}  # the atom of sin u for that of cos u, and the reverse
         self._numbers: dict[tuple[object, ...], int] = {}
         self._nonnegative = set(nonnegative)
         self._done: dict[Node, Polynomial] = {}

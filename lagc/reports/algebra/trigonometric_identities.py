@@ -87,9 +87,12 @@ def _whole(algebra: Algebra, atom: int, exponent: Exponent, least: int) -> bool:
 
 def _twin(algebra: Algebra, atom: int) -> int:
     """The number of sin u for cos u, of cos u for sin u."""
-    known = algebra.atoms[atom]
-    ((monomial, _),) = algebra.function(TWINS[known.op], dict(known.args[0])).items()
-    return monomial[0][0]
+    found = algebra.twins.get(atom)
+    if found is None:
+        known = algebra.atoms[atom]
+        ((monomial, _),) = algebra.function(TWINS[known.op], dict(known.args[0])).items()
+        found = algebra.twins[atom] = monomial[0][0]
+    return found
 
 
 def _exchange(monomial: Monomial, changes: list[tuple[int, int]]) -> Monomial:
@@ -120,15 +123,15 @@ def _pythagoras(p: Polynomial, monomial: Monomial, rest: Monomial, other: Monomi
 def _difference(
     algebra: Algebra, p: Polynomial, monomial: Monomial, first: int, second: int
 ) -> list[Monomial]:
-    without = _exchange(monomial, [(first, -1), (second, -1)])
-    twins = _exchange(without, [(_twin(algebra, first), 1), (_twin(algebra, second), 1)])
+    others = [(_twin(algebra, first), 1), (_twin(algebra, second), 1)]
+    twins = _exchange(monomial, [(first, -1), (second, -1), *others])
     c, d = p[monomial], p.get(twins)
     if d is None or abs(c) != abs(d):
         return []
     same = c == d
     a, b = algebra.atoms[first], algebra.atoms[second]
     u, w = dict(a.args[0]), dict(b.args[0])
-    rest = {without: c}
+    rest = {_exchange(monomial, [(first, -1), (second, -1)]): c}
     minus = algebra.add(u, scaled(w, Fraction(-1)))
     plus = algebra.add(u, w)
     if a.op == b.op:  # cos cos + sin sin = cos(u - w); cos cos - sin sin = cos(u + w)

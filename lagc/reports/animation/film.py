@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lagc.reports.animation.arrays import Array
 from lagc.reports.animation.frames import Frames
 from lagc.reports.animation.links import Link
 from lagc.reports.animation.places import Solid
 from lagc.reports.animation.scene import Scene
 from lagc.reports.animation.shown import Shown
+from lagc.reports.animation.states import Array, values
 from lagc.reports.animation.surfaces import Row
 from lagc.reports.plots.plot import COLORS as PALETTE
 
@@ -70,6 +70,12 @@ def rotation(q: Array) -> Array:
          [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
          [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]]
     )  # fmt: skip
+
+
+def parts_of(shape: Mapping[str, Any]) -> Sequence[Mapping[str, Any]]:
+    """Return the figures that a body consists of."""
+    parts: Sequence[Mapping[str, Any]] = shape.get("parts", (shape,))
+    return parts
 
 
 def outline(shape: Mapping[str, Any]) -> Array:
@@ -128,6 +134,10 @@ class Drawing:
         for k, body in enumerate(self.scene.bodies):
             self._path(k, body)
             self._body(COLORS[k % len(COLORS)] if len(self.scene.bodies) <= MOST_NAMED else COLORS[0], body)
+        for figure in self.scene.figures:
+            axis = None if figure.axis is None else values(figure.axis, self.frames.given, len(self.frames.t))
+            shape = figure.shape if axis is None else {**figure.shape, "axis": axis[:, self.i].tolist()}
+            self._figure(GREY, self.frames.p[figure.place, :, self.i], np.eye(3), shape)
         for link in (*self.scene.links, *self.scene.springs):
             self._link(link)
         for _, put in sorted(self.parts, key=lambda part: part[0]):
@@ -190,10 +200,14 @@ class Drawing:
         self.axes.plot(*path[: self.i + 1].T, color=color, lw=0.9, alpha=0.9 * self.faint, zorder=1)
 
     def _body(self, color: str, body: Solid) -> None:
+        turn = rotation(self.frames.q[body.place][self.i]) if body.place in self.frames.q else np.eye(3)
+        for shape in parts_of(body.shape):
+            self._figure(color, self.frames.p[body.place, :, self.i], turn, shape)
+
+    def _figure(self, color: str, at: Array, turn: Array, shape: Mapping[str, Any]) -> None:
+        """Draw a figure with its centre and its rotation."""
         from matplotlib.patches import Circle, Patch, Polygon
 
-        at, shape = self.frames.p[body.place, :, self.i], body.shape
-        turn = rotation(self.frames.q[body.place][self.i]) if body.place in self.frames.q else np.eye(3)
         patch: Patch
         alpha = self.faint * (0.4 if shape.get("faint") else 0.95)
         if shape["kind"] == "sphere":
@@ -214,7 +228,7 @@ class Drawing:
         a, b = self.frames.p[link.a, :, self.i], self.frames.p[link.b, :, self.i]
         line, size = self.camera([a, b]), self.scene.size
         style: dict[str, Any] = {"color": GREY, "lw": 1.8, "alpha": self.faint}
-        if link.kind == "string":
+        if link.kind in ("string", "line"):
             style.update(color=WOOD, lw=1.0)
         elif link.kind == "damper":
             style.update(lw=3.0, alpha=0.5 * self.faint)
@@ -237,9 +251,12 @@ def set_limits(axes: Axes, shown: Sequence[Frames], camera: Camera) -> None:
     p = np.concatenate([camera(frames.p[i].T) for frames in shown for i in places if i < len(frames.p)])
     p = p[np.isfinite(p).all(axis=1)]
     reach = 0.06 * scene.size
-    for body in scene.bodies:
-        round_ = body.shape["kind"] == "sphere"
-        reach = max(reach, body.shape["r"] if round_ else float(np.abs(outline(body.shape)).max()))
+    for shape in [
+        *(part for body in scene.bodies for part in parts_of(body.shape)),
+        *(f.shape for f in scene.figures),
+    ]:
+        round_ = shape["kind"] == "sphere"
+        reach = max(reach, shape["r"] if round_ else float(np.abs(outline(shape)).max()))
     low, high = p.min(axis=0) - 1.1 * reach, p.max(axis=0) + 1.1 * reach
     grow = 0.05 * float((high - low).max())
     axes.set_xlim(low[0] - grow, high[0] + grow)

@@ -9,9 +9,9 @@ import numpy as np
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Refused
-from lagc.reports.animation.arrays import Array, values
 from lagc.reports.animation.frames import Frames
 from lagc.reports.animation.scene import Scene
+from lagc.reports.animation.states import Array, values
 from lagc.reports.animation.surfaces import Row
 from lagc.semantics.model import Force
 
@@ -39,7 +39,7 @@ def arrows(scene: Scene, frames: Frames, evaluate: Evaluate | None = None) -> li
     """Return the forces of a run; reactions only if `evaluate` gives the values of expressions."""
     found = [*_weights(scene, frames), *_loads(scene, frames)]
     if evaluate is not None:
-        found += _reactions(scene, frames, evaluate)
+        found += [*_reactions(scene, frames, evaluate), *_friction(scene, frames, evaluate)]
     return found
 
 
@@ -104,6 +104,31 @@ def _reactions(scene: Scene, frames: Frames, evaluate: Evaluate) -> Iterator[Arr
         for i, v in acting:
             if np.isfinite(v).any() and np.nanmax(np.abs(v)) > least:
                 yield Arrow(name, "reaction", frames.p[i], v)
+
+
+def _friction(scene: Scene, frames: Frames, evaluate: Evaluate) -> Iterator[Arrow]:
+    """Yield the friction of contacts with a plane: the part along the plane of the force of all constraints
+    on a body, if this contact alone holds it."""
+    model, asked = scene.model, dict[str, tuple[str, Row]]()
+    held = [row.places for row in scene.rows.known.values()]
+    for contact in model.contacts if not model.constraints and not model.joints else ():
+        row = scene.rows.known.get(contact.label)
+        if row is None or row.kind != "plane" or not contact.slip or held.count(row.places) > 1:
+            continue
+        carriers = [
+            body for body in scene.bodies if row.places[0] in (body.place, *(i for i, _ in body.attached))
+        ]
+        if len(carriers) == 1 and len(scene.bodies) == 1:
+            solid = "" if carriers[0].frame is None else ".force"
+            asked[f"reaction({carriers[0].name}){solid}"] = (contact.label, row)
+    for text, (label, row) in asked.items():
+        try:
+            (force,) = evaluate([text], frames.t, frames.x)
+        except Refused:
+            continue
+        v = force.T - np.outer(row.n, force @ np.array(row.n))
+        if np.isfinite(v).any() and np.nanmax(np.abs(v)) > _least_force(scene, frames):
+            yield Arrow(f"friction of {label}", "reaction", frames.p[row.places[0]], v)
 
 
 def _evaluated(

@@ -14,10 +14,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from lagc.reports.animation.arrays import Array, Given, values
 from lagc.reports.animation.places import positions
 from lagc.reports.animation.scene import Scene
-from lagc.reports.animation.states import of_states, rates_of
+from lagc.reports.animation.states import Array, Given, of_states, rates_of, values
 from lagc.simulation.solution import Solution
 
 Indices: TypeAlias = NDArray[np.intp]

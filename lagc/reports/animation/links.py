@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from lagc.base.records import dataclass
-from lagc.reports.animation.arrays import Array, Given
 from lagc.reports.animation.places import EXACT, Sample
-from lagc.reports.animation.states import SAMPLES
+from lagc.reports.animation.states import SAMPLES, Array, Given
 from lagc.semantics.model import Coordinate, Dissipation, Potential
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import reachable, symbols
@@ -23,7 +22,8 @@ NEIGHBOURS, FIXED = 8, 8
 @dataclass(frozen=True, slots=True)
 class Link:
     """A line between two places. `kind`: rod, spoke of the solid at place `body`, string with its greatest
-    `length`, spring or damper. `slope` is that of the residual `name` by the distance."""
+    `length`, line that the model declares, spring or damper. `slope` is that of the residual `name` by the
+    distance."""
 
     kind: str
     a: int
@@ -41,7 +41,7 @@ class Distances:
     """The distances `d`, (pairs, samples), of pairs of places i, j."""
 
     def __init__(self, sample: Sample):
-        places = np.array([i for i in dict.fromkeys(sample.first) if np.isfinite(sample.x[i]).all()], int)
+        places = np.array([i for i in sample.known if np.isfinite(sample.x[i]).all()], int)
         n = len(places)
         if n <= MOST_PLACES:
             i, j = np.triu_indices(n, 1)
@@ -67,7 +67,7 @@ def rods(sample: Sample, distances: Distances) -> list[Link]:
         for a, b, d in zip(distances.i[rigid], distances.j[rigid], mean[rigid])
         if (sample.moves(a) or sample.moves(b)) and (a, b) not in inside
     ]
-    kept = _spanning(found) if len(found) > 2 * len(set(sample.first)) else found
+    kept = _spanning(found) if len(found) > 2 * len(sample.known) else found
     links = [Link("rod", a, b, d) for a, b, d in kept]
     for s in sample.solids:
         links += [Link("spoke", s.place, i, body=s.place)

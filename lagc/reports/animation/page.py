@@ -10,18 +10,25 @@ import base64
 import hashlib
 import html
 import json
+import math
+from collections.abc import Sequence
 from importlib.resources import files
 from math import isfinite
 from typing import Any
 
+import numpy as np
+
 from lagc.base.records import dataclass
 from lagc.base.text import one_line
 from lagc.host.atomic_write import Files
-from lagc.reports.animation.channels import Channels
 from lagc.reports.animation.frames import Frames
-from lagc.reports.animation.panels import panels
-from lagc.reports.animation.scene import axis_of
 from lagc.reports.animation.shown import Shown
+from lagc.reports.animation.states import Array, values
+from lagc.reports.plots.curves import scales
+from lagc.reports.plots.plot import by_unit, shown_names
+from lagc.simulation.solution import Solution
+from lagc.simulation.system import work_of
+from lagc.symbolic.vectors import Vector
 from lagc.version import __version__
 
 HEIGHT = 620  # px, of the frame in a notebook
@@ -32,14 +39,15 @@ def page_data(shown: Shown) -> dict[str, Any]:
     scene, frames, run = shown.scene, shown.frames, shown.run
     model, channels = scene.model, Channels()
     joints: list[dict[str, Any]] = []
-    for k, joint in enumerate(model.joints):
+    for joint in model.joints:
         place = scene.place_of(joint.name, "joint")
         if place is not None:
-            axis = axis_of(scene, k, frames.given, len(frames.t))
             joints.append({"name": joint.name, "kind": joint.kind, "place": place,
-                           "axis": None if axis is None else channels.add_all(axis)})  # fmt: skip
+                           "axis": _axis(channels, frames, joint.axis)})  # fmt: skip
     used = _used(shown, [joint["place"] for joint in joints])
     data = scene.as_data()
+    for figure, record in zip(scene.figures, data["figures"]):
+        record["axis"] = _axis(channels, frames, figure.axis)
     data["places"] = [place if i in used else None for i, place in enumerate(data["places"])]
     interface = run.system.interface
     data |= {
@@ -59,11 +67,22 @@ def page_data(shown: Shown) -> dict[str, Any]:
     return data
 
 
+def _axis(channels: Channels, frames: Frames, axis: Vector | None) -> list[list[float]] | None:
+    """Return the channels of an axis over the frames."""
+    return None if axis is None else channels.add_all(values(axis, frames.given, len(frames.t)))
+
+
 def _used(shown: Shown, joints: list[int]) -> set[int]:
     """Return the places that are drawn."""
     scene = shown.scene
     used = {x for link in (*scene.links, *scene.springs) for x in (link.a, link.b)}
-    used |= {*joints, *scene.hinges, *scene.feet, *(body.place for body in scene.bodies)}
+    used |= {
+        *joints,
+        *(f.place for f in scene.figures),
+        *scene.hinges,
+        *scene.feet,
+        *(body.place for body in scene.bodies),
+    }
     used |= {i for i, place in enumerate(scene.places) if place.kind == "point"}
     used |= {i for row in scene.surfaces for i in row.places}
     return used | {i for row in scene.rows.touching.values() for i in row}
@@ -129,3 +148,124 @@ def _finite(data: Any) -> Any:
     if isinstance(data, list | tuple):
         return [_finite(value) for value in data]
     return None if isinstance(data, float) and not isfinite(data) else data
+
+
+# -- columns of numbers ----------------------------------------------------------------------------
+
+LEVELS = 65_534
+NO_VALUE = 65_535
+
+
+class Channels:
+    """One block of little-endian 16-bit integers. A channel is `[value]` if it is constant, else `[low, high,
+    offset]`: its values between low and high, exact to 1/131070 of the range. Equal channels are stored
+    once."""
+
+    def __init__(self) -> None:
+        self.parts: list[Any] = []
+        self.size = 0
+        self.offsets: dict[bytes, int] = {}
+
+    def add(self, x: Any) -> list[float]:
+        """Store a column and return its channel."""
+        x = np.asarray(x, float)
+        finite = x[np.isfinite(x)]
+        low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
+        if high - low <= 1e-13 * max(abs(low), abs(high)) and len(finite) == len(x):
+            return [low]
+        share = (x - low) / (high - low or 1.0)
+        levels = np.where(np.isfinite(x), np.round(np.nan_to_num(share) * LEVELS), NO_VALUE).astype("<u2")
+        key = hashlib.sha256(levels.tobytes()).digest()
+        if key not in self.offsets:
+            self.offsets[key] = self.size
+            self.parts.append(levels)
+            self.size += len(levels)
+        return [low, high, self.offsets[key]]
+
+    def add_all(self, rows: Any) -> list[list[float]]:
+        return [self.add(row) for row in rows]
+
+    def add_times(self, t: Array) -> list[list[float]]:
+        """Store times as two channels whose sum they are, exact to 1/131070^2 of the range."""
+        first = self.add(t)
+        if len(first) == 1:
+            return [first]
+        return [first, self.add(t - decode(first, self, len(t)))]
+
+    def block(self) -> bytes:
+        return b"".join(part.tobytes() for part in self.parts)
+
+    def text(self) -> str:
+        return base64.b64encode(self.block()).decode()
+
+
+def decode(channel: list[float], channels: Channels, n: int) -> Array:
+    """Return the n values of a channel, as the page reads them."""
+    if len(channel) == 1:
+        return np.full(n, channel[0])
+    low, high, offset = channel
+    words = np.frombuffer(channels.block(), "<u2", n, 2 * int(offset)).astype(float)
+    return np.where(words == NO_VALUE, np.nan, low + (high - low) * words / LEVELS)
+
+
+# -- plots ------------------------------------------------------------------------------------------
+
+MOST_LINES = 8  # of one panel
+LEAST_RESIDUAL = 1e-18  # on a logarithmic axis
+
+
+def panels(shown: Shown, channels: Channels) -> list[dict[str, Any]]:
+    """Return the data of all panels; columns of angles are in degrees."""
+    run, model, found = shown.run, shown.scene.model, list[dict[str, Any]]()
+    described = {x.name: x.description for x in (*model.coordinates, *model.outputs, *model.parameters)}
+    units, known = run.units, scales(run)
+    for unit, names in by_unit(run, shown_names(run)).items():
+        factor = 180.0 / math.pi if "deg" in unit and not unit.startswith("orientation") else 1.0
+        columns = [
+            {"name": name, "about": described.get(name) or described.get(name.partition("[")[0], ""),
+             "unit": units.get(name, ""), "size": factor * known.sizes.get(name, 0.0),
+             "flat": known.is_flat(name, _finite_numbers(run.column(name)), units.get(name, "")),
+             "y": [channels.add(r[name] * factor) if name in r else None for r in shown.runs]}
+            for name in names[:MOST_LINES]
+        ]  # fmt: skip
+        found.append({"unit": "" if unit.startswith("orientation") else unit, "columns": columns,
+                      "more": max(0, len(names) - MOST_LINES)})  # fmt: skip
+    error = energy_error(run)
+    if error is not None:
+        column = {"name": "energy error", "about": "energy - start - work of the loads", "unit": "J",
+                  "y": [channels.add(error)]}  # fmt: skip
+        found.append({"unit": "J", "title": "energy error", "columns": [column], "more": 0, "folded": True})
+    rows = residuals(run)
+    if rows:
+        columns = [{"name": name, "about": "", "unit": "", "y": [channels.add(y)]}
+                   for name, y in rows[:MOST_LINES]]  # fmt: skip
+        found.append({"unit": "", "title": "constraint residuals, scaled", "log": True, "columns": columns,
+                      "more": max(0, len(rows) - MOST_LINES)})  # fmt: skip
+    return found
+
+
+def _finite_numbers(x: Sequence[float]) -> list[float]:
+    return [value for value in x if math.isfinite(value)] or [0.0]
+
+
+def energy_error(run: Solution) -> Array | None:
+    """Return energy - start - work at the recorded points, in J; None if the energy has no value."""
+    if not run.times or not math.isfinite(run.energy.start):
+        return None
+    system = run.system
+    balance = np.array([system.energies(t, x)[2] - work_of(system, x) for t, x in zip(run.times, run.states)])
+    error: Array = balance - balance[0]
+    return error
+
+
+def residuals(run: Solution) -> list[tuple[str, Array]]:
+    """Return the label and the scaled residual, absolute, of each holonomic constraint over the recorded
+    points."""
+    system = run.system
+    if not system.nh or not run.times:
+        return []
+    points = [*zip(run.times, run.states)]
+    y = np.abs(np.array([system.position(t, x) for t, x in points]))
+    size = np.array([system.scales(t, x)[: system.nh] for t, x in points])
+    y = y / np.where(size > 0.0, size, 1.0)
+    return [*zip(system.interface.row_labels, np.maximum(y, LEAST_RESIDUAL).T)]

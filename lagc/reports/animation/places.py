@@ -7,9 +7,16 @@ from typing import Any
 import numpy as np
 
 from lagc.base.records import dataclass, field
-from lagc.reports.animation.arrays import Array, Given, values
-from lagc.reports.animation.states import SAMPLES, of_states, random_configurations, rates_of
-from lagc.semantics.model import Frame, Model, Potential
+from lagc.reports.animation.states import (
+    SAMPLES,
+    Array,
+    Given,
+    of_states,
+    random_configurations,
+    rates_of,
+    values,
+)
+from lagc.semantics.model import Figure, Frame, Model, Potential
 from lagc.simulation.solution import Solution
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector
@@ -21,8 +28,8 @@ LEAST_GRAVITY = 1e-6  # of the largest potential energy over mass and travel: le
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A place with a name. `kind` is body, point, joint, origin or pivot; `position` are its nodes, `at` the
-    coordinates of a constant one instead."""
+    """A place with a name. `kind` is body, point, joint, origin, figure or pivot; `position` are its nodes,
+    `at` the coordinates of a constant one instead."""
 
     name: str
     kind: str
@@ -46,7 +53,7 @@ class Solid:
 
 
 def places_of(model: Model) -> list[Place]:
-    """Return the places of a model; the first ones are those of its bodies, the last one is the origin."""
+    """Return the places of a model; those of its bodies first, those of figures last."""
     found = [Place(body.name, "body", body.position) for body in model.bodies]
     found += [Place(point.name, "point", point.position) for point in model.points]
     for joint in model.joints:
@@ -54,7 +61,13 @@ def places_of(model: Model) -> list[Place]:
             found.append(Place(joint.name, "joint", joint.at))
         if joint.to is not None:
             found.append(Place(f"{joint.name}, to", "joint", joint.to))
-    return [*found, Place("origin", "origin", at=(0.0, 0.0, 0.0))]
+    found.append(Place("origin", "origin", at=(0.0, 0.0, 0.0)))
+    return found + [Place(name, "figure", x) for f in model.figures for name, x in zip(names_of(f), f.points)]
+
+
+def names_of(figure: Figure) -> list[str]:
+    """Return the names of the places of a figure."""
+    return [f"{figure.name}, {k}" for k in range(len(figure.points))]
 
 
 def positions(places: list[Place], given: Given, size: int) -> Array:
@@ -98,6 +111,11 @@ class Sample:
         """Return nodes at the random configurations, (len(nodes), samples)."""
         return values(nodes, self.given if given is None else given, SAMPLES)
 
+    @property
+    def known(self) -> list[int]:
+        """The places from which a scene is inferred, each once: not those of figures alone."""
+        return [i for i in dict.fromkeys(self.first) if self.places[i].kind != "figure"]
+
     def moves(self, i: int) -> bool:
         return bool(np.ptp(self.x[i], axis=1).max() > EXACT * self.scale)
 
@@ -133,7 +151,7 @@ class Sample:
         if body.frame is None:
             return solid
         solid.axes = self.values([node for row in body.frame.axes for node in row]).reshape(3, 3, SAMPLES)
-        for i in dict.fromkeys(self.first):
+        for i in self.known:
             arm = np.einsum("rcs,rs->cs", solid.axes, self.x[i] - self.x[k])
             if np.ptp(arm, axis=1).max() < EXACT * max(self.scale, float(np.abs(arm).max())):
                 solid.attached.append((i, arm.mean(axis=1)))
@@ -160,7 +178,7 @@ class Sample:
 
     def _plane_of_motion(self) -> tuple[Array | None, Array]:
         """Return the normal of a plane motion, or None, and up: against gravity, else y or z."""
-        x = np.concatenate([self.x[i].T for i in dict.fromkeys(self.first)])
+        x = np.concatenate([self.x[i].T for i in self.known])
         x = x[np.isfinite(x).all(axis=1)]
         x = x - x.mean(axis=0)
         _, s, rows = np.linalg.svd(x, full_matrices=False)

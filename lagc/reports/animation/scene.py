@@ -8,23 +8,39 @@ residual that is affine in a place is a plane, a root in an energy that equals a
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
-from lagc.base.records import dataclass
-from lagc.reports.animation.arrays import Array, values
+import numpy as np
+
+from lagc.base.records import dataclass, replace
 from lagc.reports.animation.links import Distances, Link, arms, rods, springs
-from lagc.reports.animation.places import Place, Sample, Solid
-from lagc.reports.animation.shapes import find_shapes
+from lagc.reports.animation.places import EXACT, Place, Sample, Solid, names_of
+from lagc.reports.animation.shapes import Shape, declared_shape, find_shapes
+from lagc.reports.animation.states import Array
 from lagc.reports.animation.surfaces import Row, Rows, radii_at_contact, read_rows
 from lagc.semantics.model import Model
 from lagc.simulation.solution import Solution
+from lagc.symbolic.vectors import Vector
 
 FAR = 0.25  # a mechanism of less than this part of its travel is followed
 
 
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """A figure that the model declares and that no body carries: its shape with the axis y, its place, and
+    its axis in the world, if it has one."""
+
+    name: str
+    shape: Shape
+    place: int
+    axis: Vector | None
+
+
 @dataclass(slots=True)
 class Scene:
-    """Places, bodies, links, surfaces and springs of a model, in m. `first`, `low`, `high`, `scale`, `size`,
+    """Places, bodies, links, surfaces and springs of a model, in m, and the `figures` that it declares at
+    places. `first`, `low`, `high`, `scale`, `size`,
     `up`, `normal` and `gravity` as in `Sample`; `feet` are fixed places that hold something, `hinges` moving
     ones that two solids share; `travels`: the camera follows the heaviest body."""
 
@@ -32,6 +48,7 @@ class Scene:
     rows: Rows
     links: list[Link]
     springs: list[Link]
+    figures: list[Drawn]
     feet: list[int]
     hinges: list[int]
     travels: bool
@@ -86,6 +103,7 @@ class Scene:
             "links": [link.as_data() for link in self.links],
             "springs": [link.as_data() for link in self.springs],
             "surfaces": [row.as_data() for row in self.surfaces], "pins": self.rows.pins,
+            "figures": [{"name": f.name, "shape": f.shape, "place": f.place} for f in self.figures],
         }  # fmt: skip
 
 
@@ -102,6 +120,7 @@ def infer(model: Model, run: Solution) -> Scene:
     links += rows.links
     links += arms(sample, links)
     elastic = springs(sample, distances)
+    figures = _declared(sample, rows, links, elastic)
     joined = [*links, *elastic]
     feet = _feet(sample, joined)
     extended = sample.size > 1.05 * 0.02 * sample.scale  # more than a single particle
@@ -112,13 +131,50 @@ def infer(model: Model, run: Solution) -> Scene:
     for i, radius in radii_at_contact(sample, rows):
         radii[i] = min(radii.get(i, radius), radius)
     find_shapes(sample, links, radii)
+    rows.surfaces = [_under_round(sample, row) for row in rows.surfaces]
     held: dict[int, int] = {}
     for body in sample.solids:
         for i, _ in body.attached:
             held[i] = held.get(i, 0) + 1
     hinges = [i for i, count in held.items() if count > 1 and sample.moves(i)]
     drawn = [link for link in links if not _is_covered(sample, link)]
-    return Scene(sample, rows, drawn, elastic, feet, hinges, travels)
+    return Scene(sample, rows, drawn, elastic, figures, feet, hinges, travels)
+
+
+def _under_round(sample: Sample, row: Row) -> Row:
+    """Return the plane that round solids touch, where their centres stay on a plane: it goes through the
+    origin, as far from the centres as their radius."""
+    round_ = [b.shape.get("r") for b in sample.solids if b.place in row.places and b.inertia is not None]
+    same = all(r is not None and abs(r - abs(row.c)) <= 1e-6 * r for r in round_)
+    return replace(row, c=0.0) if row.kind == "plane" and round_ and same else row
+
+
+def _declared(sample: Sample, rows: Rows, links: list[Link], elastic: list[Link]) -> list[Drawn]:
+    """Add lines, coils and planes that the model declares, and return its other figures. A ring takes the
+    place of the rods from its centre to what moves along it."""
+    found = []
+    for figure in sample.model.figures:
+        places = [i for i, p in enumerate(sample.places) if p.kind == "figure" and p.name in names_of(figure)]
+        if figure.kind == "Line":
+            links += [Link("line", a, b, name=figure.name) for a, b in pairwise(places)]
+        elif figure.kind == "Coil":
+            elastic += [Link("spring", a, b, name=figure.name) for a, b in pairwise(places)]
+        elif figure.kind == "Plane":
+            assert figure.axis is not None
+            n, at = sample.values(figure.axis)[:, 0], sample.x[places[0]][:, 0]
+            rows.surfaces.append(Row("plane", figure.name, False, (), n=tuple(n.tolist()), c=float(n @ at)))
+        elif not figure.body:
+            shape = declared_shape(sample, figure)
+            found.append(Drawn(figure.name, shape, places[0], figure.axis))
+            if figure.kind == "Ring":
+                links[:] = [x for x in links if not _is_radius(sample, x, places[0], shape["r"])]
+    return found
+
+
+def _is_radius(sample: Sample, link: Link, centre: int, radius: float) -> bool:
+    """Return whether a rod leads from the centre of a ring to what moves along it."""
+    ends = [np.allclose(sample.x[i], sample.x[centre], atol=EXACT * sample.scale) for i in (link.a, link.b)]
+    return link.kind == "rod" and any(ends) and abs(link.length - radius) <= 1e-6 * radius
 
 
 def _feet(sample: Sample, joined: Sequence[Link]) -> list[int]:
@@ -127,7 +183,8 @@ def _feet(sample: Sample, joined: Sequence[Link]) -> list[int]:
     held |= {i for body in sample.solids for i, _ in body.attached}
     held |= {sample.first[i] for i, place in enumerate(sample.places) if place.kind == "joint"}
     placed = {sample.first[body.place] for body in sample.solids}
-    return sorted(i for i in held if not sample.moves(i) and i not in placed)
+    drawn = {i for i, place in enumerate(sample.places) if place.kind == "figure"}
+    return sorted(i for i in held - drawn if not sample.moves(i) and i not in placed)
 
 
 def _is_covered(sample: Sample, link: Link) -> bool:
@@ -141,9 +198,3 @@ def _is_covered(sample: Sample, link: Link) -> bool:
         if link.kind == "rod" and is_round and link.length <= 1.001 * shape["r"]:
             return True
     return False
-
-
-def axis_of(scene: Scene, k: int, given: Any, size: int) -> Array | None:
-    """Return the axis of joint k over states, (3, size)."""
-    axis = scene.model.joints[k].axis
-    return None if axis is None else values(axis, given, size)

@@ -13,16 +13,17 @@ from typing import Any
 
 import numpy as np
 
-from lagc.reports.animation.arrays import Array
 from lagc.reports.animation.links import Link
 from lagc.reports.animation.places import Sample, Solid
-from lagc.semantics.model import Joint
+from lagc.reports.animation.states import Array
+from lagc.semantics.model import Figure, Joint
 
 Shape = dict[str, Any]
 
 MARK = 0.03  # of the size of the mechanism: the radius of a particle
 LEAST_MASS = 0.35  # of a mark, that of a very light particle
 THICK = 0.35  # of a mark, the radius of a rod
+RING = 0.012  # of the size of the mechanism: the thickness of a ring that is declared
 EQUAL = 1e-6  # relative, of two moments of inertia
 
 
@@ -46,6 +47,28 @@ def find_shapes(sample: Sample, links: Sequence[Link], radii: Mapping[int, float
             size = [3.6 * mark, 2.4 * mark, 2.4 * mark]
             body.shape = {"kind": "box", "axes": axes.tolist(), "size": size, "true": False}
     _rings(sample)
+    for body in sample.solids:
+        figures = [f for f in sample.model.figures if f.body == body.name]
+        if figures:
+            parts = [declared_shape(sample, figure, body) for figure in figures]
+            body.shape = parts[0] if len(parts) == 1 else {"kind": "group", "parts": parts, "true": True}
+
+
+def declared_shape(sample: Sample, figure: Figure, body: Solid | None = None) -> Shape:
+    """Return a figure that the model declares, in the axes of its body; without one its axis is y."""
+    sizes = [float(x) for x in sample.values(list(figure.sizes))[:, 0]] if figure.sizes else []
+    axis = np.array([0.0, 1.0, 0.0])
+    if figure.axis is not None and body is not None:
+        axis = sample.values(figure.axis)[:, 0]
+        axis = axis if body.axes is None else body.axes[:, :, 0].T @ axis
+    if figure.kind == "Ball":
+        return {"kind": "sphere", "r": sizes[0], "true": True}
+    if figure.kind == "Box":
+        return {"kind": "box", "axes": np.eye(3).tolist(), "size": sizes, "true": True}
+    if figure.kind == "Cylinder":
+        return {"kind": "cylinder", "axis": axis.tolist(), "r": sizes[0], "h": sizes[1], "true": True}
+    thick = RING * sample.size
+    return {"kind": "ring", "axis": axis.tolist(), "r": sizes[0], "thick": thick, "true": True}
 
 
 def _guides(joint: Joint, body: Solid) -> bool:

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 from lagc.base.records import dataclass, field, replace
-from lagc.reports.animation.arrays import Array
 from lagc.reports.animation.links import Distances, Link
 from lagc.reports.animation.places import EXACT, Sample, positions
-from lagc.reports.animation.states import SAMPLES
+from lagc.reports.animation.states import SAMPLES, Array
 from lagc.semantics.model import Constraint, Contact
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import symbols
@@ -71,7 +70,7 @@ def read_rows(sample: Sample, distances: Distances) -> Rows:
     ]
     asked: list[tuple[str, Constraint | Contact, Node]] = [*written]
     asked += [(c.label, c, c.gap) for c in sample.model.contacts if not c.normals]
-    moving = [i for i in dict.fromkeys(sample.first) if sample.moves(i) and np.isfinite(sample.x[i]).all()]
+    moving = [i for i in sample.known if sample.moves(i) and np.isfinite(sample.x[i]).all()]
     by_constraint: dict[str, list[Row]] = {}
     for (label, c, node), r in zip(asked, sample.values([node for *_, node in asked]) if asked else ()):
         if not np.isfinite(r).all() or np.ptp(r) < UNCHANGED:

@@ -12,18 +12,18 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
-from lagc.mechanics.numeric.dense_linear import dimension, least_norm
-from lagc.mechanics.numeric.dense_linear import dot as product
-from lagc.mechanics.numeric.samples import samples
+from lagc.mechanics.identities.linear_algebra import dimension, least_norm
+from lagc.mechanics.identities.linear_algebra import dot as product
+from lagc.mechanics.identities.samples import samples
 from lagc.reports.algebra.expansion import TooLarge
 from lagc.reports.algebra.polynomials import NotFinite
 from lagc.reports.derivation.document import math as formula
 from lagc.reports.derivation.draft import Draft
 from lagc.semantics.model import Body
 from lagc.symbolic.derivative import gradient, tangent
-from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector, cross, dot, sub
+from lagc.symbolic.walk import evaluate
 
 ROUNDING = 1e-9  # relative: exact zeros are about 1e-15 there
 KINDS = {1: "pivot", 2: "universal", 3: "ball"}  # of joints, by the rank of the relative rotation

@@ -17,7 +17,7 @@ from typing import TypeAlias
 from lagc.base.records import dataclass
 from lagc.reports.algebra.expansion import TooLarge
 from lagc.reports.algebra.polynomials import Frozen, NotFinite, Polynomial, scaled
-from lagc.reports.derivation.writer import FormulaWriter, subscript
+from lagc.reports.derivation.writer import FEWER, FormulaWriter, subscript
 from lagc.semantics.model import Frame
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector, matvec, transpose
@@ -164,16 +164,19 @@ class UnitVectors:
     # -- the choice ---------------------------------------------------------------------------------
 
     def express(self, vector: Sequence[Node]) -> Components:
-        """Return a vector as components along unit vectors: the shortest. Raises TooLarge, NotFinite."""
-        polynomials = self.writer.polynomials(vector)
-        found = [list(zip(polynomials, self.world))]
-        mixed = self._mixed(polynomials)
+        """Return a vector as components along unit vectors: the shortest of those that are not too long.
+        Raises TooLarge, NotFinite."""
+        polynomials = self._polynomials(vector)
+        found = [list(zip(polynomials, self.world))] if polynomials else []
+        mixed = self._mixed(polynomials) if polynomials else None
         if mixed is not None:
             found.append(mixed)
         x, y, z = vector
         for frame in self.frames:
-            components = self.writer.polynomials(matvec(transpose(frame.axes), (x, y, z)))
-            found.append(list(zip(components, self.of_frame[frame.name])))
+            components = self._polynomials(matvec(transpose(frame.axes), (x, y, z)))
+            found += [list(zip(components, self.of_frame[frame.name]))] if components else []
+        if not found:
+            found = [list(zip(self.writer.polynomials(vector), self.world))]
         best = min([[(p, unit) for p, unit in each if p] for each in found], key=self.cost)
         self.used.update(unit.latex for _, unit in best)
         return best
@@ -216,7 +219,7 @@ class UnitVectors:
     def _polynomials(self, vector: Sequence[Node]) -> list[Polynomial]:
         """Return the components as polynomials, none if they are too long."""
         try:
-            return self.writer.polynomials(vector)
+            return self.writer.polynomials(vector, FEWER)
         except (TooLarge, NotFinite):
             return []
 

@@ -27,7 +27,8 @@ from lagc.symbolic.walk import reachable
 
 WIDTH = 64  # characters that are seen on a line
 MOST, SHOWN = 40, 8  # terms of a formula that is written in full; terms shown of a longer one
-PRODUCTS = 400_000  # of all formulas
+PRODUCTS, FEWER = 10_000, 3_000  # of one formula; of a vector in one set of unit vectors
+LONGEST = 200  # terms of a sum that is multiplied out
 ROOT_TERMS = 5  # of a sum whose square is looked for
 
 
@@ -76,7 +77,7 @@ class FormulaWriter:
             self.names.setdefault(node, Name(record.base, record.base, record.order))
         for rate, star in rates.stars.items():
             self.names[star] = self.names[rate]
-        self.algebra = TurningAlgebra(nonnegative(equations), limit=PRODUCTS)
+        self.algebra = TurningAlgebra(nonnegative(equations))
         self.collector = collector_of(SymbolKinds(equations), self.algebra)
         self.collector.leading.extend(self.algebra.symbol(a) for a in rates.states.a if a not in equations.a)
         self.stars = [self.algebra.symbol(s) for s in rates.stars.values()]
@@ -91,10 +92,14 @@ class FormulaWriter:
 
     # -- polynomials --------------------------------------------------------------------------------
 
-    def polynomials(self, nodes: Sequence[Node]) -> list[Polynomial]:
-        """Raises TooLarge and NotFinite."""
+    def polynomials(self, nodes: Sequence[Node], products: int = PRODUCTS) -> list[Polynomial]:
+        """Raises NotFinite, and TooLarge where they take more than so many products, or are too long."""
+        self.algebra.limit = self.algebra.spent + products
         found = self.algebra.polynomials(list(nodes))
-        return [tidy(self.rates.equations, self.algebra, p) for p in found]
+        found = [tidy(self.rates.equations, self.algebra, p) for p in found]
+        if any(len(p) > LONGEST for p in found):
+            raise TooLarge
+        return found
 
     def polynomial(self, node: Node) -> Polynomial:
         return self.polynomials([node])[0]

@@ -12,7 +12,7 @@ from fractions import Fraction
 
 from lagc.mechanics.balance.energy import BY_DEGREES, WHOLE
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.mechanics.formulation.speeds import solve_rows
+from lagc.mechanics.formulation.states import solve_rows
 from lagc.reports.algebra.collect import Collector
 from lagc.reports.equations.formulas import LETTER, ZERO, Formula, Motion, motion_polynomials, tidy
 from lagc.reports.names import names

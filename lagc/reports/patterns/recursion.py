@@ -11,8 +11,7 @@ from collections.abc import Hashable, Sequence
 from fractions import Fraction
 
 from lagc.base.records import dataclass
-from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.mechanics.formulation.mass_matrix import triples
+from lagc.mechanics.formulation.equations import EquationsOfMotion, triples
 from lagc.reports.names import Name, Names
 from lagc.reports.patterns.formula_trees import (
     Call,

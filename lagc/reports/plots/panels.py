@@ -22,7 +22,7 @@ import numpy as np
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.suggest import did_you_mean
-from lagc.reports.animation.arrays import Array
+from lagc.reports.animation.states import Array
 from lagc.reports.plots.plot import COLORS, SEEN, entitle, styled, title
 from lagc.simulation.solution import Solution
 
@@ -225,7 +225,7 @@ def _paths(axes: Axes, plotted: Sequence[Plotted], names: Sequence[str]) -> None
 
 
 def _errors(axes: Axes, plotted: Sequence[Plotted], kind: str) -> None:
-    from lagc.reports.animation.panels import energy_error, residuals
+    from lagc.reports.animation.page import energy_error, residuals
 
     for number, each in enumerate(plotted):
         if kind == "energy":

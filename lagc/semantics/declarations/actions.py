@@ -1,72 +1,142 @@
-"""Declarations of frames, points, forces, torques, energies and constraints."""
+"""Declarations of frames, points, loads, energies and constraints, and placeholders for some of them."""
 
 from __future__ import annotations
 
 from lagc.base.records import replace
-from lagc.diagnostics.faults import Span
+from lagc.diagnostics.faults import Span, Wrong
 from lagc.semantics import model as objects
-from lagc.semantics.context import Context
-from lagc.semantics.declarations.attributes import no_rates
+from lagc.semantics.context import BIT, LATE, VELOCITY, Context
+from lagc.semantics.declarations.attributes import no_modifiers, no_rates
 from lagc.semantics.model import Body, Frame
 from lagc.semantics.names.scope import (
     Array,
     Entry,
     Environment,
+    Indexed,
+    Instance,
+    Modifier,
     Reference,
     Scalar,
     Value,
-    expect,
     kind,
     scalar_of,
+    vector_in,
     vector_of,
     vector_value,
 )
-from lagc.semantics.refusals import Wrong
-from lagc.semantics.time_derivatives import BIT, LATE, VELOCITY
 from lagc.semantics.units import ENERGY, FORCE, NONE, POWER, Dimension, M, describe, over, si_text, times
-from lagc.semantics.values.builtin_functions import Argument
 from lagc.semantics.values.evaluate import all_values, both, each, evaluate, evaluate_as
+from lagc.semantics.values.functions import Argument
 from lagc.semantics.values.kinematics import material_velocity, velocity_of
+from lagc.semantics.values.members import element
 from lagc.semantics.values.unit_hints import expect_of, is_bare, unit_remedy
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector, sub
 from lagc.syntax import tree
 
+KINDS = ("body", "point", "frame")
+
+
+def placeholder_value(entry: Entry) -> Modifier:
+    """Return the outermost argument that gives the placeholder its value.  Raises Wrong if there is none."""
+    source = entry.source
+    assert isinstance(source, tree.Placeholder)
+    if source.kind not in KINDS:
+        message = f"the {source.kind} `{entry.name}` needs a value"
+        raise Wrong("LAG0210", message, entry.span, f"write `{source.kind} {entry.name} = ...;`")
+    for modifier in entry.modifiers:
+        if modifier.argument.value is not None:
+            return modifier
+        raise Wrong("LAG0210", f"`{entry.name}` needs a value", modifier.argument.span)
+    inner = entry.environment.instance
+    if inner.parent is not None:
+        raise _not_given(inner, inner.parent)
+    remedy = (
+        f"write `{inner.declaration.name} name({entry.name} = ...)` in a model that has this {source.kind}"
+    )
+    remedy = f"give it here, `{source.kind} {entry.name} = ...;`, or {remedy}"
+    raise Wrong("LAG0210", f"the {source.kind} `{entry.path}` is not given", entry.span, remedy)
+
+
+def _not_given(inner: Instance, parent: Instance) -> Wrong:
+    """Return the fault of an instance that lacks placeholders, at its own line, with all of them."""
+    instance = parent.entries[inner.path[len(parent.path) : -1].partition("[")[0]]
+    written, source = instance.declaration, instance.source
+    assert isinstance(written, tree.Instance) and isinstance(source, tree.Declarator)
+    missing = {e.span: e.source for e in inner.entries.values() if not e.modifiers}
+    lacking = [(span, s) for span, s in missing.items() if isinstance(s, tree.Placeholder)]
+    sizes = f"[{', '.join(map(_text, source.dimensions))}]" if source.dimensions else ""
+    each = "each " if sizes else ""
+    given = [_text(argument) for argument in source.arguments]
+    given += [f"{each}{s.name} = {_candidate(parent, s.kind)}" for _, s in lacking]
+    remedy = f"write `{'.'.join(written.type.path)} {source.name}{sizes}({', '.join(given)});`"
+    lacks = " and ".join(f"the {s.kind} `{s.name}`" for _, s in lacking)
+    related = tuple([(span, "declared here") for span, _ in lacking])
+    return Wrong("LAG0210", f"`{instance.path}` is not given {lacks}", instance.span, remedy, related)
+
+
+def _text(written: tree.Argument | tree.Expression) -> str:
+    return written.span.text
+
+
+def _candidate(parent: Instance, kind: str) -> str:
+    """Return the only thing of the model that may be meant, or dots."""
+    kinds = ("body", "point") if kind == "point" else (kind,)
+    known = [e.name for e in parent.entries.values() if e.elements is None and _kind(e) in kinds]
+    if not known and kind == "frame":
+        return "world"
+    return known[0] if len(known) == 1 else "..."
+
+
+def _kind(entry: Entry) -> str:
+    return entry.source.kind if isinstance(entry.source, tree.Placeholder) else entry.kind
+
+
+def declare_placeholder(context: Context, entry: Entry) -> Value:
+    """Return the body, point or frame that the instance gives.  Raises Wrong if it is of another kind."""
+    modifier = placeholder_value(entry)
+    source, written = entry.source, modifier.argument.value
+    assert isinstance(source, tree.Placeholder) and written is not None
+    value = evaluate_as(context, written, modifier.environment, M)
+    if isinstance(value, Indexed) and modifier.index and not modifier.argument.each:
+        index = tree.Index(written, (written,) * len(modifier.index), written.span)
+        value = element(context, value, list(modifier.index), index)
+    if source.kind == "point":
+        vector = vector_in(M, value, written.span, "a point")
+        for node in vector:
+            no_rates(context, node, written.span, "a point")
+        return vector_value(vector, M)
+    if not isinstance(value, Body if source.kind == "body" else Frame):
+        message = f"`{entry.name}` of `{entry.environment.instance.declaration.name}` is a {source.kind}"
+        related = ((entry.span, "declared here"),)
+        raise Wrong("LAG0209", f"{message}; this is {kind(value)}", written.span, related=related)
+    return value
+
+
 _LOADS = (objects.Force, objects.Torque)
 
 
-def _written(entry: Entry) -> tree.Construct:
+def _construct_of(entry: Entry) -> tree.Construct:
     assert isinstance(entry.source, tree.Construct)
     no_modifiers(entry)
     return entry.source
 
 
-def no_modifiers(entry: Entry) -> None:
-    for modifier in entry.modifiers:
-        raise Wrong(
-            "LAG0209",
-            f"the {entry.kind} `{entry.name}` cannot be changed from outside",
-            modifier.argument.span,
-            "change the parameters in its declaration",
-        )
-
-
-def timely(context: Context, node: Node, span: Span, what: str) -> None:
+def refuse_late(context: Context, node: Node, span: Span, what: str) -> None:
     if context.clock.mask(node) & LATE:
-        raise Wrong(
-            "LAG0219",
-            f"{what} depends on an acceleration, a reaction or an energy of the run, which are "
-            "only known after the equations are solved",
-            span,
-            "for friction write `reaction(c)` of a constraint `c`, or the normal force as an expression, "
-            "such as `m*g`; use others only in outputs and in conditions of `when`"
-            if what == "a force"
-            else "use them only in outputs and in conditions of `when`",
-        )
+        late = "an acceleration, a reaction or an energy of the run"
+        message = f"{what} depends on {late}, which are only known after the equations are solved"
+        remedy = "use them only in outputs and in conditions of `when`"
+        if what == "a force":
+            remedy = (
+                "for friction write `reaction(c)` of a constraint `c`, or the normal force as an expression, "
+                "such as `m*g`; use others only in outputs and in conditions of `when`"
+            )
+        raise Wrong("LAG0219", message, span, remedy)
 
 
 def declare_frame(context: Context, entry: Entry) -> Value:
-    source = _written(entry)
+    source = _construct_of(entry)
     value = evaluate(context, source.value, entry.environment)
     if not isinstance(value, Frame):
         raise Wrong(
@@ -75,44 +145,40 @@ def declare_frame(context: Context, entry: Entry) -> Value:
     for row in value.axes:
         for node in row:
             no_rates(context, node, source.value.span, "a frame")
-            timely(context, node, source.value.span, "a frame")
+            refuse_late(context, node, source.value.span, "a frame")
     frame = replace(value, name=entry.path, span=entry.span, effect=entry.effect)
     entry.objects.append(frame)
     return frame
 
 
 def declare_point(context: Context, entry: Entry) -> Value:
-    source = _written(entry)
+    source = _construct_of(entry)
     value = evaluate_as(context, source.value, entry.environment, M)
-    vector, found = vector_of(value, source.value.span, "a point")
-    expect(found, M, source.value.span, "a point")
+    vector = vector_in(M, value, source.value.span, "a point")
     for node in vector:
         no_rates(context, node, source.value.span, "a point")
-        timely(context, node, source.value.span, "a point")
+        refuse_late(context, node, source.value.span, "a point")
     entry.objects.append(objects.Point(entry.path, vector, entry.span, entry.effect))
     return vector_value(vector, M)
 
 
 def _energy_like(context: Context, entry: Entry, meant: Dimension) -> tuple[Node, Span]:
-    source = _written(entry)
+    source = _construct_of(entry)
     span = source.value.span
     scalar = scalar_of(
         evaluate_as(context, source.value, entry.environment, meant), span, f"the {entry.kind} `{entry.name}`"
     )
     expect_of(source.value, scalar.dimension, meant, f"the {entry.kind} `{entry.name}`", describe(meant))
-    timely(context, scalar.node, span, f"a {entry.kind}")
+    refuse_late(context, scalar.node, span, f"a {entry.kind}")
     return scalar.node, span
 
 
 def declare_potential(context: Context, entry: Entry) -> Value:
     node, span = _energy_like(context, entry, ENERGY)
     if context.clock.mask(node) & VELOCITY:
-        raise Wrong(
-            "LAG0313",
-            "a potential must not depend on a rate",
-            span,
-            "write a term of the Lagrangian with rates as `lagrangian L = ...;`",
-        )
+        message = "a potential must not depend on a rate"
+        remedy = "write a term of the Lagrangian with rates as `lagrangian L = ...;`"
+        raise Wrong("LAG0313", message, span, remedy)
     entry.objects.append(objects.Potential(entry.path, node, entry.span, entry.effect))
     return Reference(entry)
 
@@ -138,7 +204,7 @@ def declare_dissipation(context: Context, entry: Entry) -> Value:
 
 def _of_rate(context: Context, entry: Entry) -> str | None:
     """Return a remedy for a dissipation that is a force, `c*der(x)`, and not half its power."""
-    value = _written(entry).value
+    value = _construct_of(entry).value
     if not isinstance(value, tree.Binary) or value.op != "*" or not value.right.span.text.startswith("der("):
         return None
     from lagc.semantics.names.undeclared import dimension_of  # where there is a fault
@@ -159,6 +225,7 @@ def declare_load(context: Context, entry: Entry) -> Value:
     is_force = source.kind == "force"
     meant = FORCE if is_force else ENERGY
     context.mentioned_velocities = []
+    # All parts are evaluated before one is checked, so that the faults of all are reported.
     written = [(source.value, meant), (source.target, M)]
     written += [(part, M) for part in (source.body, source.reaction) if part is not None]
     value, target, *others = each(
@@ -169,32 +236,31 @@ def declare_load(context: Context, entry: Entry) -> Value:
     mentioned = tuple(context.mentioned_velocities)
     place = Argument(target, source.target.span)
 
+    # The multipliers of constraints are the only late quantities that a load may depend on: friction.
     def load() -> Vector:
         vector, found = vector_of(value, source.value.span, f"a {source.kind}")
         named = "Force [N]" if is_force else "Torque [N.m]"
         expect_of(source.value, found, meant, f"the {source.kind} `{entry.name}`", named)
         for node in vector:
             if context.clock.mask(node) & LATE & ~BIT["multiplier"]:
-                timely(context, node, source.value.span, f"a {source.kind}")
+                refuse_late(context, node, source.value.span, f"a {source.kind}")
         return vector
 
+    # A force acts on a point, with its velocity; a torque on frames, with their angular velocities.
     if is_force:
         vector, (velocity, at, on_body) = both(
             context, load, lambda: _where_applied(context, source, place, body, reaction)
         )
-        entry.objects.append(
-            objects.Force(
-                entry.path, vector, velocity, entry.span, entry.effect, source.target.span, mentioned, at,
-                on_body,
-            )
-        )  # fmt: skip
+        force = objects.Force(
+            entry.path, vector, velocity, entry.span, entry.effect, source.target.span, mentioned, at, on_body
+        )
+        entry.objects.append(force)
     else:
         vector, (frame, opposite) = both(context, load, lambda: _frames(source, target, reaction))
-        entry.objects.append(
-            objects.Torque(
-                entry.path, vector, frame, opposite, entry.span, entry.effect, source.target.span, mentioned
-            )
+        torque = objects.Torque(
+            entry.path, vector, frame, opposite, entry.span, entry.effect, source.target.span, mentioned
         )
+        entry.objects.append(torque)
     return Reference(entry)
 
 
@@ -206,12 +272,9 @@ def _where_applied(
     at = place.value.position if isinstance(place.value, Body) else None
     if body is None or source.body is None:
         if source.reaction is not None:
-            raise Wrong(
-                "LAG0221",
-                "`from` is only allowed for a torque, or for a force `on` a body",
-                source.reaction.span,
-                "write `on body at point from other`, or declare the opposite force separately",
-            )
+            message = "`from` is only allowed for a torque, or for a force `on` a body"
+            remedy = "write `on body at point from other`, or declare the opposite force separately"
+            raise Wrong("LAG0221", message, source.reaction.span, remedy)
         is_body, at = at is not None, at or vector_of(place.value, place.span, "a point")[0]
         return velocity_of(context, place, None), at, is_body
     velocity = material_velocity(context, Argument(body, source.body.span), place)
@@ -233,15 +296,11 @@ def _frame_of(value: Value, written: tree.Expression) -> Frame:
         return value
     if isinstance(value, Body) and value.frame is not None:
         return value.frame
-    raise Wrong(
-        "LAG0221",
-        f"a torque acts on a solid or a frame; this is {kind(value)}"
-        + (" without a frame" if isinstance(value, Body) else ""),
-        written.span,
-        "write `body b = Solid(mass = m, inertia = {I1, I2, I3}, frame = F, com = P);`"
-        if isinstance(value, Body)
-        else None,
-    )
+    message, remedy = f"a torque acts on a solid or a frame; this is {kind(value)}", None
+    if isinstance(value, Body):
+        message += " without a frame"
+        remedy = "write `body b = Solid(mass = m, inertia = {I1, I2, I3}, frame = F, com = P);`"
+    raise Wrong("LAG0221", message, written.span, remedy)
 
 
 def declare_constraint(context: Context, entry: Entry) -> Value:
@@ -249,8 +308,8 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
     source = entry.source
     assert isinstance(source, tree.Constraint)
     no_modifiers(entry)
-    by = any(argument.name == "by" for argument in source.arguments)
-    motor = _actuator(context, entry, source) if by else None
+    held = any(argument.name == "by" for argument in source.arguments)
+    motor = _actuator(context, entry, source) if held else None
     left, right = all_values(context, [source.left, source.right], entry.environment)
     differences = residuals(left, right, source)
     entry.size = None if isinstance(left, Scalar) else len(differences)
@@ -258,24 +317,17 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
     rows: list[Node] = []
     units: list[str] = []
     for k, (node, found) in enumerate(differences):
-        timely(context, node, source.left.span.to(source.right.span), "a constraint")
+        refuse_late(context, node, source.left.span.to(source.right.span), "a constraint")
         if not node.is_zero:
             labels.append(entry.path if entry.size is None else f"{entry.path}[{k + 1}]")
             rows.append(node)
             units.append(si_text(found or NONE))
-    entry.objects.append(
-        objects.Constraint(
-            entry.path,
-            tuple(labels),
-            tuple(rows),
-            tuple(units),
-            entry.span,
-            source.left,
-            source.right,
-            entry.effect,
-            "" if motor is None else motor.path,
-        )
+    sides = source.left, source.right
+    by = "" if motor is None else motor.path
+    constraint = objects.Constraint(
+        entry.path, tuple(labels), tuple(rows), tuple(units), entry.span, *sides, entry.effect, by
     )
+    entry.objects.append(constraint)
     if motor is not None and len(labels) != 1:
         message = f"`{motor.name}` is one actuator; `{entry.name}` has {len(labels)} equations"
         raise Wrong("LAG0221", message, entry.span, "write a constraint and an actuator for each equation")
@@ -312,32 +364,20 @@ def residuals(
     if isinstance(left, Scalar) and isinstance(right, Scalar):
         pairs = [(left, right)]
     elif isinstance(left, Array) and isinstance(right, Array) and len(left.elements) == len(right.elements):
-        pairs = []
-        for a, b in zip(left.elements, right.elements):
-            pairs.append(
-                (
-                    scalar_of(a, source.left.span, "a component"),
-                    scalar_of(b, source.right.span, "a component"),
-                )
-            )
+        what, components = "a component", zip(left.elements, right.elements)
+        one, other = source.left.span, source.right.span
+        pairs = [(scalar_of(a, one, what), scalar_of(b, other, what)) for a, b in components]
     else:
         message = f"the two sides have different shapes: {kind(left)} and {kind(right)}"
         raise Wrong("LAG0306", message, source.relation_span, _zeros(left, right))
     found: list[tuple[Node, Dimension | None]] = []
     for a, b in pairs:
         if a.dimension is not None and b.dimension is not None and a.dimension != b.dimension:
-            one, other = describe(a.dimension), describe(b.dimension)
-            message = f"the two sides have different dimensions: {one} and {other}"
-            raise Wrong(
-                "LAG0301",
-                message,
-                source.relation_span,
-                unit_remedy(source.left, b.dimension) or unit_remedy(source.right, a.dimension),
-                related=(
-                    (source.left.span, describe(a.dimension)),
-                    (source.right.span, describe(b.dimension)),
-                ),
-            )
+            first, second = describe(a.dimension), describe(b.dimension)
+            message = f"the two sides have different dimensions: {first} and {second}"
+            remedy = unit_remedy(source.left, b.dimension) or unit_remedy(source.right, a.dimension)
+            related = ((source.left.span, first), (source.right.span, second))
+            raise Wrong("LAG0301", message, source.relation_span, remedy, related)
         found.append((a.node - b.node, a.dimension or b.dimension))
     return found
 
@@ -357,7 +397,7 @@ def condition(
     left, right = all_values(context, [written.left, written.right], environment)
     found: list[objects.InitialCondition] = []
     for node, _ in residuals(left, right, written):
-        timely(context, node, written.left.span.to(written.right.span), "an initial condition")
+        refuse_late(context, node, written.left.span.to(written.right.span), "an initial condition")
         if not node.is_zero:
             found.append(objects.InitialCondition(node, written.span))
     return found

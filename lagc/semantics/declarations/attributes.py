@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable, Sequence
 
 from lagc.base.records import dataclass
-from lagc.diagnostics.faults import Span
+from lagc.diagnostics.faults import Span, Wrong
 from lagc.diagnostics.suggest import meant_argument
-from lagc.semantics.context import Context, Given
+from lagc.semantics.context import LATE, MOVING, VELOCITY, Context, Given
 from lagc.semantics.model import DECLARED, FIXED, RUN, SCENE, UNSTATED, Statement
 from lagc.semantics.names.scope import (
     LONGEST_SHOWN,
@@ -24,13 +24,10 @@ from lagc.semantics.names.scope import (
     shape,
     subscripts,
 )
-from lagc.semantics.refusals import Wrong
-from lagc.semantics.time_derivatives import LATE, MOVING, VELOCITY
 from lagc.semantics.units import Dimension, QuantityType, UnknownUnit, unit
 from lagc.semantics.values.evaluate import evaluate, evaluate_as
-from lagc.semantics.values.interpolation_tables import over_time
+from lagc.semantics.values.functions import over_time
 from lagc.semantics.values.unit_hints import is_bare
-from lagc.symbolic.expression_text import number as number_text
 from lagc.symbolic.graph import Node
 from lagc.syntax import tree
 
@@ -40,9 +37,10 @@ def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[
     `known` are reported."""
     source = entry.source
     assert isinstance(source, tree.Declarator)
+    # Attributes from outside come first: the outermost modifier wins.
     own = [Modifier(a, entry.environment) for a in source.arguments]
     outer = [Modifier(a, m.environment, m.index) for m in entry.modifiers for a in m.argument.arguments]
-    found: dict[str, Modifier] = {}
+    attributes: dict[str, Modifier] = {}
     first: dict[str | None, Span] = {}
     for modifier in own:
         argument = modifier.argument
@@ -60,7 +58,7 @@ def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[
             )
         elif argument.name not in known:
             span = argument.name_span or argument.span
-            remedy = _typed(entry, argument)
+            remedy = _unit_remedy(entry, argument)
             remedy = remedy or meant_argument(argument.name, known) or _has(entry.kind, known)
             wrong = Wrong("LAG0209", f"{_a(entry.kind)} has no `{argument.name}`", span, remedy)
             if argument.name == "unit":
@@ -69,16 +67,16 @@ def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[
         elif argument.value is None or argument.arguments:
             context.report(Wrong("LAG0210", f"`{argument.name}` needs a value", argument.span))
         else:
-            found.setdefault(argument.name, modifier)
-    return found
+            attributes.setdefault(argument.name, modifier)
+    return attributes
 
 
-def _typed(entry: Entry, argument: tree.Argument) -> str | None:
+def _unit_remedy(entry: Entry, argument: tree.Argument) -> str | None:
     """Return a remedy for the attribute `unit` of Modelica."""
     if argument.name == "unit" and isinstance(argument.value, tree.String):
-        from lagc.semantics.declarations.without_kind import typed  # where there is a fault
+        from lagc.semantics.names.undeclared import type_of_unit  # where there is a fault
 
-        name = typed(argument.value.value)
+        name = type_of_unit(argument.value.value)
         return name and f"the type gives the unit: write `{entry.kind} {name} {entry.name}`"
     return None
 
@@ -164,12 +162,12 @@ def _as_many(value: Value, sizes: list[int], span: Span, what: str) -> None:
         raise Wrong("LAG0306", f"{what} needs {shown} elements; this has {math.prod(shape(value))}", span)
 
 
-def shaped(scalars: Sequence[Value], sizes: list[int]) -> Value:
+def array_of(scalars: Sequence[Value], sizes: list[int]) -> Value:
     """Return scalars (rows first) as a number or an array of shape `sizes`."""
     if not sizes:
         return scalars[0]
     step = len(scalars) // sizes[0] if sizes[0] else 0
-    return Array(tuple([shaped(scalars[k * step : (k + 1) * step], sizes[1:]) for k in range(sizes[0])]))
+    return Array(tuple([array_of(scalars[k * step : (k + 1) * step], sizes[1:]) for k in range(sizes[0])]))
 
 
 def check_constant(context: Context, node: Node, span: Span, what: str) -> None:
@@ -211,7 +209,7 @@ def given_scalar(context: Context, given: Given, dimension: Dimension, what: str
     return Scalar(context.graph.const(number), dimension)
 
 
-def declared(entry: Entry, modifier: Modifier | None) -> Statement:
+def statement_of(entry: Entry, modifier: Modifier | None) -> Statement:
     """Return the statement that a declaration makes with `modifier`; without one it states nothing."""
     if modifier is None:
         return Statement(UNSTATED, entry.span)
@@ -248,9 +246,9 @@ def with_fixed(
     """Return the statements on initial values and rates, fixed as the attributes say. `fixed` applies to the
     value and to a stated rate; `startFixed` and `rateFixed` override it."""
     names = ("fixed", "startFixed", "rateFixed")
-    both, starts, _ = (fixed(context, attributes, name, sizes, len(start)) for name in names)
+    both, starts, _ = (fixed_flags(context, attributes, name, sizes, len(start)) for name in names)
     fixed_starts = [one if own is None else own for one, own in zip(both, starts)]
-    both, _, rates = (fixed(context, attributes, name, sizes, len(rate)) for name in names)
+    both, _, rates = (fixed_flags(context, attributes, name, sizes, len(rate)) for name in names)
     turning = [
         one and stated.level != UNSTATED if own is None else own
         for one, own, stated in zip(both, rates, rate)
@@ -262,7 +260,7 @@ def fixed_if(stated: Statement, holds: bool | None) -> Statement:
     return Statement(FIXED, stated.span) if holds else stated
 
 
-def fixed(
+def fixed_flags(
     context: Context, attributes: dict[str, Modifier], name: str, sizes: list[int], count: int
 ) -> list[bool | None]:
     """Return the truth values of attribute `name` for `count` elements; None if the attribute is absent."""
@@ -273,11 +271,11 @@ def fixed(
     value = own_part(evaluate(context, expression, modifier.environment), modifier, sizes, f"`{name}`")
     if isinstance(value, Array) and sizes:
         _as_many(value, sizes, expression.span, f"`{name}`")
-        return [_said(truth, name, expression.span) for truth in _leaves(value)]
-    return [_said(value, name, expression.span)] * count
+        return [_constant_truth(truth, name, expression.span) for truth in _leaves(value)]
+    return [_constant_truth(value, name, expression.span)] * count
 
 
-def _said(value: Value, name: str, span: Span) -> bool:
+def _constant_truth(value: Value, name: str, span: Span) -> bool:
     if not isinstance(value, Truth) or not value.node.is_const:
         raise Wrong("LAG0307", f"`{name}` must be true or false; this is {kind(value)}", span)
     return bool(value.node.value)
@@ -287,6 +285,13 @@ def _leaves(value: Value) -> list[Value]:
     if not isinstance(value, Array):
         return [value]
     return [leaf for element in value.elements for leaf in _leaves(element)]
+
+
+def no_modifiers(entry: Entry) -> None:
+    for modifier in entry.modifiers:
+        message = f"the {entry.kind} `{entry.name}` cannot be changed from outside"
+        remedy = "change the parameters in its declaration"
+        raise Wrong("LAG0209", message, modifier.argument.span, remedy)
 
 
 def no_rates(context: Context, node: Node, span: Span, what: str) -> None:
@@ -310,8 +315,14 @@ class Quantity:
         return self.entry.member(subscript)
 
     @property
-    def description(self) -> str:
-        return self.source.description or ""
+    def units(self) -> tuple[str, str]:
+        """Return the SI unit, and the one that is displayed."""
+        return self.type.unit, self.display
+
+    @property
+    def about(self) -> tuple[Span, str]:
+        """Return the place and the description."""
+        return self.entry.span, self.source.description or ""
 
     @property
     def subscripts(self) -> list[tuple[int, ...]]:
@@ -379,17 +390,16 @@ def check_bounds(
     quantity: Quantity, name: str, value: float, bounds: tuple[float, float], span: Span, unit_text: str
 ) -> None:
     if not bounds[0] <= value <= bounds[1]:
+        from lagc.symbolic.expression_text import number as number_text  # where there is a fault
+
         side, limit = (
             ("below its minimum", bounds[0]) if value < bounds[0] else ("above its maximum", bounds[1])
         )
         shown = f" [{unit_text}]" if unit_text else ""
         bound = quantity.attributes["min" if value < bounds[0] else "max"].argument.span
-        raise Wrong(
-            "LAG0308",
-            f"`{name}` = {number_text(value)}{shown} is {side} {number_text(limit)}{shown}",
-            span,
-            related=((bound, "declared here"),),
-        )
+        message = f"`{name}` = {number_text(value)}{shown} is {side} {number_text(limit)}{shown}"
+        related = ((bound, "declared here"),)
+        raise Wrong("LAG0308", message, span, related=related)
 
 
 def look_at_all(context: Context, entry: Entry, attributes: dict[str, Modifier]) -> None:

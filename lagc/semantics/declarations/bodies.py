@@ -6,12 +6,11 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from lagc.diagnostics.faults import Fault, Span
-from lagc.diagnostics.foreign_words import MODELS, remedy_of_word
-from lagc.diagnostics.suggest import did_you_mean, moments
+from lagc.diagnostics.faults import Fault, Poisoned, Span, Wrong
+from lagc.diagnostics.suggest import did_you_mean, moments, remedy_of_word
 from lagc.semantics import model as objects
-from lagc.semantics.context import Context
-from lagc.semantics.declarations.attributes import given_scalar
+from lagc.semantics.context import LATE, VELOCITY, Context
+from lagc.semantics.declarations.attributes import given_scalar, no_modifiers
 from lagc.semantics.names.scope import (
     Array,
     Entry,
@@ -22,17 +21,16 @@ from lagc.semantics.names.scope import (
     expect,
     flat,
     kind,
-    scalar_of,
+    scalar_in,
+    vector_in,
     vector_of,
     vector_value,
 )
-from lagc.semantics.refusals import Poisoned, Wrong
-from lagc.semantics.time_derivatives import LATE, VELOCITY
 from lagc.semantics.units import KG, NONE, M, S, dimension, over
-from lagc.semantics.values.builtin_functions import Argument
 from lagc.semantics.values.calls import look_at_arguments, match
 from lagc.semantics.values.evaluate import each, evaluate, evaluate_as
 from lagc.semantics.values.frame_vectors import unit_vector
+from lagc.semantics.values.functions import Argument
 from lagc.semantics.values.kinematics import turned_by, velocity_of
 from lagc.semantics.values.unit_hints import is_bare
 from lagc.symbolic.graph import Node
@@ -51,18 +49,12 @@ _PARAMETERS = {"Particle": (("mass", "at"), 2), "Solid": (("mass", "inertia", "f
 
 def declare_body(context: Context, entry: Entry) -> Value:
     """Declare a particle or a solid.  Raises Wrong."""
-    for modifier in entry.modifiers:
-        raise Wrong(
-            "LAG0209",
-            f"the body `{entry.name}` cannot be changed from outside",
-            modifier.argument.span,
-            "change the parameters in its declaration",
-        )
+    no_modifiers(entry)
     call = _call_of(entry)
     name = call.function.name if isinstance(call.function, tree.Name) else ""
     if name not in _PARAMETERS:
         look_at_arguments(context, call, entry.environment)
-        remedy = did_you_mean(name, _PARAMETERS) or remedy_of_word(MODELS, name)
+        remedy = did_you_mean(name, _PARAMETERS) or remedy_of_word("models", name)
         raise Wrong("LAG0221", NO_BODY, call.function.span, remedy)
     given = _arguments(context, entry, call, name)
     if name == "Solid" and "frame" not in given:
@@ -77,10 +69,10 @@ def declare_body(context: Context, entry: Entry) -> Value:
     mass, position = found["mass"], found.get("com") or found["at"]
     frame, inertia = found.get("frame"), found.get("inertia")
     if context.has_joints:
-        position, frame = _placed(context, entry, position, frame)
+        position, frame = _place_by_joints(context, entry, position, frame)
         place = Argument(vector_value(position, M), place.span)
     if entry.path in context.released:
-        from lagc.semantics.declarations.releases import release_frame, release_place
+        from lagc.semantics.joints import release_frame, release_place
 
         position = release_place(context, entry, position)
         frame = frame and release_frame(context, entry, frame)
@@ -94,7 +86,7 @@ def declare_body(context: Context, entry: Entry) -> Value:
 def _drawn_frame(context: Context, entry: Entry, call: tree.Call) -> Argument:
     """Return the frame of a solid without one: the axes of the drawing, if a joint places it."""
     if context.has_joints:
-        from lagc.semantics.joints.linkage import linkage_of
+        from lagc.semantics.joints import linkage_of
 
         linkage = linkage_of(context, entry)
         if entry in linkage.placing:
@@ -108,30 +100,29 @@ def _drawn_frame(context: Context, entry: Entry, call: tree.Call) -> Argument:
     raise Wrong("LAG0210", "`Solid` needs the argument `frame`, or a joint that places it", call.span, remedy)
 
 
-def _placed(
+def _place_by_joints(
     context: Context, entry: Entry, position: Vector, frame: objects.Frame | None
 ) -> tuple[Vector, objects.Frame | None]:
     """Return the position and the frame of a body that joints may place.  Raises Wrong."""
-    from lagc.semantics.joints.linkage import linkage_of
+    from lagc.semantics.joints import linkage_of
     from lagc.semantics.values.frame_vectors import is_constant
 
     linkage = linkage_of(context, entry)
     if entry in linkage.roots:
-        context.poses[entry.path] = lambda drawn: linkage.pose(entry).attached(drawn)
+        context.poses[entry.path] = lambda drawn: linkage.pose(entry).place_of(drawn)
     if entry not in linkage.placing:
         return position, frame
     if not is_constant(context, [*position, *(x for row in frame.axes for x in row)] if frame else position):
         joint = linkage.placing[entry].entry
-        raise Wrong(
-            "LAG0234",
-            f"`{entry.path}` moves by coordinates of its own, and the joint `{joint.path}` places it too",
-            entry.span,
-            "draw the body in one configuration; its joints bring the coordinates",
-            ((joint.span, "the joint"),),
+        message = (
+            f"`{entry.path}` moves by coordinates of its own, and the joint `{joint.path}` places it too"
         )
+        remedy = "draw the body in one configuration; its joints bring the coordinates"
+        related = ((joint.span, "the joint"),)
+        raise Wrong("LAG0234", message, entry.span, remedy, related)
     pose = linkage.pose(entry)
-    context.poses[entry.path] = pose.attached
-    return pose.attached(position), frame and turned_by(context, pose.frame, frame.axes)
+    context.poses[entry.path] = pose.place_of
+    return pose.place_of(position), frame and turned_by(context, pose.frame, frame.axes)
 
 
 def _call_of(entry: Entry) -> tree.Call:
@@ -153,26 +144,24 @@ def _arguments(context: Context, entry: Entry, call: tree.Call, name: str) -> di
     parameters, required = _PARAMETERS[name]
     written = dict(zip(parameters, match(context, call, parameters, required, f"`{name}`")))
 
-    def one(parameter: str) -> tuple[str, Argument]:
+    def argument_of(parameter: str) -> tuple[str, Argument]:
         expression = written[parameter]
         assert expression is not None
         value = evaluate_as(context, expression, entry.environment, _DIMENSIONS[parameter])
         return parameter, Argument(value, expression.span)
 
-    return dict(each(context, one, [p for p in parameters if written[p] is not None]))
+    return dict(each(context, argument_of, [p for p in parameters if written[p] is not None]))
 
 
 def _mass(_: Context, given: Argument) -> Node:
-    scalar = scalar_of(given.value, given.span, "`mass`")
-    expect(scalar.dimension, KG, given.span, "`mass`")
-    if scalar.node.is_const and scalar.node.value < 0:
+    mass = scalar_in(KG, given.value, given.span, "`mass`")
+    if mass.is_const and mass.value < 0:
         raise Wrong("LAG0308", "a mass must not be negative", given.span)
-    return scalar.node
+    return mass
 
 
 def _place(context: Context, given: Argument) -> Vector:
-    vector, found = vector_of(given.value, given.span, "the position of a body")
-    expect(found, M, given.span, "the position of a body")
+    vector = vector_in(M, given.value, given.span, "the position of a body")
     for node in vector:
         if context.clock.mask(node) & (LATE | VELOCITY):
             raise Wrong("LAG0313", "the position of a body must not depend on a rate", given.span)
@@ -224,14 +213,10 @@ def _check_principal(a: Node, b: Node, c: Node, span: Span) -> None:
         values = [float(x.value) for x in (a, b, c)]
         largest = max(values)
         if min(values) < 0 or largest > (sum(values) - largest) * (1 + 1e-9):
-            raise Wrong(
-                "LAG0308",
-                "each principal moment of inertia must be non-negative and at most the sum of the two others",
-                span,
-                None
-                if min(values) < 0
-                else moments([f"{x:.15g} [kg.m2]" if x else "0" for x in values], values.index(largest)),
-            )
+            shown = [f"{x:.15g} [kg.m2]" if x else "0" for x in values]
+            remedy = None if min(values) < 0 else moments(shown, values.index(largest))
+            bounds = "non-negative and at most the sum of the two others"
+            raise Wrong("LAG0308", f"each principal moment of inertia must be {bounds}", span, remedy)
 
 
 def _check_matrix(diagonal: Sequence[Node], others: Sequence[Node], span: Span) -> None:
@@ -249,12 +234,11 @@ def _check_matrix(diagonal: Sequence[Node], others: Sequence[Node], span: Span) 
     values = [mean + 2.0 * size * math.cos(turn + k * math.tau / 3.0) for k in (1, 2, 0)]  # rising
     if values[2] > (values[0] + values[1]) * (1 + 1e-9):
         shown = ", ".join([f"{value:.4g}" for value in values])
-        raise Wrong(
-            "LAG0308",
+        message = (
             f"no body has this inertia matrix: its principal moments are {shown} kg.m2, and each must be "
-            "non-negative and at most the sum of the two others",
-            span,
+            "non-negative and at most the sum of the two others"
         )
+        raise Wrong("LAG0308", message, span)
 
 
 def declare_gravity(context: Context, entry: Entry) -> Value:
@@ -266,26 +250,28 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
     if source.value is not None:
         remedy = f"write `Gravity {entry.name}(g = {source.value.span.text});`"
         raise Wrong("LAG0209", f"`{entry.name}` takes its data in parentheses", source.value.span, remedy)
-    strength, given = match(context, call, ("g", "direction"), 0, "`Gravity`")
+    strength, written_direction = match(context, call, ("g", "direction"), 0, "`Gravity`")
     if entry.modifiers:
         raise Wrong(
             "LAG0209", f"`{entry.name}` cannot be changed from outside", entry.modifiers[0].argument.span
         )
+    # The strength is a parameter of its own, which a run can change.
     g = _strength(context, entry, strength)
     entry.parts["g"] = Scalar(g, GRAVITY)
     graph = context.graph
+    # The direction is that of a weight; by default it points down.
     direction: Vector = (graph.zero, graph.zero, graph.const(-1.0))
-    if given is not None:
-        written = evaluate(context, given, entry.environment)
+    if written_direction is not None:
+        written = evaluate(context, written_direction, entry.environment)
         if isinstance(written, Text) and written.text[-1:] in ("x", "y", "z"):
             remedy = f"for gravity along the negative axis write `direction = -world.{written.text[-1]}`"
             message = "a direction must be a vector {x, y, z}; this is a text"
-            raise Wrong("LAG0306", message, given.span, remedy)
-        vector, found = vector_of(written, given.span, "a direction")
-        expect(found, NONE, given.span, "a direction")
-        direction = unit_vector(context, vector, given.span)
+            raise Wrong("LAG0306", message, written_direction.span, remedy)
+        vector = vector_in(NONE, written, written_direction.span, "a direction")
+        direction = unit_vector(context, vector, written_direction.span)
     if strength is not None and direction == (graph.zero, graph.zero, graph.const(-1.0)):
         _look_at_sign(context, entry, strength)
+    # V = -sum of m g d . r over the bodies of this instance and of those in it.
     total = graph.zero
     for other in entry.environment.instance.in_order():
         if other.kind == "body" and other.elements is None:
@@ -318,20 +304,16 @@ def _note_field(context: Context, entry: Entry, body: Entry, direction: Vector) 
 
 
 def _twice(first: Entry, entry: Entry, body: Entry) -> Fault:
-    return Fault(
-        "LAG0229",
-        f"`{first.path}` and `{entry.path}` both act on `{body.path}` in the same direction",
-        entry.span,
-        remedy="gravity acts on all bodies, including those of instances: remove one of the two",
-        severity="warning",
-    )
+    message = f"`{first.path}` and `{entry.path}` both act on `{body.path}` in the same direction"
+    remedy = "gravity acts on all bodies, including those of instances: remove one of the two"
+    return Fault("LAG0229", message, entry.span, remedy=remedy, severity="warning")
 
 
-def released(context: Context, entry: Entry, symbol: Node, unit: str) -> list[objects.ModelObject]:
+def releases_of(context: Context, entry: Entry, symbol: Node, unit: str) -> list[objects.ModelObject]:
     """Return the release of a parameter, if an output asks for its reaction."""
     if symbol.record.owner not in context.released:
         return []
-    from lagc.semantics.declarations.releases import release_parameter
+    from lagc.semantics.joints import release_parameter
 
     return release_parameter(context, entry, symbol, unit)
 
@@ -353,35 +335,21 @@ def _of_vector(written: tree.Expression) -> str:
 def _strength(context: Context, entry: Entry, written: tree.Expression | None) -> Node:
     name = f"{entry.path}.g"
     given = context.give(context.parameters, name)
-    value: Scalar
     if given is not None:
-        value = given_scalar(context, given, GRAVITY, f"`{name}`")
+        value = given_scalar(context, given, GRAVITY, f"`{name}`").node
     elif written is not None:
         found = evaluate_as(context, written, entry.environment, GRAVITY)
         if isinstance(found, Array):
             remedy = _of_vector(written)
             raise Wrong("LAG0307", "`g` must be a number; this is a vector", written.span, remedy)
-        value = scalar_of(found, written.span, "`g`")
-        expect(value.dimension, GRAVITY, written.span, "`g`")
+        value = scalar_in(GRAVITY, found, written.span, "`g`")
     else:
-        value = Scalar(context.graph.const(STANDARD), GRAVITY)
-    if not value.node.is_const:
-        return value.node
+        value = context.graph.const(STANDARD)
+    if not value.is_const:
+        return value
     symbol = context.graph.symbol("parameter", name)
-    entry.objects += released(context, entry, symbol, "m/s2")
-    number = value.node.value
-    assert isinstance(number, float)
-    entry.objects.append(
-        objects.Parameter(
-            name,
-            symbol,
-            "m/s2",
-            "m/s2",
-            number,
-            float("-inf"),
-            float("inf"),
-            entry.span,
-            "acceleration of gravity",
-        )
-    )
+    entry.objects += releases_of(context, entry, symbol, "m/s2")
+    bounds, about = (-math.inf, math.inf), "acceleration of gravity"
+    parameter = objects.Parameter(name, symbol, "m/s2", "m/s2", value.value, *bounds, entry.span, about)
+    entry.objects.append(parameter)
     return symbol

@@ -10,10 +10,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import inf
 
+from lagc.diagnostics.faults import Wrong
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as objects
-from lagc.semantics.context import Context
-from lagc.semantics.declarations.actions import declare_constraint, no_modifiers, residuals, timely
+from lagc.semantics.context import BIT, MOVING, VELOCITY, Context
+from lagc.semantics.declarations.actions import declare_constraint, refuse_late, residuals
+from lagc.semantics.declarations.attributes import no_modifiers
 from lagc.semantics.names.scope import (
     Array,
     Entry,
@@ -25,12 +27,10 @@ from lagc.semantics.names.scope import (
     scalar_of,
     vector_value,
 )
-from lagc.semantics.refusals import Wrong
-from lagc.semantics.time_derivatives import BIT, MOVING, VELOCITY
 from lagc.semantics.units import NONE, Dimension, describe, dimension, over, si_text, times
 from lagc.semantics.units import unit as unit_of
-from lagc.semantics.values.builtin_functions import Argument
 from lagc.semantics.values.evaluate import all_values, evaluate, evaluate_as
+from lagc.semantics.values.functions import Argument
 from lagc.semantics.values.kinematics import SPEED, velocity_of
 from lagc.semantics.values.unit_hints import expect_of
 from lagc.symbolic.graph import Node
@@ -70,12 +70,12 @@ def declare_contact(context: Context, entry: Entry) -> Value:
         restitution = context.graph.zero
         if "restitution" in written:
             restitution = _number(context, entry.environment, "restitution", written["restitution"], 1.0)
-        entry.objects.append(
-            objects.Contact(
-                entry.path, label, gap, si_text(found or NONE), symbol, restitution, entry.span, entry.effect,
-                *_friction(context, entry, written, found), _is_poisson(written), bounds_rate=bounds_rate,
-            )
+        unit, rough = si_text(found or NONE), _friction(context, entry, written, found)
+        contact = objects.Contact(
+            entry.path, label, gap, unit, symbol, restitution, entry.span, entry.effect, *rough,
+            _is_poisson(written), bounds_rate=bounds_rate,
         )  # fmt: skip
+        entry.objects.append(contact)
     return Reference(entry)
 
 
@@ -102,12 +102,12 @@ def declare_rough(context: Context, entry: Entry) -> Value:
     symbol = context.graph.symbol("discrete", entry.path)
     context.clock.set_rate(symbol, context.graph.zero)
     normal = context.graph.symbol("multiplier", entry.path)
-    entry.objects.append(
-        objects.Contact(
-            entry.path, entry.path, row.residuals[0], row.units[0], symbol, context.graph.zero, entry.span,
-            entry.effect, slip, friction, static, normals=(normal,),
-        )
-    )  # fmt: skip
+    path, gap, zero = entry.path, row.residuals[0], context.graph.zero
+    where, unit = (entry.span, entry.effect), row.units[0]
+    contact = objects.Contact(
+        path, path, gap, unit, symbol, zero, *where, slip, friction, static, normals=(normal,)
+    )
+    entry.objects.append(contact)
     return value
 
 
@@ -140,12 +140,9 @@ def _friction(
             "LAG0235", "`slip` and `at` are two ways to say the same", written["at"].span, "leave one out"
         )
     if entry.size is not None:
-        raise Wrong(
-            "LAG0235",
-            "a vector of constraints has no friction",
-            span,
-            "write a constraint for each component, with its own slip",
-        )
+        message = "a vector of constraints has no friction"
+        remedy = "write a constraint for each component, with its own slip"
+        raise Wrong("LAG0235", message, span, remedy)
     meant = over(found or NONE, SECOND)
     slip = _slip(context, entry, written, meant)
     return slip, *coefficients(context, entry, written, slip, SPEED if len(slip) == 3 else meant)
@@ -173,12 +170,9 @@ def coefficients(
     friction = coefficient("friction")
     static = coefficient("static") if "static" in written else None
     if static is not None and static.is_const and friction.is_const and static.value < friction.value:
-        raise Wrong(
-            "LAG0235",
-            f"the static friction, {static.value:g}, is less than the friction of a contact that slides",
-            written["static"].span,
-            "exchange both, or leave out `static`",
-        )
+        message = f"the static friction, {static.value:g}, is less than the friction of a contact that slides"
+        remedy = "exchange both, or leave out `static`"
+        raise Wrong("LAG0235", message, written["static"].span, remedy)
     if static is not None and context.clock.mask(static - friction) & MOVING:  # others are compared once
         static = graph.binary("max", static, friction)
     return friction, static
@@ -209,24 +203,24 @@ def _slip(
     else:
         value = _velocity_at(context, entry, written)
     if isinstance(value, Array):
-        nodes, own = numbers_of(value, span, "the slip")
+        nodes, dimension = numbers_of(value, span, "the slip")
     else:
         scalar = scalar_of(value, span, "the slip")
-        nodes, own = (scalar.node,), scalar.dimension
+        nodes, dimension = (scalar.node,), scalar.dimension
     if len(nodes) > 3:
         raise Wrong("LAG0235", f"the slip has {len(nodes)} components", span, _SLIPS)
     if len(nodes) == 3:
         meant = SPEED  # the push is then taken along the normal of the surface, whatever the gap measures
-    if own == times(meant, SECOND):
+    if dimension == times(meant, SECOND):
         parts = source.elements if isinstance(source, tree.Vector) else (source,)
         rates = ", ".join([f"der({part.span.text})" for part in parts])
         remedy = f"write its rate: `slip = {{{rates}}}`" if len(parts) > 1 else f"write `slip = {rates}`"
         message = f"the slip is a position; it must be {describe(meant)}"
         raise Wrong("LAG0302", message, span, remedy)
-    expect_of(source, own, meant, "the slip", describe(meant))
+    expect_of(source, dimension, meant, "the slip", describe(meant))
     constant = [k for k, node in enumerate(nodes) if not context.clock.mask(node) & VELOCITY]
     for k, node in enumerate(nodes):
-        timely(context, node, span, "the slip")
+        refuse_late(context, node, span, "the slip")
         if k in constant and not (node.is_zero and len(nodes) == 3 and len(constant) == 1):
             which = f"component {k + 1} of the slip" if len(nodes) > 1 else "the slip"
             raise Wrong(
@@ -258,7 +252,7 @@ def _check(
 ) -> bool:
     """Return whether the gap is one between velocities. Refuse what has no place in a gap."""
     span = source.left.span.to(source.right.span)
-    timely(context, gap, span, "a constraint")
+    refuse_late(context, gap, span, "a constraint")
     mask = context.clock.mask(gap)
     bounds_rate = bool(mask & VELOCITY)
     if bounds_rate and written:
@@ -268,25 +262,19 @@ def _check(
         raise Wrong("LAG0235", message, value.span, remedy)
     for kind, named in (("input", "an input"), ("discrete", "a discrete variable")):
         if mask & BIT[kind]:
-            raise Wrong(
-                "LAG0235",
-                f"the bound `{source.name}` depends on {named}, whose time derivative is not known",
-                span,
-                "write the bound in coordinates, parameters and time",
-            )
+            message = f"the bound `{source.name}` depends on {named}, whose time derivative is not known"
+            remedy = "write the bound in coordinates, parameters and time"
+            raise Wrong("LAG0235", message, span, remedy)
     if not mask & (BIT["coordinate"] | VELOCITY):
-        raise Wrong(
-            "LAG0235",
-            f"the bound `{source.name}` depends on no coordinate, so it restricts nothing",
-            span,
-            "compare an expression of coordinates: `constraint floor: ball.z >= 0;`",
-        )
+        message = f"the bound `{source.name}` depends on no coordinate, so it restricts nothing"
+        remedy = "compare an expression of coordinates: `constraint floor: ball.z >= 0;`"
+        raise Wrong("LAG0235", message, span, remedy)
     return bounds_rate
 
 
 def _arguments(source: tree.Constraint, known: tuple[str, ...], what: str) -> dict[str, tree.Expression]:
     """Return the arguments of a contact by name."""
-    found: dict[str, tree.Expression] = {}
+    by_name: dict[str, tree.Expression] = {}
     for argument in source.arguments:
         name, span = argument.name, argument.name_span or argument.span
         if name not in known:
@@ -296,12 +284,12 @@ def _arguments(source: tree.Constraint, known: tuple[str, ...], what: str) -> di
             elif name in _BY:
                 remedy = "write `=`: an actuator holds what is equal"
             raise Wrong("LAG0209", f"{what} has no `{name or argument.span.text}`", span, remedy)
-        if name in found:
+        if name in by_name:
             raise Wrong("LAG0209", f"`{name}` is given twice", span)
         if argument.value is None or argument.arguments:
             raise Wrong("LAG0210", f"`{name}` needs a value", argument.span)
-        found[name] = argument.value
-    return found
+        by_name[name] = argument.value
+    return by_name
 
 
 def _number(
@@ -311,15 +299,12 @@ def _number(
     value = evaluate_as(context, written, where, NONE)
     scalar = scalar_of(value, written.span, f"the {name}")
     expect_of(written, scalar.dimension, NONE, f"the {name}", "a number")
-    timely(context, scalar.node, written.span, f"the {name}")
+    refuse_late(context, scalar.node, written.span, f"the {name}")
     if scalar.node.is_const and scalar.node.value < 0.0 and most == inf:
         message = f"the {name} is {scalar.node.value:g}, and not from 0"
         raise Wrong("LAG0235", message, written.span, "friction opposes the slip by itself: write its size")
     if scalar.node.is_const and not 0.0 <= scalar.node.value <= most:
-        raise Wrong(
-            "LAG0235",
-            f"the {name} is {scalar.node.value:g}, and not from 0 to 1",
-            written.span,
-            "0 is an impact without rebound, 1 one without loss of energy",
-        )
+        message = f"the {name} is {scalar.node.value:g}, and not from 0 to 1"
+        remedy = "0 is an impact without rebound, 1 one without loss of energy"
+        raise Wrong("LAG0235", message, written.span, remedy)
     return scalar.node

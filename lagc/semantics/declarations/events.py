@@ -1,26 +1,156 @@
-"""Declaration of `when condition then ... end when;`."""
+"""Discrete variables, `discrete Real mode(start = 1);`, and the `when` clauses that change them."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 
 from lagc.base.records import dataclass, field
-from lagc.diagnostics.faults import Source
-from lagc.diagnostics.foreign_words import ACTIONS, remedy_of_word
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.diagnostics.faults import Source, Wrong
+from lagc.diagnostics.suggest import did_you_mean, remedy_of_word
 from lagc.semantics import model as objects
-from lagc.semantics.context import Context
-from lagc.semantics.declarations.discrete import number_of, truth_symbol
-from lagc.semantics.names.scope import Environment, Scalar, Truth, flat, kind, shape
-from lagc.semantics.refusals import Wrong
-from lagc.semantics.time_derivatives import BIT, LATE, MOVING
-from lagc.semantics.units import NONE, describe
+from lagc.semantics.context import BIT, LATE, MOVING, VELOCITY, Context, Given
+from lagc.semantics.declarations.attributes import (
+    Quantity,
+    array_of,
+    check_constant,
+    elements,
+    given_elements,
+    given_scalar,
+    own_part,
+    written_value,
+)
+from lagc.semantics.names.scope import Environment, Scalar, Truth, Value, flat, kind, shape
+from lagc.semantics.units import NONE, QuantityType, describe
 from lagc.semantics.values.evaluate import each, evaluate, evaluate_as
+from lagc.semantics.values.evaluate import whole as integral
 from lagc.semantics.values.unit_hints import expect_of
-from lagc.symbolic.graph import Node
-from lagc.symbolic.walk import reachable
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import reachable, symbols
 from lagc.syntax import tree
+
+BOOLEAN = QuantityType("Boolean", "", "", NONE)
+_TRUE = 0.5  # a truth value is stored as 0 or 1
+
+
+def is_boolean(declaration: tree.Quantities) -> bool:
+    """Return whether it declares discrete truth values."""
+    declared = declaration.type
+    return declaration.kind == "discrete" and declared is not None and declared.path == ("Boolean",)
+
+
+def declare_discrete(context: Context, quantity: Quantity) -> Value:
+    """Declare discrete variables and return their values."""
+    entry, graph = quantity.entry, context.graph
+    boolean = quantity.type is BOOLEAN
+    _no_value(quantity)
+    found: list[Value] = []
+    for subscript, start in zip(quantity.subscripts, _starts(context, quantity, boolean)):
+        name = quantity.name(subscript)
+        symbol = graph.symbol("discrete", name)
+        context.clock.set_rate(symbol, graph.zero)
+        entry.objects.append(objects.Discrete(name, symbol, *quantity.units, start, boolean, *quantity.about))
+        found.append(_truth(graph, symbol) if boolean else Scalar(symbol, quantity.type.dimension))
+    return array_of(found, quantity.sizes)
+
+
+def _truth(graph: Graph, symbol: Node) -> Truth:
+    return Truth(graph.binary("lt", graph.const(_TRUE), symbol))
+
+
+def truth_symbol(value: Value) -> Node | None:
+    """Return the symbol of a discrete truth value, or None for any other value."""
+    if isinstance(value, Truth) and value.node.op == "lt":
+        low, symbol = value.node.args
+        if low.is_const and symbol.op == "symbol" and symbol.record.kind == "discrete":
+            return symbol
+    return None
+
+
+def number_of(graph: Graph, truth: Truth) -> Node:
+    """Return a condition as the number 1 or 0."""
+    return graph.select(truth.node, graph.one, graph.zero)
+
+
+def _no_value(quantity: Quantity) -> None:
+    modifier = written_value(quantity.entry)
+    if modifier is not None and modifier.argument.value is not None:
+        span, entry = modifier.argument.value.span, quantity.entry
+        line = f"discrete {quantity.type.name} {entry.name}(start = {span.text});"
+        message = "a discrete variable has no value of its own: it keeps what a `when` clause gives it"
+        raise Wrong("LAG0209", message, span, f"write `{line}` and change it by `reinit` in a `when` clause")
+
+
+def _starts(context: Context, quantity: Quantity, boolean: bool) -> list[Node]:
+    """Return the start value of each element."""
+    entry = quantity.entry
+    what, modifier = f"the start of `{entry.path}`", quantity.attributes.get("start")
+    whole = context.give(context.starts, entry.path)
+    values: list[Node | None] = [None] * len(quantity.subscripts)
+    if modifier is not None and boolean:
+        expression = modifier.argument.value
+        assert expression is not None
+        value = own_part(evaluate(context, expression, modifier.environment), modifier, quantity.sizes, what)
+        values = [_number(context, value, expression, what)] * len(values)
+    elif modifier is not None:
+        scalars = elements(context, modifier, quantity.sizes, quantity.type.dimension, what)
+        values = [scalar.node for scalar in scalars]
+    if whole is not None and quantity.sizes and not boolean:
+        outside = given_elements(context, whole, quantity.sizes, quantity.type.dimension, what)
+        values = [scalar.node for scalar in outside]
+    for k, subscript in enumerate(quantity.subscripts):
+        given = whole if not quantity.sizes else context.give(context.starts, quantity.name(subscript))
+        if given is not None:
+            values[k] = _given_number(context, given, quantity, boolean, what)
+    span = modifier.argument.span if modifier else entry.span
+    starts = [node for node in values if node is not None]
+    if len(starts) < len(values):
+        example = "false" if boolean else "0"
+        line = f"discrete {quantity.type.name} {entry.name}(start = {example});"
+        raise Wrong("LAG0210", f"the discrete variable `{entry.path}` has no start", span, f"write `{line}`")
+    for node in starts:
+        check_constant(context, node, span, what)
+        if quantity.type.name == "Integer" and node.is_const and isinstance(node.value, float):
+            integral(node.value, span, what)
+    return starts
+
+
+def _given_number(context: Context, given: Given, quantity: Quantity, boolean: bool, what: str) -> Node:
+    if boolean and given.expression is not None and given.environment is not None:
+        value = evaluate(context, given.expression, given.environment)
+        return _number(context, value, given.expression, what)
+    return given_scalar(context, given, quantity.type.dimension, what).node
+
+
+def _number(context: Context, value: Value, written: tree.Expression, what: str) -> Node:
+    if not isinstance(value, Truth):
+        message = f"{what} must be true or false; this is {kind(value)}"
+        raise Wrong("LAG0307", message, written.span, "write `true` or `false`")
+    return number_of(context.graph, value)
+
+
+def refuse_in_constraints(
+    context: Context,
+    constraints: Sequence[objects.Constraint],
+    conditions: Iterable[objects.InitialCondition],
+    speeds: Iterable[objects.Speed],
+) -> None:
+    """Report constraints, initial equations and declared speeds that depend on a discrete variable."""
+    places = [(f"the constraint `{c.name}`", node, c.span) for c in constraints for node in c.residuals]
+    places += [("an initial equation", c.residual, c.span) for c in conditions]
+    places += [(f"the speed `{u.name}`", u.expression, u.span) for u in speeds]
+    for what, node, span in places:
+        if context.clock.mask(node) & BIT["discrete"]:
+            name = min(s.record.name for s in symbols([node]) if s.record.kind == "discrete")
+            message = f"{what} depends on the discrete variable `{name}`, which jumps"
+            remedy = f"let `{name}` act through a force, a law or a potential"
+            if what.startswith("the constraint") and context.clock.mask(node) & VELOCITY:
+                remedy += (
+                    f", or hold its value in a coordinate without inertia: `coordinate Real {name}(start = "
+                    f"...); constraint hold: der({name}) = 0;`"
+                )
+            context.report(Wrong("LAG0232", message, span, remedy))
+
 
 _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 _USES = '`reinit(x, value)`, `terminate("why")`, `mark("name")`'
@@ -56,7 +186,7 @@ def when_clause(
     return objects.When(words, condition, changes, reason, tuple(found.marks), written.span, effect)
 
 
-def ending(context: Context, until: str) -> tree.When:
+def ending_clause(context: Context, until: str) -> tree.When:
     """Return the clause that ends a run when the condition `until` becomes true. Raises Refused if `until` is
     not an expression."""
     from lagc.syntax.parse import parse_expression
@@ -89,24 +219,20 @@ def _condition(context: Context, written: tree.Expression, environment: Environm
     mask = context.clock.mask
     moving = (MOVING | LATE) & ~BIT["discrete"]
     if any(node.op == "eq" and mask(node) & moving for node in reachable([value.node])):
-        raise Wrong(
-            "LAG0227",
-            "`==` holds only for an instant, which is never detected",
-            written.span,
-            "write `<` or `>`: the time of the crossing is located",
-        )
+        message = "`==` holds only for an instant, which is never detected"
+        remedy = "write `<` or `>`: the time of the crossing is located"
+        raise Wrong("LAG0227", message, written.span, remedy)
     return value.node
 
 
-def _early(context: Context, node: Node, written: tree.Expression, what: str) -> None:
+def _refuse_late(context: Context, node: Node, written: tree.Expression, what: str) -> None:
     if context.clock.mask(node) & LATE:
-        raise Wrong(
-            "LAG0219",
+        message = (
             f"{what} depends on an acceleration, a reaction or an energy of the run, which are only known "
-            "after the equations are solved",
-            written.span,
-            "compare it in the condition of the clause instead: `when reaction(c) > 5 [N] then ...`",
+            "after the equations are solved"
         )
+        remedy = "compare it in the condition of the clause instead: `when reaction(c) > 5 [N] then ...`"
+        raise Wrong("LAG0219", message, written.span, remedy)
 
 
 Action = Callable[[Context, tree.Statement, Environment, _Found], None]
@@ -115,14 +241,14 @@ Action = Callable[[Context, tree.Statement, Environment, _Found], None]
 def _action(statement: tree.Statement) -> Action:
     action = statement.action
     if statement.value is not None or not isinstance(action, tree.Call):
-        remedy = remedy_of_word(ACTIONS, action.span.text) or f"the actions are {_USES}"
+        remedy = remedy_of_word("actions", action.span.text) or f"the actions are {_USES}"
         if statement.value is not None:
             value = re.sub(r"\bpre\((\w+)\)", r"\1", statement.value.span.text)
             remedy = f"write `reinit({action.span.text}, {value})`"
         raise Wrong("LAG0227", "a `when` clause contains actions, not equations", statement.span, remedy)
     name = action.function.name if isinstance(action.function, tree.Name) else action.function.span.text
     if name not in _ACTIONS:
-        remedy = remedy_of_word(ACTIONS, name) or did_you_mean(name, _ACTIONS) or f"the actions are {_USES}"
+        remedy = remedy_of_word("actions", name) or did_you_mean(name, _ACTIONS) or f"the actions are {_USES}"
         raise Wrong("LAG0227", f"`{name}` is not an action of `when`", action.function.span, remedy)
     return _ACTIONS[name]
 
@@ -166,18 +292,15 @@ def _reinit(context: Context, statement: tree.Statement, environment: Environmen
         if not isinstance(new, Truth):
             message = f"`{target.span.text}` is true or false; this is {kind(new)}"
             raise Wrong("LAG0307", message, written.span, f"write `reinit({target.span.text}, true)`")
-        _early(context, new.node, written, "a new value")
+        _refuse_late(context, new.node, written, "a new value")
         _change(found, truth, number_of(context.graph, new), target)
         return
     states = [] if isinstance(value, Truth) else flat(value, target.span, "the first argument of `reinit`")
     kinds = ("coordinate", "rate", "speed", "discrete")
     if not states or any(s.node.op != "symbol" or s.node.record.kind not in kinds for s in states):
-        raise Wrong(
-            "LAG0228",
-            "`reinit` sets a coordinate, its rate, a declared speed or a discrete variable",
-            target.span,
-            _not_a_state(target, states),
-        )
+        message = "`reinit` sets a coordinate, its rate, a declared speed or a discrete variable"
+        remedy = _not_a_state(target, states)
+        raise Wrong("LAG0228", message, target.span, remedy)
     dimension = states[0].dimension or NONE
     new = evaluate_as(context, written, environment, dimension)
     values = flat(new, written.span, "a new value")
@@ -185,7 +308,7 @@ def _reinit(context: Context, statement: tree.Statement, environment: Environmen
         raise Wrong("LAG0306", f"the new value must be {kind(value)}; this is {kind(new)}", written.span)
     for state, one in zip(states, values):
         expect_of(written, one.dimension, state.dimension or NONE, "the new value", describe(dimension))
-        _early(context, one.node, written, "a new value")
+        _refuse_late(context, one.node, written, "a new value")
         _change(found, state.node, one.node, target)
 
 

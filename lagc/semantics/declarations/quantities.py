@@ -1,21 +1,22 @@
-"""Declarations of constants, parameters, inputs, coordinates, speeds and outputs."""
+"""Declarations of constants, parameters, inputs, coordinates, orientations, speeds and outputs."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 
+from lagc.diagnostics.faults import Poisoned, Wrong
 from lagc.semantics import model as objects
-from lagc.semantics.context import Context
+from lagc.semantics.context import LATE, Context, set_quaternion_rate
 from lagc.semantics.declarations.attributes import (
     Quantity,
+    array_of,
     attributes_of,
     bounds_of,
     check_bounds,
     check_constant,
-    declared,
     elements,
-    fixed,
+    fixed_flags,
     fixed_if,
     from_outside,
     given_elements,
@@ -24,14 +25,16 @@ from lagc.semantics.declarations.attributes import (
     keep_scale,
     look_at_all,
     no_value,
-    shaped,
+    own_part,
+    statement_of,
     value_span,
     values_of,
     with_fixed,
     written_value,
 )
-from lagc.semantics.declarations.bodies import released
-from lagc.semantics.declarations.discrete import BOOLEAN, declare_discrete, is_boolean
+from lagc.semantics.declarations.bodies import releases_of
+from lagc.semantics.declarations.events import BOOLEAN, declare_discrete, is_boolean
+from lagc.semantics.model import Orientation, Statement
 from lagc.semantics.names.scope import (
     Entry,
     Modifier,
@@ -44,10 +47,8 @@ from lagc.semantics.names.scope import (
     shape,
     subscripts,
 )
-from lagc.semantics.refusals import Poisoned, Wrong
-from lagc.semantics.time_derivatives import LATE
-from lagc.semantics.units import Dimension, QuantityType, S, UnknownUnit, over, unit
-from lagc.semantics.values.constants import type_of
+from lagc.semantics.units import NONE, Dimension, QuantityType, S, UnknownUnit, over, unit
+from lagc.semantics.values.calls import type_of
 from lagc.semantics.values.evaluate import evaluate, evaluate_as, integer, whole
 from lagc.semantics.values.unit_hints import expect_of
 from lagc.symbolic.graph import Node
@@ -77,11 +78,10 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
         and declaration.type is not None
         and declaration.type.path == ("Orientation",)
     ):
-        from lagc.semantics.declarations.orientations import declare_orientation
-
         return declare_orientation(context, entry, source)
+    # A fault in the type is reported; the declaration goes on with an unknown dimension.
     if declaration.type is None:
-        from lagc.semantics.declarations.without_kind import without_type  # where there is a fault
+        from lagc.semantics.names.undeclared import without_type  # where there is a fault
 
         context.report(without_type(context, entry))
         return _stand_in(context, entry, [], None)
@@ -95,13 +95,11 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
         context.report(wrong)
         meant = None
     if entry.kind == "structural" and meant and meant.name != "Integer" and declaration.type is not None:
-        raise Wrong(
-            "LAG0221",
-            "a structural parameter must be an `Integer`",
-            declaration.type.span,
-            "write `structural Integer`, or `parameter` for a quantity",
-        )
+        message = "a structural parameter must be an `Integer`"
+        remedy = "write `structural Integer`, or `parameter` for a quantity"
+        raise Wrong("LAG0221", message, declaration.type.span, remedy)
     sizes = [integer(context, size, entry.environment, "a size") for size in source.dimensions]
+    # The kinds share sizes, attributes and units; after a fault a symbol stands for the value.
     attributes = attributes_of(context, entry, _ATTRIBUTES[entry.kind])
     try:
         if meant is not None:
@@ -128,7 +126,7 @@ def _stand_in(context: Context, entry: Entry, sizes: list[int], dimension: Dimen
         for _ in range({"coordinate": 2, "speed": 1}.get(entry.kind, 0)):
             context.clock.set_rate(top, graph.leaf(top.record.derivative))
             top = graph.leaf(top.record.derivative)
-    return shaped(found, sizes)
+    return array_of(found, sizes)
 
 
 def _display(context: Context, meant: QuantityType, attributes: dict[str, Modifier]) -> str:
@@ -152,21 +150,18 @@ def _display(context: Context, meant: QuantityType, attributes: dict[str, Modifi
 # -- the kinds -----------------------------------------------------------------------------------
 
 
-def _fixed(context: Context, quantity: Quantity) -> Value:
+def _constant(context: Context, quantity: Quantity) -> Value:
     """Declare constants and structural integers, whose values are known at compile time."""
     entry = quantity.entry
     bounds = bounds_of(context, quantity)
-    found: list[Scalar] = []
+    values: list[Scalar] = []
     for subscript, scalar in zip(quantity.subscripts, values_of(context, quantity)):
         name = quantity.name(subscript)
         span = value_span(context, quantity, subscript)
         if scalar is None:
-            raise Wrong(
-                "LAG0210",
-                f"the {_SAID.get(entry.kind, entry.kind)} `{name}` has no value",
-                entry.span,
-                "write `= value`" + (" or set it with `-p`" if entry.kind == "structural" else ""),
-            )
+            message = f"the {_SAID.get(entry.kind, entry.kind)} `{name}` has no value"
+            remedy = "write `= value`" + (" or set it with `-p`" if entry.kind == "structural" else "")
+            raise Wrong("LAG0210", message, entry.span, remedy)
         check_constant(context, scalar.node, span, f"`{name}`")
         if entry.kind == "structural":
             number = scalar.node.value
@@ -175,14 +170,14 @@ def _fixed(context: Context, quantity: Quantity) -> Value:
             whole(number, span, f"the structural parameter `{name}`")
             check_bounds(quantity, name, number, bounds, span, "")
             context.built_in.append(name)
-        found.append(scalar)
-    return shaped(found, quantity.sizes)
+        values.append(scalar)
+    return array_of(values, quantity.sizes)
 
 
 def _parameter(context: Context, quantity: Quantity) -> Value:
     entry = quantity.entry
     bounds = bounds_of(context, quantity)
-    found: list[Scalar] = []
+    values: list[Scalar] = []
     for subscript, scalar in zip(quantity.subscripts, values_of(context, quantity)):
         name = quantity.name(subscript)
         span = value_span(context, quantity, subscript)
@@ -195,7 +190,7 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
                     entry.objects.append(
                         objects.Limit(name, scalar.node, quantity.type.unit, *bounds, entry.span)
                     )
-                found.append(Scalar(scalar.node, quantity.type.dimension))
+                values.append(Scalar(scalar.node, quantity.type.dimension))
                 continue
             value = scalar.node.value
             assert value is not None
@@ -203,54 +198,43 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
                 whole(value, span, f"the parameter `{name}`")
             check_bounds(quantity, name, value, bounds, span, quantity.type.unit)
         symbol = context.graph.symbol("parameter", name)
-        entry.objects += released(context, entry, symbol, quantity.type.unit)
-        entry.objects.append(
-            objects.Parameter(
-                name,
-                symbol,
-                quantity.type.unit,
-                quantity.display,
-                value,
-                *bounds,
-                entry.span,
-                quantity.description,
-                quantity.type.name == "Integer",
-            )
+        entry.objects += releases_of(context, entry, symbol, quantity.type.unit)
+        is_integer = quantity.type.name == "Integer"
+        parameter = objects.Parameter(
+            name, symbol, *quantity.units, value, *bounds, *quantity.about, is_integer
         )
-        found.append(Scalar(symbol, quantity.type.dimension))
-    return shaped(found, quantity.sizes)
+        entry.objects.append(parameter)
+        values.append(Scalar(symbol, quantity.type.dimension))
+    return array_of(values, quantity.sizes)
 
 
 def _input(context: Context, quantity: Quantity) -> Value:
     entry = quantity.entry
     bounds = bounds_of(context, quantity)
-    found: list[Scalar] = []
+    values: list[Scalar] = []
     for subscript, scalar in zip(quantity.subscripts, values_of(context, quantity)):
         name, unit = quantity.name(subscript), quantity.type.unit
         if scalar is not None and not scalar.node.is_const:
-            output = _followed(context, quantity, name, scalar.node)
+            output = _output_of_input(context, quantity, name, scalar.node)
             if name in context.taken or entry.path in context.taken or not entry.modifiers:
                 entry.objects.append(output)  # else it is an expression of the model that contains this one
-            found.append(Scalar(scalar.node, quantity.type.dimension))
+            values.append(Scalar(scalar.node, quantity.type.dimension))
             continue
         default = 0.0 if scalar is None else scalar.node.value
         check_bounds(quantity, name, default, bounds, value_span(context, quantity, subscript), unit)
         symbol = context.graph.symbol("input", name)
-        entry.objects.append(
-            objects.Input(name, symbol, unit, default, *bounds, entry.span, quantity.description)
-        )
-        found.append(Scalar(symbol, quantity.type.dimension))
-    return shaped(found, quantity.sizes)
+        entry.objects.append(objects.Input(name, symbol, unit, default, *bounds, *quantity.about))
+        values.append(Scalar(symbol, quantity.type.dimension))
+    return array_of(values, quantity.sizes)
 
 
-def _followed(context: Context, quantity: Quantity, name: str, node: Node) -> objects.Output:
+def _output_of_input(context: Context, quantity: Quantity, name: str, node: Node) -> objects.Output:
     """Return the output that records an input given by an expression."""
     if context.clock.mask(node) & LATE:
         message = "an input must not depend on an acceleration or a reaction"
         raise Wrong("LAG0219", message, value_span(context, quantity))
     context.built_in.append(name)
-    kind = quantity.type
-    return objects.Output(name, node, kind.unit, quantity.display, quantity.entry.span, quantity.description)
+    return objects.Output(name, node, *quantity.units, *quantity.about)
 
 
 def starts(
@@ -266,24 +250,24 @@ def starts(
     zero = Scalar(context.graph.zero, None)
     count = len(quantity.subscripts)
     what = f"the {attribute} of `{quantity.entry.path}`"
-    stated = [declared(quantity.entry, modifier)] * count
+    stated = [statement_of(quantity.entry, modifier)] * count
     modifier = guess or modifier
-    found = (
+    values = (
         [zero] * count if modifier is None else elements(context, modifier, quantity.sizes, dimension, what)
     )
     whole = context.give(context.starts, name(()))
     if whole is not None and quantity.sizes:
-        found = list(given_elements(context, whole, quantity.sizes, dimension, what))
+        values = list(given_elements(context, whole, quantity.sizes, dimension, what))
         stated = [from_outside(quantity.entry, whole)] * count
     for k, subscript in enumerate(quantity.subscripts):
         given = whole if not quantity.sizes else context.give(context.starts, name(subscript))
         if given is not None:
-            found[k] = given_scalar(context, given, dimension, what)
+            values[k] = given_scalar(context, given, dimension, what)
             stated[k] = from_outside(quantity.entry, given)
-    for scalar in found:
+    for scalar in values:
         span = modifier.argument.span if modifier else quantity.entry.span
         check_constant(context, scalar.node, span, what)
-    return [scalar.node for scalar in found], stated
+    return [scalar.node for scalar in values], stated
 
 
 def _coordinate(context: Context, quantity: Quantity) -> Value:
@@ -298,71 +282,48 @@ def _coordinate(context: Context, quantity: Quantity) -> Value:
     start_stated, rate_stated = with_fixed(
         context, quantity.attributes, quantity.sizes, start_stated, rate_stated
     )
-    found: list[Scalar] = []
+    symbols: list[Scalar] = []
     for k, (subscript, start, rate) in enumerate(zip(quantity.subscripts, at_start, rates)):
         name = quantity.name(subscript)
         symbol = graph.symbol("coordinate", name)
         speed = graph.leaf(symbol.record.derivative)
         context.clock.set_rate(symbol, speed)
         context.clock.set_rate(speed, graph.leaf(speed.record.derivative))
-        entry.objects.append(
-            objects.Coordinate(
-                name,
-                symbol,
-                speed,
-                quantity.type.unit,
-                quantity.display,
-                start,
-                rate,
-                start_stated[k],
-                rate_stated[k],
-                entry.span,
-                quantity.description,
-                entry.effect,
-            )
+        stated = start_stated[k], rate_stated[k]
+        coordinate = objects.Coordinate(
+            name, symbol, speed, *quantity.units, start, rate, *stated, *quantity.about, entry.effect
         )
-        found.append(Scalar(symbol, dimension))
-    return shaped(found, quantity.sizes)
+        entry.objects.append(coordinate)
+        symbols.append(Scalar(symbol, dimension))
+    return array_of(symbols, quantity.sizes)
 
 
 def _speed(context: Context, quantity: Quantity) -> Value:
     entry, graph = quantity.entry, context.graph
     modifier = written_value(entry)
     if modifier is None:
-        raise Wrong(
-            "LAG0210",
-            f"the speed `{entry.path}` needs a value",
-            entry.span,
-            "define it by rates: `= der(x) + ...`",
-        )
+        message = f"the speed `{entry.path}` needs a value"
+        remedy = "define it by rates: `= der(x) + ...`"
+        raise Wrong("LAG0210", message, entry.span, remedy)
     values = elements(context, modifier, quantity.sizes, quantity.type.dimension, f"`{entry.path}`")
     at_start, stated = starts(context, quantity, "start", quantity.type.dimension, quantity.name)
-    holds = fixed(context, quantity.attributes, "fixed", quantity.sizes, len(values))
+    holds = fixed_flags(context, quantity.attributes, "fixed", quantity.sizes, len(values))
     keep_scale(context, quantity, map(quantity.name, quantity.subscripts))
-    found: list[Scalar] = []
+    symbols: list[Scalar] = []
     for k, (subscript, scalar) in enumerate(zip(quantity.subscripts, values)):
         if context.clock.mask(scalar.node) & LATE:
-            raise Wrong(
-                "LAG0219",
-                "a speed must not depend on an acceleration or a reaction",
-                value_span(context, quantity),
-            )
+            message = "a speed must not depend on an acceleration or a reaction"
+            raise Wrong("LAG0219", message, value_span(context, quantity))
         name = quantity.name(subscript)
         symbol = graph.symbol("speed", name)
         context.clock.set_rate(symbol, graph.leaf(symbol.record.derivative))
-        speed = objects.Speed(
-            name,
-            symbol,
-            scalar.node,
-            quantity.type.unit,
-            entry.span,
-            quantity.description,
-            at_start[k] if stated[k].level != objects.UNSTATED or "guess" in quantity.attributes else None,
-            fixed_if(stated[k], holds[k]),
+        known = stated[k].level != objects.UNSTATED or "guess" in quantity.attributes
+        initial = at_start[k] if known else None, fixed_if(stated[k], holds[k])
+        entry.objects.append(
+            objects.Speed(name, symbol, scalar.node, quantity.type.unit, *quantity.about, *initial)
         )
-        entry.objects.append(speed)
-        found.append(Scalar(symbol, quantity.type.dimension))
-    return shaped(found, quantity.sizes)
+        symbols.append(Scalar(symbol, quantity.type.dimension))
+    return array_of(symbols, quantity.sizes)
 
 
 def _output(context: Context, quantity: Quantity) -> Value:
@@ -387,20 +348,98 @@ def _output(context: Context, quantity: Quantity) -> Value:
         raise Wrong("LAG0306", message, expression.span)
     keep_scale(context, quantity, map(quantity.name, subscripts(sizes, entry.span)))
     for subscript, scalar in zip(subscripts(sizes, entry.span), scalars):
-        entry.objects.append(
-            objects.Output(
-                quantity.name(subscript),
-                scalar.node,
-                quantity.type.unit,
-                quantity.display,
-                entry.span,
-                quantity.description,
-            )
-        )
+        name = quantity.name(subscript)
+        entry.objects.append(objects.Output(name, scalar.node, *quantity.units, *quantity.about))
     return value
 
 
 _DECLARE: dict[str, Callable[[Context, Quantity], Value]] = {
-    "constant": _fixed, "structural": _fixed, "parameter": _parameter, "input": _input,
+    "constant": _constant, "structural": _constant, "parameter": _parameter, "input": _input,
     "coordinate": _coordinate, "speed": _speed, "discrete": declare_discrete, "output": _output,
 }  # fmt: skip
+
+
+PARTS = "wxyz"
+_SMALLEST = 1e-6  # least norm of an initial quaternion
+
+
+def declare_orientation(context: Context, entry: Entry, source: tree.Declarator) -> Value:
+    """Declare an orientation with the time derivatives q' = 1/2 q (0, rate) of its quaternion.  Raises
+    Wrong."""
+    if source.dimensions:
+        remedy = "declare the orientation in a model, and an array of instances of that model"
+        raise Wrong("LAG0221", "arrays of orientations are not supported", source.span, remedy)
+    no_value(entry)
+    attributes = attributes_of(context, entry, ("start", "guess", "rate", "fixed", "startFixed", "rateFixed"))
+    graph, name = context.graph, entry.path
+    w, x, y, z = (graph.symbol("coordinate", name, part) for part in PARTS)
+    a, b, c = (graph.symbol("rate", name, axis) for axis in "xyz")
+    set_quaternion_rate(context.clock, (w, x, y, z), (a, b, c))
+    one, zero = graph.one, graph.zero
+    names, rates = ([symbol.record.name for symbol in part] for part in ((w, x, y, z), (a, b, c)))
+    identity, at_rest = (one, zero, zero, zero), (zero, zero, zero)
+    start, start_stated = _numbers(context, entry, attributes, identity, NONE, "start", names)
+    turning, rate_stated = _numbers(context, entry, attributes, at_rest, over(NONE, S), "rate", rates)
+    whole = [max(start_stated, key=lambda s: s.level)]  # one statement for all four components
+    whole, rate_stated = with_fixed(context, attributes, [], whole, rate_stated)
+    rate = turning[0], turning[1], turning[2]
+    initial = _unit(context, entry, start), rate, whole[0], (rate_stated[0], rate_stated[1], rate_stated[2])
+    about = entry.span, source.description or "", entry.effect
+    orientation = Orientation(name, (w, x, y, z), (a, b, c), *initial, *about)
+    entry.objects.append(orientation)
+    return orientation
+
+
+def _numbers(
+    context: Context,
+    entry: Entry,
+    attributes: dict[str, Modifier],
+    default: tuple[Node, ...],
+    dimension: Dimension,
+    attribute: str,
+    names: list[str],
+) -> tuple[list[Node], list[Statement]]:
+    """Return the initial value of each of `names`, and its statement.  Raises Wrong."""
+    what = f"the {attribute} of `{entry.path}`"
+    modifier = attributes.get(attribute)
+    components, stated = list(default), [statement_of(entry, modifier)] * len(default)
+    modifier = guess_instead(attributes, attribute) or modifier
+    # The scene or the command may give all components at once,
+    whole = context.give(context.starts, entry.path if attribute == "start" else f"{entry.path}.rate")
+    if whole is not None and whole.expression is not None and whole.environment is not None:
+        given = tree.Argument(None, None, whole.expression, whole.expression.span)
+        modifier = Modifier(given, whole.environment)
+        stated = [from_outside(entry, whole)] * len(default)
+    if modifier is not None and modifier.argument.value is not None:
+        expression = modifier.argument.value
+        value = evaluate_as(context, expression, modifier.environment, dimension)
+        scalars = flat(own_part(value, modifier, [len(default)], what), expression.span, what)
+        if len(scalars) != len(default):
+            written = "{w, x, y, z}" if len(default) == 4 else "{x, y, z}"
+            raise Wrong("LAG0306", f"{what} has {len(default)} elements, {written}", expression.span)
+        for scalar in scalars:
+            expect(scalar.dimension, dimension, expression.span, what)
+            check_constant(context, scalar.node, expression.span, what)
+        components = [scalar.node for scalar in scalars]
+    # or single ones by name, which go first.
+    for k, name in enumerate(names):
+        one = context.give(context.starts, name)
+        if one is not None:
+            components[k] = given_scalar(context, one, dimension, f"the start of `{name}`").node
+            stated[k] = from_outside(entry, one)
+    return components, stated
+
+
+def _unit(context: Context, entry: Entry, start: list[Node]) -> tuple[Node, Node, Node, Node]:
+    """Return the initial value as a unit quaternion.  Raises Wrong if its norm is zero."""
+    w, x, y, z = start
+    square = w * w + x * x + y * y + z * z
+    if square.is_const:
+        length = math.sqrt(square.value)
+        if length < _SMALLEST:
+            message = f"the initial value of `{entry.path}` is zero; a quaternion needs a norm above zero"
+            raise Wrong("LAG0309", message, entry.span)
+        if length == 1.0:
+            return (w, x, y, z)
+    norm = context.graph.sqrt(square)
+    return (w / norm, x / norm, y / norm, z / norm)

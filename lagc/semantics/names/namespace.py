@@ -8,13 +8,15 @@ by another line.  Each resolved import wakes the imports that wait for a name it
 
 from __future__ import annotations
 
+import math
 import os
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TypeAlias
 
-from lagc.diagnostics.faults import Refused, Source, Span
-from lagc.diagnostics.foreign_words import LIBRARIES, NO_LIBRARY
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.base.records import dataclass
+from lagc.diagnostics.faults import Refused, Source, Span, Wrong
+from lagc.diagnostics.suggest import did_you_mean, foreign
 from lagc.host.model_library import (
     LARGEST_DATA,
     Outside,
@@ -26,8 +28,6 @@ from lagc.host.model_library import (
     is_within,
     models_folder,
 )
-from lagc.semantics.names.data_files import Columns, Unfit, columns
-from lagc.semantics.refusals import Wrong
 from lagc.syntax import tree
 
 TOGETHER = 40_000_000  # bytes of all imports
@@ -67,18 +67,13 @@ class Namespace:
         first = self.names.get(declaration.name)
         if first is not None:
             place = first.span if isinstance(first, tree.Quantities) else first.name_span
-            self.importer.report(
-                Wrong(
-                    "LAG0202",
-                    f"`{declaration.name}` is declared twice",
-                    declaration.name_span,
-                    related=((place, "first here"),),
-                )
-            )
+            message = f"`{declaration.name}` is declared twice"
+            related = ((place, "first here"),)
+            self.importer.report(Wrong("LAG0202", message, declaration.name_span, related=related))
             return
         self.names[declaration.name] = declaration
 
-    def imported(self) -> Imports:
+    def imports_here(self) -> Imports:
         """Return the imports of this place, resolved at the first call."""
         if self._imported is None:
             self._imported = Imports(self.imports, self)
@@ -90,7 +85,7 @@ class Namespace:
         space: Namespace | None = self
         while space is not None:
             declared = space.names.get(name)
-            found = (declared, space) if declared is not None else space.imported().get(name)
+            found = (declared, space) if declared is not None else space.imports_here().get(name)
             if found is not None:
                 return found
             space = space.parent
@@ -144,14 +139,14 @@ class Imports:
         """Return the imported declaration called `name`, or None. Raises Wrong if the name is unknown and an
         import that failed might have declared it."""
         if self._names is None:
-            self._names = self._merged()
+            self._names = self._merge()
         found = self._names.get(name)
         wrong = None if found is not None else self._missing.get(name, self._missing.get(None))
         if wrong is not None:
             raise wrong.with_traceback(None)  # the traceback would grow with every raise
         return found
 
-    def _merged(self) -> dict[str, Found]:
+    def _merge(self) -> dict[str, Found]:
         """Return all imported names; where two imports provide the same name, the first wins."""
         names: dict[str, Found] = {}
         seen: set[int] = set()
@@ -307,7 +302,7 @@ class Importer:
 
     def look_at(self, declarations: Iterable[tree.Declaration], space: Namespace) -> None:
         """Collect the faults of all imports among `declarations`, used or not."""
-        self.faults += space.imported().faults
+        self.faults += space.imports_here().faults
         for declaration in declarations:
             if isinstance(declaration, tree.Package | tree.ModelDeclaration):
                 self.look_at(declaration.body, self.inside(declaration, space))
@@ -315,7 +310,7 @@ class Importer:
     def file(self, declaration: tree.Import) -> Namespace:
         """Return the namespace that `import "..."` provides: of a file in the folder, or else of the library.
         Raises Wrong."""
-        path = self._beside(declaration.file or "", declaration.span)
+        path = self._path_beside(declaration.file or "", declaration.span)
         shipped = os.path.join(models_folder(), declaration.file or "")
         inside = is_within(os.path.realpath(shipped), [os.path.realpath(models_folder())])
         if inside and os.path.isfile(shipped) and not os.path.exists(path):
@@ -325,11 +320,11 @@ class Importer:
 
     def member(self, declaration: tree.Import, found: Found) -> Found | Namespace:
         """Return what an import provides, where `found` is the first name of its path.  Raises Wrong."""
-        return self._opened(
+        return self._open(
             declaration, found[1].follow(found, declaration.path, declaration.span, "declaration")
         )
 
-    def _opened(self, declaration: tree.Import, found: Found) -> Found | Namespace:
+    def _open(self, declaration: tree.Import, found: Found) -> Found | Namespace:
         if not declaration.wildcard:
             return found
         container, outer = found
@@ -339,7 +334,7 @@ class Importer:
 
     def data(self, written: str, span: Span) -> Columns:
         """Return the columns of a data file, located like an import.  Raises Wrong."""
-        path = self._beside(written, span)
+        path = self._path_beside(written, span)
         real = os.path.realpath(path)
         try:
             if real not in self._data:
@@ -358,7 +353,7 @@ class Importer:
             self.asked[path] = self._fingerprints.get(real)
         return self._data[real]
 
-    def _beside(self, written: str, span: Span) -> str:
+    def _path_beside(self, written: str, span: Span) -> str:
         """Return the path of a file named in a text.  Raises Wrong if it is outside the roots."""
         path = os.path.join(folder_of(span.source.name) or os.sep, written)
         if span.source not in self.free and not is_within(os.path.realpath(path), self.roots):
@@ -385,20 +380,16 @@ class Importer:
                 file = self._read(path, declaration.span)
                 if names[length - 1] in file.names:
                     found = file.find(names[length - 1 :], declaration.span, "declaration")
-                    return self._opened(declaration, found)
+                    return self._open(declaration, found)
         return None
 
     def nothing(self, declaration: tree.Import) -> Wrong:
         names = declaration.path
         remedy = f"looked for {_candidates(names)} in: {', '.join(shown(r) or '.' for r in self.roots)}"
-        if names[0] in LIBRARIES:
-            remedy = NO_LIBRARY
-        return Wrong(
-            "LAG0216",
-            f"`{'.'.join(names)}` cannot be imported: no file declares it",
-            declaration.span,
-            remedy=remedy,
-        )
+        if names[0] in foreign("libraries"):
+            remedy = foreign("libraries")[names[0]]
+        message = f"`{'.'.join(names)}` cannot be imported: no file declares it"
+        return Wrong("LAG0216", message, declaration.span, remedy)
 
     def _read(self, asked: str, span: Span) -> Namespace:
         path = os.path.realpath(asked)
@@ -447,3 +438,82 @@ def shown(path: str) -> str:
     if not here:
         return path
     return os.path.relpath(path, here) if path == here or path.startswith(here + os.sep) else path
+
+
+MOST_ROWS = 1_000_000
+_INDEX = re.compile(r"\s*\d+(?:\s*,\s*\d+)*\s*", re.ASCII)
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+
+
+class Unfit(Exception):
+    """A file without columns of numbers; the message follows the name of the file."""
+
+    def __init__(self, message: str, remedy: str | None = None):
+        super().__init__(message)
+        self.remedy = remedy
+
+
+@dataclass(frozen=True)
+class Columns:
+    """`heads`: name and unit (None if absent) of each column."""
+
+    heads: Sequence[tuple[str, str | None]]
+    rows: Sequence[tuple[int, list[str]]]  # line and cells
+
+    def place(self, name: str) -> int | None:
+        """Return the index of the column called `name`, or None."""
+        return next((k for k, (head, _) in enumerate(self.heads) if head == name), None)
+
+    def numbers(self, k: int) -> list[float]:
+        """Return the numbers of column k in its unit.  Raises Unfit."""
+        found = []
+        for line, cells in self.rows:
+            cell = cells[k].strip()
+            if not _NUMBER.fullmatch(cell) or not math.isfinite(float(cell)):
+                shown = f"`{cell}` is not a finite number" if cell else "the cell is empty"
+                raise Unfit(f"has no value of `{self.heads[k][0]}` in line {line}: {shown}")
+            found.append(float(cell))
+        return found
+
+
+def columns(text: str) -> Columns:
+    """Read a line of column names, some with a unit (`u [N]`), and lines with as many numbers.  Raises
+    Unfit."""
+    import csv  # where a model looks numbers up
+
+    reader = csv.reader(text.splitlines(), strict=True)
+    rows: list[tuple[int, list[str]]] = []
+    try:
+        for cells in reader:
+            if len(rows) > MOST_ROWS:
+                raise Unfit(f"has more than {MOST_ROWS:,} rows")
+            rows.append((reader.line_num, cells))
+    except csv.Error as error:
+        raise Unfit(f"is not a file of comma-separated values: {error} in line {reader.line_num}") from None
+    while rows and not rows[-1][1]:
+        rows.pop()
+    if not rows:
+        raise Unfit("is empty", "name the columns in the first line: `time,u`")
+    (_, names), *rows = rows
+    heads = [_head(name) for name in names]
+    if any(_NUMBER.fullmatch(name) for name, _ in heads):
+        raise Unfit("has no column names", "name the columns in the first line: `time,u` or `time [s],u [N]`")
+    for k, (name, _) in enumerate(heads):
+        if name in [other for other, _ in heads[:k]]:
+            raise Unfit(f"has two columns called `{name}`")
+    for line, cells in rows:
+        if len(cells) != len(heads):
+            message = f"has {len(heads)} columns, but {len(cells)} values in line {line}"
+            raise Unfit(message, "separate the numbers by commas and write decimals with a point")
+    return Columns(heads, rows)
+
+
+def _head(written: str) -> tuple[str, str | None]:
+    """Return name and unit.  An index right after a name belongs to the name: `th[1]`, `K[1,2] [N/m]`."""
+    text = written.strip()
+    name, bracket, inner = text[:-1].rpartition("[")
+    if not (text.endswith("]") and bracket) or "]" in inner:
+        return text, None
+    if name[-1:].strip() and _INDEX.fullmatch(inner):
+        return text, None
+    return name.rstrip(), inner

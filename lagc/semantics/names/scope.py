@@ -12,10 +12,9 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, TypeAlias
 
 from lagc.base.records import dataclass, field
-from lagc.diagnostics.faults import Span
+from lagc.diagnostics.faults import Span, Wrong
 from lagc.semantics.model import Body, Frame, Orientation
 from lagc.semantics.names.namespace import Namespace
-from lagc.semantics.refusals import Wrong
 from lagc.semantics.units import NONE, Dimension, M, describe, over, si_text
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.vectors import Vector
@@ -144,7 +143,7 @@ Extended: TypeAlias = dict[int, list[tuple[tree.ModelDeclaration, Modifiers]]]
 def modifiers_of(arguments: Iterable[tree.Argument], environment: Environment) -> Modifiers:
     """Return the arguments of an instance or of `extends`, by name.  Raises Wrong."""
     found: Modifiers = {}
-    for argument in map(_named, arguments):
+    for argument in map(_as_modification, arguments):
         if argument.name is None:
             raise Wrong("LAG0209", "an argument of a model needs a name: `name = value`", argument.span)
         if argument.name in found:
@@ -153,7 +152,7 @@ def modifiers_of(arguments: Iterable[tree.Argument], environment: Environment) -
     return found
 
 
-def _named(argument: tree.Argument) -> tree.Argument:
+def _as_modification(argument: tree.Argument) -> tree.Argument:
     """Return `a(m = 5)`, which parses as a call, as a modification of the members of `a`."""
     call = argument.value
     if argument.name is None and isinstance(call, tree.Call) and isinstance(call.function, tree.Name):
@@ -332,6 +331,21 @@ def expect(
     if dimension is not None and dimension != wanted:
         message = f"{what} must be {named or describe(wanted)}; this is {describe(dimension)}"
         raise Wrong("LAG0302", message, span, _to_fit(wanted, dimension, span))
+
+
+def scalar_in(dimension: Dimension, value: Value, span: Span, what: str) -> Node:
+    """Return the node of a number of this dimension.  Raises Wrong."""
+    scalar = scalar_of(value, span, what)
+    expect(scalar.dimension, dimension, span, what)
+    return scalar.node
+
+
+def vector_in(dimension: Dimension, value: Value, span: Span, what: str, role: str | None = None) -> Vector:
+    """Return the components of a vector of this dimension; `role` is its name if the dimension is another.
+    Raises Wrong."""
+    vector, found = vector_of(value, span, what)
+    expect(found, dimension, span, role or what)
+    return vector
 
 
 def _to_fit(wanted: Dimension, found: Dimension, span: Span | None) -> str:

@@ -1,16 +1,23 @@
 """Remedies for names that are not declared: the rate, the unit or the function that is meant, or the
-declaration to write, in the dimension of its place."""
+declaration to write, in the dimension of its place; also for quantities without their kind or type.
+"""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
 
-from lagc.diagnostics.foreign_words import NAMES, foreign_call, looks_like_unit, remedy_of_word, unit_symbol
-from lagc.diagnostics.suggest import did_you_mean
-from lagc.semantics.context import Context
-from lagc.semantics.names.scope import Entry, Environment, Instance, flat
-from lagc.semantics.refusals import Poisoned, Wrong
+from lagc.diagnostics.faults import Poisoned, Wrong
+from lagc.diagnostics.suggest import (
+    did_you_mean,
+    foreign,
+    foreign_call,
+    looks_like_unit,
+    remedy_of_word,
+    unit_symbol,
+)
+from lagc.semantics.context import LATE, MOVING, Context
+from lagc.semantics.names.scope import Entry, Environment, Instance, Scalar, Value, flat
 from lagc.semantics.units import (
     CONSTANTS,
     ENERGY,
@@ -22,14 +29,16 @@ from lagc.semantics.units import (
     Dimension,
     M,
     S,
+    UnknownUnit,
     dimension,
     name_of,
     over,
     raised,
     si_text,
     times,
+    unit,
 )
-from lagc.semantics.values.constants import type_of
+from lagc.semantics.values.calls import type_of
 from lagc.semantics.values.evaluate import evaluate
 from lagc.syntax import tree
 
@@ -60,7 +69,7 @@ def remedy(context: Context, e: tree.Name, environment: Environment) -> str:
         or _unit_factor(e)
         or _strength(e.name, instance)
         or rate_remedy(e.name, instance)
-        or remedy_of_word(NAMES, e.name)
+        or remedy_of_word("names", e.name)
         or foreign_call(e.name)
         or did_you_mean(e.name, known)
         or remedy_of_reaction(e, instance)
@@ -238,7 +247,7 @@ def _declaration(
     source = context.chain[-1].source if context.chain else None
     if isinstance(source, tree.Load) and not path and not _holds(source.value, e):
         return f"declare it, `point {e.name} = {{0, 0, 0}} [m];`"
-    needed = _needed(context, e, environment, path)
+    needed = _needed_dimension(context, e, environment, path)
     if needed is None:
         for name in _names(path[-1]) if path else ():
             known = name.name == e.name or dimension_of(context, name, environment) is not None
@@ -253,7 +262,7 @@ def _declaration(
     return f"declare it, `parameter {named} {e.name} = 1 [{unit}];`"
 
 
-def _needed(
+def _needed_dimension(
     context: Context, e: tree.Name, environment: Environment, path: tuple[tree.Expression, ...]
 ) -> Dimension | None:
     """Return the dimension that a name needs to fit those around it, None if it is not known."""
@@ -314,3 +323,124 @@ def dimension_of(context: Context, e: tree.Expression, environment: Environment)
     finally:
         context.hushed = False
     return next((x.dimension for x in found if x.dimension is not None), None)
+
+
+_UNKNOWN = frozenset({"Real", "Length", "Angle", "Charge"})
+_RATES = frozenset({"Velocity", "AngularVelocity", "Current"})
+_COMPUTED = frozenset({"Force", "Torque", "Energy", "Power", "Acceleration", "AngularAcceleration"})
+_UNIT_ATTRIBUTE = re.compile(r'\bunit\s*=\s*"([^"]*)"\s*,?\s*')
+_ATTRIBUTES = ("start", "rate", "fixed", "min", "max", "displayUnit", "unit", "quantity", "nominal", "each")
+_BRACKET = re.compile(r"\s*\[([^\]]*)\]")
+_ANGULAR = re.compile(r"\b(deg|rad|mrad|rev)\b")
+_EXAMPLES = {"output": " = value", "speed": " = der(x)", "structural": " = 3"}
+_LONGEST = 80
+
+
+def quantity_of(path: tuple[str, ...]) -> str | None:
+    """Return the quantity type that `Length`, `length`, `SI.Position` or `float` means, or None."""
+    name = foreign("types").get(path[-1], path[-1])
+    return name if name in TYPES else None
+
+
+def refuse_without_kind(context: Context, entry: Entry) -> Value:
+    """Raise Wrong with the declaration to write, or Poisoned after the first name of several."""
+    declaration, source = entry.declaration, entry.source
+    assert isinstance(declaration, tree.Instance) and isinstance(source, tree.Declarator)
+    if source is not declaration.declarators[0]:
+        raise Poisoned
+    span, path = declaration.type.span, ".".join(declaration.type.path)
+    name = quantity_of(declaration.type.path) or "Real"
+    dimension, moves = _value(context, entry, source)
+    text = span.source.text[source.span.start : declaration.declarators[-1].span.end]
+    given = _UNIT_ATTRIBUTE.search(text)
+    if given is not None:
+        name, text = type_of_unit(given[1]) or name, _UNIT_ATTRIBUTE.sub("", text).replace("()", "")
+    elif name == "Real" and dimension is not None:
+        name = name_of(dimension)
+    kind = _kind(name, source, moves)
+    foreign = [a for a in source.arguments if a.name not in _ATTRIBUTES]
+    if foreign and given is None:  # of a model of a library: `Inertia J(J = 1)`
+        value = foreign[0].value
+        text = f"{source.name} = {value.span.text}" if value and len(foreign) == 1 else source.name
+    if kind == "speed" and source.value is None:
+        text = f"{source.name} = der(x)"
+    elif kind == "output" and source.value is None:
+        text = f"{source.name} = value"
+    elif kind == "structural" and source.value is None:
+        text = f"{text} = 3"
+    text = text if len(text) <= _LONGEST and "\n" not in text else f"{source.name}"
+    message = f"the declaration of `{source.name}` does not say its kind, such as `parameter` or `coordinate`"
+    raise Wrong("LAG0119", message, span, _remedy(kind, name, text, path))
+
+
+def without_type(context: Context, entry: Entry) -> Wrong:
+    """Return the fault of `coordinate theta [rad];` and `output x = l*y;`, with the line to write."""
+    declaration, source = entry.declaration, entry.source
+    assert isinstance(declaration, tree.Quantities) and isinstance(source, tree.Declarator)
+    text = source.span.source.text[source.span.start : declaration.declarators[-1].span.end]
+    message = f"`{entry.kind}` needs a type and a name; there is only `{source.name}`"
+    if quantity_of((source.name,)) is not None:
+        remedy = f"write `{entry.kind} {text} name{_EXAMPLES.get(entry.kind, '')};`"
+        return Wrong("LAG0133", message, source.name_span, remedy)
+    dimension, _ = _value(context, entry, source)
+    start = next((a.value for a in source.arguments if a.name in ("start", "guess")), None)
+    bracket = _BRACKET.match(text, len(source.name))
+    written = bracket[1] if bracket is not None and type_of_unit(bracket[1]) else None
+    if written is not None and bracket is not None:
+        text = text[: bracket.start()] + text[bracket.end() :]
+        name = type_of_unit(written) or "Real"
+    elif dimension is not None:
+        name = name_of(dimension)
+    elif start is not None and dimension_of(context, start, entry.environment) not in (None, NONE):
+        name = name_of(dimension_of(context, start, entry.environment) or NONE)
+    else:
+        name = "Real" if entry.kind != "coordinate" else "Length" if len(source.name) == 1 else "Angle"
+    if name == "Real" and _ANGULAR.search(written or text):
+        name = "Angle"
+    name = "Integer" if entry.kind == "structural" else name
+    text = text if len(text) <= _LONGEST and "\n" not in text else source.name
+    return Wrong("LAG0133", message, source.name_span, f"write `{entry.kind} {name} {text};`")
+
+
+def _remedy(kind: str, name: str, text: str, path: str) -> str:
+    line = f"write `{kind} {name} {text};`"
+    if name == "Real" and kind == "coordinate":
+        line += ", or a type such as `Angle` or `Length`"
+    if name in ("Force", "Torque"):
+        load = "force f = {1 [N], 0, 0} at b;" if name == "Force" else "torque M = {0, 0, 1 [N.m]} on b;"
+        line += f"; for a {name.lower()} that acts on a body `{load}`"
+    return line
+
+
+def _kind(name: str, source: tree.Declarator, moves: bool) -> str:
+    if source.value is not None:
+        return "output" if moves else "structural" if name == "Integer" else "parameter"
+    if name in _UNKNOWN or any(argument.name == "start" for argument in source.arguments):
+        return "coordinate"
+    if name in _RATES:
+        return "speed"
+    return "structural" if name == "Integer" else "output" if name in _COMPUTED else "parameter"
+
+
+def _value(context: Context, entry: Entry, source: tree.Declarator) -> tuple[Dimension | None, bool]:
+    """Return the dimension of the declared value (None: unknown), and whether it depends on the motion."""
+    if source.value is None:
+        return None, False
+    before, context.faults = context.faults, []
+    found: list[Scalar] = []
+    try:
+        found = flat(evaluate(context, source.value, entry.environment), source.value.span, "the value")
+    except (Wrong, Poisoned):
+        pass
+    finally:
+        context.faults = before + context.faults
+    moves = any(context.clock.mask(x.node) & (MOVING | LATE) for x in found)
+    return (found[0].dimension if found else None), moves or not found
+
+
+def type_of_unit(text: str) -> str | None:
+    """Return the type with the unit of a text: `Mass` for `kg`, `Real[kg/s]`."""
+    try:
+        return name_of(unit(text).dimension)
+    except UnknownUnit:
+        return None

@@ -1,31 +1,168 @@
-"""Calls of built-in functions and of functions of the model and its packages."""
+"""Calls of built-in functions and of those of the model and its packages; constants and types of files."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import partial
 
-from lagc.diagnostics.foreign_words import CALLS, foreign_call, keeps_argument, remedy_of_surplus
-from lagc.diagnostics.suggest import did_you_mean, meant_argument
+from lagc.base.records import replace
+from lagc.diagnostics.faults import Poisoned, Span, Wrong
+from lagc.diagnostics.suggest import (
+    did_you_mean,
+    foreign,
+    foreign_call,
+    keeps_argument,
+    meant_argument,
+    remedy_of_surplus,
+    remedy_of_word,
+)
 from lagc.semantics.context import Context
-from lagc.semantics.names.scope import Entry, Environment, Scalar, Value, expect, flat
-from lagc.semantics.refusals import Poisoned, Wrong
-from lagc.semantics.units import QuantityType
-from lagc.semantics.values import builtin_functions, interpolation_tables, kinematics
-from lagc.semantics.values.builtin_functions import RESERVED, Argument, Builtin
-from lagc.semantics.values.constants import dotted, space_only, type_of
+from lagc.semantics.names.namespace import Declared, Namespace
+from lagc.semantics.names.scope import Entry, Environment, Instance, Scalar, Value, expect, flat
+from lagc.semantics.units import TYPES, QuantityType, UnknownUnit, quantity_type, si_text, unit
+from lagc.semantics.values import functions, kinematics
 from lagc.semantics.values.evaluate import all_values, each, evaluate, evaluate_as
+from lagc.semantics.values.functions import RESERVED, Argument, Builtin
 from lagc.semantics.values.unit_hints import is_bare
 from lagc.syntax import tree
 
-BUILTINS: dict[str, Builtin] = {**builtin_functions.TABLE, **kinematics.TABLE, **interpolation_tables.TABLE}
+
+def constant_of(
+    context: Context, declared: tree.Quantities, space: Namespace, name: str, span: Span
+) -> Value:
+    """Return the value of a `constant` of a file or a package.  Raises Wrong."""
+    declarator = next(d for d in declared.declarators if d.name == name)
+    if declared.kind != "constant":
+        message = f"`{name}` is a {declared.kind} outside of a model"
+        remedy = "declare it in a model, or as a `constant`"
+        related = ((declarator.name_span, "declared here"),)
+        raise Wrong("LAG0221", message, span, remedy, related)
+    if declared.type is None:
+        message = f"`constant` needs a type and a name; there is only `{name}`"
+        remedy = f"write `constant Real {declarator.span.text};`, or a type such as `Mass`"
+        raise Wrong("LAG0133", message, declarator.name_span, remedy)
+    if declarator.value is None:
+        raise Wrong("LAG0210", f"the constant `{name}` has no value", declarator.name_span)
+    key = (id(declarator), "constant")
+    if key in context.running:
+        raise Wrong("LAG0205", f"`{name}` depends on itself", span)
+    if key not in context.constants:
+        context.running.add(key)
+        try:
+            meant = type_of(declared.type, space)
+            value = evaluate_as(
+                context, declarator.value, space_only(space, declarator.span), meant.dimension
+            )
+        finally:
+            context.running.discard(key)
+        for scalar in flat(value, declarator.value.span, "a constant"):
+            expect(scalar.dimension, meant.dimension, declarator.value.span, f"`{name}`")
+        context.constants[key] = value
+    return context.constants[key]
+
+
+def package_constant(context: Context, e: tree.Member, environment: Environment) -> Value | None:
+    """Return the constant of a package, `lib.g`, or None if `e` is not such a path."""
+    path = dotted_path(e)
+    if path is None or _is_here(path[0], environment):
+        return None
+    declared = environment.space.lookup(path[0])
+    if declared is None or not isinstance(declared[0], tree.Package):
+        return None
+    found, space = environment.space.find(path, e.span, "constant")
+    return outside(context, found, space, path[-1], e.span)
+
+
+def outside(context: Context, declared: Declared, space: Namespace, name: str, span: Span) -> Value:
+    """Return the value of a constant of a file or a package.  Raises Wrong for anything else."""
+    if isinstance(declared, tree.Quantities):
+        return constant_of(context, declared, space, name, span)
+    kinds = {
+        tree.ModelDeclaration: "a model",
+        tree.Package: "a package",
+        tree.TypeDeclaration: "a type",
+        tree.FunctionDeclaration: "a function",
+    }
+    raise Wrong("LAG0221", f"`{name}` is {kinds[type(declared)]}, not a value", span)
+
+
+def _is_here(name: str, environment: Environment) -> bool:
+    return name in environment.bindings or name in environment.instance.entries
+
+
+def dotted_path(e: tree.Expression) -> tuple[str, ...] | None:
+    """Return ("a", "b", "c") for `a.b.c`; None for anything else."""
+    names: list[str] = []
+    while isinstance(e, tree.Member):
+        names.append(e.name)
+        e = e.base
+    if not isinstance(e, tree.Name):
+        return None
+    return (e.name, *reversed(names))
+
+
+def space_only(space: Namespace, span: Span) -> Environment:
+    """Return an environment that contains only the declarations of files and packages."""
+    nowhere = tree.ModelDeclaration("", span, False, None, (), span)
+    return Environment(Instance("", nowhere, None), space)
+
+
+DEEPEST_TYPES = 32  # chain of type definitions
+
+
+def type_of(name: tree.TypeName | None, space: Namespace, depth: int = 0) -> QuantityType:
+    """Return the quantity type of a declaration; a number if it has none.  Raises Wrong."""
+    if name is None:
+        return TYPES["Real"]
+    if name.unit is not None:
+        if name.path != ("Real",):
+            raise Wrong("LAG0203", "only `Real` takes a unit in brackets", name.span, "write `Real[...]`")
+        return _real(name.unit)
+    declared = space.lookup(name.path[0])
+    if declared is None and len(name.path) == 1:
+        if name.path[0] in TYPES:
+            return TYPES[name.path[0]]
+        known = [*TYPES, *space.known()]
+        remedy = remedy_of_word("types", name.path[0]) or did_you_mean(name.path[0], known)
+        raise Wrong("LAG0203", f"there is no type `{name.path[0]}`", name.span, remedy)
+    built_in = foreign("types").get(name.path[-1], name.path[-1])
+    if declared is None and built_in in TYPES:
+        message = f"there is no type `{'.'.join(name.path)}`"
+        remedy = f"the types of quantities are built in: write `{built_in}`"
+        raise Wrong("LAG0203", message, name.span, remedy)
+    found, where = space.find(name.path, name.span, "type")
+    if not isinstance(found, tree.TypeDeclaration):
+        raise Wrong("LAG0203", f"`{'.'.join(name.path)}` is not a type of quantity", name.span)
+    if depth > DEEPEST_TYPES:
+        message = f"the definition of the type `{found.name}` uses `{found.name}` itself"
+        raise Wrong("LAG0205", message, found.name_span)
+    return replace(type_of(found.definition, where, depth + 1), name=found.name)
+
+
+def _real(written: tree.Unit) -> QuantityType:
+    text = written.text.strip()
+    try:
+        meant = unit(text or "1")
+    except UnknownUnit as unknown:
+        from lagc.semantics.values.unit_hints import spelling_remedy  # where there is a fault
+
+        size = (
+            f"the size of an array follows its name: `x[{text}]`" if text.isdigit() else spelling_remedy(text)
+        )
+        raise Wrong("LAG0304", unknown.reason, written.span, size) from None
+    if meant.factor != 1.0:
+        return quantity_type("Real", si_text(meant.dimension), text)
+    return quantity_type("Real", "" if text == "1" else text)
+
+
+BUILTINS: dict[str, Builtin] = {**functions.TABLE, **kinematics.TABLE, **functions.TABLES}
 
 DEEPEST = 64  # nesting of calls
 MOST_CALLS = 50_000  # calls of the user's functions in one model
 LONGEST = 64  # arguments of one call
 
 
-def written(name: str) -> str | None:
+def shortest_call(name: str) -> str | None:
     """Return the shortest call of a built-in function, `velocity(of)`, or None."""
     builtin = BUILTINS.get(name)
     if builtin is None:
@@ -38,7 +175,7 @@ def call(context: Context, e: tree.Call, environment: Environment) -> Value:
     if len(e.arguments) > LONGEST:
         raise Wrong("LAG0209", f"the call has more than {LONGEST} arguments", e.span)
     try:
-        called, arguments = _called(context, e, environment)
+        called, arguments = _function_of(context, e, environment)
     except (Wrong, Poisoned):
         look_at_arguments(context, e, environment)
         raise
@@ -46,15 +183,15 @@ def call(context: Context, e: tree.Call, environment: Environment) -> Value:
         return _inline(context, e, environment, *called, arguments)
     filled = iter(all_values(context, [a for a in arguments if a is not None], environment))
     given = [None if a is None else Argument(next(filled), a.span, is_bare(a)) for a in arguments]
-    return _applied(context, called, e, given)
+    return _apply(context, called, e, given)
 
 
-def _called(
+def _function_of(
     context: Context, e: tree.Call, environment: Environment
 ) -> tuple[Builtin | tuple[tree.FunctionDeclaration, Environment], list[tree.Expression | None]]:
     """Return the called function, and its arguments in the order of its parameters.  Raises Wrong,
     Poisoned."""
-    own = _declared(context, e, environment)
+    own = _declared_function(context, e, environment)
     if own is not None:
         names = _parameters(own[0])
         return own, match(context, e, names, len(names), f"`{own[0].name}`")
@@ -73,7 +210,7 @@ def look_at_arguments(context: Context, e: tree.Call, environment: Environment) 
             context.attempt(evaluate, context, argument.value, environment)
 
 
-def _applied(context: Context, builtin: Builtin, e: tree.Call, given: list[Argument | None]) -> Value:
+def _apply(context: Context, builtin: Builtin, e: tree.Call, given: list[Argument | None]) -> Value:
     try:
         return builtin.apply(context, e.span, *given)
     except (ZeroDivisionError, OverflowError, ValueError):
@@ -85,9 +222,10 @@ def match(
 ) -> list[tree.Expression | None]:
     """Return the arguments of a call in the order of the parameters; None for one that is left out. A last
     parameter `*` takes all further arguments.  Raises Poisoned after all faults are reported."""
-    found: dict[str, tree.Expression] = {}
+    by_name: dict[str, tree.Expression] = {}
     many: list[tree.Expression | None] = []
     wrong: list[Wrong] = []
+    # All faults of the arguments are collected: too many, unknown or repeated names,
     allowed = LONGEST if parameters[-1:] == ("*",) else len(parameters)
     more = [argument for argument in e.arguments[allowed:] if argument.name is None]
     if more:
@@ -100,7 +238,7 @@ def match(
             continue
         try:
             name = _parameter(argument, position, parameters, who)
-            if name in found:
+            if name in by_name:
                 raise Wrong("LAG0209", f"the argument `{name}` is given twice", argument.span)
         except Wrong as one:
             wrong.append(one)
@@ -109,9 +247,10 @@ def match(
         if name == "*":
             many.append(argument.value)
         else:
-            found[name] = argument.value
-    missing = [p for p in parameters[:required] if p not in found and p != "*"]
-    if not wrong and (missing or required > len(found) + len(many)):
+            by_name[name] = argument.value
+    # and what is missing, unless a wrong name may be the missing one.
+    missing = [p for p in parameters[:required] if p not in by_name and p != "*"]
+    if not wrong and (missing or required > len(by_name) + len(many)):
         lacking = missing[0] if missing else "another"
         listed = ", ".join("..." if p == "*" else p for p in parameters)
         remedy = f"the arguments are ({listed})" if len(parameters) > 1 else None
@@ -120,7 +259,7 @@ def match(
         context.report(fault)
     if wrong:
         raise Poisoned
-    ordered = [found.get(p) for p in parameters if p != "*"]
+    ordered = [by_name.get(p) for p in parameters if p != "*"]
     return [*ordered, *many]
 
 
@@ -135,12 +274,9 @@ def _parameter(argument: tree.Argument, position: int, parameters: tuple[str, ..
     if argument.name not in parameters or argument.name == "*":
         known = [p for p in parameters if p != "*"]
         listed = f"it takes {', '.join(f'`{p}`' for p in known)}" if known else None
-        raise Wrong(
-            "LAG0209",
-            f"{who} has no argument `{argument.name}`",
-            argument.name_span or argument.span,
-            meant_argument(argument.name, known) or listed,
-        )
+        message = f"{who} has no argument `{argument.name}`"
+        remedy = meant_argument(argument.name, known) or listed
+        raise Wrong("LAG0209", message, argument.name_span or argument.span, remedy)
     return argument.name
 
 
@@ -150,12 +286,12 @@ def _count(parameters: tuple[str, ...]) -> str:
     return f"{len(parameters)} argument{'' if len(parameters) == 1 else 's'}"
 
 
-def _declared(
+def _declared_function(
     context: Context, e: tree.Call, environment: Environment
 ) -> tuple[tree.FunctionDeclaration, Environment] | None:
     """Return the called function of the user and its environment, or None."""
     function = e.function
-    path = dotted(function)
+    path = dotted_path(function)
     if path is None:
         raise Wrong("LAG0201", "this is not a function", function.span)
     if len(path) == 1:
@@ -163,12 +299,9 @@ def _declared(
         if entry is not None:
             if isinstance(entry.source, tree.FunctionDeclaration):
                 return entry.source, entry.environment
-            raise Wrong(
-                "LAG0221",
-                f"`{path[0]}` is a {entry.kind}, not a function",
-                function.span,
-                related=((entry.span, "declared here"),),
-            )
+            message = f"`{path[0]}` is a {entry.kind}, not a function"
+            related = ((entry.span, "declared here"),)
+            raise Wrong("LAG0221", message, function.span, related=related)
         declared = environment.space.lookup(path[0])
         if declared is None:
             return None
@@ -209,10 +342,11 @@ def _inline(
     types = [type_of(t, scope.space) for t, _, _ in function.parameters]
     written = [a for a in arguments if a is not None]  # all, since none is optional
 
-    def one(pair: tuple[tree.Expression, QuantityType]) -> Value:
+    def value_of(pair: tuple[tree.Expression, QuantityType]) -> Value:
         return evaluate_as(context, pair[0], environment, pair[1].dimension)
 
-    values = each(context, one, list(zip(written, types)))
+    # The arguments have the dimensions of the declared parameters.
+    values = each(context, value_of, list(zip(written, types)))
     for value, meant, argument, (_, name, span) in zip(values, types, written, function.parameters):
         for scalar in flat(value, argument.span, f"the argument `{name}`"):
             try:
@@ -223,6 +357,7 @@ def _inline(
                     fault.code, fault.message, fault.span, related=((span, "declared here"),)
                 ) from None
     key = (scope.instance.path, id(function), tuple(values))
+    # The body is evaluated with the values as bindings: the function is inlined.
     known = context.results.get(key)  # the same arguments give the same nodes
     if known is not None:
         return known
@@ -264,12 +399,8 @@ def _enter(context: Context, e: tree.Call, function: tree.FunctionDeclaration) -
     if len(context.callers) > DEEPEST:
         context.callers.pop()
         context.all_calls = MOST_CALLS + 1  # stop further calls, which would not end either
-        raise Wrong(
-            "LAG0225",
-            f"`{function.name}` calls itself, or functions are nested deeper than {DEEPEST}",
-            e.span,
-            related=related,
-        )
+        message = f"`{function.name}` calls itself, or functions are nested deeper than {DEEPEST}"
+        raise Wrong("LAG0225", message, e.span, related=related)
     if context.all_calls > MOST_CALLS:
         context.callers.pop()
         message = f"the model calls functions more than {MOST_CALLS} times"
@@ -279,21 +410,14 @@ def _enter(context: Context, e: tree.Call, function: tree.FunctionDeclaration) -
 def _unknown(name: str, e: tree.Call, environment: Environment) -> Wrong:
     span = e.function.span
     if name in RESERVED:
-        return Wrong("LAG0220", f"`{name}` is not yet supported", span, CALLS[name])
+        return Wrong("LAG0220", f"`{name}` is not yet supported", span, foreign("calls")[name])
     if name in environment.instance.unused:
         return Wrong("LAG0214", f"`{name}` {environment.instance.unused[name]}", span)
     if name in ("Particle", "Solid", "Gravity"):
-        return Wrong(
-            "LAG0221",
-            f"`{name}` is only allowed as the whole value of a declaration",
-            span,
-            f"write `body b = {name}(...);`" if name != "Gravity" else "write `Gravity field;`",
-        )
+        message = f"`{name}` is only allowed as the whole value of a declaration"
+        remedy = f"write `body b = {name}(...);`" if name != "Gravity" else "write `Gravity field;`"
+        return Wrong("LAG0221", message, span, remedy)
     functions = [n for n, entry in environment.instance.entries.items() if entry.kind == "function"]
-    return Wrong(
-        "LAG0201",
-        f"there is no function `{name}`",
-        span,
-        foreign_call(name, [argument.span.text for argument in e.arguments])
-        or did_you_mean(name, [*functions, *BUILTINS, *environment.space.known()]),
-    )
+    meant = foreign_call(name, [argument.span.text for argument in e.arguments])
+    meant = meant or did_you_mean(name, [*functions, *BUILTINS, *environment.space.known()])
+    return Wrong("LAG0201", f"there is no function `{name}`", span, meant)

@@ -7,10 +7,9 @@ import operator
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
-from lagc.diagnostics.faults import Span
+from lagc.diagnostics.faults import Poisoned, Span, Wrong
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Array, Environment, Scalar, Value, kind
-from lagc.semantics.refusals import Poisoned, Wrong
 from lagc.semantics.units import NONE, Dimension
 from lagc.semantics.values.unit_hints import is_bare
 from lagc.syntax import tree
@@ -35,12 +34,12 @@ def evaluate_as(
     if isinstance(expression, tree.Quantity):
         return context.evaluators[tree.Quantity](context, expression, environment, dimension)
     value = evaluate(context, expression, environment)
-    return value if dimension == NONE else _dressed(value, dimension, is_bare(expression))
+    return value if dimension == NONE else _with_dimension(value, dimension, is_bare(expression))
 
 
-def _dressed(value: Value, dimension: Dimension, bare: bool) -> Value:
+def _with_dimension(value: Value, dimension: Dimension, bare: bool) -> Value:
     if isinstance(value, Array):
-        elements = [_dressed(e, dimension, bare) for e in value.elements]
+        elements = [_with_dimension(e, dimension, bare) for e in value.elements]
         return value if all(map(operator.is_, elements, value.elements)) else Array(tuple(elements))
     if isinstance(value, Scalar) and value.dimension == NONE and (bare or value.bare):
         return Scalar(value.node, dimension)
@@ -54,12 +53,9 @@ def integer(context: Context, expression: tree.Expression, environment: Environm
         raise Wrong("LAG0208", f"{what} must be an integer; this is {kind(value)}", expression.span)
     number = value.node.value
     if not value.node.is_const or not isinstance(number, float):
-        raise Wrong(
-            "LAG0208",
-            f"{what} must be known when the model is compiled; this is not",
-            expression.span,
-            remedy="use integers, loop variables and `structural Integer` parameters",
-        )
+        message = f"{what} must be known when the model is compiled; this is not"
+        remedy = "use integers, loop variables and `structural Integer` parameters"
+        raise Wrong("LAG0208", message, expression.span, remedy)
     if value.dimension not in (None, NONE):
         raise Wrong("LAG0208", f"{what} must be an integer; this is not", expression.span)
     return whole(number, expression.span, what)
@@ -94,11 +90,9 @@ def integers(context: Context, expression: tree.Expression, environment: Environ
         raise Wrong("LAG0208", "a loop needs a range, such as `1:n`", expression.span, _range(expression))
     first = integer(context, expression.start, environment, "the start of a range")
     last = integer(context, expression.stop, environment, "the end of a range")
-    step = (
-        1
-        if expression.step is None
-        else integer(context, expression.step, environment, "the step of a range")
-    )
+    step = 1
+    if expression.step is not None:
+        step = integer(context, expression.step, environment, "the step of a range")
     if step == 0:
         span = expression.step.span if expression.step else expression.span
         raise Wrong("LAG0208", "the step of a range must not be 0", span)

@@ -9,11 +9,9 @@ from __future__ import annotations
 from collections.abc import Container, Sequence
 from typing import TypeAlias
 
-from lagc.diagnostics.faults import Span
-from lagc.semantics.context import Context
+from lagc.diagnostics.faults import Span, Wrong
+from lagc.semantics.context import LATE, MOVING, Context
 from lagc.semantics.model import Frame
-from lagc.semantics.refusals import Wrong
-from lagc.semantics.time_derivatives import LATE, MOVING
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix, Vector, matvec, norm, transpose
 
@@ -151,12 +149,12 @@ def _sought(context: Context, axes: Matrix, vector: Vector, whole: Container[Nod
             if not all([c.is_const for c in coefficients]):
                 return None
             rows.append(([c.value for c in coefficients], right))
-    return _solved(rows)
+    return _solve(rows)
 
 
 def _moving_terms(context: Context, node: Node, whole: Container[Node], most: int) -> tuple[Terms, int]:
     """Return the terms of a sum, and the number of parts left of `most` (negative if exceeded)."""
-    graph, found = node.graph, Terms()
+    graph, terms = node.graph, Terms()
     stack = [(node, graph.one)]
     while stack and most >= 0:
         most -= 1
@@ -178,11 +176,11 @@ def _moving_terms(context: Context, node: Node, whole: Container[Node], most: in
                 factor = factor * graph.product([pair for pair in pairs if pair not in moving])
                 stack.append((graph.product(moving), factor))
                 continue
-        found[part] = found.get(part, graph.zero) + factor
-    return found, most
+        terms[part] = terms.get(part, graph.zero) + factor
+    return terms, most
 
 
-def _solved(rows: list[Row]) -> Vector | None:
+def _solve(rows: list[Row]) -> Vector | None:
     """Return the x that solves `coefficients` x = right in all `rows`, by Gauss-Jordan elimination."""
     done: list[Row] = []
     for k in range(3):

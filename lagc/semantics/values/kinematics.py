@@ -2,9 +2,23 @@
 
 from __future__ import annotations
 
-from lagc.diagnostics.faults import Span
-from lagc.semantics.context import Context
-from lagc.semantics.model import Body, Constraint, Contact, Discrete, Frame, Orientation, Potential
+from collections.abc import Callable
+
+from lagc.diagnostics.faults import Span, Wrong
+from lagc.semantics.context import BIT, LATE, VELOCITY, Context
+from lagc.semantics.model import (
+    Body,
+    Constraint,
+    Contact,
+    Discrete,
+    Force,
+    Frame,
+    Joint,
+    Lagrangian,
+    Orientation,
+    Potential,
+    Torque,
+)
 from lagc.semantics.names.scope import (
     Array,
     Entry,
@@ -12,18 +26,29 @@ from lagc.semantics.names.scope import (
     Scalar,
     Value,
     Wrench,
-    expect,
     kind,
     scalar_of,
+    vector_in,
     vector_of,
     vector_value,
 )
-from lagc.semantics.refusals import Wrong
-from lagc.semantics.time_derivatives import BIT, LATE, VELOCITY
-from lagc.semantics.units import ENERGY, KG, NONE, POWER, Dimension, M, S, dimension, over, si_text, times
+from lagc.semantics.units import (
+    ENERGY,
+    FORCE,
+    KG,
+    NONE,
+    POWER,
+    Dimension,
+    M,
+    S,
+    dimension,
+    over,
+    si_text,
+    times,
+)
 from lagc.semantics.units import unit as unit_of
-from lagc.semantics.values.builtin_functions import Argument, Table, angle_of_turn
 from lagc.semantics.values.frame_vectors import direction, in_frame, is_constant, known_in_frame
+from lagc.semantics.values.functions import Argument, Table, angle_of_turn
 from lagc.symbolic import vectors
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix, Vector, add, cross, matmul, matvec, scale, transpose
@@ -40,12 +65,9 @@ def derivative(context: Context, node: Node, span: Span) -> Node:
     """Return d(node)/dt.  Raises Wrong if it is unknown."""
     mask = context.clock.mask(node)
     if mask & BIT["input"]:
-        raise Wrong(
-            "LAG0311",
-            "the time derivative of an input is not known",
-            span,
-            "write it as an expression of `time` instead of an input",
-        )
+        message = "the time derivative of an input is not known"
+        remedy = "write it as an expression of `time` instead of an input"
+        raise Wrong("LAG0311", message, span, remedy)
     if mask & LATE:
         what = "an acceleration, a reaction or an energy of the run"
         raise Wrong("LAG0219", f"the time derivative of {what} is not known", span)
@@ -54,15 +76,15 @@ def derivative(context: Context, node: Node, span: Span) -> Node:
 
 @TABLE.enter("der", "x")
 def _der(context: Context, span: Span, x: Argument) -> Value:
-    def one(value: Value) -> Value:
+    def rate_of(value: Value) -> Value:
         if isinstance(value, Array):
-            return Array(tuple([one(element) for element in value.elements]))
+            return Array(tuple([rate_of(element) for element in value.elements]))
         if not isinstance(value, Scalar):
             raise Wrong("LAG0307", f"`der` takes a number or a vector; this is {kind(value)}", x.span)
         found = derivative(context, value.node, x.span)
         return Scalar(found, None if value.dimension is None else over(value.dimension, S))
 
-    return one(x.value)
+    return rate_of(x.value)
 
 
 @TABLE.enter("attached", "body", "drawn")
@@ -72,15 +94,13 @@ def _attached(context: Context, span: Span, body: Argument, drawn: Argument) -> 
     if pose is None:
         remedy = "of a body with a frame F write the point itself: `position(b) + s*F.x`"
         raise Wrong("LAG0221", "`attached` takes a body that a joint places", body.span, remedy)
-    place, found = vector_of(drawn.value, drawn.span, "a point")
-    expect(found, M, drawn.span, "a point")
+    place = vector_in(M, drawn.value, drawn.span, "a point")
     return vector_value(pose(place), M)
 
 
 @TABLE.enter("position", "of")
 def _position(context: Context, span: Span, of: Argument) -> Value:
-    vector, found = vector_of(of.value, of.span, "the argument of `position`")
-    expect(found, M, of.span, "a position")
+    vector = vector_in(M, of.value, of.span, "the argument of `position`", "a position")
     return vector_value(vector, M)
 
 
@@ -91,8 +111,7 @@ def velocity_of(context: Context, of: Argument, at: Argument | None) -> vectors.
         return material_velocity(context, of, at)
     if isinstance(of.value, Body):
         return of.value.velocity
-    vector, found = vector_of(of.value, of.span, "the argument of `velocity`")
-    expect(found, M, of.span, "a position")
+    vector = vector_in(M, of.value, of.span, "the argument of `velocity`", "a position")
     x, y, z = (derivative(context, node, of.span) for node in vector)
     return (x, y, z)
 
@@ -104,19 +123,15 @@ def material_velocity(context: Context, of: Argument, at: Argument) -> vectors.V
     if not isinstance(body, Body):
         has = ", which has no place" if isinstance(body, Frame) else ""
         raise Wrong("LAG0221", f"`at` needs a body; this is {kind(body)}{has}", of.span)
-    place, there = vector_of(at.value, at.span, "a point")
-    expect(there, M, at.span, "a point")
+    place = vector_in(M, at.value, at.span, "a point")
     if body.frame is not None:
         arm = vectors.sub(place, body.position)
         return vectors.add(body.velocity, vectors.cross(body.frame.spin, arm))
     if place != body.position:
-        raise Wrong(
-            "LAG0221",
-            f"`{body.name}` is a particle and is not at this point",
-            at.span,
-            f"write `at {body.name}`, or declare it as a `Solid`",
-            ((body.span, "declared here"),),
-        )
+        message = f"`{body.name}` is a particle and is not at this point"
+        remedy = f"write `at {body.name}`, or declare it as a `Solid`"
+        related = ((body.span, "declared here"),)
+        raise Wrong("LAG0221", message, at.span, remedy, related)
     return body.velocity
 
 
@@ -188,10 +203,16 @@ def _momentum(context: Context, span: Span, of: Argument | None) -> Value:
     if isinstance(of.value, Body):
         return vector_value(vectors.scale(of.value.mass, of.value.velocity), MOMENTUM)
     scalar = scalar_of(of.value, of.span, "the argument of `momentum`")
+    name, meant = _coordinate(scalar, of, "`momentum` takes a coordinate or a body; this is neither")
+    return _quantity(context, "momentum", over(times(ENERGY, S), meant), name)
+
+
+def _coordinate(scalar: Scalar, of: Argument, message: str) -> tuple[str, Dimension]:
+    """Return the name and the dimension of a scalar coordinate.  Raises Wrong."""
     symbol = scalar.node.record if scalar.node.op == "symbol" else None
     if symbol is None or symbol.kind != "coordinate" or symbol.component or scalar.dimension is None:
-        raise Wrong("LAG0221", "`momentum` takes a coordinate or a body; this is neither", of.span)
-    return _quantity(context, "momentum", over(times(ENERGY, S), scalar.dimension), symbol.owner)
+        raise Wrong("LAG0221", message, of.span)
+    return symbol.owner, scalar.dimension
 
 
 @TABLE.enter("angular_momentum", "of", required=0)
@@ -217,6 +238,50 @@ def _power(context: Context, span: Span, of: Argument) -> Value:
 
 
 _ACTIONS = ("force", "torque", "dissipation", "potential", "gravity", "lagrangian")
+
+
+@TABLE.enter("generalized_force", "of", "along")
+def _generalized_force(context: Context, span: Span, of: Argument, along: Argument) -> Value:
+    """Return Q_j of an action: its virtual power for a virtual rate 1 of a coordinate."""
+    entry = of.value.entry if isinstance(of.value, Reference) else None
+    if entry is None or entry.kind not in _ACTIONS:
+        what = "a force, torque, potential or dissipation"
+        raise Wrong("LAG0221", f"`generalized_force` takes {what}; this is {kind(of.value)}", of.span)
+    for term in entry.objects:
+        if isinstance(term, Lagrangian) and context.clock.mask(term.function) & VELOCITY:
+            message = f"`{entry.path}` depends on rates: its share is inertial, it has no generalized force"
+            raise Wrong("LAG0221", message, of.span)
+    scalar = scalar_of(along.value, along.span, "the second argument of `generalized_force`")
+    name, meant = _coordinate(scalar, along, "`generalized_force` takes a coordinate as its second argument")
+    return _quantity(context, "generalized_force", over(ENERGY, meant), entry.path, name)
+
+
+@TABLE.enter("torsor", "of", "at")
+def _torsor(context: Context, span: Span, of: Argument, at: Argument) -> Value:
+    """Return the force of a joint, a body's constraints or a load, with its moment about a point."""
+    place = vector_in(M, at.value, at.span, "the point of a torsor")
+    entry = of.value.entry if isinstance(of.value, Reference) else None
+    load = entry.objects[0] if entry is not None and entry.objects else None
+    zero = context.graph.zero
+    if isinstance(load, Torque):
+        return Wrench(vector_value((zero, zero, zero), FORCE), vector_value(load.vector, ENERGY))
+    if isinstance(load, Force) and load.at is not None:
+        force, moment, centre = load.vector, (zero, zero, zero), load.at
+    elif isinstance(of.value, Body) or (entry is not None and entry.kind == "joint"):
+        reaction = _reaction(context, span, of)
+        if isinstance(reaction, Scalar):
+            message = "the reaction of this joint is a number, its multiplier; it has no torsor"
+            raise Wrong("LAG0221", message, of.span, f"write `reaction({of.span.text})`")
+        whole = reaction if isinstance(reaction, Wrench) else None
+        force, _ = vector_of(whole.force if whole else reaction, of.span, "a reaction")
+        moment = vector_of(whole.moment, of.span, "a moment")[0] if whole else (zero, zero, zero)
+        places = [x.about for x in entry.objects if isinstance(x, Joint)] if entry is not None else []
+        centre = of.value.position if isinstance(of.value, Body) else places[0] or place
+    else:
+        message = f"`torsor` takes a joint, a body, a force or a torque; this is {kind(of.value)}"
+        raise Wrong("LAG0221", message, of.span)
+    moment = add(moment, cross(vectors.sub(centre, place), force))
+    return Wrench(vector_value(force, FORCE), vector_value(moment, ENERGY))
 
 
 @TABLE.enter("reaction", "of")
@@ -308,19 +373,12 @@ def _wrench(context: Context, owner: str) -> Wrench:
 # -- rotations of frames ------------------------------------------------------------
 
 
-@TABLE.enter("rotate_x", "frame", "angle")
-def _rotate_x(context: Context, span: Span, frame: Argument, angle: Argument) -> Value:
-    return about_axis(context, frame, 0, angle)
+def _rotation_about(k: int) -> Callable[[Context, Span, Argument, Argument], Value]:
+    return lambda context, span, frame, angle: _about_own(context, frame_of(frame), k, 1.0, angle)
 
 
-@TABLE.enter("rotate_y", "frame", "angle")
-def _rotate_y(context: Context, span: Span, frame: Argument, angle: Argument) -> Value:
-    return about_axis(context, frame, 1, angle)
-
-
-@TABLE.enter("rotate_z", "frame", "angle")
-def _rotate_z(context: Context, span: Span, frame: Argument, angle: Argument) -> Value:
-    return about_axis(context, frame, 2, angle)
+for _k, _axis in enumerate("xyz"):
+    TABLE.enter(f"rotate_{_axis}", "frame", "angle")(_rotation_about(_k))
 
 
 @TABLE.enter("rotate", "frame", "axis", "angle", required=2)
@@ -330,16 +388,11 @@ def _rotate(context: Context, span: Span, frame: Argument, axis: Argument, angle
     if isinstance(axis.value, Orientation):
         if angle is not None:
             raise Wrong("LAG0209", "a rotation by an orientation takes no angle", angle.span)
-        return oriented(context, parent, axis.value)
+        return turned_frame(context, parent, axis.value)
     if angle is None:
-        raise Wrong(
-            "LAG0210",
-            "`rotate` takes a frame, an axis and an angle, or a frame and an orientation",
-            span,
-            f"for a rotation about the axis z write `rotate_z(world, {axis.span.text})`"
-            if isinstance(axis.value, Scalar)
-            else None,
-        )
+        about_z = f"for a rotation about the axis z write `rotate_z(world, {axis.span.text})`"
+        message = "`rotate` takes a frame, an axis and an angle, or a frame and an orientation"
+        raise Wrong("LAG0210", message, span, about_z if isinstance(axis.value, Scalar) else None)
     if isinstance(axis.value, Scalar) and not isinstance(angle.value, Scalar):
         remedy = f"write the axis first: `rotate({frame.span.text}, {angle.span.text}, {axis.span.text})`"
         raise Wrong("LAG0306", "the axis of a rotation must be a vector {x, y, z}", axis.span, remedy)
@@ -355,10 +408,6 @@ def frame_of(argument: Argument) -> Frame:
     raise Wrong("LAG0221", message, argument.span, "write the frame first: `rotate_z(world, angle)`")
 
 
-def about_axis(context: Context, frame: Argument, k: int, angle: Argument) -> Frame:
-    return _about_own(context, frame_of(frame), k, 1.0, angle)
-
-
 def _about_own(context: Context, parent: Frame, k: int, sense: float, angle: Argument) -> Frame:
     node = angle_of_turn(context, angle)
     graph = context.graph
@@ -370,10 +419,10 @@ def _about_own(context: Context, parent: Frame, k: int, sense: float, angle: Arg
     )
     rate = sense * derivative(context, node, angle.span)
     spin = (rate if k == 0 else zero, rate if k == 1 else zero, rate if k == 2 else zero)
-    return _turned(context, parent, turns[k], spin)
+    return _turned_frame(context, parent, turns[k], spin)
 
 
-def _turned(context: Context, parent: Frame, turn: Matrix, own: Vector) -> Frame:
+def _turned_frame(context: Context, parent: Frame, turn: Matrix, own: Vector) -> Frame:
     """Return a rotated frame; `own` is the added angular velocity in the new axes."""
     axes = matmul(parent.axes, turn)
     carried = matvec(transpose(turn), parent.angular_velocity)
@@ -400,9 +449,9 @@ def _about(context: Context, parent: Frame, axis: Vector, own: Vector, angle: Ar
         spin = add(matvec(turn, parent.spin), scale(rate, axis))
         found = _made(context, parent, matmul(turn, parent.axes), about, spin)
     elif is_constant(context, own):
-        found = _turned(context, parent, _turn(own, node), scale(rate, own))
+        found = _turned_frame(context, parent, _turn(own, node), scale(rate, own))
     else:
-        found = _turned(
+        found = _turned_frame(
             context, parent, _turn(own, node), _spin(context, parent, axis, own, node, rate, span)
         )
     context.components[found.axes, axis] = own  # the rotation does not change the axis
@@ -412,7 +461,7 @@ def _about(context: Context, parent: Frame, axis: Vector, own: Vector, angle: Ar
 def turned_by(context: Context, frame: Frame, turn: Matrix) -> Frame:
     """Return `frame` rotated by a constant rotation."""
     zero = context.graph.zero
-    return frame if turn == context.world.axes else _turned(context, frame, turn, (zero, zero, zero))
+    return frame if turn == context.world.axes else _turned_frame(context, frame, turn, (zero, zero, zero))
 
 
 def turned_about(context: Context, parent: Frame, own: Vector, angle: Node, span: Span) -> Frame:
@@ -451,9 +500,9 @@ def _spin(
     return add(scale(rate, own), second_order)
 
 
-def oriented(context: Context, parent: Frame, o: Orientation) -> Frame:
+def turned_frame(context: Context, parent: Frame, o: Orientation) -> Frame:
     """Return a frame that is rotated by an orientation."""
-    return _turned(context, parent, quaternion_turn(context, o.symbols), o.rate_symbols)
+    return _turned_frame(context, parent, quaternion_turn(context, o.symbols), o.rate_symbols)
 
 
 def quaternion_turn(context: Context, symbols: tuple[Node, Node, Node, Node]) -> Matrix:

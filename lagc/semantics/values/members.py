@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from lagc.diagnostics.faults import Wrong
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context
 from lagc.semantics.model import Body, Frame, Orientation
@@ -18,7 +19,6 @@ from lagc.semantics.names.scope import (
     kind,
     vector_value,
 )
-from lagc.semantics.refusals import Wrong
 from lagc.semantics.units import KG, NONE, M, S, over
 from lagc.syntax import tree
 
@@ -38,14 +38,9 @@ def member(context: Context, value: Value, e: tree.Member) -> Value:
         return value.entry.parts[e.name]
     known = _members(value)
     if e.name not in known:
-        raise Wrong(
-            "LAG0206",
-            f"{kind(value)} has no `{e.name}`",
-            e.name_span,
-            _called(value, e)
-            or did_you_mean(e.name, known)
-            or (f"it has {', '.join(known)}" if known else None),
-        )
+        listed = f"it has {', '.join(known)}" if known else None
+        remedy = _call_remedy(value, e) or did_you_mean(e.name, known) or listed
+        raise Wrong("LAG0206", f"{kind(value)} has no `{e.name}`", e.name_span, remedy)
     if isinstance(value, Frame):
         axis = _AXES.index(e.name)
         return vector_value((value.axes[0][axis], value.axes[1][axis], value.axes[2][axis]), NONE)
@@ -61,7 +56,7 @@ def member(context: Context, value: Value, e: tree.Member) -> Value:
     return value.elements[_AXES.index(e.name)]
 
 
-def _called(value: Value, e: tree.Member) -> str | None:
+def _call_remedy(value: Value, e: tree.Member) -> str | None:
     """Return a remedy for a member that is written as a function: `velocity(b)`."""
     name, of = e.name, e.base.span.text
     if isinstance(value, Body) and name in _SHORT:
@@ -115,12 +110,9 @@ def _of_instance(context: Context, part: Part, e: tree.Member) -> Value:
     owner = instance.path.rstrip(".")
     if e.name in instance.unused:
         raise Wrong("LAG0214", f"`{e.name}` of `{owner}` {instance.unused[e.name]}", e.name_span)
-    raise Wrong(
-        "LAG0206",
-        f"`{owner}` has no `{e.name}`",
-        e.name_span,
-        did_you_mean(e.name, instance.entries) or _contents(instance.entries),
-    )
+    message = f"`{owner}` has no `{e.name}`"
+    remedy = did_you_mean(e.name, instance.entries) or _contents(instance.entries)
+    raise Wrong("LAG0206", message, e.name_span, remedy)
 
 
 def _contents(names: Iterable[str]) -> str | None:
@@ -136,25 +128,19 @@ def element(context: Context, base: Value, numbers: list[int], e: tree.Index) ->
         entry = elements.get(tuple(numbers))
         if entry is None:
             written = ", ".join(str(n) for n in numbers)
-            raise Wrong(
-                "LAG0207",
-                f"there is no `{base.entry.path}[{written}]`",
-                e.span,
-                _declared(list(elements)),
-                related=((base.entry.span, "declared here"),),
-            )
+            message = f"there is no `{base.entry.path}[{written}]`"
+            remedy = _declared(list(elements))
+            related = ((base.entry.span, "declared here"),)
+            raise Wrong("LAG0207", message, e.span, remedy, related)
         return context.value(entry, e.span)
     value: Value = base
     for number, index in zip(numbers, e.indices):
         if not isinstance(value, Array):
             raise Wrong("LAG0207", f"{kind(value)} has no elements", e.span, _of_reaction(value, numbers))
         if not 1 <= number <= len(value.elements):
-            raise Wrong(
-                "LAG0207",
-                f"there is no element {number}; the array has {len(value.elements)}",
-                index.span,
-                "elements are counted from 1",
-            )
+            message = f"there is no element {number}; the array has {len(value.elements)}"
+            remedy = "elements are counted from 1"
+            raise Wrong("LAG0207", message, index.span, remedy)
         value = value.elements[number - 1]
     return value
 

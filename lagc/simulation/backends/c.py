@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import re
 from collections.abc import Callable, Sequence
 from ctypes import c_double, c_int, c_long, c_size_t, sizeof
 from itertools import chain
@@ -12,8 +13,7 @@ from typing import Any
 from lagc.base.records import once
 from lagc.codegen.python.support.contacts import ContactTrajectory
 from lagc.codegen.python.support.slices import record_in_slices
-from lagc.kernels import METHODS, MOST_ACTS
-from lagc.lowering.program import Interface
+from lagc.kernels import METHODS
 from lagc.simulation.backends.base import Branch, Compiled, CompiledSystem
 from lagc.simulation.backends.checked import checked, run_in_slices
 from lagc.simulation.backends.compile import library
@@ -21,41 +21,7 @@ from lagc.simulation.backends.event_log import EventLog
 from lagc.simulation.error_measure import quantity_names
 from lagc.simulation.system import OK, Checked, Options, Trajectory, Vector
 
-
-class _Options(ctypes.Structure):
-    """lagc_options"""
-
-    _fields_ = (
-        ("method", c_int), ("project", c_int), ("alone", c_int), ("max_steps", c_long), ("rtol", c_double),
-        ("atol", c_double), ("step", c_double), ("first_step", c_double), ("max_step", c_double),
-        ("report", c_int), ("halves", c_int),
-    )  # fmt: skip
-
-
-class _Goal(ctypes.Structure):
-    """lagc_goal"""
-
-    _fields_ = (("accuracy", c_double), ("law", c_double), ("most", c_long), ("slice", c_long))
-
-
-class _Report(ctypes.Structure):
-    """lagc_report"""
-
-    _fields_ = (
-        ("estimated", c_double), ("until", c_double), ("rtol", c_double), ("attempts", c_long),
-        ("rhs", c_long), ("steps", c_long), ("skipped", c_long), ("done", c_size_t),
-    )  # fmt: skip
-
-
-# The functions of the header and their result types; a model may lack some.
-_RESULTS: dict[str, Any] = {
-    **dict.fromkeys(("rhs", "outputs", "assemble", "record", "verified", "seated"), c_int),
-    **dict.fromkeys(("follow",), c_int),
-    **dict.fromkeys(("work_size", "state_size", "verification_size", "tangent_work_size"), c_size_t),
-    **dict.fromkeys(("position", "velocity", "scales", "energies", "start", "displace", "gaps"), None),
-    **dict.fromkeys(("solve", "begin", "bind", "hold", "conditions"), None),
-    **dict.fromkeys(("measures", "limits", "event_facts"), None),
-}
+_TYPES: dict[str, Any] = {"int": c_int, "long": c_long, "double": c_double, "size_t": c_size_t, "void": None}
 
 
 class CModel(Compiled):
@@ -64,40 +30,69 @@ class CModel(Compiled):
     backend = "c"
 
     @once
+    def header(self) -> tuple[str, str]:
+        """The prefix of the model, and the text of its header."""
+        ((name, text),) = [(n, t) for n, t in self.sources.items() if n.endswith(".h")]
+        return name.removesuffix(".h"), text
+
+    @once
     def functions(self) -> dict[str, Any]:
-        """The functions by their names in the header, without the prefix.  Raises CannotCompile."""
-        compiled = library(self.sources)
-        (own,) = [name.removesuffix(".c") for name in self.sources if name.endswith(".c")]
+        """The functions of the header by their names without the prefix.  Raises CannotCompile."""
+        compiled, (own, text) = library(self.sources), self.header
         found = {}
-        for name, result in _RESULTS.items():
-            function = getattr(compiled, f"{own}_{name}", None)
-            if function is not None:
-                function.restype = result
-                found[name] = function
+        for result, name in re.findall(rf"^([a-z]\w*) {own}_(\w+)\(", text, re.M):
+            found[name] = getattr(compiled, f"{own}_{name}")
+            found[name].restype = _TYPES.get(result, c_int)
         return found
 
     @once
     def state(self) -> type[Any]:
-        interface = self.interface
-        kinds = max(interface.kinds, default=0) + 1
-        acts, contacts = MOST_ACTS * len(interface.whens), len(interface.contacts)
-        return _state_type(interface.nx, kinds, len(interface.relations), acts, contacts)
+        return self._struct("state")
 
     @once
     def verification(self) -> type[Any]:
-        return _verification_type(self.interface, self.state)
+        """The struct of the header up to the state of the run, without its private members."""
+        return self._struct("verification")
 
     @once
     def head(self) -> type[Any]:
-        return _head_type(self.interface.nc)
+        return self._struct("work")
+
+    @once
+    def option_struct(self) -> type[Any]:
+        return self._struct("options")
+
+    @once
+    def goal(self) -> type[Any]:
+        return self._struct("goal")
+
+    @once
+    def report(self) -> type[Any]:
+        return self._struct("report")
+
+    def _struct(self, name: str) -> type[Any]:
+        """The struct of the header, up to its private members."""
+        own, text = self.header
+        body = text.partition(f"}} {own}_{name};")[0].rpartition("typedef struct {")[2]
+        sizes = dict(re.findall(r"#define (\w+) +(\d+)", text))
+        fields = []
+        for kind, member, length in re.findall(
+            r"^ +(\w+) (\w+)(?:\[(\w+)\])?;", body.partition("/* Private")[0], re.M
+        ):
+            if kind == f"{own}_state":  # what follows it is behind its private members
+                fields.append((member, self.state))
+                break
+            plain = _TYPES[kind]
+            fields.append((member, plain * int(sizes.get(length, length)) if length else plain))
+        return type(name, (ctypes.Structure,), {"_fields_": fields})
 
     def bind(self, values: Sequence[float], branch: Branch | None = None) -> CSystem:
         return CSystem(self, values, branch)
 
     def options(self, o: Options) -> Any:
         """Return the struct lagc_options."""
-        return _Options(METHODS.index(o.method), o.project, o.alone, o.max_steps, o.rtol, o.atol, o.step,
-                        o.first_step, o.max_step, o.report, o.halves)  # fmt: skip
+        given = {name: getattr(o, name) for name, _ in self.option_struct._fields_}
+        return self.option_struct(**{**given, "method": METHODS.index(o.method)})
 
     def work(self) -> Any:
         """Return a new workspace."""
@@ -255,7 +250,7 @@ class CSystem(CompiledSystem):
         room = ctypes.create_string_buffer(call["verification_size"]())
         v = model.verification.from_buffer(room)
         head = model.head.from_buffer(room, model.verification.run.offset + call["state_size"]())
-        goal, report, asked = _Goal(accuracy=accuracy), _Report(), model.options(options)
+        goal, report, asked = model.goal(accuracy=accuracy), model.report(), model.options(options)
         log = EventLog(self.interface, v.run, options.report)
         grid, states, outputs = (c_double * n)(*times), (c_double * (n * nx))(), (c_double * max(n * ny, 1))()
         given = (
@@ -313,59 +308,3 @@ class CSystem(CompiledSystem):
             state = (c_double(t), (c_double * self.nx)(*x)) if x else ()
             self.model.functions[name](self._p, *state, *arrays)
         return [array[:length] for array, length in zip(arrays, lengths)]
-
-
-def _state_type(nx: int, kinds: int, relations: int, acts: int, contacts: int) -> type[Any]:
-    """The first members of lagc_state."""
-
-    class State(ctypes.Structure):
-        _fields_ = (
-            ("t", c_double), ("x", c_double * nx), ("t_old", c_double), ("position_drift", c_double),
-            ("velocity_drift", c_double), ("steps", c_long), ("rejected", c_long), ("rhs", c_long),
-            ("stiff", c_long), ("culprit", c_int), ("sizes", c_double * kinds),
-            ("lowest", c_double * nx), ("highest", c_double * nx),
-            *(
-                (("changes", c_long), ("changed", c_int * relations))
-                if relations
-                else ()
-            ),
-            *(
-                (("acts", c_int), ("acted", c_int * acts))
-                if acts
-                else ()
-            ),
-            *((("jumps", c_long), ("x_before_event", c_double * nx)) if acts or contacts else ()),
-            *(
-                (("settlements", c_long), ("contact_kinds", c_int * contacts),
-                 ("contact_impulses", c_double * contacts), ("contact_losses", c_double * contacts),
-                 ("rest_times", c_double * contacts), ("penetration", c_double))
-                if contacts
-                else ()
-            ),
-        )  # fmt: skip
-
-    return State
-
-
-def _head_type(nc: int) -> type[Any]:
-    """The first members of lagc_work."""
-
-    class Head(ctypes.Structure):
-        _fields_ = (("culprit", c_int), ("fallbacks", c_long), ("redundant", c_int * nc))
-
-    return Head
-
-
-def _verification_type(interface: Interface, state: type[Any]) -> type[Any]:
-    """The first members of lagc_verification; `run` begins with those of `state`."""
-    n = len(quantity_names(interface))
-    leaps = interface.whens or interface.contacts
-
-    class Verification(ctypes.Structure):
-        _fields_ = (
-            ("phase", c_int), ("alone", c_int), ("error", c_double * n), ("scale", c_double * n),
-            ("size", c_double * n), ("constant", c_int * n), *((("time_error", c_double),) if leaps else ()),
-            ("run", state),
-        )  # fmt: skip
-
-    return Verification

@@ -120,7 +120,7 @@ class NumpySystem(CompiledSystem):
     @property
     def contact_forces(self) -> list[float]:
         """The forces along the rows of the contacts at the last evaluation of this thread."""
-        found: list[float] = self._thread.workspace.equations.work.contact_forces
+        found: list[float] = self._thread.workspace.equations.work.contacts.forces
         return found
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:

@@ -9,8 +9,8 @@ from functools import lru_cache
 from typing import Any, TypeAlias
 
 from lagc.base.records import once
-from lagc.codegen.kernel_compiler.linker import marked, sizes_of_start, stretches, with_quaternions
 from lagc.codegen.python.initialization import FLAGS, code
+from lagc.codegen.sizes import marked, sizes_of_start, stretches, with_quaternions
 from lagc.simulation.system import OK, UNSTATED
 
 MET = 8  # points whose conditions are remembered: searches for a conflict begin at the same

@@ -16,7 +16,7 @@ import numpy as np
 
 from lagc.base.records import replace
 from lagc.codegen.python.support.contacts import RESTS, STRIKES
-from lagc.mechanics.formulation.held_contacts import MODE_STICKS
+from lagc.mechanics.formulation.contacts import MODE_STICKS
 from lagc.simulation.error_measure import contacts_of
 from lagc.simulation.initialization.initialize import sizes_of_gaps, touching
 from lagc.simulation.linearization.derivatives import DEPENDENT, Array, Point

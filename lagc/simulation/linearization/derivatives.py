@@ -3,14 +3,17 @@
 F(t, q, v, a, lam, p) = (M a - (tau - h + G^T lam); G a - gamma) = 0,      d(a, lam)/dy = -K^-1 dF/dy,
 
 K = dF/d(a, lam) = [M, -G^T; G, 0].
+
+Where modes change at a state, several branches meet, and forces may jump or have a kink.
 """
 
 from __future__ import annotations
 
 import random
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -103,7 +106,7 @@ class Point:
         """The derivatives of the stack by a group of variables, with a and lam fixed."""
         if group not in self._groups:
             entries = self._entries(group)
-            for k, other in enumerate(self.beside if self.clean else ()):
+            for k, other in enumerate(self.perturbed if self.clean else ()):
                 if k >= FEW and not _doubtful(entries).any():
                     break
                 changes = np.abs(other.by(group) - entries)
@@ -139,7 +142,7 @@ class Point:
         return [(bind(perturb(p)), perturb([self.t])[0], perturb(self.x)) for _ in range(ENOUGH)]
 
     @cached_property
-    def beside(self) -> list[Point]:
+    def perturbed(self) -> list[Point]:
         """This point with all numbers perturbed by rounding units."""
         perturb = _Perturbation(1)
         return [
@@ -197,7 +200,7 @@ class Point:
         scaled = d[:, None] * k * d
         if not np.isfinite(scaled).all():
             raise ArithmeticError("the derivatives have no finite value there")
-        found: Array = d[:, None] * _inverse(scaled) * d
+        found: Array = d[:, None] * pseudo_inverse(scaled, DEPENDENT) * d
         return found
 
     def motion(self, group: str) -> Array:
@@ -216,7 +219,7 @@ class Point:
         than the sums of terms, as perturbations by rounding units show."""
         found, terms = np.abs(self.motion(group)), self.sizes(group)
         changes = np.zeros_like(found)
-        for k, other in enumerate(self.beside):
+        for k, other in enumerate(self.perturbed):
             if k >= FEW and not ((SHARE * found > changes) & (found <= ROUNDING * terms)).any():
                 break
             changes = np.maximum(changes, np.abs(other.motion(group) - self.motion(group)))
@@ -259,23 +262,100 @@ def largest_beside(entries: Array) -> Any:
     return np.maximum(sizes.max(axis=0, initial=0.0), sizes.max(axis=1, initial=0.0, keepdims=True))
 
 
-def _inverse(table: Array) -> Any:
-    """The inverse, or the pseudo-inverse if rows depend on each other."""
-    try:
-        found = np.linalg.inv(table)
-        if np.linalg.norm(table) * np.linalg.norm(found) * DEPENDENT < 1.0:  # bounds the condition
-            return found
-    except np.linalg.LinAlgError:
-        pass
-    left, sizes, right = np.linalg.svd(table)
-    if sizes.size and sizes[-1] > DEPENDENT * sizes[0]:
-        found = np.linalg.inv(table)
-    else:
-        kept = sizes > DEPENDENT * sizes[:1]
-        found = (right[kept].T / sizes[kept]) @ left[:, kept].T
-    return found
+def pseudo_inverse(table: Array, dependent: float) -> Any:
+    """Return the pseudo-inverse, where singular values below the share `dependent` of the largest count as
+    zero. A square matrix whose condition, by Frobenius norms, is small has its inverse, in a tenth of the
+    time."""
+    if table.shape[0] == table.shape[1]:
+        with suppress(np.linalg.LinAlgError):
+            found = np.linalg.inv(table)
+            if np.linalg.norm(table) * np.linalg.norm(found) * dependent < 1.0:
+                return found
+    return np.linalg.pinv(table, rcond=dependent)
 
 
 def rounded(found: Array, terms: Array | float) -> Array:
     """`found` with 0 for values that are round-off of their terms."""
     return np.where(np.abs(found) <= ROUNDING * terms, 0.0, found)
+
+
+AT = 16.0  # times the round-off of an event indicator: it is at its crossing
+BESIDE = 1e-6  # of the sizes of states: the distance of points on either side
+JUMP = 1e-9  # of the terms of rates: smaller differences are none
+ALIKE = 1e-12  # of entries: smaller differences are round-off
+
+
+class Branch(NamedTuple):
+    """The branch beyond one event indicator."""
+
+    words: str
+    modes: list[float]
+
+
+def branches(point: Point, sizes: Array) -> tuple[list[float] | None, list[Branch]]:
+    """The modes with all indicators that change at the state on their larger side, and the branch beyond each
+    of them. None if no mode changes there.  `sizes` are those of states.  Indicators of time alone do not
+    count."""
+    system = point.system
+    at = _changing(point)
+    if not at:
+        return None, []
+    directions = {}
+    for k in at:
+        slope = point.partial("indicator", "state")[k] * sizes
+        if slope.any():
+            directions[k] = sizes * slope / np.abs(slope).max()
+    if not directions:
+        return None, []
+    own = system.modes(point.t, point.x)
+
+    def beyond(signs: dict[int, float]) -> list[float]:
+        place = point.x + BESIDE * sum(signs[k] * direction for k, direction in directions.items())
+        there = system.modes(point.t, place.tolist())
+        return [there[k] if k in at else mode for k, mode in enumerate(own)]
+
+    everywhere = dict.fromkeys(directions, 1.0)
+    others = [Branch(system.interface.relations[k], beyond({**everywhere, k: -1.0})) for k in directions]
+    return beyond(everywhere), others
+
+
+def _changing(point: Point) -> list[int]:
+    """The relations whose indicators are at their crossing, to round-off."""
+    system, interface = point.system, point.system.interface
+    if not interface.relations:
+        return []
+    sides, modes = point.value("indicator"), system.modes(point.t, point.x)
+    rows, n = interface.stack["indicator"], len(interface.relations)
+    doubt = np.zeros(n)
+    for other in point.perturbed:
+        there = other.system.stack(other.t, other.x, other.a, other.lam, modes)[rows.start : rows.stop]
+        doubt = np.maximum(doubt, np.abs(np.array(there) - sides))
+    edges = [0.0] * (2 * n)
+    if any(interface.counted_relations):
+        system.model.module["fn_edges_on"](modes, edges)
+    found = []
+    for k in range(interface.timed_relations, n):
+        places = edges[2 * k : 2 * k + 2] if interface.counted_relations[k] else [0.0]
+        if k in interface.noted and min(abs(sides[k] - place) for place in places) <= AT * doubt[k]:
+            found.append(k)
+    return found
+
+
+def jumps(point: Point, one: Sequence[float], two: Sequence[float], far: Array) -> bool:
+    """Whether rates differ between two branches; `far` are sizes of states."""
+    found = []
+    for modes in (one, two):
+        rates, lam = [0.0] * point.system.nx, [0.0] * point.system.nc
+        if point.system.rhs_on(modes, point.t, point.x, rates, lam) in FAILED:
+            return True
+        found.append(np.array(rates[: len(point.x)]))
+    terms = point.rate_sizes("state") @ far + np.abs(found[0]) + np.abs(found[1])
+    return bool((np.abs(found[0] - found[1]) > JUMP * terms).any())
+
+
+def differing(one: Array, two: Array) -> list[tuple[int, ...]]:
+    """The indices of entries that differ, the largest relative difference first."""
+    sizes = np.abs(one) + np.abs(two)
+    share = np.divide(np.abs(one - two), sizes, out=np.zeros_like(sizes), where=sizes > 0.0)
+    places = [tuple(map(int, place)) for place in np.argwhere(share > ALIKE)]
+    return sorted(places, key=lambda place: -share[place])

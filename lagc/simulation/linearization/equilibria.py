@@ -11,12 +11,12 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator, Sequence
 from math import inf, pi
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lagc.base.records import dataclass
-from lagc.simulation.linearization.derivatives import Array, Point
+from lagc.simulation.linearization.derivatives import Array, Point, pseudo_inverse
 from lagc.simulation.linearization.linear_model import size_of_states
 
 if TYPE_CHECKING:
@@ -233,7 +233,7 @@ class _Search:
         before = inf
         for k in range(STEPS):
             residual, table, columns, rows = self._rows(z)
-            inverse = _inverse(table * columns / rows[:, None]) / rows
+            inverse = pseudo_inverse(table * columns / rows[:, None], DEPENDENT) / rows
             step = -inverse @ residual
             length = np.abs(step[:n]).max(initial=0.0)
             if k % LATE == LATE - 1:
@@ -323,17 +323,3 @@ def _unwound(z: Array, angles: Sequence[int]) -> Array:
     for i in angles:
         found[i] -= 2.0 * pi * _turns(z[i])
     return found
-
-
-def _inverse(table: Array) -> Any:
-    """The pseudo-inverse; the inverse of a square matrix whose condition, by Frobenius norms, is small, in
-    a tenth of the time."""
-    if table.shape[0] == table.shape[1]:
-        try:
-            found = np.linalg.inv(table)
-        except np.linalg.LinAlgError:
-            pass
-        else:
-            if DEPENDENT * np.linalg.norm(table) * np.linalg.norm(found) < 1.0:
-                return found
-    return np.linalg.pinv(table, rcond=DEPENDENT)

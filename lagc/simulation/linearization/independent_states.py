@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lagc.simulation.linearization.derivatives import Array, Point, rounded
+from lagc.simulation.linearization.derivatives import Array, Point, pseudo_inverse, rounded
 
 GOOD = 0.3  # of the largest pivot: a pivot that is accepted
 SHY = 1e-3  # factor on pivots of entries that do not change in the motion
@@ -149,7 +149,5 @@ def _put_back(point: Point, x: Array, sizes: Array) -> Array | None:
             return None
         length = np.abs(table).max(axis=1)
         length[length == 0.0] = 1.0
-        x[:nq] -= sizes[:nq] * (
-            np.linalg.pinv(table / length[:, None], rcond=DEPENDENT) @ (residual / length)
-        )
+        x[:nq] -= sizes[:nq] * (pseudo_inverse(table / length[:, None], DEPENDENT) @ (residual / length))
     return x

@@ -116,7 +116,7 @@ class Linear:
         return kept, idle
 
     @cached_property
-    def _own(self) -> Spectrum:
+    def _acting_spectrum(self) -> Spectrum:
         """The spectrum of the states that act."""
         kept, _ = self._acting
         return spectrum(self.A[np.ix_(kept, kept)], self.scales[kept])
@@ -126,7 +126,7 @@ class Linear:
         kept, idle = self._acting
         n = len(self.A)
         values, vectors = np.zeros(n, dtype=complex), np.zeros((n, n), dtype=complex)
-        values[: len(kept)], vectors[kept, : len(kept)] = self._own
+        values[: len(kept)], vectors[kept, : len(kept)] = self._acting_spectrum
         for k in reversed(idle):  # eigenvalue times entry = row of A times vector
             for j in np.flatnonzero(values):
                 vectors[k, j] = self.A[k] @ vectors[:, j] / values[j]
@@ -164,7 +164,7 @@ class Linear:
             return None
         if self.higher_order_rigid:
             return "undecided: constraints are singular there"
-        growth = max(self._own.values.real, default=0.0)
+        growth = max(self._acting_spectrum.values.real, default=0.0)
         if growth > 0.0:
             return "unstable"
         if growth < 0.0:
@@ -225,7 +225,7 @@ def linearize(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
 
 def _on_all_sides(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
     """The linear model at a state where modes may change, with notes on the other sides."""
-    from lagc.simulation.linearization.nonsmooth_points import branches, jumps
+    from lagc.simulation.linearization.derivatives import branches, jumps
 
     point, sizes = Point(system, t, x), size_of_states(system)
     own, others = branches(point, sizes)
@@ -241,7 +241,7 @@ def _on_all_sides(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
 
 def _branch_note(words: str, one: Linear, two: Linear) -> str:
     """A note on the entries that differ on the other side, or ""."""
-    from lagc.simulation.linearization.nonsmooth_points import differing
+    from lagc.simulation.linearization.derivatives import differing
 
     if one.indices != two.indices:
         return f"forces have a kink there, where {words}: on the other side the model has other states"
@@ -263,15 +263,18 @@ def _linearized(
     """The linear model on the branch `modes`, or on that of the state."""
     point = Point(system, t, x, clean=True, modes=modes)
     first = len(system.interface.parameters)
+    # Derivatives of rates along the motion, and the sizes that their round-off is relative to.
     by_x, by_u = point.unsure("state"), point.unsure("parameter")
     sizes, size_inputs = point.rate_sizes("state", by_x), point.rate_sizes("parameter", by_u)[:, first:]
     rates, by_inputs = point.total("rate", "state"), point.total("rate", "parameter")[:, first:]
     changing = _changing(point, rates, point.rate_sizes("state"))
     chosen = independent(point, changing.tolist())
     outputs, out_inputs = point.total("output", "state"), point.total("output", "parameter")[:, first:]
+    # A = S (df/dx) X and B = S (df/du + (df/dx) dx/du), with entries that are round-off set to 0.
     moved, put = np.abs(chosen.motions), np.abs(chosen.inputs)
     a = rounded(rates @ chosen.motions, sizes @ moved)[chosen.indices]
     b = rounded(rates @ chosen.inputs + by_inputs, sizes @ put + size_inputs)[chosen.indices]
+    # Outputs depend on accelerations and multipliers too.
     late = np.abs(point.partial("output", "acceleration"))
     of_state = np.abs(point.partial("output", "state")) + late @ by_x
     of_inputs = np.abs(point.partial("output", "parameter")) + late @ by_u
@@ -288,6 +291,7 @@ def _linearized(
     if rigid:
         notes.append(RIGID)
     moving = changing[chosen.indices].tolist()
+    # Whether the model depends on time or on the state is tried within its own pace.
     scales = _scales(point, chosen.indices, a)
     pace, far = np.linalg.norm(a * scales / scales[:, None]), _far(point)
     time = 1.0 / float(pace) if pace else 1.0

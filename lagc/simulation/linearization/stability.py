@@ -63,7 +63,7 @@ def _left(point: Point, indices: Sequence[int]) -> Array:
     nq, nc = point.system.nq, point.system.nc
     here = np.array(point.a)
     found = np.abs(here)
-    for other in point.beside:
+    for other in point.perturbed:
         rates = [0.0] * point.system.nx
         if other.system.rhs(other.t, other.x, rates, [0.0] * nc) not in FAILED:
             found = np.maximum(found, np.abs(rates[nq : nq + len(here)] - here))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from lagc.codegen.kernel_compiler.linker import CONSTANT_SIZES
+from lagc.codegen.sizes import CONSTANT_SIZES
 from lagc.simulation.linearization.derivatives import Array
 from lagc.simulation.system import Options
 
@@ -99,7 +99,7 @@ class InPython:
 
     def relations(self) -> tuple[list[float], list[float], list[int], list[int]]:
         work = self.s.problem.work
-        return list(self.s.modes), list(self.s.modes_old), list(work.crossed), list(work.indicator_jumped)
+        return list(self.s.modes), list(self.s.modes_old), list(work.events.crossed), list(work.events.jumped)
 
     def arrays(self) -> tuple[Array, Array, Array, Array]:
         found = np.array(self.found).reshape(len(self.times), -1, self.nx)

@@ -39,6 +39,7 @@ def directions(
 ) -> tuple[Direction, ...]:
     """The directions named `l`, `start(theta)` or `start(der(theta))`, each once; all entries of an array.
     Raises Refused: LAG0601, LAG0606 for an unknown name, LAG0607 for a parameter that is part of the code."""
+    # Not differentiated are friction of two-sided contacts, loads of reactions, discrete variables.
     rough = [contact.name for contact in interface.contacts if contact.normals]
     if rough:
         message = f"sensitivities do not follow the friction of `{rough[0]}` yet"
@@ -59,6 +60,7 @@ def directions(
     given.update((f.name, Direction(f.name, f.unit)) for f in unused)
     states = [*zip(interface.q_names, interface.q_units), *zip(interface.v_names, interface.v_units)]
     starts = {name: Direction(f"start({name})", unit, state=k) for k, (name, unit) in enumerate(states)}
+    # A name is that of a parameter or an input, or `start(...)` of a coordinate or speed.
     faults: list[Fault] = []
     found: dict[str, Direction] = {}
     for word in names:

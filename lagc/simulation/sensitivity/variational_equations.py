@@ -75,7 +75,7 @@ class Variation:
         self.kinds = sorted(set(kinds))
         self.in_group = np.array([[kind == k for kind in kinds] for k in range(max(kinds, default=0) + 1)])
 
-    def along(self, x0: Sequence[float], times: Sequence[float], progress: Progress | None) -> Followed:
+    def integrate(self, x0: Sequence[float], times: Sequence[float], progress: Progress | None) -> Followed:
         """Integrate the motion from `x0` again, and S with it."""
         (n, m), start = self.start.shape, self.start.T
         in_group, passed = np.zeros((len(self.kinds), m)), np.zeros(len(times), dtype=int)

@@ -57,6 +57,7 @@ def sensitivities(
             start, doubts, reasons = start_slopes(
                 system, run.states[0], request.starts, directions, request.guesses
             )
+            # Directions that end early are given up, with their reasons; the others go on.
             kept = [k for k in range(len(directions)) if k not in reasons]
             while kept:
                 lost = _verified(
@@ -96,7 +97,7 @@ def _verified(
         begun = start[0] + (found.integrations % 2) * start[1]
         most = MORE * run.cost.steps + MOST
         along = Variation(found.system, followed, directions, begun, options, rests, most)
-        done = along.along(run.states[0][:n], run.times, progress)
+        done = along.integrate(run.states[0][:n], run.times, progress)
         found.steps, found.rejected = found.steps + done.steps, found.rejected + done.rejected
         found.evaluations, found.integrations = found.evaluations + done.evaluations, found.integrations + 1
         found.interrupted = found.interrupted or done.interrupted
@@ -113,6 +114,8 @@ def _verified(
         found.doubts[:, kept] = _doubts(done, 0.0, found.system.interface.kinds)
         return [kept[k] for k in done.lost]
     assert request.accuracy is not None
+    # As for the motion: two integrations, the finer one displaced by the doubts of its start, until
+    # their difference is within the accuracy.
     tol = TOLERANCE if rests else max(run.rtol, 10.0 * FINEST)
     done = at(tol, False)
     for _ in range(ATTEMPTS):
@@ -131,7 +134,7 @@ def _verified(
             break
         done = finer
         apart = found.estimated
-        found.estimated = SAFETY * _apart(before, done, found.system.interface.kinds)
+        found.estimated = SAFETY * _distance(before, done, found.system.interface.kinds)
         if found.estimated <= request.accuracy or (apart is not None and found.estimated > 0.5 * apart):
             break
     found.values[:, :, kept], found.message = done.values, done.message
@@ -142,7 +145,7 @@ def _verified(
     return [kept[k] for k in done.lost]
 
 
-def _apart(one: Followed, two: Followed, kinds: Sequence[int]) -> float:
+def _distance(one: Followed, two: Followed, kinds: Sequence[int]) -> float:
     """The largest difference of two results, relative to the largest in its scaling group and direction, or
     to the terms that cancel at events. Values within round-off, and times between the events of the two, do
     not count."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import asin, cos, inf, log, pi, sin, sqrt
 
 from lagc.simulation.system import Options
-from lagc.study.hard.case import Case, Figure, Found, Lab, how
+from lagc.study.hard.case import Found, Lab, how
 from lagc.study.hard.exact import double_pendulum, kepler_orbit
 
 
@@ -135,76 +135,3 @@ def bicycle(lab: Lab) -> Found:
             for one in {value, complex(value).conjugate()}:
                 worst = max(worst, float(min(abs(values - one))))
     return Found((worst,), "linearize")
-
-
-CASES = (
-    Case(
-        "kepler", "Kepler's orbit of eccentricity 0.9, 10 revolutions",
-        "The tolerance of a step says little about the error of the end, which grows with each passage.",
-        "Kepler's equation, by Newton's method",
-        "Runs at two tolerances a decade apart differ by nine tenths of the error of the coarser one.  The "
-        "finer run is returned with that difference as its error: a bound that is up to ten times too large.",
-        "classic/kepler", "lagc sim kepler --scene comet --stop 62.83185307179586 --accuracy 1e-8",
-        (Figure("true error over asked", 1.0), Figure("true error over reported", 2.0),
-         Figure("reported error over true", 2.0)), kepler,
-    ),
-    Case(
-        "chaos", "a double pendulum released at 90 deg, 100 s",
-        "Neighbours separate tenfold every 3 s: no computation in double precision knows the end.",
-        "Taylor series of order 30 in 128 bits of fixed point",
-        "Two runs that should agree are compared; where they differ by the target, the run ends and says so.",
-        "classic/double_pendulum", "lagc sim double_pendulum --scene chaotic --stop 100",
-        (Figure("error at the horizon, relative", 1e-6), Figure("answers beyond it", 0.0)), chaos,
-    ),
-    Case(
-        "stiff_spring", "a pendulum on a spring of 1e10 N/m without loss, 2 s",
-        "The spring rings at 16 kHz, and its forces are differences of nearly equal lengths.",
-        "The rigid pendulum by elliptic functions (M. Abramowitz, I. Stegun, 16.4): the spring yields by "
-        "1e-9 m",
-        "Steps follow the ringing; rounding the length of the spring changes its force by 1e-6 N, at "
-        "random in each step.",
-        "classic/elastic_pendulum",
-        "lagc sim elastic_pendulum -p k=1e10 --start 'theta=60[deg]' --start s=4.905e-10 --stop 2 "
-        "--method dop853 --rtol 1e-10",
-        (Figure("angle [rad]", 1e-5),), stiff_spring,
-    ),
-    Case(
-        "stiff_rod", "a pendulum on a damped rod of 1e10 N/m, 2 s",
-        "The ringing decays at once, but limits the steps of explicit methods for ever.",
-        "The rigid pendulum by elliptic functions (M. Abramowitz, I. Stegun, 16.4): the rod yields by 1e-9 m",
-        "Radau IIA of order 5 is L-stable: its steps follow the swing alone.  DOP853 notices that stability "
-        "limits its steps by the ratio of differences of rates and states (HNW II, IV.2).",
-        "effects/stiff_rod",
-        "lagc sim stiff_rod --without pivot --without air --without wind --without hair --without buoyancy "
-        "-p k=1e10 -p c=2e4 --stop 2 --method radau5 --rtol 1e-6",
-        (Figure("angle [rad]", 1e-5), Figure("stiffness not detected", 0.0)), stiff_rod,
-    ),
-    Case(
-        "walls", "a ball between one-sided springs of 1e9 and 1e7 N/m, 10 s",
-        "A contact lasts 0.1 ms of a flight of 0.7 s; a step that misses its begin is wrong by orders.",
-        "Free flights and half periods of harmonic motions in closed form",
-        "The crossing of x = 1 is located on the dense output, and the step ends there: each step sees one "
-        "smooth branch, so DOP853 keeps its order.",
-        "hard/walls", "lagc sim walls --method dop853 --rtol 1e-12",
-        (Figure("place and speed, relative", 1e-9),), walls,
-    ),
-    Case(
-        "relay", "a motor between two speeds, 200 s",
-        "Each switching starts from the one before: errors of event times add up.",
-        "tau log((v_end - v_low)/(v_end - v_high)) and tau log(v_high/v_low) in turns",
-        "Events are located on the dense output to the spacing of floating-point time; with rtol 1e-12 the "
-        "speed there is right to 1e-13.",
-        "classic/on_off_drive", "lagc sim on_off_drive --stop 200 --method dop853 --rtol 1e-12",
-        (Figure("event times, relative", 1e-12), Figure("events missed", 0.0)), relay,
-    ),
-    Case(
-        "bicycle", "the Whipple bicycle, linearized at 0 to 10 m/s",
-        "Nine coordinates, two contacts and four rolling constraints, whose forces change with the motion.",
-        "J. P. Meijaard, J. M. Papadopoulos, A. Ruina, A. L. Schwab, Proc. R. Soc. A 463 (2007) 1955, "
-        "table 2",
-        "The linear model is derived exactly, with the change of the constraint forces; the table has 14 "
-        "decimals.",
-        "classic/whipple_bicycle", "lagc linearize whipple_bicycle --scene straight -p v=5",
-        (Figure("eigenvalues [1/s]", 1e-10),), bicycle,
-    ),
-)  # fmt: skip

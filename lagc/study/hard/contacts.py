@@ -5,19 +5,9 @@ from __future__ import annotations
 from math import atan2, cos, hypot, inf, sqrt
 from typing import Any
 
-from lagc.study.hard.case import Case, Figure, Found, Lab, RunFailed, how
+from lagc.study.hard.case import Found, Lab, RunFailed, how
 from lagc.study.hard.published import read
 
-REFERENCES = (
-    "bouncing_ball",
-    "incline",
-    "slide_off_sphere",
-    "roll_off_sphere",
-    "rod_impact",
-    "stacked_balls",
-    "painleve_rod",
-    "rocking_block",
-)
 G = 9.81
 
 
@@ -192,99 +182,3 @@ def conveyor(lab: Lab) -> Found:
         return Found((inf, inf), how(run))
     times = max(abs(event.t - t) for event, t in zip(shown, exact))
     return Found((times, abs(run.final["x"] - 1.0)), how(run), run=run)
-
-
-def _of_file(name: str, title: str, hard: str, why: str, line: str, figures: tuple[Figure, ...]) -> Case:
-    reference = read(name)
-    return Case(
-        name, title, hard, reference["citation"], why, reference["model"], line, figures, globals()[name]
-    )
-
-
-CASES = (
-    _of_file(
-        "bouncing_ball", "a ball bounces through its accumulation point",
-        "Infinitely many impacts in a finite time; then it lies.",
-        "Impacts are located on the dense output, and each flight is a parabola, which DOP853 follows "
-        "exactly.  Bounces below 1e-10 of the size are summed as a geometric series; then it touches.",
-        "lagc sim bouncing_ball -p e=0.7 --stop 4 --accuracy 1e-9",
-        (Figure("impact times, relative", 1e-12), Figure("speeds after, relative", 1e-7),
-         Figure("time of rest, relative", 1e-12), Figure("height and speed at rest", 0.0)),
-    ),
-    _of_file(
-        "incline", "a block stops on a rough slope, 1000 s",
-        "Smoothed friction creeps; a force with a sign chatters.",
-        "A contact that sticks holds its slip at zero as a constraint, whose projection leaves nothing.",
-        "lagc sim incline --scene stays --stop 1000 --accuracy 1e-10",
-        (Figure("time of the stop, relative", 1e-10), Figure("distance, relative", 1e-10),
-         Figure("creep", 0.0), Figure("return at mu = 0.3, relative", 1e-9)),
-    ),
-    _of_file(
-        "slide_off_sphere", "a bead leaves a sphere where the force is zero",
-        "The constraint ends where its force changes sign; nothing shows it in the state.",
-        "The force at the stages shows the sign change; the step is repeated to end there.",
-        "lagc sim slide_off_sphere --stop 2 --accuracy 1e-10",
-        (Figure("leaving, relative", 1e-9), Figure("at the height of the centre below, relative", 1e-9)),
-    ),
-    _of_file(
-        "roll_off_sphere", "a ball rolls off a sphere",
-        "Friction that holds a rolling ball, up to a contact without force.",
-        "Rolling is a contact that sticks: its friction is what the law needs, and its end is located.",
-        "lagc sim roll_off_sphere -p theta0=1e-3 --stop 4 --accuracy 1e-10",
-        (Figure("cosine of the angle of leaving", 1e-9), Figure("friction over normal force", 1e-8)),
-    ),
-    _of_file(
-        "rod_impact", "the end of a falling rod hits a floor",
-        "The impulse turns the rod; the impact is at the start.",
-        "One solve with the mass matrix gives the impulse.",
-        "lagc sim rod_impact --scene hit --accuracy 1e-9",
-        (Figure("impulse and speeds, relative", 1e-12),),
-    ),
-    _of_file(
-        "stacked_balls", "balls that touch pass a blow on",
-        "Several contacts at one moment; round-off decides which are closed.",
-        "Contacts that approach act together, then those that approach by it: floor first, then the pair.",
-        "lagc sim stacked_balls --accuracy 1e-9",
-        (Figure("speeds after, relative", 1e-12), Figure("a row of three, e = 0.9, shares", 1e-12)),
-    ),
-    Case(
-        "cradle", "five pendulums that touch, 10 s, at nine tolerances",
-        "Round-off makes pendulums that touch collide.", "equal masses exchange their speeds: 40 impacts",
-        "Pendulums that touch without approaching have no impact: a rate below 1e-12 of its terms is zero.",
-        "contact/newtons_cradle", "lagc sim newtons_cradle --method dop853 --rtol 1e-7",
-        (Figure("impacts missed or added", 0.0),), cradle,
-    ),
-    _of_file(
-        "painleve_rod", "a rod on its tip, with much friction",
-        "Beyond mu = 4/3 there are configurations in which rigid bodies have no motion, or several.",
-        "All modes of few contacts are tested: none or several solutions are told from one.",
-        "lagc sim painleve_rod -p mu=1.4",
-        (Figure("configurations answered wrongly, of 7", 0.0),),
-    ),
-    Case(
-        "conveyor", "a belt that is switched on and off, and a kick",
-        "New values at an event, beside contacts that stick, slip, open and bounce.",
-        "closed form: slips of w/(mu g), flights of 2 v/g, bounces as a geometric series",
-        "After new values the contacts act as at a start.",
-        "contact/conveyor", "lagc sim conveyor --accuracy 1e-10",
-        (Figure("times [s]", 1e-9), Figure("place [m]", 1e-9)), conveyor,
-    ),
-    _of_file(
-        "rocking_block", "a block rocks until it stands",
-        "Edges hit and leave in turn, ever faster; friction holds the one that hits.",
-        "Only the edge that approaches has an impact, and sticks: the angular momentum about it stays.  "
-        "The motion between is smooth, and each impact is located.",
-        "lagc sim rocking_block --scene all --accuracy 1e-9",
-        (Figure("impact times, relative", 1e-9), Figure("rates after over before, relative", 1e-9),
-         Figure("energy at rest, relative", 1e-9)),
-    ),
-    Case(
-        "tippe_top", "a top turns over onto its stem",
-        "A fast spin, a slow turn by friction that nearly vanishes, and two contacts that change over.",
-        "J. H. Jellett, A Treatise on the Theory of Friction, 1872: L . (G - P) is constant for any friction",
-        "Friction is found with the force of the floor at each stage, and follows the slip in its direction.",
-        "contact/tippe_top", "lagc sim tippe_top --accuracy 1e-8",
-        (Figure("Jellett's integral on the sphere, relative", 1e-7),
-         Figure("the same on the stem, relative", 1e-7), Figure("energy gained, relative", 1e-9)), tippe_top,
-    ),
-)  # fmt: skip

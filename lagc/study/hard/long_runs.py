@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from functools import partial
 from math import atan, atanh, cos, hypot, pi, sin, sinh, sqrt, tanh
 
 import numpy as np
 
-from lagc.study.hard.case import Case, Figure, Found, Lab, how
+from lagc.study.hard.case import Found, Lab, how
 
 QUARTER = 1.8540746773013719  # K(1/sqrt 2), a quarter of the period of a pendulum released at 90 deg
 
@@ -83,60 +82,3 @@ def free_solid(name: str, lab: Lab) -> Found:
     turned = float(np.ptp(size) / size[0])
     energy = abs(run.energy.imbalance) / run.energy.start
     return Found((norm, energy * more, turned * more), how(run), run=run)
-
-
-PENDULUM = (
-    "Closed form: the period is 4 K(1/sqrt 2) sqrt(l/g) (L. D. Landau, E. M. Lifshitz, Mechanics, section 11)"
-)
-CASES = (
-    Case(
-        "pendulum_phase", "a Cartesian pendulum over 1e5 periods: energy and phase",
-        "Errors of each step add up over 10^7 steps; the phase error grows with the square of the time.",
-        PENDULUM,
-        "At rtol 1e-15 a step of DOP853 errs by less than its round-off; the round-off of 2e7 steps adds "
-        "up as a random walk with a small drift.  The projection removes what leaves the circle.",
-        "course/string_pendulum",
-        "lagc sim string_pendulum --start x=0.5 --start z=0 --stop 167431 --points 2 --method dop853 "
-        "--rtol 1e-15 --atol 1e-15",
-        (Figure("energy, of m g l", 1e-10), Figure("phase [periods]", 2e-4)), pendulum_phase,
-    ),
-    Case(
-        "pendulum_projected", "a Cartesian pendulum over 1e5 periods: constraints",
-        "The string is imposed at the level of accelerations; without projection its length would drift.",
-        PENDULUM,
-        "After each step q and v are projected onto the constraints in the mass metric, so the residual "
-        "is one rounding however long the run.  The energy error is 1e-12 a step, in one direction.",
-        "course/string_pendulum",
-        "lagc sim string_pendulum --start x=0.5 --start z=0 --stop 167431 --points 2 --method dop853 "
-        "--rtol 1e-12 --atol 1e-12",
-        (Figure("residuals", 1e-15), Figure("energy, of m g l", 1e-7)), pendulum_projected,
-    ),
-    Case(
-        "sleigh", "Chaplygin's sleigh, 2000 s",
-        "A constraint of velocities that no position fulfils or breaks: drift cannot be seen in positions.",
-        "S. A. Chaplygin 1911; A. M. Bloch, Nonholonomic Mechanics and Control (2003), 1.7: closed form",
-        "Speeds are projected onto the constraint after each step; the error of the whole run is "
-        "estimated and asked to be 1e-9.",
-        "classic/chaplygin_sleigh", "lagc sim chaplygin_sleigh --stop 2000 --accuracy 1e-9 --points 2",
-        (Figure("velocity residual", 1e-15), Figure("speed, heading and place, relative", 1e-8)), sleigh,
-    ),
-    *(
-        Case(
-            f"{name}_turns", f"{title}, 1e4 turns",
-            f"{hard} The orientation is a unit quaternion; no angle becomes singular.",
-            "No moment acts: energy and angular momentum in space are constant (L. D. Landau, E. M. "
-            "Lifshitz, Mechanics, sections 33 to 37)",
-            "The quaternion is brought to norm 1 after each step; the errors of steps at rtol 1e-15 are "
-            "round-off, which adds up to some 1e-11 over the run.",
-            f"classic/{model}",
-            f"lagc sim {model} --stop 52360 --method dop853 --rtol 1e-15 --atol 1e-15",
-            (Figure("norm of the quaternion", 1e-15), Figure("energy, relative", 1e-10),
-             Figure("size of the momentum, relative", 1e-10)),
-            partial(free_solid, model),
-        )
-        for name, model, title, hard in (
-            ("solid", "euler_top", "a free solid", "Turns add up."),
-            ("racket", "racket_flip", "a racket that flips", "It turns about its unstable axis."),
-        )
-    ),
-)  # fmt: skip

@@ -1,15 +1,17 @@
-"""Closed loops, configurations where the rank drops, constraints that depend on or contradict each other."""
+"""Closed loops, lost ranks, constraints that depend on or contradict each other, or move, and long chains."""
 
 from __future__ import annotations
 
-from functools import partial
 from math import pi
+from time import process_time
 from typing import Any
 
 import numpy as np
 
 from lagc.diagnostics.faults import Refused
-from lagc.study.hard.case import Case, Figure, Found, Lab, how
+from lagc.simulation.system import Options
+from lagc.study.hard.case import Found, Lab, how
+from lagc.study.hard.exact import chain_accelerations
 from lagc.study.hard.published import read
 
 ANGLES = ("beta", "Theta", "gamma", "Phi", "delta", "Omega", "epsilon")
@@ -100,87 +102,68 @@ def bennett(lab: Lab) -> Found:
     return Found(values, how(run), "; ".join(run.notes), run)
 
 
-FLAT = (
-    "M. Gonzalez, D. Dopico, U. Lugris, J. Cuadrado, Multibody Syst. Dyn. 16 (2006) 179, problem A02; the "
-    "energy as that benchmark bounds it"
-)
-PASSES = (
-    "Column-pivoted QR in the mass metric takes over from LDL^T where the pivots or the residual say "
-    "that rows depend on each other.  A step of finite length leaps over the configuration; speeds stay "
-    "on the branch, as the projection takes the nearest state."
-)
+def constant_speed(lab: Lab) -> Found:
+    steps, _ = lab.long(2e5, 2000.0, "steps")
+    model = lab.compile("hard/constant_speed")
+    run = lab.run(model, 0.01 * round(steps), method="dopri5", step=0.01, points=101)
+    off = float(abs(run["der(x)"] ** 2 + run["der(y)"] ** 2 - 1.0).max())
+    return Found((max(off, run.velocity_drift),), how(run), run=run)
 
-CASES = (
-    Case(
-        "andrews", "Andrews' squeezing mechanism",
-        "Seven bodies in three closed loops within 30 ms: no choice of independent coordinates lasts.",
-        "F. Mazzia, C. Magherini, Test Set for IVP Solvers, release 2.4 (2008), problem ANDREWS; values "
-        "recomputed in quadruple precision",
-        "Index reduction to accelerations needs no choice of coordinates.  At rtol 1e-8 the error of "
-        "DOP853 is far below 1e-6; the projection after each step leaves round-off of one evaluation, "
-        "1e-16 of the size of the terms.",
-        "classic/andrews_squeezer",
-        "lagc sim andrews_squeezer --stop 0.03 --method dop853 --rtol 1e-8 --atol 1e-8",
-        (Figure("angles [rad]", 1e-6), Figure("position residual", 1e-15)), andrews,
-    ),
-    *(
-        Case(
-            f"flat_{n}", f"{n} four-bar window{'s' if n > 1 else ''} through the flat configuration at speed",
-            f"Ten times in 10 s all bars lie on one line: the rank drops by {n}, and each window could go on "
-            "crossed.",
-            FLAT, PASSES, "classic/n_four_bar",
-            f"lagc sim n_four_bar -p N={n} --method dop853 --rtol 1e-9 --atol 1e-9",
-            (Figure("distance from the branch [rad]", 1e-6), Figure("energy [J]", 5e-5)),
-            partial(through_flat, n),
-        )
-        for n in (1, 4)
-    ),
-    Case(
-        "flat_start", "four windows that start 1e-2 ... 0 rad from the flat configuration",
-        "At 0 the constraints do not determine the motion; near it they hardly do.",
-        FLAT, PASSES + "  From the flat configuration itself the dependent rows are named; the energy "
-        "counts for the starts beside it.", "classic/n_four_bar",
-        "lagc sim n_four_bar -p N=4 --start 'th[1]=90[deg]' --start 'th[2]=90[deg]' --start 'th[3]=90[deg]' "
-        "--start 'th[4]=90[deg]' --start 'th[5]=90[deg]' --method dop853 --rtol 1e-9 --atol 1e-9",
-        (Figure("distance from the branch [rad]", 1e-6), Figure("energy [J]", 5e-5),
-         Figure("rank loss not named", 0.0)), from_flat,
-    ),
-    Case(
-        "twice", "a four-bar linkage whose ring is closed twice",
-        "Every constraint stated twice: the matrix of the multipliers is singular everywhere.",
-        "The run with one ring, which is an independent model; the smallest multipliers by A. Bjorck, "
-        "Numerical Methods for Least Squares Problems (1996), 2.7.3",
-        "The rows that say nothing new are found by rank-revealing elimination and left out; multipliers of "
-        "least norm are shared equally by equal rows.", "hard/four_bar_again",
-        "lagc sim four_bar_again --scene closed_twice --method dop853 --rtol 1e-11 --atol 1e-11",
-        (Figure("motion, relative", 1e-10), Figure("half of the force each, relative", 1e-9),
-         Figure("rows not named", 0.0)), twice,
-    ),
-    Case(
-        "contradiction", "a ring that is closed to two places at once",
-        "No position fulfils both rows; a least-squares compromise would look like one.",
-        "The two places are 0.5 m apart",
-        "The initial residual cannot be made zero; the rows that stay unfulfilled are the ones that "
-        "contradict each other.", "hard/four_bar_again",
-        "lagc sim four_bar_again --scene closed_twice -p gap=0.5",
-        (Figure("rows not named", 0.0),), contradiction,
-    ),
-    Case(
-        "overconstrained", "Bennett's linkage, 10 s",
-        "Six closing rows of rank two in every configuration; by Gruebler's count it does not move.",
-        "G. T. Bennett, Engineering 76 (1903) 777; no load works, so the energy is constant",
-        "The redundant rows are left out by rank in the mass metric at each evaluation, so the motion is "
-        "that of the independent rows; the energy error is that of rtol 1e-10 over some thousand steps.",
-        "hard/bennett", "lagc sim bennett --stop 10 --method dop853 --rtol 1e-10 --atol 1e-10",
-        (Figure("energy, relative", 1e-6), Figure("opposite angles [rad]", 1e-8),
-         Figure("stands still", 0.0)), bennett,
-    ),
-    Case(
-        "massless", "a massless bob between two strings",
-        "Nothing resists the force across the strings: the accelerations are not determined.",
-        "The mass matrix and the two rows have rank three for four coordinates",
-        "A pivot of the mass matrix on the null space of the constraints is zero; it belongs to the "
-        "coordinate and the body that are named.", "hard/massless_link", "lagc sim massless_link -p m=0",
-        (Figure("bodies not named", 0.0),), massless,
-    ),
-)  # fmt: skip
+
+def drive(lab: Lab) -> Found:
+    run = lab.run(lab.compile("hard/driven_slider"), 1.0, method="dop853", rtol=1e-11, atol=1e-11, points=201)
+    balance = abs(run.energy.imbalance) / max(abs(run.energy.work), abs(run.energy.end))
+    return Found((run.position_drift, run.velocity_drift, balance), how(run), run=run)
+
+
+# -- chains ----------------------------------------------------------------------------------------
+
+ROUNDS = 5  # the fastest counts
+
+
+def _random_state(n: int, angle: float) -> tuple[Any, Any]:
+    """Angles and rates up to `angle` and twice as much."""
+    random = np.random.default_rng(1)
+    return random.uniform(-angle, angle, n), random.uniform(-2.0 * angle, 2.0 * angle, n)
+
+
+def _error(lab: Lab, name: str, n: int, angle: float, masses: list[float], **parameters: float) -> float:
+    model = lab.compile(name, parameters={"n": n, **parameters})
+    angles, rates = _random_state(n, angle)
+    found = model.rhs(0.0, [*angles, *rates])[n:]
+    expected = np.array(chain_accelerations(angles.tolist(), rates.tolist(), masses, 0.2, 9.81))
+    return float(abs(found - expected).max() / abs(expected).max())
+
+
+def chain(lab: Lab) -> Found:
+    n = 1000
+    error = _error(lab, "classic/chain", n, 1.0, [1.0] * n)
+    if lab.backend != "c":
+        return Found((error, None), "right-hand side")
+    model = lab.compile("classic/chain", parameters={"n": n})
+    x = [1e-3] * n + [0.0] * n
+    times = []
+    for _ in range(ROUNDS):
+        began = process_time()
+        done = model.system.integrate(Options("rk4", step=1e-4), 0.0, x, [0.0, 0.025])
+        times.append((process_time() - began) / done.rhs)
+    said = f"{model.operations / n:.0f} operations a link"
+    return Found((error, 1e6 * min(times)), "right-hand side", said)
+
+
+def tip_mass(lab: Lab) -> Found:
+    n = 100
+    error = _error(lab, "hard/tip_mass", n, 1e-3, [1.0] * (n - 1) + [1e6], tip=1e6)
+    return Found((error,), "right-hand side")
+
+
+def tip_strings(lab: Lab) -> Found:
+    n, link = 100, 0.2
+    model = lab.compile("hard/tip_strings", parameters={"n": n, "tip": 1e6})
+    angles, rates = _random_state(n, 1e-3)
+    sine, cosine = np.sin(angles), np.cos(angles)
+    state = [link * sine, -link * cosine, link * cosine * rates, link * sine * rates]
+    found = model.rhs(0.0, [value for part in state for value in np.cumsum(part)])[2 * n : 3 * n]
+    turns = chain_accelerations(angles.tolist(), rates.tolist(), [1.0] * (n - 1) + [1e6], link, 9.81)
+    expected = np.cumsum(link * (cosine * np.array(turns) - sine * rates**2))
+    return Found((float(abs(found - expected).max() / abs(expected).max()),), "right-hand side")

@@ -4,42 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-from functools import cache, partial
+from functools import cache
 from typing import Any
 
 from lagc.host.model_library import references_folder
-from lagc.study.hard.case import Case, Figure, Found, Lab, how
+from lagc.study.hard.case import Found, Lab, how
 
-HARD = {
-    "arenstorf_orbit": "Close passages of the moon; the orbit amplifies errors a millionfold.",
-    "babyboot": "A chaotic range: the twist feels each swing.",
-    "bead_on_hoop": "A constraint that moves with time, and its forces.",
-    "car_axis": "Index 3, stiff springs, a ground that moves.",
-    "chaplygin_sleigh": "A constraint that cannot be integrated, and a motion that grows straight.",
-    "euler_top": "Orientation in space, without a singularity of angles.",
-    "foucault_pendulum": "A slow precession under a fast swing.",
-    "four_bar": "Accelerations of a closed loop.",
-    "heavy_top": "Nutation and precession of a fast top.",
-    "heavy_top_bruels": "A fast top with orientation and a constraint in space.",
-    "henon_heiles": "A potential with ordered and chaotic orbits.",
-    "kepler_e06": "An orbit with fast and slow parts.",
-    "kepler_e09": "An orbit with very fast and slow parts.",
-    "kepler_e099": "Speeds at the ends of the orbit that differ 199 times.",
-    "moving_rail": "A constraint that moves with time.",
-    "msl_double_pendulum": "A chaotic range, with a damper in a joint.",
-    "msl_pendulum": "A damper in a joint.",
-    "msl_point_gravity_body2": "A close passage of the centre.",
-    "n_four_bar_1": "The rank drops in the flat configuration, twice in a turn.",
-    "n_four_bar_2": "The rank drops by two in the flat configuration.",
-    "n_four_bar_40": "The rank drops by 40 in the flat configuration, with 81 coordinates.",
-    "pleiades": "Seven stars with near collisions.",
-    "racket_flip": "A turn about the middle axis, which is unstable.",
-    "simple_pendulum": "The first problem of the IFToMM benchmark, in Cartesian coordinates.",
-    "sphere_on_turntable": "Rolling on a ground that turns.",
-    "spherical_pendulum": "A string in space that passes near the vertical.",
-    "wedge_and_block": "Two bodies that slide on each other.",
-}  # what is hard, by file
-GROUP = f"{len(HARD)} problems with published or closed values"
 LONG = {"n_four_bar_40"}  # Python measures the first sample
 
 
@@ -51,7 +21,8 @@ def read(name: str) -> dict[str, Any]:
     return found
 
 
-def _measure(name: str, lab: Lab) -> Found:
+def values(name: str, lab: Lab) -> Found:
+    """Measure the largest error of the values of a reference, over the largest size of each."""
     reference = read(name)
     samples, accuracy = reference["samples"], reference["accuracy"]
     shown = samples[0] if lab.backend != "c" and name in LONG else samples[-1]
@@ -70,7 +41,8 @@ def _measure(name: str, lab: Lab) -> Found:
     return Found((worst,), how(run), run=run)
 
 
-def _line(reference: dict[str, Any]) -> str:
+def line(reference: dict[str, Any]) -> str:
+    """Return the command that computes the values of a reference."""
     words = ["lagc sim", reference["model"]]
     if reference.get("scene"):
         words.append(f"--scene {reference['scene']}")
@@ -81,18 +53,3 @@ def _line(reference: dict[str, Any]) -> str:
     asked = f"--accuracy {reference['accuracy'] / 10:.0e}"
     words.append(f"--method dop853 --rtol {tolerance:g} --atol {tolerance:g}" if tolerance else asked)
     return " ".join(words)
-
-
-def _case(name: str) -> Case:
-    reference = read(name)
-    return Case(
-        name, f"{name.replace('_', ' ')}, values of the literature", HARD[name], reference["citation"],
-        "A global error is asked a decade below the figure, or a local one far below it; the source states "
-        f"its values so: {reference['stated_accuracy']}.",
-        reference["model"], _line(reference),
-        (Figure("values, relative", reference["accuracy"]),),
-        partial(_measure, name), GROUP,
-    )  # fmt: skip
-
-
-CASES = tuple([_case(name) for name in HARD])

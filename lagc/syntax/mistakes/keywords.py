@@ -6,18 +6,9 @@ import re
 from itertools import pairwise
 
 from lagc.diagnostics.faults import Fault, Span
-from lagc.diagnostics.foreign_words import (
-    AS_JOINT,
-    KEYWORDS,
-    LIBRARIES,
-    MODELS,
-    NO_LIBRARY,
-    RUNS,
-    remedy_of_word,
-)
-from lagc.diagnostics.suggest import closest
-from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
-from lagc.syntax.tokens import END, NUMBER, STRING, SYMBOL, UNIT, WORD
+from lagc.diagnostics.suggest import AS_JOINT, closest, foreign, remedy_of_word
+from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD
+from lagc.syntax.mistakes import HEADERS, Explained, Repair, Where, explained, token_of
 
 
 def first_word(w: Where) -> Explained | None:
@@ -27,23 +18,22 @@ def first_word(w: Where) -> Explained | None:
         return None
     if w.inside and w.tokens[w.begin + 1].text in (".", "[", "="):
         return None
-    entry = KEYWORDS.get(word)
+    entry = foreign("keywords").get(word)
     if entry is not None:
         message = f"`{word}` is not a keyword of the language"
-        fault = Fault("LAG0118", message, w.span(w.first), remedy=remedy_of_word(KEYWORDS, word))
-        return Explained(fault, None if "`" in entry else w.replace_first(*entry.split()))
+        repair = None if "`" in entry else w.replace_first(*entry.split())
+        return explained("LAG0118", message, w.span(w.first), remedy_of_word("keywords", word), repair)
     if w.tokens[w.begin + 1].kind != WORD:
         return None
     if word.lower() in w.keywords:
         message = "keywords are written in lower case"
-        fault = Fault("LAG0119", message, w.span(w.first), remedy=f"write `{word.lower()}`")
-        return Explained(fault, w.replace_first(word.lower()))
+        repair = w.replace_first(word.lower())
+        return explained("LAG0119", message, w.span(w.first), f"write `{word.lower()}`", repair)
     near = closest(word, w.keywords)
     if near is None or not w.inside:
         return None
     message = f"`{word}` is not a keyword"
-    fault = Fault("LAG0119", message, w.span(w.first), remedy=f"did you mean `{near}`?")
-    return Explained(fault, w.replace_first(near))
+    return explained("LAG0119", message, w.span(w.first), f"did you mean `{near}`?", w.replace_first(near))
 
 
 def else_when(w: Where) -> Explained | None:
@@ -69,8 +59,8 @@ def joint_form(w: Where) -> Explained | None:
     """Explain `joint Revolute j(...)`, which has another form than the language reads."""
     if w.first.text != "joint" or not w.inside:
         return None
-    kind = remedy_of_word(MODELS, w.tokens[w.begin + 1].text) or AS_JOINT
-    return Explained(Fault("LAG0221", "a joint has another form", w.span(w.first), remedy=kind))
+    kind = remedy_of_word("models", w.tokens[w.begin + 1].text) or AS_JOINT
+    return explained("LAG0221", "a joint has another form", w.span(w.first), kind)
 
 
 def python_choice(w: Where) -> Explained | None:
@@ -108,15 +98,13 @@ def conditional_component(w: Where) -> Explained | None:
     """Explain `Gravity field if air;`."""
     if w.token.text != "if" or not w.inside or w.new_line() or not w.accepts("SEMICOLON"):
         return None
-    last = w.position
-    while w.tokens[last + 1].text != ";" and w.tokens[last + 1].kind != END:
-        last += 1
+    last = w.last_of_declaration()
     name = w.tokens[last].text if last == w.position + 1 and w.tokens[last].kind == WORD else "option"
     declared = w.span(w.first, w.before).text
     message = "an optional part of a model is an effect, which a scene uses"
     remedy = f"write `effect {name} {declared}; end {name};` and `scene lab uses {name};`"
-    fault = Fault("LAG0118", message, w.span(w.token, w.tokens[last]), remedy=remedy)
-    return Explained(fault, Repair(w.position, last + 1 - w.position, ()))
+    repair = Repair(w.position, last + 1 - w.position, ())
+    return explained("LAG0118", message, w.span(w.token, w.tokens[last]), remedy, repair)
 
 
 def scene_arguments(w: Where) -> Explained | None:
@@ -133,8 +121,8 @@ def scene_arguments(w: Where) -> Explained | None:
     lines = [f"{'start' if part.split()[0] in starts else 'parameter'} {part};" for part in given if part]
     message = "a scene has no arguments: it sets values in its body"
     remedy = f"write `scene {name.text} {' '.join(lines)} end {name.text};`"
-    fault = Fault("LAG0114", message, w.span(name, w.tokens[last - 1]), remedy=remedy)
-    return Explained(fault, Repair(w.begin, last - w.begin, ()))
+    repair = Repair(w.begin, last - w.begin, ())
+    return explained("LAG0114", message, w.span(name, w.tokens[last - 1]), remedy, repair)
 
 
 def solver_call(w: Where) -> Explained | None:
@@ -143,28 +131,31 @@ def solver_call(w: Where) -> Explained | None:
     while w.tokens[last].kind != END and (depth > 0 or w.tokens[last].text != ";"):
         depth += (w.tokens[last].text in ("(", "[", "{")) - (w.tokens[last].text in (")", "]", "}"))
         last += 1
-    solver = next((t for t in w.tokens[w.begin : last] if t.text in RUNS), None)
+    solver = next((t for t in w.tokens[w.begin : last] if t.text in foreign("solvers")), None)
     if solver is None:
         return None
     message = f"`{solver.text}` is not needed: lagc integrates the equations of motion"
-    remedy = f"delete this; {remedy_of_word(KEYWORDS, 'solve')}"
-    fault = Fault("LAG0118", message, w.span(solver), remedy=remedy)
-    return Explained(fault, Repair(w.begin, last - w.begin + 1, ()))
+    remedy = f"delete this; {foreign('keywords')['solve']}"
+    return explained(
+        "LAG0118",
+        message,
+        w.span(solver),
+        remedy,
+        Repair(w.begin, last - w.begin + (w.tokens[last].kind != END), ()),
+    )
 
 
 def without_kind(w: Where) -> Explained | None:
     """Explain `Real[m] x(start = 1);`."""
     if w.first.text != "Real" or w.token.kind != UNIT or w.position != w.begin + 1:
         return None
-    last = w.position
-    while w.tokens[last + 1].text != ";" and w.tokens[last + 1].kind != END:
-        last += 1
+    last = w.last_of_declaration()
     declared = w.span(w.first, w.tokens[last])
     kind = "output" if "der" in declared.text else "parameter" if "=" in declared.text else "coordinate"
     kind = "coordinate" if "start" in declared.text else kind
     message = "the declaration of a quantity begins with its kind, such as `parameter` or `coordinate`"
-    fault = Fault("LAG0119", message, w.span(w.first), remedy=f"write `{kind} {declared.text};`")
-    return Explained(fault, Repair(w.begin, 0, (token_of(kind, w.first.start),)))
+    repair = Repair(w.begin, 0, (token_of(kind, w.first.start),))
+    return explained("LAG0119", message, w.span(w.first), f"write `{kind} {declared.text};`", repair)
 
 
 def if_statement(w: Where) -> Explained | None:
@@ -175,12 +166,17 @@ def if_statement(w: Where) -> Explained | None:
         "`when`, and an optional part of a model is an `effect`"
     )
     message = "`if` belongs in an expression and does not begin a declaration"
-    return Explained(Fault("LAG0118", message, w.span(w.first), remedy=remedy))
+    return explained("LAG0118", message, w.span(w.first), remedy)
 
 
 def missing_end_word(w: Where) -> Explained | None:
     """Explain `room;` instead of `end room;`."""
-    if w.token.text != ";" or w.position - w.begin != 1 or w.block is None or w.first.text != w.block.closing:
+    if (
+        w.token.text != ";"
+        or w.position - w.begin != 1
+        or w.block is None
+        or w.first.text != w.block.end_name
+    ):
         return None
     message = f"an `end` is missing before `{w.first.text}`"
     fault = w.block.fault("LAG0112", message, w.span(w.first))
@@ -190,7 +186,7 @@ def missing_end_word(w: Where) -> Explained | None:
 def stray_end(w: Where) -> Explained | None:
     if w.inside or w.token.text != "end":
         return None
-    return Explained(Fault("LAG0113", "there is no open block that this `end` could close", w.span(w.token)))
+    return explained("LAG0113", "there is no open block that this `end` could close", w.span(w.token))
 
 
 def brace_for_block(w: Where) -> Explained | None:
@@ -199,8 +195,7 @@ def brace_for_block(w: Where) -> Explained | None:
     if w.first.text != "{" or w.begin < 2 or w.tokens[w.begin - 2].text not in HEADERS:
         return None
     message = "a block ends with `end name;` and has no braces"
-    fault = Fault("LAG0114", message, w.span(w.first), remedy="delete it")
-    return Explained(fault, Repair(w.begin, 1, ()))
+    return explained("LAG0114", message, w.span(w.first), "delete it", Repair(w.begin, 1, ()))
 
 
 def family(w: Where) -> Explained | None:
@@ -213,7 +208,7 @@ def family(w: Where) -> Explained | None:
         return None
     message = "a list of values for each index has its own braces: `{i^2 for i in 1:n}`"
     remedy = "for two indices write `{{i*j for j in 1:m} for i in 1:n}`" if again else None
-    return Explained(Fault("LAG0110", message, w.span(w.token), remedy=remedy))
+    return explained("LAG0110", message, w.span(w.token), remedy)
 
 
 def _loop_fault(w: Where) -> Fault:
@@ -226,8 +221,8 @@ def missing_word(w: Where) -> Explained | None:
         return Explained(_loop_fault(w), w.insert("loop"))
     if w.first.text == "for" and w.accepts("IN"):
         message = "an `in` is missing: `for i in 1:n loop ... end for;`"
-        repair = w.replace("in") if w.token.text == "=" else w.insert("in")
-        return Explained(Fault("LAG0128", message, w.span(w.token)), repair)
+        repair: Repair | None = w.replace("in") if w.token.text == "=" else w.insert("in")
+        return explained("LAG0128", message, w.span(w.token), repair=repair)
     for word in ("then", "else"):
         if w.accepts(word.upper()):
             message = f"an `{word}` is missing" if word == "else" else "a `then` is missing"
@@ -235,8 +230,8 @@ def missing_word(w: Where) -> Explained | None:
             if w.first.text == "when":
                 whole = "`when condition then ... end when;`"
             remedy = f"write `{word}`" + (" and the other value" if word == "else" else "")
-            fault = Fault("LAG0128", f"{message}: {whole}", w.span(w.token), remedy=remedy)
-            return Explained(fault, w.insert(word) if word == "then" else None)
+            repair = w.insert(word) if word == "then" else None
+            return explained("LAG0128", f"{message}: {whole}", w.span(w.token), remedy, repair)
     return None
 
 
@@ -257,8 +252,8 @@ def load_target(w: Where) -> Explained | None:
         place = next((b.text for a, b in pairs if a.text in words and b.kind == WORD), "b")
         written = w.span(w.first, w.before).text
         remedy = f"write `{written} {needed} {place};`"
-    fault = Fault("LAG0127", f"{shown}: `{example}`", w.span(w.token), remedy=remedy)
-    return Explained(fault, w.replace(needed) if other else None)
+    repair = w.replace(needed) if other else None
+    return explained("LAG0127", f"{shown}: `{example}`", w.span(w.token), remedy, repair)
 
 
 def load_target_first(w: Where) -> Explained | None:
@@ -271,7 +266,7 @@ def load_target_first(w: Where) -> Explained | None:
         return None
     message = f"a {w.first.text} acts `{w.token.text}` what follows its value"
     remedy = f"write `{w.span(w.first, w.before).text} = {value.strip()} {place.strip()};`"
-    return Explained(Fault("LAG0127", message, w.span(w.token), remedy=remedy))
+    return explained("LAG0127", message, w.span(w.token), remedy)
 
 
 def loop_of_another_language(w: Where) -> Explained | None:
@@ -283,7 +278,7 @@ def loop_of_another_language(w: Where) -> Explained | None:
     last = found["last"] or found["count"] or found["bound"]
     message = "a loop has the form `for i in 1:n loop ... end for;`"
     span = Span(w.source, w.first.start, found.end())
-    return Explained(Fault("LAG0128", message, span, remedy=f"write `for {index} in {first}:{last} loop`"))
+    return explained("LAG0128", message, span, f"write `for {index} in {first}:{last} loop`")
 
 
 _LOOP = re.compile(
@@ -299,12 +294,10 @@ def constraint_parts(w: Where) -> Explained | None:
     if w.accepts("COLON") and w.position - w.begin == 2:
         rest = w.source.text[w.before.start :].partition(";")[0]
         remedy = f"write `constraint c: {rest};`" if len(rest) <= 60 and "\n" not in rest else None
-        return Explained(Fault("LAG0129", f"a constraint has a name: {form}", w.span(w.token), remedy=remedy))
+        return explained("LAG0129", f"a constraint has a name: {form}", w.span(w.token), remedy)
     if w.accepts("EQUALS") and w.token.text == ";":
         remedy = f"write `{w.span(w.first, w.before).text} = 0;` if it is to be 0"
-        return Explained(
-            Fault("LAG0129", f"a constraint has two sides: {form}", w.span(w.token), remedy=remedy)
-        )
+        return explained("LAG0129", f"a constraint has two sides: {form}", w.span(w.token), remedy)
     return None
 
 
@@ -312,19 +305,17 @@ def description_last(w: Where) -> Explained | None:
     if w.before.kind != STRING or w.token.text not in ("=", "(", "[", "at", "on", "unless", ":", "uses"):
         return None
     message = "write the description last, right before the `;` or the `,`"
-    return Explained(Fault("LAG0125", message, w.span(w.before)))
+    return explained("LAG0125", message, w.span(w.before))
 
 
 def annotation_behind(w: Where) -> Explained | None:
     """Explain `parameter Mass m = 1 annotation(...);`."""
     if w.token.text != "annotation" or not w.inside or not w.accepts("SEMICOLON"):
         return None
-    last = w.position
-    while w.tokens[last + 1].text != ";" and w.tokens[last + 1].kind != END:
-        last += 1
+    last = w.last_of_declaration()
     message = "an annotation has no effect, and belongs to no declaration"
-    fault = Fault("LAG0118", message, w.span(w.token, w.tokens[last]), remedy="delete it")
-    return Explained(fault, Repair(w.position, last + 1 - w.position, ()))
+    repair = Repair(w.position, last + 1 - w.position, ())
+    return explained("LAG0118", message, w.span(w.token, w.tokens[last]), "delete it", repair)
 
 
 def import_as(w: Where) -> Explained | None:
@@ -333,8 +324,8 @@ def import_as(w: Where) -> Explained | None:
         return None
     path, name = w.span(w.tokens[w.begin + 1], w.before).text, w.tokens[w.position + 1].text
     message = "`as` is not a keyword of the language"
-    remedy = NO_LIBRARY if path.partition(".")[0] in LIBRARIES else f"write `import {name} = {path};`"
-    return Explained(Fault("LAG0118", message, w.span(w.token), remedy=remedy))
+    remedy = foreign("libraries").get(path.partition(".")[0], f"write `import {name} = {path};`")
+    return explained("LAG0118", message, w.span(w.token), remedy)
 
 
 def another_name(w: Where) -> Explained | None:
@@ -345,8 +336,8 @@ def another_name(w: Where) -> Explained | None:
     if w.token.text not in (";", ",") or "\n" in w.source.text[before.end : w.first.start]:
         return None
     message = f"`{w.first.text}` does not begin a declaration; names in a list are separated by `,`"
-    fault = Fault("LAG0130", message, w.span(before, w.first), remedy=f"write `, {w.first.text}`")
-    return Explained(fault, Repair(w.begin - 1, 1, (token_of(",", before.start),)))
+    repair = Repair(w.begin - 1, 1, (token_of(",", before.start),))
+    return explained("LAG0130", message, w.span(before, w.first), f"write `, {w.first.text}`", repair)
 
 
 def missing_name(w: Where) -> Explained | None:
@@ -355,12 +346,12 @@ def missing_name(w: Where) -> Explained | None:
         rest = w.span(w.first, w.before).text.removeprefix(w.first.text)
         missing = f"a name is missing after `{w.first.text}`"
         line = f"write `{w.first.text} {name}{rest};`"
-        return Explained(Fault("LAG0132", missing, w.span(w.first), remedy=line))
+        return explained("LAG0132", missing, w.span(w.first), line)
     if not w.inside or not w.accepts("NAME") or w.accepts("NUMBER") or w.accepts("SEMICOLON"):
         return None
     message = f"a name is missing after `{w.before.text}`; {w.shown} is not a name"
     remedy = "write `constraint c:`" if w.first.text == "constraint" and w.token.text == ":" else None
-    return Explained(Fault("LAG0132", message, w.span(w.token), remedy=remedy))
+    return explained("LAG0132", message, w.span(w.token), remedy)
 
 
 _NAMED = {"Gravity": "field", "Particle": "b", "Solid": "b"}

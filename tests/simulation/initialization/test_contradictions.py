@@ -8,7 +8,7 @@ import re
 import pytest
 
 from lagc.compiler.checking import check
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Source
 
 T = "1 [m/s]*time"

@@ -8,7 +8,7 @@ import pytest
 
 import lagc
 from lagc.diagnostics.faults import Refused
-from tests.simulation.test_generated import BACKENDS
+from tests.simulation.programs import BACKENDS
 
 INTEGRAL = """\
 model Integral

@@ -7,7 +7,7 @@ import pytest
 
 import lagc
 from lagc.compiler import pipeline
-from lagc.compiler.pipeline import Choice
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Source
 from lagc.lowering.jacobians import condition_slopes
 from lagc.simulation.backends.python import NumpySystem

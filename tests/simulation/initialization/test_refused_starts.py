@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import pytest
 
 import lagc
+from lagc.base.text import Quantity
 from lagc.cli.main import main
 from lagc.compiler import checking, pipeline
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.simulation.request import Quantity
 
 FORM = """model Bead
   parameter Mass m = {m};

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lagc.codegen.python.support.base import Trajectory
+
+if TYPE_CHECKING:
+    from lagc.codegen.python.support.generated import NCON, NX
 
 # -- what follows is part of generated modules --
 
@@ -36,3 +39,26 @@ def contact_events(state: Any) -> list[tuple[float, int, int, float, float, floa
         for i, kind in enumerate(state.contact_kinds)
         if kind
     ]
+
+
+def others_so_far(state: Any) -> int:
+    """Return the number of events of contacts so far."""
+    return int(state.settlements)
+
+
+def other_events(state: Any) -> list[Any]:
+    return contact_events(state)
+
+
+def trajectory(state: Any, others: list[Any], **values: Any) -> ContactTrajectory:
+    return ContactTrajectory(contacts=others, penetration=state.penetration, **values)
+
+
+def other_inputs(work: Any) -> dict[str, Any]:
+    """Return inputs of the outputs that only such models have."""
+    return {"contact_forces": work.contacts.forces}
+
+
+def is_plain(x: Any) -> Any:
+    """Return which of many states have no contact that touches."""
+    return (x[:, NX - NCON :] == 0.0).all(axis=1)

@@ -39,6 +39,7 @@ def record_in_slices(
     status: int = INTERRUPTED
     try:
         while status == INTERRUPTED:
+            # Steps that are left of the limit; rejected ones count too.
             limit = options.max_steps
             if limit > 0:
                 limit -= state.steps + state.rejected
@@ -49,8 +50,10 @@ def record_in_slices(
             status = record(min(budget, look - state.steps), limit)
             if progress is not None:
                 progress(state.t)
+            # A slice grows until it takes half of SLICE, so that progress costs nothing.
             if clock is not None and clock() - began < 0.5 * SLICE:
                 budget *= 2
+            # `watch` is called after 1024, 2048, ... accepted steps: a slice never goes beyond.
             if state.steps == look and status == INTERRUPTED:
                 look *= 2
                 if options.watch is not None and options.watch(result(INTERRUPTED)):

@@ -1,1 +1,0 @@
-"""Event indicators and step guards."""

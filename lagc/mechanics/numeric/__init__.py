@@ -1,1 +1,0 @@
-"""Numerical tools of the derivation: samples, linear algebra, roots."""

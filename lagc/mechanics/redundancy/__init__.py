@@ -1,1 +1,0 @@
-"""Redundant constraints."""

@@ -1,1 +1,0 @@
-"""Scenes: which effects, parameters and settings a run uses."""

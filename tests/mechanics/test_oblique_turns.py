@@ -1,0 +1,90 @@
+"""Chains of turns about oblique axes, whose vectors are sums of more terms than doubles have digits: what is
+said of them is what is said of short ones."""
+
+from __future__ import annotations
+
+from math import cos, sin, sqrt
+
+import pytest
+
+import lagc
+from lagc.mechanics.analysis.analysis import analyse
+from lagc.mechanics.identities.samples import magnitudes
+from lagc.symbolic.graph import Graph, Node
+from tests.reports.models import equations_of
+
+CHAIN = """
+model Chain
+  structural Integer n = {n};
+  coordinate Angle q[n](each start = 0.2 [rad]);
+  frame F[0] = world;
+  point P[0] = {{0, 0, 0}};
+  for i in 1:n loop
+    frame F[i] = rotate(F[i-1], F[i-1].z + F[i-1].y, q[i]);
+    point P[i] = P[i-1] + 0.3 [m]*F[i].x;
+    body b[i] = Particle(mass = 0.5 [kg], at = P[i]);
+    {each}
+  end for;
+  {more}
+end Chain;
+"""
+SPRING = "potential s[i] = 1/2*3 [N.m]*q[i]^2;"
+DRAG = "dissipation d = 1/2*0.1 [kg/s]*dot(velocity(b[n]), velocity(b[n]));"
+TIP = "constraint tip: P[n].z = 0.1 [m];"
+AGAIN = "constraint again: 2*dot(P[n] - P[0], world.z) = 0.2 [m];"
+
+
+@pytest.mark.sample(0, 2)
+@pytest.mark.parametrize("n", [3, 9, 20])
+def test_springs_and_drag_leave_nothing_conserved(n: int) -> None:
+    found = analyse(equations_of(CHAIN.format(n=n, each=SPRING, more=DRAG)))
+    assert found.degrees_of_freedom == n
+    assert not found.cyclic and not found.conserved
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("n", [9, 20])
+def test_a_row_at_the_tip_takes_one_freedom(n: int) -> None:
+    found = analyse(equations_of(CHAIN.format(n=n, each=SPRING, more=TIP)))
+    assert found.degrees_of_freedom == n - 1 and not found.redundant
+    twice = analyse(equations_of(CHAIN.format(n=n, each=SPRING, more=TIP + AGAIN)))
+    assert twice.degrees_of_freedom == n - 1 and len(twice.redundant) == 1
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("n", [3, 16])
+def test_a_friction_that_may_drive_is_warned_of(n: int) -> None:
+    push = "force air = -0.05 [kg/s]*velocity(b[n-1]) at b[n];"
+    faults = lagc.loads(CHAIN.format(n=n, each="", more=push)).check()
+    assert [fault.code for fault in faults if fault.code != "LAG0429"] == ["LAG0412"]
+
+
+@pytest.mark.parametrize("turns", [1, 10, 60])
+def test_terms_are_as_large_as_their_rounding_tells(turns: int) -> None:
+    """A vector of length 5 that is turned: its length stays, and no component has larger terms than that many
+    roundings of it.  Its components and the difference of its square are told from what vanishes."""
+    graph = Graph()
+    angle, half = graph.symbol("coordinate", "q"), graph.const(sqrt(0.5))
+    vector: tuple[Node, Node, Node] = (graph.const(3.0), graph.const(4.0), graph.zero)
+    c, s = graph.cos(angle), graph.sin(angle)
+    x, y, z = 3.0, 4.0, 0.0
+    a, b = cos(0.3), sin(0.3)
+    for _ in range(turns):
+        u, v, w = vector  # about (0, 1, 1)/sqrt(2)
+        along = half * (v + w)
+        across = half * (w - v)
+        vector = (
+            c * u + s * across,
+            half * along - half * (c * across - s * u),
+            half * along + half * (c * across - s * u),
+        )
+        p, q = sqrt(0.5) * (y + z), sqrt(0.5) * (z - y)
+        x, y, z = a * x + b * q, sqrt(0.5) * (p - (a * q - b * x)), sqrt(0.5) * (p + (a * q - b * x))
+    square = graph.sum(part * part for part in vector)
+    state = {angle: 0.3}
+    *parts, whole, none = magnitudes([*vector, square, square - 25.0], state)
+    for (value, size), exact in zip(parts, (x, y, z)):
+        assert value == pytest.approx(exact, abs=1e-14 * turns)
+        assert size <= 5.0 * 20.0 * turns
+    assert whole[0] == pytest.approx(25.0, rel=1e-13)
+    assert abs(none[0]) <= 1e-11 * none[1] and 2.5 <= none[1] <= 25.0 * 40.0 * turns
