@@ -50,7 +50,7 @@ class Measurable(Parametrized):
         consistent initial state or C compiler, or if the motion does not reach `stop`.
         """
         began = perf_counter()
-        from lagc.compiler import pipeline
+        from lagc.compiler import pipeline, stages
         from lagc.simulation.backends.compile import CannotCompile
         from lagc.study.cost import Study, study
         from lagc.study.probe import Failed, Late, Probe

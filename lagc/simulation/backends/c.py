@@ -18,7 +18,6 @@ from lagc.simulation.backends.base import Branch, Compiled, CompiledSystem
 from lagc.simulation.backends.checked import checked, run_in_slices
 from lagc.simulation.backends.compile import library
 from lagc.simulation.backends.event_log import EventLog
-from lagc.simulation.error_measure import quantity_names
 from lagc.simulation.system import OK, Checked, Options, Trajectory, Vector
 
 _TYPES: dict[str, Any] = {"int": c_int, "long": c_long, "double": c_double, "size_t": c_size_t, "void": None}
