@@ -179,9 +179,11 @@ def displace_check(p: Params, x0: Vec[NX], v: Verification) -> None:
         for i in range(NQ + NV):
             v.x[i] *= 1.0 + (SPACING if i % 2 == 0 else -SPACING)
         if NC == 0:
-            for k in range(NALL):
+            for k in range(NP):
                 if p[k] != floor(p[k]):
                     v.p[k] = p[k] * (1.0 + (SPACING if k % 2 == 0 else -SPACING))
+            if NPREPARED > 0:
+                bind(v.p)
 
 
 def begin_attempt(p: Params, x0: Vec[NX], begin_time: Real, o: Options, r: Report, v: Verification) -> None:
