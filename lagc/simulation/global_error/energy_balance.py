@@ -19,6 +19,7 @@ PROBED = 6  # states at which errors of the states are tried
 MARGIN = 10.0  # factor on the effect of state errors
 WORK_MARGIN = 100.0  # factor on the work, whose integral has no error control
 ROUNDED = 100.0  # factor on the change of the energy with the last places of a state
+NOISE = 4.0  # factor on the noise of the imbalance
 ROUNDING = 1e3 * 2.0**-52  # of the energies: their round-off
 
 
@@ -62,9 +63,17 @@ def _at(system: System, run: Trajectory, count: int, accuracy: float) -> Balance
     done = sum(abs(b - a) for a, b in pairwise(works))
     largest = max(abs(e) for parts in energies for e in parts)
     explained = accuracy * (2.0 * MARGIN * kinetic + WORK_MARGIN * done) + ROUNDING * largest
-    left = [abs(e - energies[0][2] - (w - works[0])) for (_, _, e), w in zip(energies, works)]
-    worst = max(range(len(left)), key=left.__getitem__)
-    return Balance(left[worst], run.times[picked[worst]], explained)
+    left = [e - energies[0][2] - (w - works[0]) for (_, _, e), w in zip(energies, works)]
+    explained += NOISE * _noise(left)
+    worst = max(range(len(left)), key=lambda k: abs(left[k]))
+    return Balance(abs(left[worst]), run.times[picked[worst]], explained)
+
+
+def _noise(values: Sequence[float]) -> float:
+    """The median magnitude of second differences: round-off alternates, while one jump of the energy, or its
+    drift, hardly shows in it (R. W. Hamming, Numerical Methods for Scientists and Engineers, 1962)."""
+    second = sorted(abs(a - 2.0 * b + c) for a, b, c in zip(values, values[1:], values[2:]))
+    return second[len(second) // 2] if len(second) > 2 else 0.0
 
 
 def _effect(system: System, t: float, x: Sequence[float], scales: Sequence[float], accuracy: float) -> float:
