@@ -33,7 +33,8 @@ GIVEN_UP = 10.0  # predicted error over the accuracy at which an attempt ends ea
 TRUSTED_PART = 0.05  # of the time, from which on the error at the end is predicted
 LEAST_PART = 1e-3
 MEANINGLESS_ERROR = 1e-2  # error over scale at which the last attempt ends
-PATIENCE = 1.5  # times the time until which the accuracy is met: what has just set out gets its range later
+PATIENCE = 1.5  # times the time until which the accuracy is met, before the last attempt ends,
+WAIT = 0.1  # and of the whole time
 EARLY = 1e-3  # of the size of its group: least scale of a quantity that has hardly begun to move
 SMALL = 1e-2  # of the size of its group: a state below it that misses gets an error weight of its own
 CONSTANT = 1e-9  # of its terms: range of a quantity that does not move
@@ -475,8 +476,9 @@ def gives_up(g: Goal, error: Real, part: Real, last: bool, r: Report, v: Verific
         return False
     if part > TRUSTED_PART:
         if last:
-            met = r.until - v.begin_time
-            if error > MEANINGLESS_ERROR and error > g.accuracy and v.run.t - v.begin_time > PATIENCE * met:
+            # What has just set out, or is moved by round-off, is known as such later.
+            waited = v.run.t - v.begin_time > PATIENCE * (r.until - v.begin_time) + WAIT * v.duration
+            if error > MEANINGLESS_ERROR and error > g.accuracy and waited:
                 return True
         elif error > g.accuracy or v.predicted > GIVEN_UP * g.accuracy:
             return True
