@@ -79,7 +79,7 @@ def near(n: int, apart: float, chance: Random) -> list[list[float]]:
 
 
 def honest(text: str, exact: Exact, stop: float) -> list[Run]:
-    """Runs at several accuracies: none has an error beyond 5 times its estimate (the difference of two runs
+    """Runs at several accuracies: none has an error beyond twice its estimate (the difference of two runs
     is one sample of round-off), or beyond the accuracy where it is `ok`."""
     model = lagc.loads(text).compile(backend="numpy")
     runs: list[Run] = []
@@ -88,7 +88,7 @@ def honest(text: str, exact: Exact, stop: float) -> list[Run]:
         assert run.estimated is not None
         if len(run.times) == 11:
             true = true_error(run, exact)
-            assert true <= 5.0 * run.estimated, (accuracy, run.message)
+            assert true <= 2.0 * run.estimated, (accuracy, run.message)
             assert run.status == "failed" or true <= accuracy
         assert run.status == "failed" or run.estimated <= accuracy
         runs.append(run)
@@ -99,12 +99,12 @@ def honest(text: str, exact: Exact, stop: float) -> list[Run]:
 
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("nonlinear", [False, True])
-@pytest.mark.parametrize("n", [2, 3])
+@pytest.mark.parametrize("n", [2, 3, 4])
 def test_hilbert_mass_matrices(n: int, nonlinear: bool) -> None:
     text, exact = in_coordinates(hilbert(n), Random(n), nonlinear)
     runs = honest(text, exact, 2.0)
     assert runs[0].status == "ok"
-    assert runs[-1].status == "ok"
+    assert (runs[-1].status == "failed") == (n == 4)
 
 
 @pytest.mark.sample(1)
@@ -213,3 +213,24 @@ def test_every_evaluation_is_counted() -> None:
         run = simulate(system, Request(stop=3.0, accuracy=accuracy))
         # not those that the start is judged by, and that are told of the run
         assert system.calls - 3 == run.cost.rhs
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+@pytest.mark.parametrize("e", [1e-2, 1e-3, 1e-4, 5e-5, 2e-5, 1e-5, 3e-6])
+def test_coordinates_that_all_but_coincide(e: float, backend: str) -> None:
+    """a is at p + q and b at p + (1 + e) q, under constant forces: q = (f_b - f_a) t^2 / 2 / e, and the mass
+    matrix has the condition 1 / e^2, at every state alike."""
+    text = f"""model Coincide
+  parameter Mass m = 1 [kg];
+  parameter Real e = {e!r};
+  coordinate Length p, q;
+  body a = Particle(mass = m, at = {{p + q, 0, 0}});
+  body b = Particle(mass = m, at = {{0, p + (1 + e)*q, 0}});
+  force f = (1 [N])*world.x at a;
+  force g = (3.3 [N])*world.y at b;
+end Coincide;"""
+    run = lagc.loads(text).compile(backend=backend).simulate(1.0)
+    true = abs(run["q"][-1] * e / 1.15 - 1.0)
+    assert run.estimated is not None and true <= run.estimated
+    assert run.status == "ok" or e < 1e-4

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 SAMPLES = 20  # states at which outputs are asked what they are made of
 BESIDE = 1e-6  # of the sizes of states: how far from these
 CONSTANT = 1e-6  # of its values: a change below it is shown as none, as of an energy that is kept
+SEVERAL = 3.0  # factor on the round-off of rates at a few states
+LAST_PLACES = 4.0 * 2.0**-52
 ROUNDING = 1e-12  # of what an output is made of: a change below it is no more than rounding
 
 
@@ -61,7 +63,7 @@ def scales(solution: Solution) -> Scales:
     run = Trajectory(times, states, times[-1], states[-1], steps=solution.cost.steps)
     doubts = _doubts(solution)
     zero = [name for name, doubt in doubts.items() if all(abs(x) <= doubt for x in solution.column(name))]
-    return Scales(frozenset([*_constant(solution), *zero]), _sizes(solution, run), doubts)
+    return Scales(frozenset([*_constant(solution, run), *zero]), _sizes(solution, run), doubts)
 
 
 def _doubts(solution: Solution) -> dict[str, float]:
@@ -69,10 +71,28 @@ def _doubts(solution: Solution) -> dict[str, float]:
     return {} if varied is None else {n: varied.doubt(n) for n in solution.names if n in varied}
 
 
-def _constant(solution: Solution) -> Iterator[str]:
-    """The states that rounding alone moves: those of a verified run without a scale."""
-    scales = solution.scales
-    yield from (name for name in solution.state_names if scales.get(name, 1.0) == 0.0)
+def _constant(solution: Solution, run: Trajectory) -> Iterator[str]:
+    """The states that rounding alone moves: those of a verified run without a scale; of another run the
+    groups that stay within the round-off of their rates, the change of these with last places of a state."""
+    if solution.scales:
+        yield from (name for name in solution.state_names if solution.scales.get(name, 1.0) == 0.0)
+        return
+    from lagc.simulation.error_measure import sizes
+    from lagc.simulation.system import rates_at
+
+    system, time = solution.system, SEVERAL * abs(run.times[-1] - run.times[0])
+    change = [0.0] * system.nx
+    for t, x in [*zip(run.times, run.states)][:: max(1, len(run.times) // SAMPLES)]:
+        near = [a * (1.0 + LAST_PLACES * _generic(i)) for i, a in enumerate(x)]
+        here, there = rates_at(system, t, x), rates_at(system, t, near)
+        if here is not None and there is not None:
+            change = [max(c, abs(b - a)) for c, a, b in zip(change, here, there)]
+    moved = [time * c for c in change]
+    if system.nq == system.nv:
+        moved[: system.nq] = [time * m for m in moved[system.nq :][: system.nv]]
+    for group, size in sizes(run, system.interface):
+        if size <= max(moved[i] for i in group):
+            yield from (solution.state_names[i] for i in group)
 
 
 def _generic(k: int) -> float:
