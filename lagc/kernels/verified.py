@@ -172,9 +172,10 @@ def estimate_errors(scales: Vec[NQUANTITY], accuracy: Real, method: int, underwa
 
 def displace_check(p: Params, x0: Vec[NX], v: Verification) -> None:
     """Begin the check with data that differ from those of the run in the last place: what rounding of states
-    and parameters does to a motion is then part of the difference, as large as it grows. Integers are exact.
-    Models with relations begin alike, since the last place may decide on which side of one they are, and
-    constraints keep their parameters, on which it may depend whether one follows from others."""
+    and parameters does to a motion, and of what is prepared from them, is then part of the difference, as
+    large as it grows. Integers without a unit may be exponents and stay. Models with relations begin alike,
+    since the last place may decide on which side of one they are, and constraints keep their parameters, on
+    which it may depend whether one follows from others."""
     v.x[:] = x0
     v.p[:] = p
     if NMODE == 0:
@@ -182,7 +183,7 @@ def displace_check(p: Params, x0: Vec[NX], v: Verification) -> None:
             v.x[i] *= 1.0 + (SPACING if i % 2 == 0 else -SPACING)
         if NC == 0:
             for k in range(NP):
-                if p[k] != floor(p[k]):
+                if has_unit[k] != 0 or p[k] != floor(p[k]):
                     v.p[k] = p[k] * (1.0 + (SPACING if k % 2 == 0 else -SPACING))
             if NPREPARED > 0:
                 bind(v.p)
