@@ -64,6 +64,10 @@ def state_quantities(p: Params, t: Real, x: Vec[NX], y: Vec[NQUANTITY], w: Work)
 def compare_quantities(v: Verification) -> None:
     """Enlarge the gaps to the differences of the two runs, and the ranges to the values of the run. Values
     of outputs that are not finite are left out."""
+    if NZ > 0:
+        gap = fabs(v.run.x[NQ + NV] - v.check.x[NQ + NV])
+        if v.run.t == v.check.t and gap > v.work_error:
+            v.work_error = gap
     for i in range(NQUANTITY):
         gap = fabs(v.of_run[i] - v.of_check[i])
         if not gap - gap == 0.0:
@@ -205,6 +209,8 @@ def begin_attempt(p: Params, x0: Vec[NX], begin_time: Real, o: Options, r: Repor
     for i in range(NQ + NV):
         v.roundoff[i] = 0.0
     v.begin_time = begin_time
+    if NZ > 0:
+        v.work_error = 0.0
     if NMODE > 0:
         v.lag = 0
         v.changes_before = 0
@@ -477,7 +483,7 @@ def gives_up(g: Goal, error: Real, part: Real, last: bool, r: Report, v: Verific
         return False
     if part > TRUSTED_PART:
         if last:
-            # What has just set out, or is moved by round-off, is known as such later.
+            # A state that has just set out, or that round-off moves, is known as such later.
             waited = v.run.t - v.begin_time > PATIENCE * (r.until - v.begin_time) + WAIT * v.duration
             if error > MEANINGLESS_ERROR and error > g.accuracy and waited:
                 return True

@@ -81,7 +81,7 @@ def verified_verdict(system: System, found: Verified, asked: float, stop: float)
         return Verdict("failed", _nearly_dependent(system, *kept), run, inf)
     if estimated > asked:
         return _inaccurate(system, found, asked, stop)
-    balanced = balance(system, run, found.scales, asked)
+    balanced = balance(system, run, found.scales, asked, found.work_error)
     if not balanced.holds:
         return Verdict("failed", _unbalanced(balanced, asked), run, estimated)
     return Verdict(status, message, run, estimated)

@@ -16,7 +16,7 @@ SAMPLES = 20  # states at which outputs are asked what they are made of
 BESIDE = 1e-6  # of the sizes of states: how far from these
 CONSTANT = 1e-6  # of its values: a change below it is shown as none, as of an energy that is kept
 SEVERAL = 3.0  # factor on the round-off of rates at a few states
-LAST_PLACES = 4.0 * 2.0**-52
+UNITS = 4.0 * 2.0**-52
 ROUNDING = 1e-12  # of what an output is made of: a change below it is no more than rounding
 
 
@@ -73,7 +73,7 @@ def _doubts(solution: Solution) -> dict[str, float]:
 
 def _constant(solution: Solution, run: Trajectory) -> Iterator[str]:
     """The states that rounding alone moves: those of a verified run without a scale; of another run the
-    groups that stay within the round-off of their rates, the change of these with last places of a state."""
+    groups that stay within the round-off of their rates, their change with the rounding unit of a state."""
     if solution.scales:
         yield from (name for name in solution.state_names if solution.scales.get(name, 1.0) == 0.0)
         return
@@ -83,7 +83,7 @@ def _constant(solution: Solution, run: Trajectory) -> Iterator[str]:
     system, time = solution.system, SEVERAL * abs(run.times[-1] - run.times[0])
     change = [0.0] * system.nx
     for t, x in [*zip(run.times, run.states)][:: max(1, len(run.times) // SAMPLES)]:
-        near = [a * (1.0 + LAST_PLACES * _generic(i)) for i, a in enumerate(x)]
+        near = [a * (1.0 + UNITS * _generic(i)) for i, a in enumerate(x)]
         here, there = rates_at(system, t, x), rates_at(system, t, near)
         if here is not None and there is not None:
             change = [max(c, abs(b - a)) for c, a, b in zip(change, here, there)]

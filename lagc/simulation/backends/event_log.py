@@ -1,4 +1,4 @@
-"""What a run tells of its events, read from the state of the kernels after each of them."""
+"""The events of a run, read from the state of the kernels after each of them."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ EVALUATIONS_PER_STATE = 400
 PROBED = 6  # states at which errors of the states are tried
 MARGIN = 10.0  # factor on the effect of state errors
 WORK_MARGIN = 100.0  # factor on the work, whose integral has no error control
-ROUNDED = 100.0  # factor on the change of the energy with the last places of a state
+ROUNDED = 100.0  # factor on the change of the energy with the rounding unit of a state
 NOISE = 4.0  # factor on the noise of the imbalance
 ROUNDING = 1e3 * 2.0**-52  # of the energies: their round-off
 
@@ -37,16 +37,18 @@ class Balance:
         return not self.imbalance > self.explained
 
 
-def balance(system: System, run: Trajectory, scales: Sequence[float], accuracy: float) -> Balance:
-    """Return the energy balance of a run with these scales of the states.  An imbalance below errors of the
-    kinetic energy and the work is accepted without trying errors of each state, which costs an evaluation for
-    each."""
+def balance(
+    system: System, run: Trajectory, scales: Sequence[float], accuracy: float, work_error: float = 0.0
+) -> Balance:
+    """Return the energy balance of a run with these scales of the states and this error of the work, in J.
+    An imbalance below errors of the kinetic energy and the work is accepted without trying errors of each
+    state, which costs an evaluation for each."""
     if not run.states:
         return Balance(0.0, 0.0, 0.0)
-    found = _at(system, run, max(FEW, min(RECORDED, run.rhs // EVALUATIONS_PER_STATE)), accuracy)
+    found = _at(system, run, max(FEW, min(RECORDED, run.rhs // EVALUATIONS_PER_STATE)), accuracy, work_error)
     if found.holds:
         return found
-    found = _at(system, run, RECORDED, accuracy)
+    found = _at(system, run, RECORDED, accuracy, work_error)
     effect = max(_effect(system, run.times[k], run.states[k], scales, accuracy) for k in _picked(run, PROBED))
     return Balance(found.imbalance, found.t, found.explained + MARGIN * effect)
 
@@ -55,7 +57,7 @@ def _picked(run: Trajectory, count: int) -> list[int]:
     return sorted({k * (len(run.states) - 1) // count for k in range(count + 1)})
 
 
-def _at(system: System, run: Trajectory, count: int, accuracy: float) -> Balance:
+def _at(system: System, run: Trajectory, count: int, accuracy: float, work_error: float) -> Balance:
     picked = _picked(run, count)
     energies = [system.energies(run.times[k], run.states[k]) for k in picked]
     works = [work_of(system, run.states[k]) for k in picked]
@@ -64,7 +66,7 @@ def _at(system: System, run: Trajectory, count: int, accuracy: float) -> Balance
     largest = max(abs(e) for parts in energies for e in parts)
     explained = accuracy * (2.0 * MARGIN * kinetic + WORK_MARGIN * done) + ROUNDING * largest
     left = [e - energies[0][2] - (w - works[0]) for (_, _, e), w in zip(energies, works)]
-    explained += NOISE * _noise(left)
+    explained += NOISE * _noise(left) + MARGIN * work_error
     worst = max(range(len(left)), key=lambda k: abs(left[k]))
     return Balance(abs(left[worst]), run.times[picked[worst]], explained)
 

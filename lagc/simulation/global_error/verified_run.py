@@ -28,7 +28,7 @@ class Verified:
     """The trajectory to return and its error: `estimated` is infinite if the run does not reach its end.
     The accuracy is met until `horizon`. `errors` and `scales` are those of each quantity, `limit` the one
     with the largest rounding unit over its scale, and this ratio. `rhs` counts the evaluations of all
-    `attempts`."""
+    `attempts`. `work_error` is that of the work integral, in J."""
 
     trajectory: Trajectory
     options: Options
@@ -40,6 +40,7 @@ class Verified:
     rhs: int
     notes: list[str] = field(default_factory=list)
     limit: tuple[int, float] = (0, 0.0)
+    work_error: float = 0.0
 
 
 def verified_run(
@@ -69,7 +70,7 @@ def verified_run(
     limit = max(enumerate(floors), key=lambda each: each[1], default=(0, 0.0))
     return Verified(
         found.trajectory, options, found.estimated, found.until, found.errors, found.scales, found.attempts,
-        found.rhs, notes, limit,
+        found.rhs, notes, limit, found.work_error,
     )  # fmt: skip
 
 
