@@ -105,9 +105,7 @@ def scale_of(i: Size, group: Real, accuracy: Real, underway: bool, scales: Vec[N
     the size of its terms. `group` is the size of the scaling group of a state."""
     largest = fabs(v.low[i]) if fabs(v.low[i]) > fabs(v.high[i]) else fabs(v.high[i])
     # A state below its noise cannot be told from zero beside the others of its group.
-    noise = LEAST_COMPARED * group
-    if NC > 0 or NCON > 0:
-        noise = PROJECTED_NOISE * group
+    noise = (PROJECTED_NOISE if NC > 0 or NCON > 0 else LEAST_COMPARED) * group
     size = v.terms[i] if v.terms[i] > largest else largest
     if 0.1 * noise > size:
         size = 0.1 * noise

@@ -137,7 +137,7 @@ def _no_guard(module: dict[str, Any]) -> None:
 
 def _no_impact(module: dict[str, Any]) -> None:
     """Contacts that approach have no impact."""
-    module["impact"] = lambda w: 1  # none approaches
+    module["impact"] = lambda law, a: 1  # none approaches
 
 
 def _no_jump(module: dict[str, Any]) -> None:

@@ -294,8 +294,6 @@ FEEDING = [
     # the two of a pair exchanged
     "torque T = -d*(angular_velocity(bar) - angular_velocity(disc)) on disc from bar;",
     "torque T = -d*(angular_velocity(disc) - angular_velocity(bar)) on bar from disc;",
-    "torque T = d*norm(angular_velocity(bar))*(angular_velocity(disc) - angular_velocity(bar))*(1 [s]) "
-    "on disc from bar;",
     "force F = -c*(velocity(bar, at = s*rod.x) - velocity(slider)) on slider at s*rod.x from bar;",
 ]
 
