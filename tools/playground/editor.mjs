@@ -1,0 +1,141 @@
+// The editor: CodeMirror with the colours, faults, completion and facts of the language.
+import { autocompletion, closeBrackets, closeBracketsKeymap, completionKeymap } from '@codemirror/autocomplete';
+import { defaultKeymap, history, historyKeymap, indentWithTab } from '@codemirror/commands';
+import { bracketMatching, HighlightStyle, StreamLanguage, syntaxHighlighting } from '@codemirror/language';
+import { lintKeymap, setDiagnostics } from '@codemirror/lint';
+import { EditorState } from '@codemirror/state';
+import {
+  drawSelection,
+  EditorView,
+  highlightActiveLine,
+  hoverTooltip,
+  keymap,
+  lineNumbers,
+  placeholder,
+} from '@codemirror/view';
+import { tags } from '@lezer/highlight';
+
+// -- offsets: Python counts characters, a page counts 16-bit units
+const wide = /[\ud800-\udbff]/;
+export const toUnits = (text, n) => (wide.test(text) ? [...text].slice(0, n).join('').length : n);
+export const toCharacters = (text, n) => (wide.test(text) ? [...text.slice(0, n)].length : n);
+
+// -- colours
+const { keywords, types, functions } = self.WORDS;
+const groups = { keyword: new Set(keywords), typeName: new Set(types), 'variableName.function': new Set(functions) };
+const AFTER_NAME = /^\s*(?:=[^=]|[.,)\]*\/^;:+-])/; // what follows a name, never a keyword
+
+const language = StreamLanguage.define({
+  startState: () => ({ comment: false, quantity: false }),
+  token(stream, state) {
+    if (state.comment || stream.match('/*')) {
+      state.comment = !stream.match(/^.*?\*\//);
+      if (state.comment) stream.skipToEnd();
+      return 'comment';
+    }
+    if (stream.eatSpace()) return null;
+    if (stream.match(/^\/\/.*/)) return 'comment';
+    if (stream.match(/^"(?:[^"\\]|\\.)*"?/)) return 'string';
+    if (state.quantity && stream.match(/^\[[^[\]]*\]?/)) return 'unit';
+    state.quantity = !!stream.match(/^(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?/);
+    if (state.quantity) return 'number';
+    const word = stream.match(/^[A-Za-z_]\w*/)?.[0];
+    if (!word) {
+      state.quantity = stream.next() === '}';
+      return null;
+    }
+    state.quantity = word === 'Real';
+    const rest = stream.string.slice(stream.pos);
+    if (groups.keyword.has(word) && !AFTER_NAME.test(rest)) return 'keyword';
+    if (groups.typeName.has(word)) return 'typeName';
+    return groups['variableName.function'].has(word) && /^\s*\(/.test(rest) ? 'variableName.function' : null;
+  },
+  tokenTable: { unit: tags.unit },
+  languageData: { commentTokens: { line: '//', block: { open: '/*', close: '*/' } } },
+});
+const colours = HighlightStyle.define(
+  [
+    [tags.comment, 'comment'],
+    [tags.string, 'string'],
+    [tags.unit, 'unit'],
+    [tags.number, 'number'],
+    [tags.keyword, 'keyword'],
+    [tags.typeName, 'type'],
+    [tags.function(tags.variableName), 'function'],
+  ].map(([tag, name]) => ({ tag, class: `lag-${name}` })),
+);
+
+/** An editor in `parent`; `on.change(text)`, `on.run()`, and `on.ask(kind, more)`, which resolves with answers. */
+export function createEditor(parent, on) {
+  const complete = async context => {
+    const word = context.matchBefore(/\w*/);
+    if (!context.explicit && !word.text && !/[.[(\s]$/.test(context.state.sliceDoc(context.pos - 1, context.pos)))
+      return null;
+    const text = context.state.doc.toString();
+    const found = await on.ask('complete', { text, offset: toCharacters(text, context.pos) });
+    const options = (found?.offers ?? []).map(({ label, kind, detail }, k) => ({
+      label,
+      type: kind,
+      detail,
+      boost: -Math.min(k, 99),
+    }));
+    return options.length && (context.explicit || word.text) ? { from: word.from, options, validFor: /^\w*$/ } : null;
+  };
+  const facts = hoverTooltip(async (view, at) => {
+    const text = view.state.doc.toString();
+    const found = await on.ask('hover', { text, offset: toCharacters(text, at) });
+    if (!found?.hover) return null;
+    const [pos, end] = [found.hover.from, found.hover.to].map(n => toUnits(text, n));
+    const dom = document.createElement('div');
+    dom.className = 'fact';
+    dom.textContent = found.hover.text.replace(/```\w*\n?/g, '').replace(/`/g, '').trim();
+    return { pos, end, above: true, create: () => ({ dom }) };
+  });
+  const view = new EditorView({
+    parent,
+    extensions: [
+      lineNumbers(),
+      history(),
+      drawSelection(),
+      bracketMatching(),
+      closeBrackets(),
+      highlightActiveLine(),
+      language,
+      syntaxHighlighting(colours),
+      autocompletion({ override: [complete], activateOnTypingDelay: 60, icons: false }),
+      facts,
+      placeholder('model Pendulum "what it is"\n  ...\nend Pendulum;'),
+      EditorState.tabSize.of(2),
+      EditorView.contentAttributes.of({ 'aria-label': 'the model', spellcheck: 'false', autocapitalize: 'off' }),
+      EditorView.updateListener.of(update => update.docChanged && on.change(view.state.doc.toString())),
+      keymap.of([
+        { key: 'Mod-Enter', run: () => (on.run(), true) },
+        ...closeBracketsKeymap,
+        ...completionKeymap,
+        ...lintKeymap,
+        ...historyKeymap,
+        ...defaultKeymap,
+        indentWithTab,
+      ]),
+    ],
+  });
+  return {
+    view,
+    text: () => view.state.doc.toString(),
+    write: text => view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: text } }),
+    mark(faults) {
+      const text = view.state.doc.toString();
+      const placed = faults.filter(fault => fault.from !== undefined);
+      const diagnostics = placed.map(fault => {
+        const [from, to] = [fault.from, fault.to].map(n => Math.min(text.length, toUnits(text, n)));
+        return { from, to: Math.max(from, to), severity: fault.severity, message: fault.message };
+      });
+      view.dispatch(setDiagnostics(view.state, diagnostics));
+    },
+    go(fault) {
+      const anchor = toUnits(view.state.doc.toString(), fault.from);
+      view.dispatch({ selection: { anchor }, scrollIntoView: true });
+      view.focus();
+    },
+  };
+}

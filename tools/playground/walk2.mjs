@@ -1,0 +1,12 @@
+import { chromium } from 'playwright-core';
+const [url] = process.argv.slice(2);
+const browser = await chromium.launch({ executablePath: '/usr/bin/chromium', args: ['--no-sandbox','--enable-unsafe-swiftshader'] });
+const page = await browser.newPage({ viewport: { width: 1280, height: 820 } });
+await page.addInitScript(() => { const P = performance; self.T = []; self.mark = n => self.T.push([n, Math.round(P.now())]);
+ const o = WebAssembly.compile; WebAssembly.compile = async (...a) => { mark('compile<'); const r = await o(...a); mark('compile>'); return r; };
+ const W = Worker; self.Worker = class extends W { constructor(...a) { super(...a); mark('worker'); this.addEventListener('message', e => mark('msg ' + (e.data.ready ? 'ready' : e.data.T ? JSON.stringify(e.data.T) : ''))); } postMessage(...a) { mark('post'); super.postMessage(...a); } };
+});
+await page.goto(url);
+await page.waitForSelector('iframe.shown', { timeout: 60000 });
+console.log(JSON.stringify(await page.evaluate(() => [self.T, performance.now()])));
+await browser.close();
