@@ -120,7 +120,7 @@ class Document:
         for node in around(self.tree.declarations, offset):
             at = node.span.start, node.span.end
             text = _of_word(node) or said(self.resolved.values.get(at), self._known)
-            if text:
+            if text and not isinstance(node, tree.Number):  # of `60 [deg]` all
                 return Hover(text, *at)
         return None
 
