@@ -99,11 +99,7 @@ class CPrinter:
 
     def block(self, body: Sequence[ast.stmt], indent: str, out: list[str]) -> None:
         for node in body:
-            out += [f"{indent}/* {self.spelled(line)} */" for line in getattr(node, "lead", ())]
-            start = len(out)
             self.statement(node, indent, out)
-            if getattr(node, "trail", "") and len(out) > start:
-                out[start] += f" /* {self.spelled(node.trail)} */"  # type: ignore[attr-defined]
 
     def statement(self, node: ast.stmt, indent: str, out: list[str]) -> None:
         match node:

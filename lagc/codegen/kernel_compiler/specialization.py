@@ -76,7 +76,7 @@ class Statics:
                 known = {**self.known, node.target.id: value}
                 inner = Statics(self.file, self.flags, self.sizes, known, self.prefix, self.own)
                 out += inner.block(node.body)
-            return _led(node, out)
+            return out
         copy = _bare(node)
         for name, value in ast.iter_fields(node):
             if name in ("body", "orelse"):
@@ -90,7 +90,7 @@ class Statics:
     def branch(self, node: ast.If) -> list[ast.stmt]:
         test = self.test(node.test)
         if isinstance(test, bool):
-            return _led(node, self.block(node.body if test else node.orelse))
+            return self.block(node.body if test else node.orelse)
         copy = _bare(node)
         assert isinstance(copy, ast.If)
         copy.test, copy.body, copy.orelse = test, self.block(node.body), self.block(node.orelse)
@@ -256,14 +256,6 @@ def _bare(node: Any) -> Any:
     found = node.__class__.__new__(node.__class__)
     found.__dict__.update(node.__dict__)
     return found
-
-
-def _led(node: ast.stmt, body: list[ast.stmt]) -> list[ast.stmt]:
-    """Move the comments before a removed statement to the first of the remaining ones."""
-    if body and node.lead:  # type: ignore[attr-defined]
-        body[0] = _bare(body[0])
-        body[0].lead = [*node.lead, *body[0].lead]  # type: ignore[attr-defined]
-    return body
 
 
 def _number(value: int | Fraction, node: ast.AST) -> ast.expr:

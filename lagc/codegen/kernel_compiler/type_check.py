@@ -213,8 +213,8 @@ class Types:
             self.records[made] = None
         else:
             found = self.of(value)
-            if hasattr(node, "said"):
-                found = self.annotated(node.said)
+            if hasattr(node, "annotation"):
+                found = self.annotated(node.annotation)
                 self.fits(node, found, value)
         old = self.locals.setdefault(name, found)
         if old != found and not (old == REAL and found in WHOLE):
