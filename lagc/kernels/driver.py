@@ -165,9 +165,9 @@ def end_step_at_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> Sta
         return NOT_FINITE
     if part > 1.0:
         a.ends_at_event = False
-        # The step ends at the crossing. It is made again to there (L. F. Shampine, I. Gladwell, R. W.
-        # Brankin, 1991): the solution has the order of the method at the event, not that of its dense output.
         return OK
+    # The step ends at the crossing. It is made again to there (L. F. Shampine, I. Gladwell, R. W. Brankin,
+    # 1991): the solution has the order of the method at the event, not that of its dense output.
     a.ends_at_event = True
     a.is_split = False
     a.size_before_event = a.size

@@ -147,8 +147,8 @@ def strike(law: ContactLaw, a: ImpactWork) -> int:
 def count_loss(law: ContactLaw, a: ImpactWork) -> bool:
     """Add the energy that each contact took in a round to its loss, -p (u before + u after) / 2. Return False
     if energy has grown."""
-    # Work of an impulse is p (u before + u after) / 2, exact since u is linear in p. Newton's law with friction
-    # may gain energy (W. J. Stronge, Proc. R. Soc. Lond. A 431 (1990) 169-181); such a result is refused.
+    # Work of an impulse is p (u before + u after) / 2, exact since u is linear in p. Newton's law with
+    # friction may gain energy (W. J. Stronge, Proc. R. Soc. Lond. A 431 (1990) 169-181): that is refused.
     gain = 0.0
     passed = 0.0
     for i in range(law.count):

@@ -67,9 +67,9 @@ def set_force_row(law: ContactLaw, row: int, force: Real) -> None:
 
 
 def set_slip_rows(law: ContactLaw, i: int) -> None:
+    """Set F of the slip rows of a contact with friction."""
     # F_t = p_t - P(p_t - u_t), P on the disc with radius mu |p_n|. An open contact has a disc of radius 0; a
     # least force keeps its own.
-    """Set F of the slip rows of a contact with friction."""
     first = law.first[i]
     n = law.rows
     force = law.p[first]
@@ -379,9 +379,9 @@ def is_enumerable(law: ContactLaw) -> bool:
 
 
 def holds_as_before(law: ContactLaw) -> bool:
+    """Return whether the modes before meet the law; where they are not known, whether contacts stick."""
     # -1 means that the mode before is not known. Sticking is tried then: it is the only mode without a
     # direction.
-    """Return whether the modes before meet the law; where they are not known, whether contacts stick."""
     for i in range(law.count):
         if law.least[i] > 0.0:
             return False
@@ -478,8 +478,8 @@ def set_law(law: ContactLaw) -> int:
         if found == LAW_SEVERAL and rests(law):
             read_modes(law)
             found = LAW_FOUND
-        # Every contact that begins to slip gets the lower friction, and the law is solved again. Contacts only
-        # join these, so the loop ends.
+        # Every contact that begins to slip gets the lower friction, and the law is solved again. Contacts
+        # only join these, so the loop ends.
         while found <= LAW_FOUND and start_slips(law):
             found = search_modes(law)
     return found

@@ -140,9 +140,9 @@ def load_left(law: ContactLaw) -> Real:
 
 
 def no_share(law: ContactLaw, load: Real) -> bool:
+    """Return whether no forces up to the farthest share bear the load, by law.left. Changes law.share."""
     # Farkas: by the polar cone and r' c. Forces up to `FARTHEST_SHARE` times the load do not count, so P(Q'
     # r) may be small instead of zero: |P(Q' r)| bounds z' Q' r over all z in K of length 1.
-    """Return whether no forces up to the farthest share bear the load, by law.left. Changes law.share."""
     pull_along(law, law.left)
     project_pull(law)
     total = 0.0
