@@ -123,7 +123,7 @@ def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     status = method_stages(o.method, p, s.t, s.x, a.h, s, w)
     if failed(status):
         return status
-    # Weights of the error need the new state. A method that does not use the rate at its end is judged first,
+    # Weights of the error need the new state. A method that does not use the rate at its end is tested first,
     # so that a rejected attempt saves the projection and this evaluation.
     set_error_weights(s, o, a.h, w)
     if needs_end_rate(o.method) or o.step > 0.0:

@@ -39,7 +39,7 @@ _OF_DISCRETES = ("discretes", "booleans")
 
 
 def used_parameters(equations: EquationsOfMotion, roots: Iterable[Node]) -> tuple[Parameter, ...]:
-    """The parameters that reach any of `roots`, in order of declaration."""
+    """Return the parameters that `roots` depend on, in order of declaration."""
     reached = symbols(roots)
     return tuple([p for p in equations.model.parameters if p.symbol in reached])
 
@@ -72,7 +72,10 @@ def interface(
     # A parameter without a place reaches nothing: a note says so.
     kept = {p.name for p in parameters}
     notes = [f"parameter `{p.name}` reaches nothing" for p in model.parameters if p.name not in kept]
+    # Does the motion depend on time itself? The right-hand side, or the dense system, tells.
     flowing = _timed(functions["system" if "system" in functions else "rhs"])
+    # Everything that a run needs of a model and the compiled functions do not say: names, units, places,
+    # tables, sizes.
     found = Interface(
         model=model.name,
         scene=model.scene,
@@ -120,6 +123,7 @@ def interface(
 
 def _contacts(equations: EquationsOfMotion, nz: int) -> tuple[Contact, ...]:
     """Return the contacts as a run needs them."""
+    # Discrete variables are the last states; an impulse that a model reads is one of them.
     first = len(equations.q) + len(equations.v) + nz
     states = {variable.name: first + k for k, variable in enumerate(equations.model.discretes)}
     return tuple([
@@ -167,6 +171,8 @@ def _of_equations(equations: EquationsOfMotion) -> dict[str, Any]:
 
 def _of_functions(functions: Mapping[str, Function], slopes: Slopes) -> dict[str, Any]:
     """Return what the functions and the derivatives of the initial equations tell of themselves."""
+    # The derivatives of the initial equations as tables: ends of rows and columns of entries. Where sums are
+    # shared, also those of the parts.
     bind = functions.get("bind")
     columns = slopes.columns
     parts = (*slopes.rows, *slopes.sums) if slopes.sums else ()
@@ -186,12 +192,12 @@ def _of_functions(functions: Mapping[str, Function], slopes: Slopes) -> dict[str
 
 
 def _timed(function: Function) -> bool:
-    """Whether what it computes depends on time itself: that of frames that turn may cancel."""
+    """Return whether the values of a function depend on time itself: that of turning frames may cancel."""
     return any(isinstance(o.payload, tuple) and o.payload[0] == "t" for o in function.operations)
 
 
 def _doubtful(model: Model) -> bool:
-    """Whether masses and moments of inertia that are not negative may leave a kinetic energy that is."""
+    """Return whether the kinetic energy may be negative although no mass or moment of inertia is."""
     tensors = [body.inertia for body in model.bodies if body.inertia is not None]
     free = any(isinstance(action, Lagrangian) for action in model.actions)
     return free or not all(_without_products(tensor) or _positive(tensor) for tensor in tensors)

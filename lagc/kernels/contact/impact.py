@@ -109,7 +109,7 @@ def solve_impulses(law: ContactLaw, a: ImpactWork, restitution: bool) -> int:
 
 def strike_twice(law: ContactLaw, a: ImpactWork) -> int:
     """Solve a round by Poisson's law, compression and then expansion. Return the result of the law."""
-    # Compression: the contacts come to rest, by impulses P_c.
+    # Compression: impulses P_c bring the contacts to rest.
     hits = a.hits
     found = solve_impulses(law, a, False)
     if found > LAW_FOUND:

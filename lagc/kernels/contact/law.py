@@ -358,7 +358,7 @@ def solve_modes(law: ContactLaw) -> bool:
                 turned = correct_unknowns(law)
                 if turned <= TURNED:
                     break
-    # What is solved for is zero exactly; round-off of W p + b would look like a motion.
+    # Rates that were solved for are zero exactly; round-off of W p + b would look like a motion.
     for e in range(law.unknowns):
         if law.unknown[e] < law.rows:
             law.u[law.unknown[e]] = 0.0

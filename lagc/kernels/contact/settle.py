@@ -328,8 +328,8 @@ def find_rests(s: State, w: Work) -> bool:
 
 def bring_to_rest(p: Params, s: State, w: Work) -> Status:
     """Stop the contacts in w.settling.rests, and decide again."""
-    # The gaps of all that are closed or come to rest lose their speed, by the least change in the metric of
-    # the mass matrix; then forces decide again, as one that came to rest may carry others.
+    # The gaps of all contacts that are closed or stop lose their speed, by the least change in the metric of
+    # the mass matrix; then forces decide again, as one that stopped may carry others.
     for i in range(NCON):
         w.contacts.touched[i] = 1 if w.settling.closed[i] != 0 or w.settling.rests[i] > 0 else 0
         w.settling.near[i] = w.contacts.touched[i]

@@ -210,7 +210,7 @@ def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
     if NPUSHED > 0:  # the power of their loads
         for r in range(law.rows):
             w.contacts.forces[w.contacts.touching_rows[r]] = law.p[r]
-    # a = a0 + X p and lam = lam0 + X_lam p. What they cancel to round-off becomes zero, for a body at rest.
+    # a = a0 + X p and lam = lam0 + X_lam p. Accelerations that cancel to round-off become zero.
     add_cancelling(xdot, w)
     for i in range(NC):
         for r in range(law.rows):

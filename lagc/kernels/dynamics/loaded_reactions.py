@@ -23,8 +23,8 @@ MOST_LOAD_STEPS = 30  # of Newton's method
 
 def update_load(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """Compute w.loads.force and w.loads.slopes at w.loads.lam."""
-    # Loads may depend on normal forces of contacts, on modes, or on neither: three functions, of which a
-    # model has one.
+    # Loads may depend on normal forces of contacts, on modes, or on neither: a model has one function for its
+    # case.
     if NPUSHED > 0:
         fn_pushed_on(p, t, x, w.modes, w.loads.lam, w.contacts.forces, w.loads.force, w.loads.slopes)
     elif NMODE > 0:

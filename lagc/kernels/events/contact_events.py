@@ -23,8 +23,8 @@ from lagc.kernels.language.vocabulary import *
 
 def take_hits(s: State, w: Work) -> bool:
     """Move contacts from w.events.crossed to w.settling.hit; return whether there are any."""
-    # What a crossing means depends on the mode: an open gap closes, a force of a closed contact falls to zero
-    # (or turns, of a two-sided contact), a slip stops, static friction gives way.
+    # A crossing is read by the mode: an open gap closes, a force of a closed contact falls to zero (or turns,
+    # of a two-sided contact), a slip stops, static friction gives way.
     found = False
     for i in range(NCON):
         k = NMODE - NCON + i

@@ -72,8 +72,8 @@ def cancel_grazing(p: Params, s: State, direction: Real, w: Work) -> bool:
     if NWHEN > 0:
         if w.clauses.act_first:
             return False
-    # What else has changed: only that can have turned an indicator back. Relations that clauses alone read
-    # change no forces.
+    # Only changes of other modes can have turned an indicator back. Relations that clauses alone read change
+    # no forces.
     others = 0
     for i in range(NMODE):
         others += w.events.crossed[i]

@@ -283,8 +283,8 @@ def act_on_conditions(p: Params, s: State, direction: Real, since: Real, w: Work
     w.clauses.at_event_time = False
     status = act_in_order(p, s, direction, since, w)
     s.t = now
-    # What clauses left moves on from the time of the crossing to s.t, by the rates after it, so that time
-    # never runs backwards.
+    # The state that clauses left moves on from the time of the crossing to s.t, by the rates after it, so
+    # that time never runs backwards.
     if w.clauses.at_event_time and (status == TERMINATED or not failed(status)):
         extrapolate_state(s, since, w)
         indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)

@@ -95,8 +95,8 @@ def choose_row(w: StartWork, i: int, m: int) -> bool:
 
 def step_along(w: StartWork, i: int) -> bool:
     """Move w.step along row i of w.orthogonal until equation i is met; False if that row is round-off."""
-    # q is orthogonal to the rows before, so a step along it leaves their equations met: the length follows
-    # from what is left of this one.
+    # The direction is orthogonal to the rows before, so a step along it leaves their equations met: its
+    # length follows from the residual of this one.
     direction = w.orthogonal[i]
     begin = w.first_nonzero[i] if w.first_column[i] < w.first_nonzero[i] else w.first_column[i]
     stop = w.end_nonzero[i] if w.end_nonzero[i] < w.end_column[i] else w.end_column[i]

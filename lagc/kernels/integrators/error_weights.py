@@ -16,7 +16,7 @@ def extend_groups_at_rest(s: State, h: Real, w: Work, sizes: Vec[NGROUP]) -> Non
     """Raise the sizes of scaling groups that are exactly at rest to those that they would reach over the
     longest step so far. If a motion begins with a kink, its sizes after a short step are as small as its
     errors, and no step would be accepted."""
-    # What they reach in this step, times the ratio of the longest step so far to it.
+    # The distance in this step, times the ratio of the longest step so far to it.
     longer = w.error.longest_step / fabs(h)
     for i in range(NQ + NV):
         if s.sizes[scaling_group[i]] == 0.0:

@@ -18,7 +18,8 @@ NUMBER, FIXED, MOVING = range(3)  # what a value is made of
 
 
 def dependence(function: Function, parameters: int) -> list[int]:
-    """Of each value: whether it is made of numbers alone, of parameters and numbers, or of more."""
+    """Return for each value whether it is made of numbers alone, of parameters and numbers, or of more."""
+    # The most that one of its operands depends on: number < parameter < anything that moves.
     found: list[int] = []
     for o in function.operations:
         if o.op == "load":
@@ -42,7 +43,7 @@ class Preparation:
         self._numbers: list[bool] = []
 
     def is_number(self, a: int) -> bool:
-        """Whether value number `a` of the block is made of numbers alone."""
+        """Return whether value number `a` of the block is made of numbers alone."""
         known = self._numbers
         for number in range(len(known), a + 1):
             op, operands, _ = self.block.row(number)
