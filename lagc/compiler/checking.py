@@ -96,8 +96,8 @@ def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[
 def _faults(
     tree: Tree, choice: Choice, roots: tuple[str, ...], known: set[str], reached: list[int]
 ) -> dict[tuple[object, ...], Fault]:
-    """The faults of one choice by code and place, warnings first. Adds the names of its parameters and inputs
-    to `known`, and the number of stages that it reached to `reached`."""
+    """Return the faults of one choice by code and place, warnings first. Adds the names of its parameters and
+    inputs to `known`, and the number of stages that it reached to `reached`."""
     faults: Sequence[Fault]
     warnings: Sequence[Fault] = ()
     asked: Sequence[Fault] = ()

@@ -132,7 +132,7 @@ def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
 
 
 def _in_si(name: str, given: float | Quantity) -> float:
-    """The number in SI units; its dimension is checked where the parameter's unit is known."""
+    """Return the number in SI units; its dimension is checked where the parameter's unit is known."""
     if not isinstance(given, Quantity):
         return float(given)
     if given.unit is None:

@@ -66,8 +66,8 @@ def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[Event
     )
     if not relation_functions and not equations.contacts:
         return equations, ()
-    # Freezing replaces each such relation by its mode, in all that the rates are made of. What no equation
-    # uses then, goes.
+    # Freezing replaces each such relation by its mode, in all that the rates are made of. Relations that no
+    # equation uses then are left out.
     made = _Freezing(equations.graph, frozenset(changing), late, equations.time, relation_functions)
     found = _with(equations, made)
     whens = [replace(x, condition=node) for x, node in zip(equations.whens, made.all(conditions))]

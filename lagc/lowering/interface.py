@@ -208,7 +208,8 @@ def _without_products(tensor: Matrix) -> bool:
 
 
 def _positive(tensor: Matrix) -> bool:
-    """Whether a tensor of numbers is positive definite, as its leading minors tell (J. Sylvester, 1852)."""
+    """Return whether a tensor of numbers is positive definite, by its leading minors (J. J. Sylvester,
+    1852)."""
     if not all(x.is_const for row in tensor for x in row):
         return False
     (a, d, e), (_, b, f), (_, _, c) = [[x.value for x in row] for row in tensor]
@@ -223,7 +224,7 @@ def _warning(fault: Fault) -> str:
 
 
 def place(span: Span) -> str:
-    """File and line, without the directory: generated text must not depend on where a file is."""
+    """Return file and line without the directory: generated text must not depend on where a file is."""
     return f"{_file(span.source.name)}:{span.line}"
 
 
@@ -232,7 +233,7 @@ def _file(path: str) -> str:
 
 
 def _source_name(equations: EquationsOfMotion) -> str:
-    """The file that the model's first thing was read from."""
+    """Return the file that the first definition of the model was read from."""
     model = equations.model
     for things in (model.coordinates, model.bodies, model.parameters):
         for thing in things:
@@ -284,7 +285,7 @@ def _outputs(equations: EquationsOfMotion) -> tuple[Field, ...]:
 
 
 def _digest(interface: Interface, functions: Mapping[str, Function]) -> str:
-    """A hash of all that makes a result: no file names, no places."""
+    """Return a hash of everything that decides a result: no file names, no places."""
     texts = []
     for name in names(Interface):
         absent = name in _OPTIONAL and not getattr(interface, name)
@@ -307,14 +308,14 @@ def _digest(interface: Interface, functions: Mapping[str, Function]) -> str:
 
 
 def kinds(q_units: Sequence[str], v_units: Sequence[str]) -> tuple[int, ...]:
-    """The kind of each coordinate, then of each speed; those of coordinates come first."""
+    """Return the kind of each coordinate, then of each speed; those of coordinates come first."""
     known: dict[tuple[str, Dimension], int] = {("q", NONE): 0}
     states = [("q", _dimension(u)) for u in q_units] + [("v", _dimension(u)) for u in v_units]
     return tuple([known.setdefault(state, len(known)) for state in states])
 
 
 def rates(q_units: Sequence[str], v_units: Sequence[str]) -> dict[int, int]:
-    """The kinds of coordinates, each with the kind of speeds that are its rates, where there is one."""
+    """Return the scaling group of the rates of each scaling group of coordinates, if there is one."""
     states = kinds(q_units, v_units)
     speeds = {_dimension(u): kind for u, kind in zip(v_units, states[len(q_units) :])}
     pairs = {kind: speeds.get(over(_dimension(u), S)) for u, kind in zip(q_units, states)}

@@ -24,7 +24,8 @@ _BESIDE = 1e-6  # of other rows of its unit: smaller, the terms of a row may be 
 
 
 def system(places: Places, rare: bool) -> Function:
-    """M, r = tau - h, G and gamma for a dense solve; zeros of M and G are stored too."""
+    """Return the function of M, r = tau - h, G and gamma for a dense solve; zeros of M and G are stored
+    too."""
     equations, n = places.equations, len(places.equations.v)
     packed = {i * (i + 1) // 2 + j: node for (i, j), node in equations.mass_matrix.items()}
     jacobian = {k * n + j: node for k, row in enumerate(equations.rows) for j, node in row.jacobian.items()}
@@ -41,7 +42,7 @@ def system(places: Places, rare: bool) -> Function:
 
 
 def forces(places: Places) -> Function:
-    """qdot, and the right-hand side without a matrix."""
+    """Return the function of qdot and the right-hand side, without a matrix."""
     equations = places.equations
     right = [*equations.applied_forces, *(row.gamma for row in equations.rows)]
     outputs = (("qdot", equations.qdot), ("r", right))
@@ -320,7 +321,7 @@ def start(places: Places, work: bool) -> Function:
 
 
 def limits(places: Places) -> Function | None:
-    """The values made of parameters that have bounds."""
+    """Return the function of the values made of parameters that have bounds."""
     found = [limit.value for limit in places.equations.model.limits]
     parts = (("b", found),)
     described = "derived values that have bounds"

@@ -284,7 +284,7 @@ class _Series:
         return found
 
     def of_tan(self, k: int, o: Operation, sign: float = 1.0) -> int:
-        """y' = (1 + y^2) x', and tanh: y' = (1 - y^2) x'."""
+        """Return the coefficient of tan, y' = (1 + y^2) x', or of tanh, y' = (1 - y^2) x'."""
         y = self.value[k]
         square = self.first.mul(y, y)
         rate = self.at_0(self.first.add(self.first.one, square if sign > 0.0 else ~square))
@@ -329,7 +329,7 @@ class _Series:
         return ~self.of_asin(k, o)
 
     def of_atan2(self, k: int, o: Operation) -> int:
-        """y' (a^2 + b^2) = b a' - a b'."""
+        """Return the coefficient of y with y' (a^2 + b^2) = b a' - a b'."""
         # The same with a^2 + b^2 for the divisor.
         block, first, (i, j) = self.next, self.first, o.operands
         a, b = [self.coefficient.get(n, block.zero) for n in (i, j)]
@@ -349,7 +349,7 @@ class _Series:
         return found
 
     def of_pow(self, k: int, o: Operation) -> int:
-        """y' x = exponent x' y for a power with a fixed exponent."""
+        """Return the coefficient of a power with a fixed exponent: y' x = exponent x' y."""
         i, exponent = o.operands
         if exponent in self.coefficient:
             raise NoSeries("pow with an exponent that varies")
@@ -369,7 +369,7 @@ class _Series:
         return self.next.mul(self.at_0(self.first.apply("sign", self.value[i])), self.coefficient[i])
 
     def of_select(self, k: int, o: Operation) -> int:
-        """A choice that does not change within a step."""
+        """Return the coefficient of a choice that does not change within a step."""
         condition, *others = o.operands
         if condition in self.coefficient:
             raise NoSeries("a condition that may change within a step")
@@ -380,5 +380,5 @@ class _Series:
 
 
 def uses_of_rates(rhs: Function) -> list[int]:
-    """How often each operation is used on the way to the rates."""
+    """Return how often each operation is used on the way to the rates."""
     return uses(replace(rhs, stores=tuple([store for store in rhs.stores if store.array == "xdot"])))

@@ -225,15 +225,15 @@ class Machine:
         return before.kind == SYMBOL and before.text not in (")", "]", "}")
 
     def _begins_block(self) -> bool:
-        """Whether this word begins a block (not `end for` or `{i^2 for i in 1:n}`)."""
+        """Return whether this word begins a block (not `end for` or `{i^2 for i in 1:n}`)."""
         open_ = self.tables.actions[self.states[-1]].keys() & {"RBRACE", "RPAR"}
         return not open_ and self.tokens[self.position - 1].text != "end"
 
     # -- blocks and their ends ---------------------------------------------------------------
 
     def _closes(self) -> bool:
-        """Whether the next `end` closes the innermost block.  A missing `end` of an inner block is reported
-        and inserted."""
+        """Return whether the next `end` closes the innermost block. A missing `end` of an inner block is
+        reported and inserted."""
         name = self.tokens[self.position + 1]
         self.last_closed = None
         if not self.blocks:
@@ -256,8 +256,8 @@ class Machine:
         return block.fault("LAG0113", message, Span(self.source, name.start, name.end))
 
     def _left_open(self, terminal: str) -> bool:
-        """Whether a block begins that the innermost one cannot contain, and whose `end` is missing; it is
-        inserted."""
+        """Return whether a block begins that the innermost one cannot contain, and whose `end` is missing; it
+        is inserted."""
         if not self.blocks or terminal not in _OUTSIDE.get(self.blocks[-1].word.text, ()):
             return False
         block = self.blocks[-1]

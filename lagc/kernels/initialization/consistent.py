@@ -252,7 +252,7 @@ def set_levels(levels: IVec[NU], w: StartWork) -> None:
 
 
 def check_input(p: Params, t: Real, levels: IVec[NU], w: StartWork) -> bool:
-    """Whether time, parameters and levels are valid; else w.culprit tells which is not."""
+    """Return whether time, parameters and levels are valid; else w.culprit tells which is not."""
     w.culprit = bad_parameter(p) if fabs(t) < inf else BAD_TIME
     if present(levels):
         for i in range(NU):

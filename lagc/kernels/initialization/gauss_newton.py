@@ -21,7 +21,7 @@ FULL_TURN = 6.283185307179586
 
 
 def inner(a: Vec[Any], b: Vec[Any], begin: int, stop: int) -> Real:
-    """The inner product of a[begin:stop] and b[begin:stop]."""
+    """Return the inner product of a[begin:stop] and b[begin:stop]."""
     total = 0.0
     for j in range(begin, stop):
         total += a[j] * b[j]
@@ -71,7 +71,7 @@ def subtract_projection(w: StartWork, i: int, along: int) -> None:
 
 
 def are_disjoint(w: StartWork, i: int, other: int) -> bool:
-    """Whether the ranges of two rows of w.orthogonal have no column in common."""
+    """Return whether the ranges of two rows of w.orthogonal have no column in common."""
     return w.first_nonzero[i] >= w.end_nonzero[other] or w.first_nonzero[other] >= w.end_nonzero[i]
 
 
@@ -266,7 +266,7 @@ def newton(p: Params, t: Real, first: int, end: int, w: StartWork) -> bool:
 
 
 def distance(w: StartWork) -> Real:
-    """The distance of w.y from the guess, in the weights of a step."""
+    """Return the distance of w.y from the guess, in the weights of a step."""
     total = 0.0
     for k in range(w.column_count):
         i = w.columns[k]

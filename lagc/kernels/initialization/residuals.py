@@ -14,7 +14,7 @@ SLIGHT = 1.0 / 1024.0  # of the size of an unknown: its share in the scale of a 
 
 
 def part_begin(i: int) -> int:
-    """The index of the first partial derivative of equation i, or of a sum behind the equations."""
+    """Return the index of the first partial derivative of equation i, or of a sum behind the equations."""
     return part_ends[i - 1] if i > 0 else 0
 
 
@@ -53,7 +53,7 @@ def assemble_slopes(J: Vec[NJ]) -> None:
 
 
 def row_begin(i: int) -> int:
-    """The index in J of the first derivative of equation i."""
+    """Return the index in J of the first derivative of equation i."""
     return ends[i - 1] if i > 0 else 0
 
 
@@ -116,7 +116,7 @@ def scale_rows(y: Vec[NU], w: StartWork) -> None:
 
 
 def relative_residual(i: int, w: StartWork) -> Real:
-    """The residual of equation i relative to its scale; infinite where it is not a number."""
+    """Return the residual of equation i relative to its scale; infinite where it is not a number."""
     if w.c[i] == 0.0:
         return 0.0
     size = fabs(w.c[i]) / w.row_scaling[i]
@@ -124,7 +124,8 @@ def relative_residual(i: int, w: StartWork) -> Real:
 
 
 def start_norm(first: int, end: int, w: StartWork) -> Real:
-    """The norm of the relative residuals of w.rows[first..end-1]; w.worst and w.culprit: the largest."""
+    """Return the norm of the relative residuals of w.rows[first..end-1]; w.worst and w.culprit: the
+    largest."""
     w.worst = 0.0
     w.culprit = -1
     total = 0.0

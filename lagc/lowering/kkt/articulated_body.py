@@ -54,7 +54,7 @@ def plain(equations: EquationsOfMotion) -> ArticulatedBody:
 
 
 def together(equations: EquationsOfMotion, system: ArticulatedBody) -> ArticulatedBody:
-    """The plain `system` with given forces and those of inertia taken to the speeds in one sweep."""
+    """Return the plain `system` with given forces and those of inertia carried to the speeds in one sweep."""
     weights = gradient(equations.graph, equations.loads, equations.v)
     r = [weights.get(v, equations.graph.zero) for v in equations.v]
     return replace(system, right=[*r, *_gammas(equations)])

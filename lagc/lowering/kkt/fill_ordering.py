@@ -52,7 +52,7 @@ class Structure:
 
     @property
     def moving(self) -> int:
-        """Speeds, multipliers and lifted velocities."""
+        """The number of speeds, multipliers and shared velocities."""
         return self.size + len(self.definitions)
 
     @property

@@ -131,7 +131,7 @@ class _Factoring:
     def _watch(self, k: int, pivot: int) -> None:
         """Lower the health to the ratio of this pivot to its size: near zero for a speed without inertia and
         a redundant row, of the wrong sign if the matrix is indefinite."""
-        # Only pivots of which something was subtracted can have lost digits; the smallest ratio of all is
+        # A pivot can have lost digits only if something was subtracted from it; the smallest ratio of all is
         # `health`.
         size = self.sizes.get(k)
         if size == pivot or k not in self.lessened:

@@ -44,7 +44,7 @@ class Solver:
         return [*self.system.entries.values(), *self.system.coefficients.values()]
 
     def matrix(self, values: Sequence[int]) -> Matrix:
-        """`values`: references to those of `nodes`."""
+        """Return the matrix for `values`, references to those of `nodes`."""
         n = len(self.system.entries)
         return Matrix(dict(zip(self.system.entries, values)), dict(zip(self.system.coefficients, values[n:])))
 
@@ -271,7 +271,8 @@ def _plan(system: ArticulatedBody) -> Elimination | None:
 
 
 def _most(structure: Structure) -> int:
-    """Operations of a straight solve; a dense one, of n^3/3, is a loop, of little code."""
+    """Return the largest number of operations of a straight solve. A dense solve of n^3/3 operations is a
+    loop of little code."""
     if structure.definitions:
         return LARGEST_GROWING
     dense = structure.size**3 // 3

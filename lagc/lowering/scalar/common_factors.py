@@ -19,7 +19,7 @@ _NONE: frozenset[Node] = frozenset()
 
 
 def factored(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
-    """`nodes` with a*b + a*c written a*(b + c) where that saves a product. Sums are flattened through
+    """Return `nodes` with a*b + a*c written a*(b + c) where that saves a product. Sums are flattened through
     additions that have one user only."""
     # Sums with one user are opened into it; each sum is then rewritten as a whole, from the leaves of the
     # graph up.

@@ -51,7 +51,8 @@ class Preparation:
         return known[a]
 
     def separated(self, function: Function) -> Function:
-        """`function` with what is prepared as entries of PREPARED, by their value numbers in the block."""
+        """Return `function` with the prepared values as entries of PREPARED, by their value numbers in the
+        block."""
         if "p" not in function.inputs or len(function.inputs) == 1:  # one of p alone is called as rare
             return function
         return _Separation(self, function).run()
@@ -131,7 +132,7 @@ class _Separation:
         return self.moving[k] if number else self.block.mul(self._entry(coefficient), rest)
 
     def _factors(self, k: int) -> tuple[int, int]:
-        """Coefficient and rest of value k."""
+        """Return the coefficient and the remaining factor of value k."""
         if k in self.kept:
             return self.kept[k], self.block.one
         if k in self.products and self.uses[k] == 1:
@@ -139,7 +140,7 @@ class _Separation:
         return self.shared.one, self.moving[k]
 
     def _own(self, k: int) -> int:
-        """Value k in the function's own block."""
+        """Return value k in the function's own block."""
         if k not in self.moving:
             o = self.function.operations[k]
             if o.op in TRUTHS:  # no number that could be kept
