@@ -144,6 +144,8 @@ class Loaded:
         before in this process and compiling takes less time than fifty such runs.  Otherwise the run starts
         in NumPy, and changes to C when it has taken as long as compiling would."""
         request.completed(self.artifact.interface.simulate)  # refuses before anything is compiled
+        # Methods that are not carried by the usual code need a library of their own, which is the same model
+        # taken again.
         own = self.taking(request.method or DEFAULT_METHOD)
         if own is not self:
             return own.simulate(request, parameters, progress)
@@ -151,6 +153,7 @@ class Loaded:
             return self._run(self.asked, request, parameters, progress)
         from lagc.simulation.backends.compile import CannotCompile
 
+        # Compiled before: C is faster in any case.
         if self.backend == "c":
             try:
                 return self._run("c", request, parameters, progress, "compiled before")
@@ -158,6 +161,7 @@ class Loaded:
                 return self._run("numpy", request, parameters, progress, str(error))
         from lagc.simulation.supervision import CompileTimer, SlowRun, compile_time, has_compiler
 
+        # Runs in NumPy so far show what a run costs; fifty of them are worth a compilation.
         if FOLLOWING * self.numpy_s > compile_time(self.artifact.interface) and has_compiler():
             try:
                 self.system("c")
@@ -165,6 +169,8 @@ class Loaded:
                 self.numpy_s = 0.0
                 return self._run("numpy", request, parameters, progress, str(error))
             return self._run("c", request, parameters, progress, "a repeated run")
+        # NumPy begins at once. A timer ends the run when it has taken as long as compiling would: at most
+        # twice the better of both (the ski rental problem).
         system = self.system("numpy").bind(parameters)
         began = perf_counter()
         start = self.initialize(system, request)

@@ -159,6 +159,7 @@ class Machine:
     # -- the two moves --------------------------------------------------------------------
 
     def shift(self, token: Token, terminal: str, state: int) -> bool:
+        # Nesting is limited, as later stages walk the tree recursively. A sign counts too: `----x`.
         depth = self.depths[-1]
         if terminal in _NESTING or (terminal in ("PLUS", "MINUS") and self._is_sign()):
             depth += 1
@@ -166,12 +167,15 @@ class Machine:
                 span = Span(self.source, token.start, token.end)
                 self.faults.append(Fault("LAG0106", f"this is nested more than {DEEPEST} levels deep", span))
                 return False
+        # `end` closes the innermost open block; one that closes nothing, or an outer block, is a fault that
+        # recovery handles.
         if terminal == "END" and not self._closes():
             return True
         if terminal in _BLOCKS and self._begins_block():
             if self._left_open(terminal):
                 return True
             self.blocks.append(Block(token, self.tokens[self.position + 1], len(self.states)))
+        # The state is pushed with its value, first token and depth: four stacks of one height.
         token.terminal = terminal
         self.states.append(state)
         self.values.append(token)

@@ -355,6 +355,7 @@ def independent(equations: EquationsOfMotion, system: ArticulatedBody) -> tuple[
         for state, value in when.changes:
             if state in number:
                 _tie_to(parts, number[state], [when.condition, value], number)
+    # More than a few parts are a swarm of equal bodies, which nobody wants listed.
     groups = parts.groups(len(equations.v))
     if len(groups) < 2 or len(groups) > _MOST_NAMED:
         return ()
