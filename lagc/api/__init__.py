@@ -311,7 +311,7 @@ class CompiledModel(Differentiable, Measurable, Comparable):
                 every=every, points=points, parameters={**quantities("parameters", parameters), **numbers},
                 starts=starts, guesses=guesses, scales=scales, sensitivity=sensitivity, progress=progress,
             )  # fmt: skip
-        # All other arguments make a request. What it leaves open is completed by the scene, then by defaults.
+        # All other arguments make a request, which the scene completes, then the defaults.
         given = quantities("starts", starts)
         times = {"stop": stop, "step": step, "max_step": max_step, "every": every}
         request = Request(

@@ -55,7 +55,7 @@ class Comparable(Parametrized):
         from lagc.study.effect_sets import study
         from lagc.study.effects import Comparison, Effects, Refusal
 
-        # What can be wrong with the arguments is told before anything is compiled or run.
+        # Faults of the arguments are reported before anything is compiled or run.
         compilation = self._loaded.compilation
         model = compilation.model
         names = tuple([e.name for e in model.effects if e.used])

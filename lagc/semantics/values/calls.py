@@ -112,7 +112,8 @@ DEEPEST_TYPES = 32  # chain of type definitions
 
 def type_of(name: tree.TypeName | None, space: Namespace, depth: int = 0) -> QuantityType:
     """Return the quantity type of a declaration; a number if it has none.  Raises Wrong."""
-    # Types are looked up by scope: a unit in brackets, a built-in quantity, a type of the file or of an import.
+    # Types are looked up by scope: a unit in brackets, a built-in quantity, a type of the file or of an
+    # import.
     if name is None:
         return TYPES["Real"]
     if name.unit is not None:
