@@ -49,6 +49,8 @@ if TYPE_CHECKING:
 
 Progress: TypeAlias = Callable[[float], None]
 
+LONGEST = 4000  # characters of LaTeX that a notebook shows; browsers hang on many more
+
 
 def load(path: str) -> ModelFile:
     """Read the model file `path`, or the library model of that name (such as `simple_pendulum`).
@@ -97,6 +99,8 @@ class ModelFile:
 
         Raises Refused with all errors of the model or of the arguments, ValueError for an unknown backend.
         """
+        # Words and numbers are checked here; names of the model are not known before it is resolved, and are
+        # refused then.
         if backend not in ("auto", "c", "numpy"):
             raise ValueError(f"there is no backend {backend!r}: auto, c or numpy")
         given = quantities("parameters", parameters)
@@ -297,6 +301,8 @@ class CompiledModel(Differentiable, Measurable, Comparable):
         An argument that is not given has the value of the scene, or else its default.  A failed run keeps
         the results so far, and says why it failed in `status` and `message`.  Raises Refused if an argument
         is invalid or there is no consistent initial state."""
+        # Courses of inputs and a condition `until` are part of the code: another model is compiled for them,
+        # and runs with the other arguments.
         if inputs is not None or until is not None:
             numbers, courses = parted(inputs)
             driven = self._with_courses(numbers, courses, condition(until))
@@ -305,6 +311,7 @@ class CompiledModel(Differentiable, Measurable, Comparable):
                 every=every, points=points, parameters={**quantities("parameters", parameters), **numbers},
                 starts=starts, guesses=guesses, scales=scales, sensitivity=sensitivity, progress=progress,
             )  # fmt: skip
+        # All other arguments make a request, which the scene completes, then the defaults.
         given = quantities("starts", starts)
         times = {"stop": stop, "step": step, "max_step": max_step, "every": every}
         request = Request(
@@ -315,6 +322,7 @@ class CompiledModel(Differentiable, Measurable, Comparable):
             sensitivity=words("sensitivity", sensitivity),
             **{name: seconds(name, value) for name, value in times.items()},
         )  # fmt: skip
+        # Points that would not fit into memory are refused before the run.
         complete = request.completed(self.interface.simulate)
         check_memory(complete, self.interface.nx, of_this_machine(), "record fewer points")
         return self.run(request, self._bound(parameters), progress)
@@ -414,4 +422,6 @@ class CompiledModel(Differentiable, Measurable, Comparable):
         from lagc.reports.equations.latex import equations_latex
 
         with self.compilation.lock:
-            return equations_latex(self.equations)
+            text = equations_latex(self.equations)
+            count = len(self.equations.v) + len(self.equations.rows)
+        return text if len(text) <= LONGEST else f"{count} equations; `lagc equations` prints them"

@@ -56,6 +56,7 @@ class Measurable(Parametrized):
         from lagc.study.cost import Study, study
         from lagc.study.probe import Failed, Late, Probe
 
+        # Times, parameters and initial state are the same for all settings, so that only the setting differs.
         request = Request(
             stop=seconds("stop", stop), points=points,
             starts=bound_starts(self.interface, quantities("starts", starts)),
@@ -64,6 +65,7 @@ class Measurable(Parametrized):
         values = self._bound(parameters)
         system = self._loaded.system("numpy").bind(values)
         x0 = self._loaded.initialize(system, request).x
+        # One C source with all methods; single and quad precision are other sources of the same program.
         program = pipeline.with_all_methods(self._loaded.compilation)
         interface = program.interface
 
@@ -73,6 +75,7 @@ class Measurable(Parametrized):
             sources = double if real == "double" else stages.render(program, "c", real=real)
             return Probe(sources, interface, values, x0, real, flags)
 
+        # The verified run is measured as a user runs it: in C, and with the search for its tolerance.
         def verify(accuracy: float) -> tuple[Verified, Array | None]:
             asked = Request(stop=times[-1], accuracy=accuracy, points=points, starts=request.starts)
             self._loaded.system("c")
@@ -81,6 +84,7 @@ class Measurable(Parametrized):
                 run = self.run(asked, values)
             return _verified(run, accuracy, process_time() - start, names)
 
+        # Motions nearby tell how much of an error is chaos and how much is the method.
         def nearby(k: int) -> Probe | None:
             """Return the probe with parameters of up to 1 % more or less; None where that has no initial
             state."""

@@ -55,6 +55,7 @@ class Comparable(Parametrized):
         from lagc.study.effect_sets import study
         from lagc.study.effects import Comparison, Effects, Refusal
 
+        # Faults of the arguments are reported before anything is compiled or run.
         compilation = self._loaded.compilation
         model = compilation.model
         names = tuple([e.name for e in model.effects if e.used])
@@ -73,10 +74,12 @@ class Comparable(Parametrized):
         begin = {name: {**asked, **quantities("also", own)} for name, own in (also or {}).items()}
         for own in (asked, *begin.values()):
             bound_guesses(interface, guessed, bound_starts(interface, own))
+        # All runs are recorded at the same times, those of a run at the accuracy of the scene.
         request = Request(stop=seconds("stop", stop), points=points, starts=bound_starts(interface, asked))
         times = request.completed({**interface.simulate, "accuracy": 1e-6}).grid()
         spans = {e.name: e.span for e in model.effects}
 
+        # Each set of effects is compiled once, whatever initial values it runs with.
         compiled: dict[tuple[Names, Names], Loaded | Refused] = {}
 
         def make_for(starts: Mapping[str, Any]) -> Callable[[Names, Names], Variant | None]:
@@ -88,6 +91,8 @@ class Comparable(Parametrized):
 
             return make
 
+        # Effects need each other: the refusal of a set names the effect whose declarations miss what was left
+        # out. It is left out too, until the rest compiles.
         def closure(effects: Names) -> Names | None:
             """Return the effects with all that need them: those that are refused without them."""
             while True:
@@ -103,6 +108,8 @@ class Comparable(Parametrized):
                     return None
                 effects |= more
 
+        # The full scene comes first, then sets without effects, one after the other; recommended sets are
+        # verified with other initial values.
         begun = Effects(model.scene, times[-1], names)
         try:
             comparison = Comparison(make_for(asked), begun, min(accuracies, default=1e-6), of)
