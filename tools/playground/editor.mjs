@@ -1,7 +1,14 @@
 // The editor: CodeMirror with the colours, faults, completion and facts of the language.
 import { autocompletion, closeBrackets, closeBracketsKeymap, completionKeymap } from '@codemirror/autocomplete';
 import { defaultKeymap, history, historyKeymap, indentWithTab } from '@codemirror/commands';
-import { bracketMatching, HighlightStyle, StreamLanguage, syntaxHighlighting } from '@codemirror/language';
+import {
+  bracketMatching,
+  HighlightStyle,
+  indentOnInput,
+  indentService,
+  StreamLanguage,
+  syntaxHighlighting,
+} from '@codemirror/language';
 import { lintKeymap, setDiagnostics } from '@codemirror/lint';
 import { EditorState } from '@codemirror/state';
 import {
@@ -51,7 +58,7 @@ const language = StreamLanguage.define({
     return groups['variableName.function'].has(word) && /^\s*\(/.test(rest) ? 'variableName.function' : null;
   },
   tokenTable: { unit: tags.unit },
-  languageData: { commentTokens: { line: '//', block: { open: '/*', close: '*/' } } },
+  languageData: { commentTokens: { line: '//', block: { open: '/*', close: '*/' } }, indentOnInput: /^\s*end$/ },
 });
 const colours = HighlightStyle.define(
   [
@@ -64,6 +71,18 @@ const colours = HighlightStyle.define(
     [tags.function(tags.variableName), 'function'],
   ].map(([tag, name]) => ({ tag, class: `lag-${name}` })),
 );
+
+/** A line is indented as the one before it, by two more behind the head of a block, by two less at its end. */
+const indentation = indentService.of((context, at) => {
+  const { doc } = context.state;
+  let n = doc.lineAt(at).number - 1;
+  while (n > 0 && !doc.line(n).text.trim()) n--;
+  if (!n) return 0;
+  const before = doc.line(n).text;
+  const opens = /^\s*(?:partial\s+)?(?:model|effect|scene|when|for|if|frame|package)\b[^;]*$/.test(before);
+  const closes = /^\s*end\b/.test(doc.lineAt(at).text);
+  return Math.max(0, before.search(/\S/) + 2 * opens - 2 * closes);
+});
 
 /** An editor in `parent`; `on.change(text)`, `on.run()`, and `on.ask(kind, more)`, which resolves with answers. */
 export function createEditor(parent, on) {
@@ -101,6 +120,8 @@ export function createEditor(parent, on) {
       closeBrackets(),
       highlightActiveLine(),
       language,
+      indentation,
+      indentOnInput(),
       syntaxHighlighting(colours),
       autocompletion({ override: [complete], activateOnTypingDelay: 60, icons: false }),
       facts,
@@ -131,6 +152,12 @@ export function createEditor(parent, on) {
         return { from, to: Math.max(from, to), severity: fault.severity, message: fault.message };
       });
       view.dispatch(setDiagnostics(view.state, diagnostics));
+    },
+    apply(edits) {
+      const text = view.state.doc.toString();
+      const changes = edits.map(([from, to, insert]) => ({ from: toUnits(text, from), to: toUnits(text, to), insert }));
+      view.dispatch({ changes });
+      view.focus();
     },
     go(fault) {
       const anchor = toUnits(view.state.doc.toString(), fault.from);

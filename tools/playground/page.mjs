@@ -6,7 +6,7 @@ import { read, write } from './links.mjs';
 
 const FIRST = 'classic/double_pendulum';
 const NEW = 'new';
-const REST = { check: 60, run: 500 }; // ms without a key
+const REST = { check: 60, fixes: 400, run: 500 }; // ms without a key
 const QUICK = 2; // s: a model that takes longer is run by the button alone
 
 const $ = id => document.getElementById(id);
@@ -49,8 +49,10 @@ async function check() {
   const text = editor.text();
   const quick = await engine.ask('check', { text });
   if (!quick?.faults || text !== editor.text()) return;
-  tell(quick.faults);
-  if (wrong(quick.faults) || !text.trim()) return;
+  tell(text.trim() ? quick.faults : []);
+  if (!text.trim()) return;
+  if (quick.faults.length) soon('fixes', () => repair(text));
+  if (wrong(quick.faults)) return;
   soon('run', async () => {
     const whole = await engine.ask('whole', { text });
     if (!whole?.faults || text !== editor.text()) return;
@@ -59,6 +61,18 @@ async function check() {
   });
 }
 
+/** Offer tried fixes beside the first faults. */
+async function repair(text) {
+  const found = await engine.ask('fixes', { text });
+  if (text !== editor.text()) return;
+  found?.fixes?.forEach((fix, k) => {
+    const row = $('faults').children[k];
+    if (fix) row?.append(el('button', { className: 'fix', onclick: () => editor.apply(fix.edits) }, ...spelt(fix.title)));
+  });
+}
+
+/** A message, its code between backquotes as such. */
+const spelt = text => text.split('`').map((part, k) => (k % 2 ? el('code', { textContent: part }) : part));
 const wrong = faults => faults.some(fault => fault.severity === 'error');
 
 function tell(faults) {
@@ -66,14 +80,14 @@ function tell(faults) {
   $('faults').replaceChildren(
     ...faults.map(fault => {
       const place = fault.line ? `line ${fault.line}` : '';
-      const made = el(
-        'button',
-        { className: fault.severity, onclick: () => fault.from !== undefined && editor.go(fault) },
-        el('b', { textContent: [place, fault.code].filter(Boolean).join(' \u00b7 ') }),
-        el('span', { textContent: fault.message }),
+      const go = () => fault.from !== undefined && editor.go(fault);
+      return el(
+        'div',
+        { className: fault.severity },
+        el('button', { textContent: [place, fault.code].filter(Boolean).join(' \u00b7 '), onclick: go }),
+        el('span', {}, ...spelt(fault.message)),
+        ...(fault.remedy ? [el('span', { className: 'help' }, ...spelt(fault.remedy))] : []),
       );
-      if (fault.remedy) made.append(el('span', { className: 'help', textContent: fault.remedy }));
-      return made;
     }),
   );
 }
@@ -93,7 +107,6 @@ async function run(asked = false) {
     return;
   }
   if (found.faults) {
-    if (Object.keys(state.parameters).length === 0 && state.scene && found.faults[0].code === 'LAG0204') return chooseScene('');
     tell(found.faults);
     if (asked) part('model');
     return;
@@ -116,8 +129,13 @@ function draw(found) {
   $('summary').textContent = found.status === 'ok' ? facts.join(' \u00b7 ') : found.message;
   $('summary').className = found.status === 'ok' ? '' : 'failed';
   $('count').textContent = found.count;
-  if (found.latex) katex.render(found.latex, $('formulas'), { displayMode: true, throwOnError: false, strict: false });
-  else $('formulas').textContent = 'They are too long to show here.';
+  $('formulas').replaceChildren(
+    ...found.latex.map(row => {
+      const made = el('div');
+      katex.render(row, made, { displayMode: true, throwOnError: false, strict: false });
+      return made;
+    }),
+  );
 }
 
 /** Show another film; it goes on at the time of the one that it replaces, if that was of the same scene. */

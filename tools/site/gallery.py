@@ -14,7 +14,7 @@ import lagc
 from lagc.base.text import one_line
 from lagc.host.model_library import library_models, read
 from lagc.reports.derivation.html import cells
-from lagc.reports.equations.latex import equations_latex
+from lagc.reports.equations.latex import equation_rows
 from tools.gallery import COLORS, draw, run_of
 
 SIZE, DPI = (4.4, 3.0), 110  # inches of a picture, dots for each
@@ -86,9 +86,8 @@ def _equations(system: lagc.CompiledModel) -> str:
     """Return the equations in MathML, which needs no script; "" if they are long."""
     if len(system.equations.v) + len(system.equations.rows) > MOST_UNKNOWNS:
         return ""
-    latex = equations_latex(system.equations)
-    if len(latex) > LONGEST:
+    latex = equation_rows(system.equations)
+    if sum(map(len, latex)) > LONGEST:
         return ""
-    lines = latex.removeprefix("$$\n\\begin{aligned}\n").removesuffix("\n\\end{aligned}\n$$").split(" \\\\\n")
-    rows = "".join("<mtr>" + "".join(f"<mtd>{cell}</mtd>" for cell in cells(line)) + "</mtr>" for line in lines)
-    return f'<div class="equations"><math display="block"><mtable displaystyle="true">{rows}</mtable></math></div>\n'
+    rows = [f'<math display="block"><mrow>{"".join(cells(row))}</mrow></math>' for row in latex]
+    return f'<div class="equations">{"".join(rows)}</div>\n'

@@ -20,7 +20,7 @@ API = """# Python interface, by its docstrings
 ::: lagc.diagnostics.faults.Refused
 """
 _LINK = re.compile(r"\]\((?!https?:|#)([^)#\s]*)(#[^)\s]*)?\)")
-_FENCE = re.compile(r"^( *)```modelica(?: fragment)?$", re.MULTILINE)
+_FENCE = re.compile(r"^( *)```modelica$", re.MULTILINE)
 
 
 def copy(root: Path, to: Path) -> None:

@@ -14,7 +14,6 @@ from array import array as words
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from itertools import accumulate, compress
-from itertools import repeat as again
 from typing import Any
 
 inf, nan = math.inf, math.nan
@@ -264,7 +263,7 @@ def _function(f: Callable[..., Any], kind: type | None = float, careful: Callabl
                 return (careful or undefined)(*x)
         first, *others = x
         if isinstance(first, ndarray) and len(x) == 2 and not isinstance(x[1], ndarray | list | tuple):
-            shape, flats = first.shape, [first.flat, again(x[1], first.size)]
+            shape, flats = first.shape, [first.flat, [x[1]] * first.size]
         else:
             same = isinstance(first, ndarray) and builtins.all(
                 isinstance(a, ndarray) and a.shape == first.shape for a in others
