@@ -75,12 +75,14 @@ const colours = HighlightStyle.define(
 /** A line is indented as the one before it, by two more behind the head of a block, by two less at its end. */
 const indentation = indentService.of((context, at) => {
   const { doc } = context.state;
-  let n = doc.lineAt(at).number - 1;
+  const line = doc.lineAt(at);
+  const broken = context.simulatedBreak === at; // Enter: the rest of this line is the next one
+  let n = line.number - !broken;
   while (n > 0 && !doc.line(n).text.trim()) n--;
   if (!n) return 0;
-  const before = doc.line(n).text;
+  const before = broken && n === line.number ? line.text.slice(0, at - line.from) : doc.line(n).text;
   const opens = /^\s*(?:partial\s+)?(?:model|effect|scene|when|for|if|frame|package)\b[^;]*$/.test(before);
-  const closes = /^\s*end\b/.test(doc.lineAt(at).text);
+  const closes = /^\s*end\b/.test(broken ? line.text.slice(at - line.from) : line.text);
   return Math.max(0, before.search(/\S/) + 2 * opens - 2 * closes);
 });
 

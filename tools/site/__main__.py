@@ -1,8 +1,8 @@
 """Build the site: the documentation, a page for each model of the library, and the playground.
 
-    python -m tools.site FOLDER [--models NAME ...] [--with zensical | mkdocs]
+    python -m tools.site FOLDER [--models NAME ...] [--with zensical | mkdocs] [--no-playground]
 
-Needs `pip install -e '.[docs]'`. Ends with 1 if the builder says a warning.
+Needs `pip install -e '.[docs]'`, and Node for the playground. Ends with 1 if the builder warns.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+from tools.playground import __main__ as playground
 from tools.site import gallery, tree
 
 ROOT = Path(__file__).resolve().parent.parent.parent
@@ -25,6 +26,7 @@ def main() -> int:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--with", dest="builder", choices=("zensical", "mkdocs"), default="zensical")
     parser.add_argument("--models", nargs="*", default=(), help="for a gallery of these alone")
+    parser.add_argument("--no-playground", action="store_true")
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as work:
         source = Path(work)
@@ -39,6 +41,8 @@ def main() -> int:
         if made.returncode or "warning" in made.stdout.lower():
             return 1
         shutil.copytree(source / "site", asked.folder, dirs_exist_ok=True)
+    if not asked.no_playground:
+        playground.build(asked.folder / "playground")
     return 0
 
 
