@@ -10,7 +10,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from threading import local
 from typing import Any
 
@@ -28,12 +28,15 @@ class Processes(Executor):
     def __init__(self, count: int):
         self.threads, self.own = ThreadPoolExecutor(count), local()
         self.all: list[subprocess.Popen[bytes]] = []
+        self.over = False
 
     def submit(self, function: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
         return self.threads.submit(self._send, function, given)
 
     def _send(self, function: Callable[..., Any], given: tuple[Any, ...]) -> Any:
         for _ in range(TRIES):
+            if self.over:
+                break
             if not hasattr(self.own, "process"):
                 self.own.process = self._started()
             process: subprocess.Popen[bytes] = self.own.process
@@ -61,11 +64,14 @@ class Processes(Executor):
         return found
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        self.threads.shutdown(wait=False, cancel_futures=True)
+        """End all processes, and drop what they do."""
+        self.over = True
         for process in self.all:
             process.kill()
-            process.wait()
-        self.threads.shutdown()
+        self.threads.shutdown(wait=True, cancel_futures=True)
+        for process in self.all:  # one may have begun meanwhile
+            process.kill()
+            process.communicate()
 
 
 def serve() -> None:
@@ -73,16 +79,16 @@ def serve() -> None:
     receive, answer = sys.stdin.buffer, sys.stdout.buffer
     sys.stdout = sys.stderr
     while True:
-        try:
+        with suppress(EOFError, BrokenPipeError):  # the sweep has ended, or was killed
             function, given = pickle.load(receive)
-        except EOFError:
-            return
-        try:
-            found = True, function(*given)
-        except Exception as error:
-            found = False, error
-        pickle.dump(found, answer)
-        answer.flush()
+            try:
+                found = True, function(*given)
+            except Exception as error:
+                found = False, error
+            pickle.dump(found, answer)
+            answer.flush()
+            continue
+        return
 
 
 @contextmanager
@@ -103,4 +109,4 @@ def opened(given: Any) -> Iterator[tuple[Executor, Callable[[], int]]]:
     try:
         yield executor, lambda: width(AHEAD)
     finally:
-        executor.shutdown(wait=False, cancel_futures=True)
+        executor.shutdown(wait=False)

@@ -53,8 +53,9 @@ class Running:
         running: dict[Future[Chunk], int] = {}
         try:
             while running or self.left:
-                while self.left and len(running) < width():
-                    first, points = self._next(width())
+                room = width()
+                while self.left and len(running) < room:
+                    first, points = self._next(room)
                     running[pool.submit(run, self.task, points)] = first
                 done, _ = wait(running, LOOK, FIRST_COMPLETED)
                 for future in done:
