@@ -11,11 +11,12 @@ Numbers are in SI units; a pair such as (70, "cm") is a number with a unit.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from lagc.api.cost import Measurable
 from lagc.api.derivatives import Differentiable
 from lagc.api.effects import Comparable, without
+from lagc.api.fit import Fittable
 from lagc.api.run import Run
 from lagc.api.sweep import Sweepable
 from lagc.api.values import Input, Value, condition, parted, quantities, real, reals, seconds, word, words
@@ -126,7 +127,7 @@ class ModelFile:
         return self.compile()._repr_latex_()
 
 
-class CompiledModel(Differentiable, Measurable, Comparable, Sweepable):
+class CompiledModel(Differentiable, Measurable, Comparable, Sweepable, Fittable):
     """A compiled scene of a model: its equations, its code, and the methods that simulate and linearize it.
 
     Compiled code comes from the cache if it is there; other stages run only if they are needed.  An
@@ -307,14 +308,15 @@ class CompiledModel(Differentiable, Measurable, Comparable, Sweepable):
                 starts=starts, guesses=guesses, scales=scales, sensitivity=sensitivity, progress=progress,
             )  # fmt: skip
         given = quantities("starts", starts)
-        times = {"stop": stop, "step": step, "max_step": max_step, "every": every}
+        lengths = {"stop": stop, "step": step, "max_step": max_step, "every": every}
+        in_seconds: dict[str, Any] = {name: seconds(name, value) for name, value in lengths.items()}
         request = Request(
             accuracy=accuracy, method=method, rtol=rtol, atol=atol, points=points,
             starts=bound_starts(self.interface, given),
             guesses=bound_guesses(self.interface, quantities("guesses", guesses), given),
             scales=bound_scales(self.interface, quantities("scales", scales)),
             sensitivity=words("sensitivity", sensitivity),
-            **{name: seconds(name, value) for name, value in times.items()},
+            **in_seconds,
         )  # fmt: skip
         complete = request.completed(self.interface.simulate)
         check_memory(complete, self.interface.nx, of_this_machine(), "record fewer points")

@@ -49,7 +49,8 @@ class Sweepable(Parametrized):
     ) -> Sweep:
         """Run the model at many points and return a row of results for each.
 
-        axes: values by the name of a parameter, an input, or an initial value `start(theta)`: numbers in SI, a
+        axes: values by the name of a parameter, an input, or an initial value `start(theta)`: numbers in SI,
+        a
             pair of numbers and a unit, or a text as on the command line: "0.5:1.5:100", "10:80:8[deg]",
             "normal(1, 0.05)".  The points are all combinations, the last axis fastest.
         zip: the n-th point has the n-th value of each axis instead; a DataFrame of points is given so.
@@ -61,9 +62,9 @@ class Sweepable(Parametrized):
         progress: a function that is called some times a second with the results so far.
         options: stop, accuracy, method, rtol, atol, step, max_step, every, points, as for `simulate`.
 
-        A run that fails or is refused is a row with its code and message.  KeyboardInterrupt ends the sweep with
-        the runs so far.  Raises Refused if an argument is invalid or a worker has another version of lagc,
-        ImportError, OSError if the journal cannot be written."""
+        A run that fails or is refused is a row with its code and message.  KeyboardInterrupt ends the sweep
+        with the runs so far.  Raises Refused if an argument is invalid or a worker has another version of
+        lagc, ImportError, OSError if the journal cannot be written."""
         from lagc.study.sweep.plan import plan_of
 
         request = self.sweep_request(options, starts, guesses, scales)
@@ -73,7 +74,8 @@ class Sweepable(Parametrized):
 
     def run_sweep(
         self, plan: Plan, request: Request, keep: Sequence[str], executor: Any, journal: str | None,
-        progress: Callable[[Sweep], None], parameters: Mapping[str, Any] | None = None, most_time: float = inf,
+        progress: Callable[[Sweep], None], parameters: Mapping[str, Any] | None = None,
+        most_time: float = inf,
     ) -> Sweep:  # fmt: skip
         """Run the points of a plan.  `most_time` is the longest time of a run in s: one that would take more
         is refused."""
@@ -91,7 +93,7 @@ class Sweepable(Parametrized):
         key = cache.key(self.interface.model_hash, self.interface.scene, backend, version(), shape, *asked)
         task = Task(pickle.dumps(loaded), key, version(), backend, request, tuple(values), plan.names,
                     tuple(keep), most_time)  # fmt: skip
-        look = running(lambda t: progress(table)) or progress
+        look = running(lambda t: progress(table)) or (lambda t: None)
         file = None if journal is None else Journal(journal, key)
         try:
             Running(table, task, lambda: look(1.0), file).run(executor)
@@ -113,7 +115,7 @@ class Sweepable(Parametrized):
         if has_compiler():
             found = Loaded(compilation, "c")
             try:
-                found.taking(request.method or DEFAULT_METHOD).system("c").rhs  # compiles
+                found.taking(request.method or DEFAULT_METHOD).system("c").start()  # compiles
                 return found, "c"
             except CannotCompile:
                 pass

@@ -37,6 +37,7 @@ COMMANDS = {
     "derive": "write the worked solution, from the declarations to the equations",
     "sim": "compile and simulate a model",
     "sweep": "run a model at many points",
+    "fit": "find the parameters that fit measured values",
     "cost": "measure what accuracy costs in time",
     "compare": "run scenes side by side",
     "effects": "measure what each effect changes and costs",

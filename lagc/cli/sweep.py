@@ -2,10 +2,9 @@
 
     lagc sweep pendulum.lag l=0.5:1.5:100 'start(theta)=10:80:8[deg]' --stop 20 -o sweep.csv
 
-AXIS is NAME=1,2,5 or NAME=FIRST:LAST:COUNT (both ends), with :log at equal ratios, and a [unit] at the end; NAME
-is a parameter, an input, or start(NAME).  All combinations are run, the last axis fastest.  Finished runs are
-kept in FILE.part: after Ctrl-C or a crash the same command goes on.
-"""
+AXIS is NAME=1,2,5 or NAME=FIRST:LAST:COUNT (both ends), with :log at equal ratios, and a [unit] at the end;
+NAME is a parameter, an input, or start(NAME).  All combinations are run, the last axis fastest.  Finished
+runs are kept in FILE.part: after Ctrl-C or a crash the same command goes on."""
 
 from __future__ import annotations
 
@@ -30,7 +29,18 @@ from lagc.cli.options import (
     quantities,
     run_numbers,
 )
-from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, Bar, Unwritten, Usage, print_json, say, show_report
+from lagc.cli.output import (
+    DONE,
+    FAILED,
+    INTERRUPTED,
+    LIMITED,
+    Bar,
+    Unwritten,
+    Usage,
+    print_json,
+    say,
+    show_report,
+)
 from lagc.cli.signals import SIGNALS
 from lagc.host.atomic_write import is_straight, may_wait
 from lagc.host.budgets import reached, rest, time_text
@@ -48,7 +58,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
     parser.add_argument("axes", metavar="AXIS", nargs="*", help="the values of a name, e.g. l=0.5:1.5:100[m]")
     parser.add_argument("--zip", action="store_true", help="the n-th run has the n-th value of each axis")
-    parser.add_argument("--table", metavar="POINTS.csv", help="points, a row for each; the header has the names")
+    parser.add_argument(
+        "--table", metavar="POINTS.csv", help="points, a row for each; the header has the names"
+    )
     parser.add_argument(
         "--monte-carlo", metavar="N", help="N random points of axes such as 'm=normal(1, 0.05)[kg]'; also "
         "uniform, lognormal, loguniform, triangular",
@@ -63,7 +75,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_list_option(parser, "--guess", "guesses", "NAME=VALUE[UNIT]", about)
     add_outputs_option(parser)
     add_run_options(parser, "stop")
-    parser.add_argument("--until", metavar="CONDITION", help="end a run when this becomes true, e.g. 'x > 3 [m]'")
+    parser.add_argument(
+        "--until", metavar="CONDITION", help="end a run when this becomes true, e.g. 'x > 3 [m]'"
+    )
     add_run_options(parser, "accuracy")
     about = "what the accuracy of a coordinate, speed or output is relative to, instead of its range"
     add_list_option(parser, "--scale", "scales", "NAME=VALUE[UNIT]", about)
@@ -74,7 +88,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", metavar="FILE", required=True, help="write the runs: .csv, .parquet or .nc"
     )
-    parser.add_argument("--units", action="store_true", help="add units to the header of a .csv file: theta [rad]")
+    parser.add_argument(
+        "--units", action="store_true", help="add units to the header of a .csv file: theta [rad]"
+    )
     add_backend_option(parser)
 
 
@@ -111,12 +127,14 @@ def run(options: argparse.Namespace) -> int:
     keep = [word.strip() for word in options.keep.split(",")]
     most_time = MOST_TIME if options.max_time is None else inf
     try:
-        with workers_of(options) as workers, Watch(options.quiet or options.json) as watch:
-            found = model.run_sweep(plan, request, keep, workers, part, watch, most_time=most_time)
+        with workers_of(options) as workers, Bar(1.0, quiet=options.quiet or options.json) as bar:
+            found = model.run_sweep(plan, request, keep, workers, part, Watch(bar), most_time=most_time)
     except CannotCompile as error:
         raise Usage(f"{error}; --backend numpy needs no compiler") from None
     except NotKept as error:
-        raise Unwritten(f"{error}; finished runs are kept: make room, and give the same command again") from None
+        raise Unwritten(
+            f"{error}; finished runs are kept: make room, and give the same command again"
+        ) from None
     return deliver(found, options, part)
 
 
@@ -137,8 +155,8 @@ def axes_of(options: argparse.Namespace) -> dict[str, Values | Distribution]:
 
 
 def read_table(path: str) -> dict[str, Values | Distribution]:
-    """Return the columns of a CSV file of points, whose header has names and may have units, `l [cm]`.  Raises
-    Usage."""
+    """Return the columns of a CSV file of points, whose header has names and may have units, `l [cm]`.
+    Raises Usage."""
     import csv
 
     from lagc.base.text import number
@@ -199,14 +217,14 @@ def _whole(word: str | None, option: str) -> int | None:
     return found
 
 
-class Watch(Bar):
-    """The progress of a sweep: runs that are done and failed, and the time that is left."""
+class Watch:
+    """The progress of a sweep on a bar: runs that are done and failed, and the time that is left."""
 
-    def __init__(self, quiet: bool):
-        super().__init__(1.0, quiet)
+    def __init__(self, bar: Bar):
+        self.bar = bar
         self.begun: tuple[float, int] | None = None  # time and runs at the first call
 
-    def __call__(self, found: Sweep) -> None:  # type: ignore[override]
+    def __call__(self, found: Sweep) -> None:
         counts = found.counts
         done = len(found) - counts.get("not run", 0)
         if self.begun is None:
@@ -217,7 +235,7 @@ class Watch(Bar):
         if done > before:
             left = (perf_counter() - since) * (len(found) - done) / (done - before)
             words += f", {time_text(left)} left"
-        self.part(done / len(found), words)
+        self.bar.part(done / len(found), words)
 
 
 def deliver(found: Sweep, options: argparse.Namespace, part: str | None) -> int:

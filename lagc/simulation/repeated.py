@@ -78,7 +78,7 @@ class Repeated:
         if it does not begin as usual, or does not reach its end: `simulate` tells why.  `starts` are initial
         values by their place in x."""
         call, p, x, state = self.call, self.p, self.x, self.state
-        p[: self.fields] = values
+        p[: self.fields] = [*values]
         if self.prepared:
             call["bind"](p)
         call["start"](p, x)
@@ -115,4 +115,3 @@ class Repeated:
             self.call["outputs"](self.p, c_double(t), place, self.y, self.columns_work)
             outputs = self.y[:]
         return self.pick([*x, *rates, *outputs])
-

@@ -58,7 +58,10 @@ class Processes(Executor):
         # In a group of its own: Ctrl-C goes to this process alone.
         alone: dict[str, Any] = {"process_group": 0} if sys.platform != "win32" else {"creationflags": 0x200}
         found = subprocess.Popen(
-            [sys.executable, "-c", SERVE.format(sys.path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, **alone
+            [sys.executable, "-c", SERVE.format(sys.path)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            **alone,
         )
         self.all.append(found)
         return found
@@ -94,7 +97,8 @@ def serve() -> None:
 @contextmanager
 def opened(given: Any) -> Iterator[tuple[Executor, Callable[[], int]]]:
     """Yield the executor of `given`, which is a number of processes, an executor or a Dask client, and a
-    function that tells how many chunks it may have at a time.  Its chunks that wait are dropped at the end."""
+    function that tells how many chunks it may have at a time.  Its chunks that wait are dropped at the
+    end."""
     if isinstance(given, Executor):
         yield given, lambda: AHEAD * getattr(given, "_max_workers", MANY)
         return
@@ -103,7 +107,11 @@ def opened(given: Any) -> Iterator[tuple[Executor, Callable[[], int]]]:
         width = given.__mul__
     elif hasattr(given, "get_executor") and hasattr(given, "nthreads"):
         executor = given.get_executor(pure=False)
-        width = lambda ahead: ahead * (sum(given.nthreads().values()) + 1)  # of a cluster that may grow
+
+        def width(ahead: int) -> int:  # of a cluster that may grow
+            threads: int = sum(given.nthreads().values())
+            return ahead * (threads + 1)
+
     else:
         raise TypeError(f"`executor` is a number of processes, an Executor or a Dask client, not {given!r}")
     try:

@@ -33,13 +33,13 @@ class Record:
 
 
 class Journal:
-    """The open journal `path` of the sweep `key`; it is created if there is none.  Raises Refused (LAG0706) if
-    the file belongs to another sweep or another process writes to it, NotKept."""
+    """The open journal `path` of the sweep `key`; it is created if there is none.  Raises Refused (LAG0706)
+    if the file belongs to another sweep or another process writes to it, NotKept."""
 
     def __init__(self, path: str, key: str):
         self.path, self.head = path, HEAD + key.encode() + b"\n"
         try:
-            self.file: BinaryIO = open(path, "a+b", buffering=0)
+            self.file: BinaryIO = open(path, "a+b", buffering=0)  # noqa: SIM115
         except OSError as error:
             raise NotKept(f"`{path}` cannot be opened: {error.strerror or error}") from None
         try:
@@ -66,7 +66,9 @@ class Journal:
             fcntl.flock(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             message = f"`{self.path}` is in use: the same sweep is running"
-            raise Refused([Fault("LAG0706", message, remedy="wait for it, or write to another file")]) from None
+            raise Refused(
+                [Fault("LAG0706", message, remedy="wait for it, or write to another file")]
+            ) from None
         except OSError:  # a file system without locks
             return
 

@@ -23,8 +23,8 @@ MOST_VALUES = 100_000_000  # of an axis
 
 @dataclass(frozen=True)
 class Block:
-    """Columns of values in SI units that go together; `columns[i]` are those of `names[i]`.  `kind` is the name
-    of their dimension, unless they have one name alone that is no random sample."""
+    """Columns of values in SI units that go together; `columns[i]` are those of `names[i]`.  `kind` is the
+    name of their dimension, unless they have one name alone that is no random sample."""
 
     names: tuple[str, ...]
     columns: tuple[Sequence[float], ...]
@@ -88,7 +88,8 @@ DISTRIBUTIONS: dict[str, tuple[Callable[..., float], str, Callable[..., bool]]] 
     "uniform": (_uniform, "(least, largest)", lambda low, high: low < high),
     "normal": (_normal, "(mean, standard deviation)", lambda mean, deviation: deviation > 0.0),
     "lognormal": (
-        _lognormal, "(median, standard deviation of the logarithm)", lambda m, deviation: m and deviation > 0.0
+        _lognormal, "(median, standard deviation of the logarithm)", lambda m, deviation: m and deviation >
+        0.0
     ),
     "loguniform": (_loguniform, "(least, largest), both positive", lambda low, high: 0.0 < low < high),
     "triangular": (
@@ -179,7 +180,8 @@ def _distribution(name: str, text: str, kind: str, words: Sequence[str], unit: s
 
 
 def plan_of(
-    axes: Mapping[str, Values | Distribution], to_si: Callable[[str, Sequence[float], str | None], list[float]],
+    axes: Mapping[str, Values | Distribution],
+    to_si: Callable[[str, Sequence[float], str | None], list[float]],
     zipped: bool = False, samples: int | None = None, seed: int = 0,
 ) -> Plan:  # fmt: skip
     """Return the plan of axes by name: the product of those that have values, or their rows if they are
@@ -199,7 +201,9 @@ def plan_of(
     if zipped and blocks:
         if len({*lengths.values()}) > 1:
             found = ", ".join(f"{count} of `{name}`" for name, count in lengths.items())
-            raise Refused([Fault("LAG0602", f"axes that are zipped have as many values as each other: {found}")])
+            raise Refused(
+                [Fault("LAG0602", f"axes that are zipped have as many values as each other: {found}")]
+            )
         blocks = [Block(tuple(columns), tuple(columns.values()))]
     if samples is not None:
         drawn = [to_si(n, axis.sample(n, samples, seed), axis.unit) for n, axis in random.items()]

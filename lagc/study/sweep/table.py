@@ -37,7 +37,9 @@ class Sweep:
     terminated, failed or refused; failed and refused ones have the code of a message and the reason.  An
     interrupted sweep is not `complete`: runs that are missing are not run."""
 
-    def __init__(self, plan: Plan, columns: Sequence[str], units: Mapping[str, str], metadata: Mapping[str, object]):
+    def __init__(
+        self, plan: Plan, columns: Sequence[str], units: Mapping[str, str], metadata: Mapping[str, object]
+    ):
         self.plan, self.columns, self.units = plan, tuple(columns), dict(units)
         self.metadata = {**metadata, "units": self.units}
         self.rows: Array = np.full((len(plan), FIRST + len(self.columns)), nan)
@@ -81,7 +83,8 @@ class Sweep:
         return NOT_RUN not in self.counts
 
     def common_reasons(self) -> list[tuple[int, str, str]]:
-        """The codes of failed and refused runs, the most frequent first: their number and the first message."""
+        """The codes of failed and refused runs, the most frequent first: their number and the first
+        message."""
         counts = Counter(code for code, _ in self.reasons.values() if code)
         first = {code: message for _, (code, message) in sorted(self.reasons.items(), reverse=True)}
         return [(count, code, first[code]) for code, count in counts.most_common()]
@@ -127,8 +130,8 @@ class Sweep:
         return frame[frame["status"].isin(STATUSES[2:])]
 
     def to_xarray(self) -> Any:
-        """Return an xarray Dataset over the axes: a dimension for each axis of a grid, `point` for axes that are
-        zipped, `sample` for random ones.  Raises ImportError if xarray is not installed."""
+        """Return an xarray Dataset over the axes: a dimension for each axis of a grid, `point` for axes that
+        are zipped, `sample` for random ones.  Raises ImportError if xarray is not installed."""
         xarray = _package("xarray")
         dims, coords, shape = [], {}, []
         for block in self.plan.blocks:
@@ -136,19 +139,21 @@ class Sweep:
             dims.append(name)
             shape.append(len(block))
             attributes = [{"units": self.units[n]} if self.units.get(n) else {} for n in block.names]
-            coords.update({n: (name, np.array(c), a) for n, c, a in zip(block.names, block.columns, attributes)})
+            coords.update(
+                {n: (name, np.array(c), a) for n, c, a in zip(block.names, block.columns, attributes)}
+            )
         data = {}
         for name in self.names[len(self.axes) :]:
-            attributes = {"units": self.units[name]} if self.units.get(name) else {}
-            data[name] = (dims, self[name].reshape(shape), attributes)
+            own = {"units": self.units[name]} if self.units.get(name) else {}
+            data[name] = (dims, self[name].reshape(shape), own)
         return xarray.Dataset(data, coords, {"lagc": json_text(self.metadata)})
 
     def save(self, path: str, units: bool = False) -> None:
         """Write all runs to a file; the ending gives the format: .csv, .parquet or .nc.
 
-        `units` adds units to the header of a CSV file.  The metadata is in the file, or in `PATH.json` beside a
-        CSV file.  Raises `lagc.simulation.formats.CannotSave` if the ending is unknown, a package is missing or
-        the file cannot be written."""
+        `units` adds units to the header of a CSV file.  The metadata is in the file, or in `PATH.json` beside
+        a CSV file.  Raises `lagc.simulation.formats.CannotSave` if the ending is unknown, a package is
+        missing or the file cannot be written."""
         ending = check_path(path)
         try:
             with Files() as files:

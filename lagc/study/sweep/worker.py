@@ -65,7 +65,8 @@ class Task:
 @dataclass(frozen=True)
 class Chunk:
     """The results of runs: the rows of numbers as bytes of doubles, the codes and messages of some by their
-    place in the chunk, and the time that they took in s.  `other` is the version of a worker that is refused."""
+    place in the chunk, and the time that they took in s.  `other` is the version of a worker that is
+    refused."""
 
     rows: bytes
     reasons: Mapping[int, tuple[str, str]]
