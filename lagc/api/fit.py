@@ -12,6 +12,7 @@ from lagc.api.values import Parametrized, quantities, real, words
 from lagc.base.records import replace
 from lagc.base.text import Quantity, number
 from lagc.diagnostics.faults import Fault, Refused
+from lagc.host.budgets import Exhausted, reached
 from lagc.simulation.request import Request, bound_starts, si, unknown
 from lagc.simulation.solution import columns_of, units_of
 
@@ -58,48 +59,22 @@ class Fittable(Parametrized):
         for name, value in options.items():
             if name not in OPTIONS and value is not None:
                 raise TypeError(f"a fit has no option {name!r}")
-        vary = words("vary", vary)
         measured = measured_values(data, columns, self._unit_of)
-        given = quantities("starts", starts)
-        times = tuple(sorted({float(t) for m in measured for t in m.times}))
+        given, times = quantities("starts", starts), {float(t) for m in measured for t in m.times}
         request = Request(
-            **options, times=times, starts=bound_starts(self.interface, given), sensitivity=tuple(vary)
-        )
-        request = request.completed(self.interface.simulate)
+            **options, times=tuple(sorted(times)), starts=bound_starts(self.interface, given),
+            sensitivity=words("vary", vary),
+        ).completed(self.interface.simulate)  # fmt: skip
         base = self._bound(parameters)
-        wanted = self._parameters(vary, request, base)
-        places = {f.name: k for k, f in enumerate((*self.interface.parameters, *self.interface.inputs))}
-        last: list[Run] = []
-
-        def run(values: Sequence[float]) -> Run:
-            p, begin = list(base), dict(request.starts)
-            for parameter, value in zip(wanted, values):
-                if parameter.name in places:
-                    p[places[parameter.name]] = value
-                elif parameter.name.startswith("start("):
-                    begin[parameter.name[len("start(") : -1]] = value
-            return self.run(replace(request, starts=begin), p, progress)
-
-        def evaluate(values: Sequence[float]) -> Evaluated | None:
-            try:
-                found = run(values)
-            except Refused:
-                if not last:  # the first values
-                    raise
-                return None
-            if found.interrupted:
-                raise KeyboardInterrupt
-            last[:] = [found]
-            return _compared(found, measured, [p.name for p in wanted])
-
+        motions = _Motions(self, request, base, self._parameters(request, base), measured, progress)
         accuracy = request.accuracy or request.rtol or 1e-9
         try:
-            result = fit(wanted, measured, evaluate, accuracy, confidence)
+            found = fit(motions.wanted, measured, motions.evaluate, accuracy, confidence)
         except NotEvaluated:
-            message = f"there is nothing to fit with the first values: {last[0].message}"
+            message = f"there is nothing to fit with the first values: {motions.last.message}"
             raise Refused([Fault("LAG0620", message, remedy="begin with other values")]) from None
-        result.run = run([*result.values.values()])
-        return result
+        found.run = motions.run([*found.values.values()])
+        return found
 
     def _unit_of(self, quantity: str) -> str:
         """Return the SI unit of a quantity that can be measured.  Raises Refused (LAG0601)."""
@@ -108,18 +83,18 @@ class Fittable(Parametrized):
             raise Refused([unknown(quantity, known, "quantity", "LAG0601")])
         return known[quantity]
 
-    def _parameters(self, vary: Sequence[str], request: Request, base: Sequence[float]) -> list[Parameter]:
+    def _parameters(self, request: Request, base: Sequence[float]) -> list[Parameter]:
         """Return what is fitted, with its first value and its bounds.  Raises Refused."""
         from lagc.compiler.followed import directions_of
         from lagc.study.fit import Parameter
 
-        if not vary:
+        if not request.sensitivity:
             raise Refused([Fault("LAG0601", "a fit needs names of parameters to find, such as `l`")])
         fields = [*self.interface.parameters, *self.interface.inputs]
         unused = {f.name: f for f in self.artifact.unused}
         x = self._loaded.initialize(self._loaded.system("numpy").bind(list(base)), request).x
         found = []
-        for d in directions_of(self._loaded, vary):
+        for d in directions_of(self._loaded, request.sensitivity):
             if d.parameter is not None:
                 f = fields[d.parameter]
                 found.append(Parameter(d.name, d.unit, base[d.parameter], f.minimum, f.maximum))
@@ -128,6 +103,43 @@ class Fittable(Parametrized):
             else:
                 found.append(Parameter(d.name, d.unit, unused[d.name].value or 0.0))
         return found
+
+
+class _Motions:
+    """The motions of a fit: those of `model` with the values of the `wanted` parameters."""
+
+    last: Run
+
+    def __init__(
+        self, model: Fittable, request: Request, base: Sequence[float], wanted: Sequence[Parameter],
+        measured: Sequence[Measured], progress: Callable[[float], None] | None,
+    ):  # fmt: skip
+        self.model, self.request, self.base, self.wanted = model, request, base, wanted
+        self.measured, self.progress = measured, progress
+        fields = (*model.interface.parameters, *model.interface.inputs)
+        self.places = {f.name: k for k, f in enumerate(fields)}
+
+    def run(self, values: Sequence[float]) -> Run:
+        p, starts = list(self.base), dict(self.request.starts)
+        for parameter, value in zip(self.wanted, values):
+            if parameter.name in self.places:
+                p[self.places[parameter.name]] = value
+            elif parameter.name.startswith("start("):
+                starts[parameter.name[len("start(") : -1]] = value
+        found = self.model.run(replace(self.request, starts=starts), p, self.progress)
+        if found.interrupted:
+            raise Exhausted if reached() else KeyboardInterrupt
+        return found
+
+    def evaluate(self, values: Sequence[float]) -> Evaluated | None:
+        """Return values and slopes at the measured times; None if no motion reaches them."""
+        try:
+            self.last = self.run(values)
+        except Refused:
+            if not hasattr(self, "last"):  # with the first values
+                raise
+            return None
+        return _compared(self.last, self.measured, [p.name for p in self.wanted])
 
 
 def _compared(run: Run, measured: Sequence[Measured], names: Sequence[str]) -> Evaluated | None:

@@ -171,7 +171,7 @@ class Sweepable(Parametrized):
             self._with_given({name: nan})
         known = {f.name: f.unit for f in (*interface.parameters, *interface.inputs, *self.artifact.unused)}
         if name not in known:
-            starts = {f"start({n})" for n in interface.state_names}
+            starts = [f"start({n})" for n in interface.state_names]
             raise Refused([unknown(name, [*known, *starts], "parameter or input", "LAG0601")])
         return known[name]
 

@@ -150,7 +150,7 @@ def add_run_options(parser: argparse.ArgumentParser, *names: str) -> None:
 
 
 def run_numbers(options: argparse.Namespace) -> dict[str, Any]:
-    """Return the numbers that control a run, by name; None without a word.  Raises Usage if a word is none."""
+    """Return the numbers that control a run, by name; None if not given.  Raises Usage if a word is none."""
     found: dict[str, Any] = {}
     for name, option in RUN_OPTIONS.items():
         word = getattr(options, name, None)

@@ -162,10 +162,12 @@ class _Search:
     def minimize(self, x: Array, sigmas: Array) -> Any:
         least_squares = import_module("scipy.optimize").least_squares
         low, high = ([getattr(p, end) for p in self.found.parameters] for end in ("low", "high"))
-        # LSMR damps a direction that the data do not determine: its values stay near the first ones.
+        # LSMR damps a direction that the data do not determine: its values stay near the first ones.  It
+        # needs a plane to search in.
+        solver = "lsmr" if len(x) > 1 else "exact"
         return least_squares(
             self.stacked, np.clip(x, low, high), self.jacobian, (low, high), x_scale="jac",
-            tr_solver="lsmr", xtol=TOLERANCE, ftol=TOLERANCE, gtol=None, args=(sigmas,),
+            tr_solver=solver, xtol=TOLERANCE, ftol=TOLERANCE, gtol=None, args=(sigmas,),
         )  # fmt: skip
 
 
@@ -182,7 +184,10 @@ def _intervals(found: Fit, jacobian: Array, residuals: Array, accuracy: float) -
     found.unseen = tuple([_unseen(names, x, row / scale) for row in rows[~seen]])
     found.freedom = len(residuals) - int(seen.sum())
     inverse = rows[seen].T / singular[seen]
-    variance = float(residuals @ residuals) / found.freedom if found.freedom > 0 else nan
+    # Divided by their deviations, the squares add up to all values less all parameters, or to less where the
+    # deviations are bounded by the accuracy of the run.
+    squares = max(float(residuals @ residuals), float(len(residuals) - len(x)))
+    variance = squares / found.freedom if found.freedom > 0 else nan
     covariance = variance * inverse @ inverse.T / np.outer(scale, scale)
     lost = np.abs(rows[~seen]).max(axis=0, initial=0.0) > PART
     deviations = np.where(lost, inf, np.sqrt(np.diag(covariance)))
@@ -229,7 +234,9 @@ def _notes(found: Fit, least: Sequence[float], sums: Array) -> list[str]:
     for m, low, total in zip(found.measured, least, sums):
         r = found.residuals[m.quantity]
         if sqrt(total / len(r)) <= 10.0 * low:
-            notes.append(f"`{m.column}` fits to the accuracy of the run: the intervals tell nothing of noise")
+            notes.append(
+                f"`{m.column}` fits to the accuracy of the run: the intervals are those of it, not of noise"
+            )
         elif len(r) >= FEWEST and float(np.diff(r) @ np.diff(r)) < PATTERN * total:
             durbin = f"Durbin-Watson {float(np.diff(r) @ np.diff(r)) / total:.2g}, 2 for noise"
             pattern = f"the residuals of `{m.column}` follow a pattern ({durbin})"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from math import inf
+from time import perf_counter
 from typing import Any
 
 from lagc.diagnostics.faults import Fault, Refused
@@ -25,14 +26,14 @@ Progress = Callable[[], None]
 
 class Running:
     """A sweep that runs: its results so far, and the points that are left.  `progress` is called some times a
-    second, and ends the sweep by KeyboardInterrupt; `journal` is its file."""
+    second, and may end the sweep by KeyboardInterrupt; `journal` is its file."""
 
     def __init__(self, table: Sweep, task: Task, progress: Progress, journal: Journal | None = None):
         self.table, self.task, self.progress, self.journal = table, task, progress, journal
         for record in () if journal is None else journal.records():
             table.add(record)
         self.left = table.gaps()
-        self.size, self.spent = 1, 0.0
+        self.size, self.spent, self.looked = 1, 0.0, -inf
 
     def run(self, executor: Any) -> None:
         """Run all points: the first ones in this process, to compile the model and to see how long a run
@@ -42,12 +43,19 @@ class Running:
             with opened(executor) as (pool, width):
                 self._together(pool, width)
 
+    def _look(self, _: float = 0.0) -> None:
+        """Call `progress`, if it was not called a moment ago."""
+        now = perf_counter()
+        if now - self.looked >= LOOK:
+            self.looked = now
+            self.progress()
+
     def _alone(self, most: float) -> None:
         """Run chunks in this process, until their work took `most` seconds."""
         while self.left and self.spent <= most:
             first, points = self._next(1)
-            self._take(first, run(self.task, points, lambda t: self.progress()))
-            self.progress()
+            self._take(first, run(self.task, points, self._look))
+            self._look()
 
     def _together(self, pool: Any, width: Callable[[], int]) -> None:
         running: dict[Future[Chunk], int] = {}
@@ -60,7 +68,7 @@ class Running:
                 done, _ = wait(running, LOOK, FIRST_COMPLETED)
                 for future in done:
                     self._take(running.pop(future), future.result())
-                self.progress()
+                self._look()
         finally:
             for future in running:
                 future.cancel()

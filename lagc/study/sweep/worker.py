@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from _thread import _local as Local
 from array import array
 from collections.abc import Callable, Mapping, Sequence
 from math import fsum, inf, nan, sqrt
@@ -79,7 +80,14 @@ def version() -> str:
     return f"{__version__} ({tool_fingerprint()[:12]})"
 
 
-_RUNNERS: dict[str, Runner] = {}  # of the last sweep
+class _Last(Local):
+    """The runner of the last sweep of a thread."""
+
+    key = ""
+    runner: Runner
+
+
+_last = _Last()
 
 
 def run(task: Task, points: Sequence[Point], progress: Progress = lambda t: None) -> Chunk:
@@ -87,10 +95,9 @@ def run(task: Task, points: Sequence[Point], progress: Progress = lambda t: None
     if task.fingerprint != version():
         return Chunk(b"", {}, 0.0, version())
     began = perf_counter()
-    runner = _RUNNERS.get(task.key)
-    if runner is None:
-        _RUNNERS.clear()
-        runner = _RUNNERS[task.key] = Runner(task, pickle.loads(task.model))
+    if _last.key != task.key:
+        _last.runner, _last.key = Runner(task, pickle.loads(task.model)), task.key
+    runner = _last.runner
     rows, reasons = array("d"), dict[int, tuple[str, str]]()
     watched = Forecast(progress, task.request.stop or 0.0, task.most_time)
     for k, point in enumerate(points):
