@@ -256,22 +256,16 @@ class CompiledModel(Differentiable, Measurable, Comparable):
         stop: Value | None = None,
         *,
         accuracy: float | None = None,
-        method: str | None = None,
-        rtol: float | None = None,
-        atol: float | None = None,
-        step: Value | None = None,
-        max_step: Value | None = None,
-        every: Value | None = None,
-        points: int | None = None,
-        parameters: Mapping[str, Value] | None = None,
-        inputs: Mapping[str, Input] | None = None,
+        method: str | None = None, rtol: float | None = None, atol: float | None = None,
+        step: Value | None = None, max_step: Value | None = None,
+        every: Value | None = None, points: int | None = None,
+        parameters: Mapping[str, Value] | None = None, inputs: Mapping[str, Input] | None = None,
         until: str | None = None,
-        starts: Mapping[str, Value] | None = None,
-        guesses: Mapping[str, Value] | None = None,
+        starts: Mapping[str, Value] | None = None, guesses: Mapping[str, Value] | None = None,
         scales: Mapping[str, Value] | None = None,
         sensitivity: str | Sequence[str] = (),
         progress: Progress | None = None,
-    ) -> Run:
+    ) -> Run:  # fmt: skip
         """Simulate from t = 0 to `stop` and return the motion.
 
         stop: the end time in s.
@@ -299,8 +293,7 @@ class CompiledModel(Differentiable, Measurable, Comparable):
         is invalid or there is no consistent initial state."""
         if inputs is not None or until is not None:
             numbers, courses = parted(inputs)
-            driven = self._with_courses(numbers, courses, condition(until))
-            return driven.simulate(
+            return self._with_courses(numbers, courses, condition(until)).simulate(
                 stop, accuracy=accuracy, method=method, rtol=rtol, atol=atol, step=step, max_step=max_step,
                 every=every, points=points, parameters={**quantities("parameters", parameters), **numbers},
                 starts=starts, guesses=guesses, scales=scales, sensitivity=sensitivity, progress=progress,

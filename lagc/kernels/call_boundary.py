@@ -18,6 +18,35 @@ def forget_stages(s: State) -> None:
         s.newton.eta = 1.0
 
 
+def forget_events(s: State, t: Real, x: Vec[NX]) -> None:
+    """Let a trajectory begin at (t, x) without events."""
+    if NMODE > 0:
+        s.changes = 0
+        s.changes_at_time = 0
+        s.t_changed = t
+        for i in range(NX):
+            s.event_roundoff[i] = 0.0
+        for k in range(NMODE):
+            s.slack[k] = 0.0
+        s.after_event = False
+        s.is_split = False
+        s.event_time_error = 0.0
+        s.first_order_time = 0.0
+    if NWHEN > 0:
+        s.conditions_known = False
+        s.short_bounces = 0
+    if NLEAP > 0:
+        s.jumps = 0
+        s.x_before_event[:] = x
+    if NCON > 0:
+        s.settlements = 0
+        s.penetration = 0.0
+        for i in range(NCON):
+            s.bounce_speeds[i] = 0.0
+            s.fall_heights[i] = 0.0
+            s.touch_times[i] = t
+
+
 @public
 def begin(s: State, t: Real, x: Vec[NX]) -> None:
     """Begin a new trajectory at (t, x). x meets the constraints. *s need not be filled before."""
@@ -72,31 +101,8 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
         s.rate_roundoff[i] = 0.0
     s.longest_step = 0.0
     s.culprit = -1
-    if NMODE > 0:
-        s.changes = 0
-        s.changes_at_time = 0
-        s.t_changed = t
-        for i in range(NX):
-            s.event_roundoff[i] = 0.0
-        for k in range(NMODE):
-            s.slack[k] = 0.0
-        s.after_event = False
-        s.is_split = False
-        s.event_time_error = 0.0
-        s.first_order_time = 0.0
-    if NWHEN > 0:
-        s.conditions_known = False
-        s.short_bounces = 0
-    if NLEAP > 0:
-        s.jumps = 0
-        s.x_before_event[:] = x
-    if NCON > 0:
-        s.settlements = 0
-        s.penetration = 0.0
-        for i in range(NCON):
-            s.bounce_speeds[i] = 0.0
-            s.fall_heights[i] = 0.0
-            s.touch_times[i] = t
+    if NMODE + NLEAP > 0:
+        forget_events(s, t, x)
 
 
 def enter_call(s: State, w: Work) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import accumulate
 from math import inf
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lagc.base.records import names, replace
 from lagc.diagnostics.faults import Fault, Span
@@ -23,6 +23,9 @@ from lagc.symbolic.expression_text import text
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix
 from lagc.symbolic.walk import depends, symbols
+
+if TYPE_CHECKING:
+    from lagc.lowering.loaded_reactions import Loads
 
 _DEFINITE = 1e-12  # of the product of the moments: minors that may be rounding
 # Of no bearing on the numbers.
@@ -49,6 +52,7 @@ def interface(
     parameters: tuple[Parameter, ...],
     functions: Mapping[str, Function],
     slopes: Slopes,
+    loads: Loads | None,
     *,
     read: tuple[int, ...] = (),
     work: bool,
@@ -61,13 +65,9 @@ def interface(
     remarks: tuple[str, ...] = (),
     derivatives: Mapping[str, tuple[tuple[int, int], ...]],
     relations: tuple[EventRelation, ...] = (),
-    loading_rows: tuple[int, ...] = (),
-    held_rows: tuple[int, ...] = (),
-    pushed_contacts: tuple[int, ...] = (),
-    curved_loads: bool = False,
 ) -> Interface:
-    """Return the interface of `functions` and of `slopes`, the derivatives of the initial equations.
-    `dropped` are names that were left out; `remarks` become notes."""
+    """Return the interface of `functions`, of `slopes`, the derivatives of the initial equations, and of
+    `loads` that depend on reactions. `dropped` are names that were left out; `remarks` become notes."""
     model = equations.model
     # A parameter without a place reaches nothing: a note says so.
     kept = {p.name for p in parameters}
@@ -79,11 +79,12 @@ def interface(
         model_hash="",
         nz=1 if work else 0,
         whens=_clauses(equations, int(work)),
-        discretes=tuple([discrete_field(variable) for variable in model.discretes]),
-        booleans=tuple([int(variable.boolean) for variable in model.discretes]),
         contacts=_contacts(equations, int(work)),
         **_of_equations(equations),
         **_of_functions(functions, slopes),
+        **_of_discretes(model),
+        **_of_relations(relations),
+        **(_of_loads(loads) if loads else {}),
         parameters=tuple([parameter_field(p) for p in parameters]),
         inputs=tuple([input_field(u) for u in model.inputs]),
         limits=tuple([_limit(x) for x in model.limits]),
@@ -98,24 +99,13 @@ def interface(
         scales=dict(model.scales),
         notes=(*model.notes, *notes, *equations.dropped, *remarks),
         dropped=dropped,
-        relations=tuple([relation.words for relation in relations]),
-        counted_relations=tuple([int(relation.edges is not None) for relation in relations]),
-        loading_rows=loading_rows,
-        held_rows=held_rows,
-        pushed_contacts=pushed_contacts,
-        curved_loads=curved_loads,
         servos=tuple([(c.name, c.actuator) for c in model.constraints if c.actuator]),
-        late_relations=sum(relation.late for relation in relations),
-        timed_relations=sum(1 for relation in relations if relation.slope is not None),
-        relations_aside=tuple([int(relation.aside) for relation in relations]),
         timed=flowing or ("indicators" in functions and _timed(functions["indicators"])),
         flowing=flowing,
         doubtful=_doubtful(model),
         derivatives=dict(derivatives),
     )
-    # The hash is that of everything else.
-    digest = _digest(found, functions)
-    return replace(found, model_hash=digest)
+    return replace(found, model_hash=_digest(found, functions))  # the hash is that of everything else
 
 
 def _contacts(equations: EquationsOfMotion, nz: int) -> tuple[Contact, ...]:
@@ -182,6 +172,32 @@ def _of_functions(functions: Mapping[str, Function], slopes: Slopes) -> dict[str
         "series": counts(functions),
         "features": dict(functions["features"].outputs)["e"] if "features" in functions else 0,
         "poles": dict(functions["poles"].outputs)["e"] if "poles" in functions else 0,
+    }
+
+
+def _of_discretes(model: Model) -> dict[str, Any]:
+    return {
+        "discretes": tuple([discrete_field(variable) for variable in model.discretes]),
+        "booleans": tuple([int(variable.boolean) for variable in model.discretes]),
+    }
+
+
+def _of_relations(relations: Sequence[EventRelation]) -> dict[str, Any]:
+    return {
+        "relations": tuple([relation.words for relation in relations]),
+        "counted_relations": tuple([int(relation.edges is not None) for relation in relations]),
+        "late_relations": sum(relation.late for relation in relations),
+        "timed_relations": sum(1 for relation in relations if relation.slope is not None),
+        "relations_aside": tuple([int(relation.aside) for relation in relations]),
+    }
+
+
+def _of_loads(loads: Loads) -> dict[str, Any]:
+    return {
+        "loading_rows": loads.rows,
+        "held_rows": loads.held,
+        "pushed_contacts": loads.pushed,
+        "curved_loads": not loads.linear,
     }
 
 
