@@ -101,7 +101,7 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
         s.rate_roundoff[i] = 0.0
     s.longest_step = 0.0
     s.culprit = -1
-    if NMODE + NLEAP > 0:
+    if NMODE > 0 or NLEAP > 0:
         forget_events(s, t, x)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import accumulate
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lagc.base.records import names, replace
 from lagc.diagnostics.faults import Fault, Span
@@ -23,9 +23,6 @@ from lagc.symbolic.expression_text import text
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix
 from lagc.symbolic.walk import depends, symbols
-
-if TYPE_CHECKING:
-    from lagc.lowering.loaded_reactions import Loads
 
 _DEFINITE = 1e-12  # of the product of the moments: minors that may be rounding
 # Of no bearing on the numbers.
@@ -52,7 +49,7 @@ def interface(
     parameters: tuple[Parameter, ...],
     functions: Mapping[str, Function],
     slopes: Slopes,
-    loads: Loads | None,
+    loads: Mapping[str, Any],
     *,
     read: tuple[int, ...] = (),
     work: bool,
@@ -67,7 +64,8 @@ def interface(
     relations: tuple[EventRelation, ...] = (),
 ) -> Interface:
     """Return the interface of `functions`, of `slopes`, the derivatives of the initial equations, and of
-    `loads` that depend on reactions. `dropped` are names that were left out; `remarks` become notes."""
+    `loads` that depend on reactions (`Loads.described`). `dropped` are names that were left out; `remarks`
+    become notes."""
     model = equations.model
     # A parameter without a place reaches nothing: a note says so.
     kept = {p.name for p in parameters}
@@ -84,7 +82,7 @@ def interface(
         **_of_functions(functions, slopes),
         **_of_discretes(model),
         **_of_relations(relations),
-        **(_of_loads(loads) if loads else {}),
+        **loads,
         parameters=tuple([parameter_field(p) for p in parameters]),
         inputs=tuple([input_field(u) for u in model.inputs]),
         limits=tuple([_limit(x) for x in model.limits]),
@@ -189,15 +187,6 @@ def _of_relations(relations: Sequence[EventRelation]) -> dict[str, Any]:
         "late_relations": sum(relation.late for relation in relations),
         "timed_relations": sum(1 for relation in relations if relation.slope is not None),
         "relations_aside": tuple([int(relation.aside) for relation in relations]),
-    }
-
-
-def _of_loads(loads: Loads) -> dict[str, Any]:
-    return {
-        "loading_rows": loads.rows,
-        "held_rows": loads.held,
-        "pushed_contacts": loads.pushed,
-        "curved_loads": not loads.linear,
     }
 
 

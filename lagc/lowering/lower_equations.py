@@ -86,7 +86,7 @@ def optimize(
     found = {name: rerolled(function, often=name in OFTEN) for name, function in found.items()}
     return Program(
         interface(
-            equations, parameters, found, slopes, loads,
+            equations, parameters, found, slopes, loads.described() if loads else {},
             read=read, work=work, straight=solver is not None, relations=relations,
             work_size=kkt.work_size(factored, bool(equations.rows) and not dense) if factored else 0,
             health=dict(found["rhs"].outputs)["health"] if solver else 0,

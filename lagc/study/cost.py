@@ -229,7 +229,7 @@ def study(
         deadline = max(began + 0.95 * budget, perf_counter() + LEFT * budget)
         look_nearby(found, plain, nearby, times[:recorded], deadline)
         found.conclude()
-        # What a verified run and other compiler options make of it, as long as the budget lasts.
+        # Then verified runs and other compiler options, as long as the budget lasts.
         for target in TARGETS:
             if perf_counter() - began > budget:
                 break

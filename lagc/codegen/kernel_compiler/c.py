@@ -442,7 +442,7 @@ def folded(line: str) -> str:
     if len(code) > WIDTH and mark:
         lead = code[: len(code) - len(code.lstrip())]
         return f"{lead}/* {note}\n{folded(code)}"
-    indent = " " * (len(line) - len(line.lstrip()) + 4)
+    indent = " " * (len(line) - len(line.lstrip()) + 8)
     rows = []
     while len(line) > WIDTH and not line.lstrip().startswith("/*"):
         cuts = [
