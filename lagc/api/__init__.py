@@ -49,6 +49,8 @@ if TYPE_CHECKING:
 
 Progress: TypeAlias = Callable[[float], None]
 
+LONGEST = 4000  # characters of LaTeX that a notebook shows; browsers hang on many more
+
 
 def load(path: str) -> ModelFile:
     """Read the model file `path`, or the library model of that name (such as `simple_pendulum`).
@@ -407,4 +409,6 @@ class CompiledModel(Differentiable, Measurable, Comparable):
         from lagc.reports.equations.latex import equations_latex
 
         with self.compilation.lock:
-            return equations_latex(self.equations)
+            text = equations_latex(self.equations)
+            count = len(self.equations.v) + len(self.equations.rows)
+        return text if len(text) <= LONGEST else f"{count} equations; `lagc equations` prints them"

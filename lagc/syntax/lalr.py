@@ -11,7 +11,7 @@ from itertools import pairwise
 from typing import Any
 
 from lagc.base.records import dataclass
-from lagc.diagnostics.faults import Fault, Source, Span
+from lagc.diagnostics.faults import Edit, Fault, Source, Span
 from lagc.syntax.lalr_tables import Tables
 from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Lexed, Token
 from lagc.syntax.tree_builder import Builder
@@ -51,11 +51,13 @@ class Block:
         word = self.word.text
         return f"this `{word}`" if self.end_name == word else f"{word} `{self.end_name}`"
 
-    def fault(self, code: str, message: str, span: Span) -> Fault:
+    def fault(self, code: str, message: str, span: Span, edits: tuple[Edit, ...] = ()) -> Fault:
         """Return a fault of its `end`, with the place where the block begins."""
         last = self.word if self.end_name == self.word.text else self.name
         opened = Span(span.source, self.word.start, max(self.word.end, last.end))
-        return Fault(code, message, span, ((opened, "opened here"),), f"write `end {self.end_name};`")
+        return Fault(
+            code, message, span, ((opened, "opened here"),), f"write `end {self.end_name};`", edits=edits
+        )
 
 
 class Machine:
@@ -253,7 +255,8 @@ class Machine:
 
     def _wrong_end(self, block: Block, name: Token) -> Fault:
         message = f"this `end` names `{name.text}`, but it closes {block.shown}"
-        return block.fault("LAG0113", message, Span(self.source, name.start, name.end))
+        edits = (Edit(name.start, name.end, block.end_name),)
+        return block.fault("LAG0113", message, Span(self.source, name.start, name.end), edits)
 
     def _left_open(self, terminal: str) -> bool:
         """Whether a block begins that the innermost one cannot contain, and whose `end` is missing; it is
@@ -294,21 +297,33 @@ class Machine:
         at = self.tokens[self.position]
         before = "the end of the file" if at.kind == END else f"this `{at.text}`"
         message = f"{block.shown} is not closed before {before}"
-        self.report(block.fault("LAG0112", message, Span(self.source, at.start, at.end)), block.word)
+        edits = (self._missing_end(block, at),)
+        self.report(block.fault("LAG0112", message, Span(self.source, at.start, at.end), edits), block.word)
         self.tokens[self.position : self.position] = [
             Token(WORD, "end", at.start, at.start),
             Token(WORD, block.end_name, at.start, at.start),
             Token(SYMBOL, ";", at.start, at.start),
         ]
 
-    def report(self, fault: Fault, first: Token) -> None:
+    def _missing_end(self, block: Block, before: Token) -> Edit:
+        """Return the `end` of a block: where a line begins, a line that is indented as the block is."""
+        text, end = self.source.text, f"end {block.end_name};"
+        line, opened = (text.rfind("\n", 0, token.start) + 1 for token in (before, block.word))
+        if text[line : before.start].strip():
+            return Edit(before.start, before.start, f" {end} ")
+        indent = text[opened : block.word.start]
+        return Edit(line, line, f"{'' if indent.strip() else indent}{end}\n")
+
+    def report(self, fault: Fault, first: Token) -> bool:
         """Report at most one fault per declaration (first token `first`), and none where the lexer found
-        one."""
+        one. Return whether it is reported."""
         end = self.source.text.find("\n", self.tokens[self.position].end)
         end = len(self.source.text) if end < 0 else end
         odd = fault.code != "LAG0112" and any(
             known.span is not None and first.start <= known.span.start < end for known in self.lexed.faults
         )
-        if not odd and first.start not in self._reported:
-            self._reported.add(first.start)
-            self.faults.append(fault)
+        if odd or first.start in self._reported:
+            return False
+        self._reported.add(first.start)
+        self.faults.append(fault)
+        return True
