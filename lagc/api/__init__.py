@@ -99,6 +99,8 @@ class ModelFile:
 
         Raises Refused with all errors of the model or of the arguments, ValueError for an unknown backend.
         """
+        # Words and numbers are checked here; names of the model are not known before it is resolved, and are
+        # refused then.
         if backend not in ("auto", "c", "numpy"):
             raise ValueError(f"there is no backend {backend!r}: auto, c or numpy")
         given = quantities("parameters", parameters)
@@ -293,6 +295,8 @@ class CompiledModel(Differentiable, Measurable, Comparable):
         An argument that is not given has the value of the scene, or else its default.  A failed run keeps
         the results so far, and says why it failed in `status` and `message`.  Raises Refused if an argument
         is invalid or there is no consistent initial state."""
+        # Courses of inputs and a condition `until` are part of the code: another model is compiled for them,
+        # and runs with the other arguments.
         if inputs is not None or until is not None:
             numbers, courses = parted(inputs)
             return self._with_courses(numbers, courses, condition(until)).simulate(
@@ -300,6 +304,7 @@ class CompiledModel(Differentiable, Measurable, Comparable):
                 every=every, points=points, parameters={**quantities("parameters", parameters), **numbers},
                 starts=starts, guesses=guesses, scales=scales, sensitivity=sensitivity, progress=progress,
             )  # fmt: skip
+        # All other arguments make a request, which the scene completes, then the defaults.
         given = quantities("starts", starts)
         times = {"stop": stop, "step": step, "max_step": max_step, "every": every}
         request = Request(
@@ -310,6 +315,7 @@ class CompiledModel(Differentiable, Measurable, Comparable):
             sensitivity=words("sensitivity", sensitivity),
             **{name: seconds(name, value) for name, value in times.items()},
         )  # fmt: skip
+        # Points that would not fit into memory are refused before the run.
         complete = request.completed(self.interface.simulate)
         check_memory(complete, self.interface.nx, of_this_machine(), "record fewer points")
         return self.run(request, self._bound(parameters), progress)

@@ -55,6 +55,7 @@ class Measurable(Parametrized):
         from lagc.study.cost import Study, study
         from lagc.study.probe import Failed, Late
 
+        # Times, parameters and initial state are the same for all settings, so that only the setting differs.
         request = Request(
             stop=seconds("stop", stop), points=points,
             starts=bound_starts(self.interface, quantities("starts", starts)),
@@ -85,6 +86,7 @@ class _Bench:
         self.times = request.completed({**interface.simulate, "accuracy": 1e-6}).grid()
         self.system = loaded.system("numpy").bind(values)
         self.x0 = loaded.initialize(self.system, request).x
+        # One C source with all methods; single and quad precision are other sources of the same program.
         self.program = pipeline.with_all_methods(loaded.compilation)
         self.double = stages.render(self.program, "c")
         own = self.program.interface
@@ -99,7 +101,7 @@ class _Bench:
 
     def nearby(self, k: int) -> Probe | None:
         """Return the probe with parameters of up to 1 % more or less; None where that has no initial
-        state."""
+        state.  Motions nearby tell how much of an error is chaos and how much is the method."""
         from lagc.study.probe import Probe
 
         dice = Random(k)
@@ -118,7 +120,7 @@ class _Bench:
 
         asked = Request(stop=self.times[-1], accuracy=accuracy, points=self.request.points,
                         starts=self.request.starts)  # fmt: skip
-        self.loaded.system("c")
+        self.loaded.system("c")  # as a user runs it: in C, and with the search for its tolerance
         with cache.unused():  # a remembered tolerance would save the search for it
             start = process_time()
             run = self.run(asked, self.values)

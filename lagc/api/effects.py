@@ -55,6 +55,7 @@ class Comparable(Parametrized):
         from lagc.study.effect_sets import study
         from lagc.study.effects import Comparison, Effects, Refusal
 
+        # Faults of the arguments are reported before anything is compiled or run.
         model, interface = self._loaded.compilation.model, self._loaded.artifact.interface
         names = tuple([e.name for e in model.effects if e.used])
         offered = [e.name for e in model.effects if not e.used]
@@ -62,7 +63,6 @@ class Comparable(Parametrized):
             remedy = f"the effects that it leaves out: {', '.join(offered)}"
             raise Refused([Fault("LAG0214", f"the scene `{model.scene}` uses no effect",
                                  remedy=remedy if offered else "the model declares none")])  # fmt: skip
-        # All arguments are looked at before anything is measured.
         given = {**self._given, **quantities("parameters", parameters)}
         asked = quantities("starts", starts)
         bound_parameters(interface, given, self._loaded.artifact.unused)
@@ -73,9 +73,12 @@ class Comparable(Parametrized):
         begin = {name: {**asked, **quantities("also", own)} for name, own in (also or {}).items()}
         for own in (asked, *begin.values()):
             bound_guesses(interface, guessed, bound_starts(interface, own))
+        # All runs are recorded at the same times, those of a run at the accuracy of the scene.
         request = Request(stop=seconds("stop", stop), points=points, starts=bound_starts(interface, asked))
         times = request.completed({**interface.simulate, "accuracy": 1e-6}).grid()
         scenes = _Scenes(self._loaded.compilation, given, guessed, times)
+        # The full scene comes first, then sets without effects, one after the other; recommended sets are
+        # verified with other initial values.
         begun = Effects(model.scene, times[-1], names)
         elsewhere = {name: scenes.starting(own) for name, own in begin.items()}
         coarsest_first = sorted(accuracies, reverse=True)
@@ -112,7 +115,8 @@ class _Scenes:
         return make
 
     def closure(self, effects: Names) -> Names | None:
-        """Return the effects with all that need them: those that are refused without them."""
+        """Return the effects with all that need them: those that are refused without them.  The refusal of a
+        set names the effect whose declarations miss what was left out."""
         used = {e.name: e.span for e in self.compilation.model.effects if e.used}
         while True:
             found = _compiled(self.compilation, effects, frozenset())

@@ -63,6 +63,7 @@ def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[
     except Refused as refused:
         reached.append(1)
         return list(refused.faults)
+    # Faults by place: scenes share declarations, so one fault would be found in each.
     faults = _by_place(text_warnings(tree))
     known: set[str] = set()
     if choice.scene is not None:
@@ -70,6 +71,7 @@ def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[
         return [*faults.values(), *_unknown(choice, known)]
     models: set[str | None] = set()
     scenes = ByScene(tree)
+    # Each scene, and effects that no scene uses, alone and beside the others.
     for v in variants(tree, choice.model, roots):
         each = replace(
             choice,
@@ -96,8 +98,8 @@ def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[
 def _faults(
     tree: Tree, choice: Choice, roots: tuple[str, ...], known: set[str], reached: list[int]
 ) -> dict[tuple[object, ...], Fault]:
-    """The faults of one choice by code and place, warnings first. Adds the names of its parameters and inputs
-    to `known`, and the number of stages that it reached to `reached`."""
+    """Return the faults of one choice by code and place, warnings first. Adds the names of its parameters and
+    inputs to `known`, and the number of stages that it reached to `reached`."""
     faults: Sequence[Fault]
     warnings: Sequence[Fault] = ()
     asked: Sequence[Fault] = ()
@@ -142,6 +144,8 @@ def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> li
     from lagc.simulation.initialization.dry_run import NoStart, try_start
     from lagc.simulation.request import bound_parameters
 
+    # The interface says which parameters a run must give; a value that is missing ends the check with a
+    # warning.
     program = optimize(equations, work=True)
     interface, left = program.interface, unused(model, program.interface)
     fields = (*interface.parameters, *interface.inputs)
@@ -154,6 +158,7 @@ def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> li
             message = f"parameter `{p.name}` has no value: the initial state was not checked"
             return [Fault("LAG0603", message, p.span,
                           remedy=f"give it one: -p {p.name}=...", severity="warning")]  # fmt: skip
+    # The check has a limit of time, a run has none: beyond it the initial state is not refused.
     try:
         with stage("checking the initial state", PER_OPERATION * interface.operations):
             strange = try_start(program, values)

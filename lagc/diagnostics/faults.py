@@ -76,7 +76,7 @@ class Fault:
 
 
 def _on_one_line(span: Span, other: Span) -> bool:
-    """Whether both spans are in the same line of text, which is then shown once."""
+    """Return whether both spans are in the same line of text, which is then shown once."""
     if span.source is not other.source or span.line != other.line:
         return False
     return len(span.source.line(span.line)) <= WIDEST

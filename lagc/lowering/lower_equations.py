@@ -43,7 +43,7 @@ def optimize(
     equations: EquationsOfMotion, work: bool = False, differentiate: bool = False, sensitive: bool = False,
     stiff: bool = False, expand: bool = False,
 ) -> Program:  # fmt: skip
-    """The functions of `equations`, each as short as it gets. `work` adds the integral of the power to the
+    """Return the program of `equations`. `work` adds the integral of the power to the
     state where the power is not identically zero, `differentiate` the functions of `lagc.lowering.jacobians`,
     `sensitive` those of `tangents`, `stiff` those of `implicit`, `expand` those of `series`.
     Raises Refused with LAG0501 where a coordinate has no inertia of any kind."""
@@ -101,7 +101,7 @@ def optimize(
 
 
 def _roots(equations: EquationsOfMotion) -> list[Node]:
-    """Every node that any function stores."""
+    """Return every node that a function may store."""
     others = [x.value for x in equations.model.limits] + [x.start for x in equations.model.discretes]
     return [*equations.qdot, *(s.value for s in equations.starts), *others, *sources(equations)]
 
@@ -109,7 +109,8 @@ def _roots(equations: EquationsOfMotion) -> list[Node]:
 def _series(
     equations: EquationsOfMotion, found: Mapping[str, Function], work: bool, loaded: bool
 ) -> list[Function]:
-    """Raises Refused (LAG0591) where the right-hand side has an operation without a recurrence."""
+    """Return the functions of the Taylor series of the right-hand side. Raises Refused (LAG0591) if it has an
+    operation without a recurrence."""
     reason = "its equations are solved by a loop over a dense matrix"
     if loaded:
         reason = "its loads depend on reactions"
@@ -123,8 +124,9 @@ def _series(
 
 
 def _solver(at: Places, work: bool) -> tuple[Solver | None, list[Function]]:
-    """The form of the equations that takes the fewest operations, and its right-hand side, with what watches
-    it, where one can be straight."""
+    """Return the form of the equations with the fewest operations, and the functions `rhs` and `watch` of it;
+    None and no functions if no form can be solved by straight-line code."""
+    # Both forms are printed and weighed: the number of operations of the right-hand side decides.
     forms = [(solver, kkt.rhs(at, solver, work)) for solver in solvers(at.equations)]
     if len(forms) < 2:
         return forms[0] if forms else (None, [])
@@ -141,8 +143,8 @@ def _functions(
     dense: bool,
     preparation: Preparation,
 ) -> tuple[dict[str, Function], Slopes]:
-    """`at` the state alone; `along` the branches of a run, which differ if there are relations.  With the
-    functions, the slopes of the conditions of a start."""
+    """Return the functions, and the derivatives of the initial equations. `at` has the equations on the state
+    alone; `along` those on the branches of a run, which differ if there are relations."""
     constrained = bool(at.equations.rows)
     made: list[Function | None] = [*solving]
     # The linear equations: as a matrix, or as factors with what checks them.
@@ -181,14 +183,15 @@ def _factored(along: Places, solver: Solver, guarded: bool) -> list[Function]:
 
 
 def _operations(equations: EquationsOfMotion, found: Mapping[str, Function]) -> int:
-    """Of one right-hand side, where all contacts touch; the dense solve of a looped one counts n^3/3."""
+    """Return the operations of one right-hand side while all contacts touch; a dense solve counts n^3/3."""
+    # The equations without contacts; n^3/3 multiplications of the dense factorization, 2 n^2 of the solve.
     n = len(equations.v) + len(equations.rows)
     free = found["rhs"].cost if "rhs" in found else found["system"].cost + n * n * n // 3 + 2 * n * n
     return free + (_contact_operations(equations, found) if equations.contacts else 0)
 
 
 def _contact_operations(equations: EquationsOfMotion, found: Mapping[str, Function]) -> int:
-    """Of the forces of contacts: their rows R, X = K^-1 R^T, W = R X, the solve of W, and X p."""
+    """Return the operations of the forces of contacts: rows R, X = K^-1 R^T, W = R X, its solve, and X p."""
     rows, n = sum(len(contact.jacobians) for contact in equations.contacts), len(equations.v)
 
     def cost(*names: str) -> int:

@@ -71,6 +71,8 @@ def resolve(
     outputs. Raises Refused with all faults."""
     sys.setrecursionlimit(max(sys.getrecursionlimit(), RECURSION))
 
+    # A reaction that an output asks for needs a model in which its constraint is released: the file is
+    # resolved twice then.
     def once(before: Context | None) -> tuple[Context, objects.Model]:
         importer = Importer(file.source, tuple(roots or ()))
         context = Context(importer, Uses(), declare, EVALUATORS, before)
@@ -275,6 +277,7 @@ def _model(
     simulate: dict[str, float],
     warnings: Sequence[Fault],
 ) -> objects.Model:
+    # Objects of the declarations by kind; actions are of several kinds and keep their common order.
     kinds = objects.Potential | objects.Force | objects.Torque | objects.Dissipation | objects.Lagrangian
     effects = [
         objects.Effect(path, e.description or "", setting.uses.has(path), e.span)

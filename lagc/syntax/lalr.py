@@ -159,6 +159,7 @@ class Machine:
     # -- the two moves --------------------------------------------------------------------
 
     def shift(self, token: Token, terminal: str, state: int) -> bool:
+        # Nesting is limited, as later stages walk the tree recursively. A sign counts too: `----x`.
         depth = self.depths[-1]
         if terminal in _NESTING or (terminal in ("PLUS", "MINUS") and self._is_sign()):
             depth += 1
@@ -166,12 +167,15 @@ class Machine:
                 span = Span(self.source, token.start, token.end)
                 self.faults.append(Fault("LAG0106", f"this is nested more than {DEEPEST} levels deep", span))
                 return False
+        # `end` closes the innermost open block; one that closes nothing, or an outer block, is a fault that
+        # recovery handles.
         if terminal == "END" and not self._closes():
             return True
         if terminal in _BLOCKS and self._begins_block():
             if self._left_open(terminal):
                 return True
             self.blocks.append(Block(token, self.tokens[self.position + 1], len(self.states)))
+        # The state is pushed with its value, first token and depth: four stacks of one height.
         token.terminal = terminal
         self.states.append(state)
         self.values.append(token)
@@ -227,15 +231,15 @@ class Machine:
         return before.kind == SYMBOL and before.text not in (")", "]", "}")
 
     def _begins_block(self) -> bool:
-        """Whether this word begins a block (not `end for` or `{i^2 for i in 1:n}`)."""
+        """Return whether this word begins a block (not `end for` or `{i^2 for i in 1:n}`)."""
         open_ = self.tables.actions[self.states[-1]].keys() & {"RBRACE", "RPAR"}
         return not open_ and self.tokens[self.position - 1].text != "end"
 
     # -- blocks and their ends ---------------------------------------------------------------
 
     def _closes(self) -> bool:
-        """Whether the next `end` closes the innermost block.  A missing `end` of an inner block is reported
-        and inserted."""
+        """Return whether the next `end` closes the innermost block. A missing `end` of an inner block is
+        reported and inserted."""
         name = self.tokens[self.position + 1]
         self.last_closed = None
         if not self.blocks:
@@ -259,8 +263,8 @@ class Machine:
         return block.fault("LAG0113", message, Span(self.source, name.start, name.end), edits)
 
     def _left_open(self, terminal: str) -> bool:
-        """Whether a block begins that the innermost one cannot contain, and whose `end` is missing; it is
-        inserted."""
+        """Return whether a block begins that the innermost one cannot contain, and whose `end` is missing; it
+        is inserted."""
         if not self.blocks or terminal not in _OUTSIDE.get(self.blocks[-1].word.text, ()):
             return False
         block = self.blocks[-1]

@@ -136,7 +136,7 @@ class Recovery:
         return 0, 0
 
     def accepts(self, *terminals: str) -> bool:
-        """Whether these terminals can follow here, one after the other."""
+        """Return whether these terminals can follow here, one after the other."""
         states = list(self.machine.states)
         return all(self._takes(states, terminal) for terminal in terminals)
 
@@ -180,7 +180,7 @@ class Recovery:
         return True
 
     def _reads_on(self, states: list[int], first: int, last: int) -> bool:
-        """Whether the tokens first..last can be parsed from `states` on."""
+        """Return whether the tokens first..last can be parsed from `states` on."""
         machine = self.machine
         for position in range(first, min(last + 1, len(machine.tokens))):
             while True:

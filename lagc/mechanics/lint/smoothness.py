@@ -121,7 +121,7 @@ def _places(states: States) -> Iterator[_Place]:
 
 
 def _stops(fault: Fault, found: Break) -> list[WhenEquations]:
-    """Clauses that end a run as failed where the relation changes."""
+    """Return clauses that end a run as failed where the relation changes."""
     assert fault.span is not None
     words, reason = found.where.replace("`", ""), fault.message.partition(";")[0]
     clauses = [When(words, c, (), reason, (), fault.span, fails=True) for c in found.conditions]
@@ -153,7 +153,7 @@ class Break:
 
     @property
     def conditions(self) -> tuple[Node, Node]:
-        """Two conditions.  Whenever the relation changes one of them becomes true."""
+        """Two conditions: whenever the relation changes, one of them becomes true."""
         node, graph = self.relation, self.relation.graph
         if node.op in _COUNTING:
             half = graph.const(0.5)
@@ -169,14 +169,18 @@ def find_break(
     """Return the first jump of `nodes` along `leaves`, or else the first kink (not with `slopes` off).
     `rows`: `nodes` vanish along the motion, so a relation counts only if they vanish at its zero."""
     everything = states.in_rates(nodes)
+    # Relations below the expressions that the leaves move, whose indicators can be zero for some values of
+    # the parameters.
     moving = depends(everything, leaves)
     ops = _RELATIONS if slopes else _STEPS
     found = [node for node in reachable(everything) if node.op in ops and node in moving]
     kept = intervals([_indicator(node) for node in found], states.bounds) if found else {}
     found = [node for node in found if not _is_constant(node, kept[_indicator(node)])]
+    # A row vanishes along the motion: its value where the indicator is zero must contain zero.
     if rows:
         found = [node for node in found if not _is_never_met(states, everything, node)]
     kink: Break | None = None
+    # Up to twelve zeros of each indicator: the first jump settles it, a kink is remembered.
     for relation in found:
         for point in islice(_zeros(states, relation, everything, leaves), _POINTS):
             kind = _kind(states.graph, everything, leaves if slopes and kink is None else (), point)
@@ -234,10 +238,14 @@ def _zeros(states: States, relation: Node, nodes: Sequence[Node], leaves: Sequen
     indicator, graph = _indicator(relation), states.graph
     slopes = gradient(graph, {indicator: graph.one}, leaves)
     needed = symbols([*nodes, indicator])
+    # From random states, near and far.
     for sample in states.scattered if slopes else ():
         given = {x: sample[x] for x in needed}
+        # Each level at which the relation changes: 0, or the two whole numbers or the knots beside.
         for level in _levels(relation, evaluate([indicator], given)[0]):
             state = dict(given)
+            # Newton's method for one equation: the shortest step in the sizes of the leaves, along the
+            # gradient.
             for _ in range(_NEWTON):
                 value, *slope = evaluate([indicator, *slopes.values()], state)
                 sizes = [abs(given[x]) or 1.0 for x in slopes]
@@ -247,6 +255,7 @@ def _zeros(states: States, relation: Node, nodes: Sequence[Node], leaves: Sequen
                 before = dict(state)
                 for x, g, s in zip(slopes, slope, sizes):
                     state[x] -= (value - level) * g * s * s / square
+                # The leaf that moved most counts as the direction across the zero.
                 leaf = max(zip(slopes, slope, sizes), key=lambda each: abs(each[1] * each[2]))[0]
                 if abs(state[leaf] - before[leaf]) <= 1e-15 * max(abs(state[leaf]), 1e-3 * abs(given[leaf])):
                     reach = max(abs(state[leaf]), abs(given[leaf])) or 1.0
@@ -255,7 +264,7 @@ def _zeros(states: States, relation: Node, nodes: Sequence[Node], leaves: Sequen
 
 
 def _levels(relation: Node, value: float) -> Sequence[float]:
-    """Values of the indicator at which the relation changes, near `value`."""
+    """Return the values of the indicator, near `value`, at which the relation changes."""
     if relation.op == "floor":
         return [math.floor(value) + k for k in (0.0, 1.0)] if math.isfinite(value) else []
     if relation.op == "piece":
@@ -264,7 +273,8 @@ def _levels(relation: Node, value: float) -> Sequence[float]:
 
 
 def _knots(piece: Node, value: float) -> list[float]:
-    """Those beside `value`, the first, the last, and those where the numbers looked up change most."""
+    """Return the knots beside `value`, the first, the last, and those where the entries of tables change
+    most."""
     table = piece.value
     place = int(table.piece(value))
     found = {1, len(table) - 1, place, place + 1}
@@ -280,6 +290,7 @@ def _knots(piece: Node, value: float) -> list[float]:
 
 def _kind(graph: Graph, nodes: Sequence[Node], leaves: Sequence[Node], point: _Point) -> str:
     """Return "jump" where values on both sides differ, "kink" where slopes along `leaves` do, or ""."""
+    # Both sides with all relations held: two analytic expressions, compared at the zero itself.
     before, at, after = (point.displaced(d) for d in (-point.step, 0.0, point.step))
     kind = ""
     for a, b in zip(_branch(graph, nodes, before), _branch(graph, nodes, after)):
@@ -287,6 +298,7 @@ def _kind(graph: Graph, nodes: Sequence[Node], leaves: Sequence[Node], point: _P
             continue
         if _differ([a], [b], at, after):
             return "jump"
+        # Equal values: their slopes along the leaves.
         ahead, behind = (gradient(graph, {x: graph.one}, leaves) for x in (a, b))
         moved = list({**ahead, **behind})
         pairs = [[slopes.get(leaf, graph.zero) for leaf in moved] for slopes in (ahead, behind)]
@@ -299,6 +311,7 @@ def _differ(left: Sequence[Node], right: Sequence[Node], at: State, after: State
     """Return whether any two differ at `at`, by more than the round-off of their terms and arguments."""
     nodes = [*left, *right]
     found = magnitudes(nodes, at)
+    # A difference counts against the size of the terms, and against what moving a little would change.
     size = [p + abs(x - a) / _BESIDE for (a, p), x in zip(found, evaluate(nodes, after))]
     for (a, _), (b, _), p, q in zip(found, found[len(left) :], size, size[len(left) :]):
         if abs(a - b) > _ALIKE * (p + q):

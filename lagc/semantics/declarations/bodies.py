@@ -246,6 +246,7 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
     bodies of the instance and of nested instances.  Its strength is the parameter `field.g`."""
     source = entry.source
     assert isinstance(source, tree.Declarator)
+    # `Gravity` has its data in parentheses, as a call; it may be changed by a run, not by modifiers.
     call = tree.Call(tree.Name("Gravity", source.name_span), source.arguments, source.span)
     if source.value is not None:
         remedy = f"write `Gravity {entry.name}(g = {source.value.span.text});`"

@@ -16,7 +16,7 @@ from lagc.syntax import tree
 
 
 def is_bare(expression: tree.Expression, units: bool = False) -> bool:
-    """Whether an expression consists of numbers without units, `-2`, `{1, 0}`, `2/5`; `units`: or with
+    """Return whether an expression consists of numbers without units, `-2`, `{1, 0}`, `2/5`; `units`: or with
     them."""
     stack = [expression]
     while stack:

@@ -273,7 +273,7 @@ def bare_unit(w: Where) -> Explained | None:
 
 
 def _is_declared(w: Where, name: str) -> bool:
-    """Whether a quantity of this name is declared: `Length l`, `Real[m] l`, `k = 1, l = 2`."""
+    """Return whether a quantity of this name is declared: `Length l`, `Real[m] l`, `k = 1, l = 2`."""
     near = zip(w.tokens, w.tokens[1:], w.tokens[2:])
     return any(
         here.text == name

@@ -129,6 +129,7 @@ def _integrate(
     KeyboardInterrupt ends the run with status INTERRUPTED.  Raises ValueError if an option, a time or a
     parameter is not valid.
     """
+    # Records of the run beside the state: events with their times, jumps, and the corners of the motion.
     run = Integrator(problem, options, t0, x0)
     kernel_options, done = run._kernel_options(times[-1] if times else t0), [0]
     states = [[0.0] * NX for _ in times]
