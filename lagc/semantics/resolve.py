@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 from lagc.base.records import replace
@@ -64,18 +64,19 @@ def resolve(
     until: str | None = None,
     roots: Sequence[str] | None = None,
     probes: Sequence[str] = (),
+    evaluators: Mapping[type, Callable[..., Value]] = EVALUATORS,
 ) -> objects.Model:
     """Return one scene of a model of the file, with all names resolved. `parameters` and `starts` are values
     by full name, in SI or with a unit; `inputs` are texts of expressions or points over time; `until` is the
     condition that ends a run; `roots` are further folders for imports; `probes` are expressions that become
-    outputs. Raises Refused with all faults."""
+    outputs; `evaluators` find the value of each kind of expression. Raises Refused with all faults."""
     sys.setrecursionlimit(max(sys.getrecursionlimit(), RECURSION))
 
     # A reaction that an output asks for needs a model in which its constraint is released: the file is
     # resolved twice then.
     def once(before: Context | None) -> tuple[Context, objects.Model]:
         importer = Importer(file.source, tuple(roots or ()))
-        context = Context(importer, Uses(), declare, EVALUATORS, before)
+        context = Context(importer, Uses(), declare, evaluators, before)
         found = _resolve(context, file, scene, with_effects, without_effects, model, parameters, starts,
                          inputs, until, probes)  # fmt: skip
         return context, found
