@@ -43,8 +43,7 @@ def derive(model: Model) -> EquationsOfMotion:
     totals = energies(states, parts, acting, free, classified)
     # h: inertial forces at the accelerations that speeds leave, and the free terms of Lagrangians.
     inertial = inertial_loads(states, parts)
-    # Generalized inertial forces go from velocities to speeds by virtual power; free terms are in speeds
-    # already.
+    # Inertial forces go from velocities to speeds by virtual power; free terms are in speeds already.
     bias = added(graph, [states.to_speeds(inertial), free.bias])
     servos = [x.row for x in classified if x.row.law is Law.SERVO]  # their loads act, not their gradients
     held = [{j: -(row.multiplier * slope) for j, slope in row.jacobian.items()} for row in servos]
