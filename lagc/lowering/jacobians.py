@@ -117,13 +117,13 @@ def groups(places: Places) -> dict[str, list[Node]]:
     }
 
 
-def derivatives(places: Places, relations: Sequence[EventRelation]) -> Derivatives:
+def derivatives(places: Places, relations: Sequence[EventRelation], along: bool = False) -> Derivatives:
     """Return the derivatives by the names of `groups`, by a reverse sweep for each row of the stack; or the
-    derivative along a direction d, by one forward sweep."""
+    derivative along a direction d, by one forward sweep, if these would be long or it alone is asked for."""
     equations, by = places.equations, groups(places)
     every = [symbol for symbols in by.values() for symbol in symbols]
     swept = _rows(stack(equations, relations, motion_by_sweeps))
-    if entangled(swept, every, MOST):
+    if along or entangled(swept, every, MOST):
         return Derivatives(_values(places, swept), {}, _directional(places, swept, every))
     rows = _rows(stack(equations, relations))
     slopes = [gradient(places.graph, {node: places.graph.one}, every) for node in rows]
