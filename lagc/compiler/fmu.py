@@ -34,10 +34,11 @@ def fmu(
     name = prefix(interface.model)
     texts = render(program, "c")
     made = described(compilation, program, texts)
-    description, more = (fmi3(made), {"buildDescription.xml": build(interface)}) if version == 3 else (fmi2(made), {})
     code = {**texts, **sources(made, version)}
-    files: dict[str, str | bytes] = {"modelDescription.xml": description}
-    files |= {f"sources/{file}": text for file, text in {**code, **more}.items()}
+    files: dict[str, str | bytes] = {"modelDescription.xml": fmi3(made) if version == 3 else fmi2(made)}
+    files |= {f"sources/{file}": text for file, text in code.items()}
+    if version == 3:
+        files["sources/buildDescription.xml"] = build(interface)
     files["documentation/licenses/license.txt"] = fixed(LICENCE)
     if platforms is None:
         own = this_machine()

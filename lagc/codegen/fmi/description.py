@@ -52,7 +52,13 @@ class Unit:
         i, found, at = self.interface, dict[str, int](), 1
         states = i.nq + i.nv
         free = len(i.relations) - i.timed_relations
-        sizes = {"p": len(i.parameters) + len(i.inputs), "x": i.nx, "d": states, "y": len(i.outputs), "z": free}
+        sizes = {
+            "p": len(i.parameters) + len(i.inputs),
+            "x": i.nx,
+            "d": states,
+            "y": len(i.outputs),
+            "z": free,
+        }
         for name, size in sizes.items():
             found[name] = at
             at += size
@@ -213,7 +219,8 @@ def fmi3(made: Unit) -> str:
            "providesDirectionalDerivatives": TRUE if made.directional else FALSE}  # fmt: skip
     ET.SubElement(root, "ModelExchange", can, needsCompletedIntegratorStep=TRUE)
     ET.SubElement(
-        root, "CoSimulation", can, canHandleVariableCommunicationStepSize=TRUE, providesIntermediateUpdate=TRUE,
+        root, "CoSimulation", can, canHandleVariableCommunicationStepSize=TRUE,
+        providesIntermediateUpdate=TRUE,
         mightReturnEarlyFromDoStep=TRUE, canReturnEarlyAfterIntermediateUpdate=TRUE,
         hasEventMode=TRUE if made.interface.relations else FALSE,
     )  # fmt: skip
@@ -256,26 +263,26 @@ def fmi2(made: Unit) -> str:
     root.extend([_units(found), _categories(), _experiment(made.interface)])
     listed = ET.SubElement(root, "ModelVariables")
     for v in found:
-        initial = {n: v.attributes[n] for n in ("description", "initial") if n in v.attributes}
-        scalar = ET.SubElement(listed, "ScalarVariable", _text(
-            {"name": quoted(v.name), "valueReference": str(v.reference), "causality": v.causality,
-             "variability": v.variability, **initial}))  # fmt: skip
-        value = {n: v.attributes[n] for n in ("min", "max", "nominal", "start") if n in v.attributes}
+        own = {"name": quoted(v.name), "valueReference": str(v.reference), "causality": v.causality,
+               "variability": v.variability, **_only(v.attributes, "description", "initial")}  # fmt: skip
+        value = {**_quantity(v), **_only(v.attributes, "min", "max", "nominal", "start")}
         if v.derivative is not None:
             value["derivative"] = index[v.derivative]
-        ET.SubElement(scalar, "Boolean" if v.is_boolean else "Real", _text({**_quantity(v), **value}))
+        scalar = ET.SubElement(listed, "ScalarVariable", _text(own))
+        ET.SubElement(scalar, "Boolean" if v.is_boolean else "Real", _text(value))
     structure = ET.SubElement(root, "ModelStructure")
     parts = _unknowns(made, found)
-    for name, kind in (
-        ("Outputs", "Output"), ("Derivatives", "ContinuousStateDerivative"), ("InitialUnknowns", "InitialUnknown"),
-    ):  # fmt: skip
-        if parts[kind]:
+    for name, kind in zip(("Outputs", "Derivatives", "InitialUnknowns"), parts):
+        places = [index[vr] for vr in parts[kind]]
+        if places:
             listed = ET.SubElement(structure, name)
-            for place in sorted([index[vr] for vr in parts[kind]], key=int) if name == "InitialUnknowns" else [
-                index[vr] for vr in parts[kind]
-            ]:
+            for place in sorted(places, key=int) if name == "InitialUnknowns" else places:
                 ET.SubElement(listed, "Unknown", index=place)
     return _printed(root)
+
+
+def _only(attributes: dict[str, str], *names: str) -> dict[str, str]:
+    return {name: attributes[name] for name in names if name in attributes}
 
 
 def units(interface: Interface, version: int) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""The C around a model in an FMU: `lagc_model.h`, which is generated, and the fixed texts beside this file."""
+"""The C around a model in an FMU: `lagc_model.h`, which is generated, and the fixed texts of this folder."""
 
 from __future__ import annotations
 
