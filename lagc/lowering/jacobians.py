@@ -122,9 +122,9 @@ def groups(places: Places) -> dict[str, list[Node]]:
 
 def derivatives(places: Places, relations: Sequence[EventRelation], along: bool = False) -> Derivatives:
     """Return the derivatives by the names of `groups`, by a reverse sweep for each row of the stack; or the
-    derivative along a direction d, by one forward sweep, if `along`."""
-    # Rows with many common parts make gradients with many entries: then too only the derivative along a direction
-    # is made, which is as long as the rows.
+    derivative along a direction d, by one forward sweep, where it is shorter or `along` asks for it."""
+    # Rows with many common parts make gradients with many entries; the one along a direction is as long
+    # as the rows.
     equations, by = places.equations, groups(places)
     every = [symbol for symbols in by.values() for symbol in symbols]
     swept = _rows(stack(equations, relations, motion_by_sweeps))
