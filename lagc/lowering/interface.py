@@ -30,7 +30,7 @@ _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
     "initial_places", "relations", "timed", "flowing", "driven", "doubtful", "derivatives",
     "part_ends", "part_columns", "written", "conservative", "series", "methods",
-    "scales",
+    "scales", "events",
 )  # fmt: skip
 _OPTIONAL = (
     "contacts", "late_relations", "loading_rows", "held_rows", "pushed_contacts", "servos", "curved_loads",

@@ -41,11 +41,12 @@ OFTEN = ("rhs", "watch", "system", "residual", "contact_rows", "frictions")
 
 def optimize(
     equations: EquationsOfMotion, work: bool = False, differentiate: bool = False, sensitive: bool = False,
-    stiff: bool = False, expand: bool = False,
+    stiff: bool = False, expand: bool = False, directional: bool = False,
 ) -> Program:  # fmt: skip
     """Return the program of `equations`. `work` adds the integral of the power to the
-    state where the power is not identically zero, `differentiate` the functions of `lagc.lowering.jacobians`,
-    `sensitive` those of `tangents`, `stiff` those of `implicit`, `expand` those of `series`.
+    state where the power is not identically zero, `differentiate` the functions of `lagc.lowering.jacobians`
+    (`directional`: along directions alone), `sensitive` those of `tangents`, `stiff` those of `implicit`,
+    `expand` those of `series`.
     Raises Refused with LAG0501 where a coordinate has no inertia of any kind."""
     # Parts that nothing needs go; the rest is frozen on branches between events.
     equations, left_out = prune(equations)
@@ -74,7 +75,7 @@ def optimize(
     more += [power] if power else []
     # Functions that are asked for in addition: derivatives, sensitivities, implicit methods, series.
     factored = solver if equations.rows or equations.contacts or differentiate or sensitive else None
-    differentiated = derivatives(whole, relations) if differentiate else None
+    differentiated = derivatives(whole, relations, directional) if differentiate else None
     derived = [*(differentiated.functions if differentiated else ()), *(tangents(along) if sensitive else ())]
     more += _factored(along, solver, False) if derived and solver and not equations.rows else ()
     more += [*derived, *(implicit(whole) if stiff else ())]
