@@ -1,6 +1,6 @@
 """Where the chunks of a sweep are computed: in this process, in others of this machine, or on a cluster.
 
-An executor is one of `concurrent.futures`, of which a sweep needs `submit` alone, or a `distributed.Client`.
+An executor is one of `concurrent.futures`, whose `submit` a sweep calls, or a `distributed.Client`.
 """
 
 from __future__ import annotations
