@@ -15,9 +15,13 @@ def film(name: str) -> list[Any]:
     run = lagc.load(name).compile(backend="numpy").simulate(points=61)
     shown = show(run._source(""))
     scene, frames = shown.scene.as_data(), shown.frames
-    attitudes = {place: [[a * b for a in q for b in q] for q in rows.tolist()] for place, rows in frames.q.items()}
+    attitudes = {
+        place: [[a * b for a in q for b in q] for q in rows.tolist()] for place, rows in frames.q.items()
+    }
     arrows = [[arrow.name, arrow.kind, arrow.p.tolist(), arrow.v.tolist()] for arrow in shown.arrows]
-    return json.loads(json.dumps([run.states[-1], scene, frames.t.tolist(), frames.p.tolist(), attitudes, arrows]))
+    return json.loads(
+        json.dumps([run.states[-1], scene, frames.t.tolist(), frames.p.tolist(), attitudes, arrows])
+    )
 
 
 if __name__ == "__main__":

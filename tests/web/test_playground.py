@@ -33,7 +33,9 @@ def answers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     with ZipFile(path, "w") as archive:
         for name, content in members():
             archive.writestr(name, content)
-    found: dict[str, Any] = json.loads(node(Path(__file__).parent / "bits.mjs", path, HERE / "node_modules", *MODELS))
+    found: dict[str, Any] = json.loads(
+        node(Path(__file__).parent / "bits.mjs", path, HERE / "node_modules", *MODELS)
+    )
     return found
 
 
@@ -64,5 +66,7 @@ def test_a_first_model_from_an_empty_page(tmp_path: Path) -> None:
     if browser is None or not (HERE / "node_modules" / "playwright-core").exists():
         pytest.skip("there is no Chromium, or no playwright-core: `npm ci` in tools/playground/")
     build(tmp_path / "page")
-    shown = node(Path(__file__).parent / "walk.mjs", browser, HERE / "node_modules", tmp_path / "page", tmp_path)
+    shown = node(
+        Path(__file__).parent / "walk.mjs", browser, HERE / "node_modules", tmp_path / "page", tmp_path
+    )
     assert shown.split()[-1] == "ok", shown

@@ -28,7 +28,7 @@ PLACES = {"models": "lagc/models", "docs/reference/messages": "lagc/messages", "
 
 
 def members() -> Iterator[tuple[str, bytes]]:
-    """Yield the files of Python's library folder: lagc as it is installed, the array functions, the answers."""
+    """Yield the files of Python's library folder: lagc as it is installed, array functions, the answers."""
     made = {path: text.encode() for path, text in shipped(ROOT).items()}
     for path in sorted((ROOT / "lagc").rglob("*")):
         if path.is_file() and "__pycache__" not in path.parts and path not in made:
@@ -55,7 +55,9 @@ def build(folder: Path) -> None:
     subprocess.run(["node", HERE / "compile.mjs", folder / "lagc.zip"], check=True)
     models = {name: read(name).text for name in library_models()}
     words = {"keywords": sorted(tables().keywords), "types": sorted(TYPES), "functions": sorted(BUILTINS)}
-    lines = [f"self.{name} = {json.dumps(value)};\n" for name, value in (("MODELS", models), ("WORDS", words))]
+    lines = [
+        f"self.{name} = {json.dumps(value)};\n" for name, value in (("MODELS", models), ("WORDS", words))
+    ]
     (folder / "models.js").write_text("".join(lines), encoding="ascii")
     subprocess.run(["node", HERE / "build.mjs", folder.resolve()], check=True)
     (folder / "lagc.zip").unlink()

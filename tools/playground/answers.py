@@ -43,7 +43,9 @@ def answer(request: str) -> str:
     try:
         found = _ANSWERS[asked["do"]](asked)
     except Refused as refused:
-        found = {"faults": _faults([replace(f, remedy=SLOW) if f.code == "LAG0801" else f for f in refused.faults])}
+        found = {
+            "faults": _faults([replace(f, remedy=SLOW) if f.code == "LAG0801" else f for f in refused.faults])
+        }
     except RecursionError:
         found = {"faults": _faults([Fault("LAG0802", "the model needs more memory than a browser gives")])}
     return json.dumps(found, allow_nan=False)
@@ -78,7 +80,11 @@ def fixes(asked: Answer) -> Answer:
     """Return for the first faults that `check` names a tried fix, or null."""
     document = _document(asked["text"])
     tried = [fix(document, fault, lambda d: d.faults) for fault in document.faults[:MOST_FIXES]]
-    return {"fixes": [f and {"title": f.title, "edits": [[e.start, e.end, e.text] for e in f.edits]} for f in tried]}
+    return {
+        "fixes": [
+            f and {"title": f.title, "edits": [[e.start, e.end, e.text] for e in f.edits]} for f in tried
+        ]
+    }
 
 
 def complete(asked: Answer) -> Answer:

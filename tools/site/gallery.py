@@ -19,6 +19,12 @@ from tools.gallery import COLORS, draw, run_of
 
 SIZE, DPI = (4.4, 3.0), 110  # inches of a picture, dots for each
 MOST_UNKNOWNS, LONGEST = 60, 12_000  # of equations that are shown; characters in LaTeX
+HEAD = """# Gallery
+
+Each model is in the library: `lagc sim NAME --animate` shows it move, and its page has a button that opens
+it in the [playground](how-to/playground.md).
+
+"""
 FOLDERS = {
     "course": "A course", "classic": "Classics", "mechanisms": "Mechanisms", "contact": "Contact and impact",
     "effects": "Effects", "hard": "Hard cases", "large": "Large models",
@@ -35,15 +41,14 @@ def write(docs: Path, names: Sequence[str] = ()) -> None:
         print(f"{name}: {perf_counter() - began:.1f} s", file=sys.stderr, flush=True)
     parts = [f"## {FOLDERS[folder]}\n\n<div class=\"gallery\" markdown=\"0\">\n{''.join(cards)}</div>\n"
              for folder, cards in found.items() if cards]  # fmt: skip
-    head = "# Gallery\n\nEach model is in the library: `lagc sim NAME --animate` shows it move, and its page has\n" \
-           "a button that opens it in the [playground](how-to/playground.md).\n\n"  # fmt: skip
-    (docs / "gallery.md").write_text(head + "\n".join(parts), encoding="utf-8")
+    (docs / "gallery.md").write_text(HEAD + "\n".join(parts), encoding="utf-8")
 
 
 def _card(name: str, about: str) -> str:
     title = name.rpartition("/")[2].replace("_", " ")
-    return (f'<a href="gallery/{name}.html"><img src="gallery/{name}.png" alt="" loading="lazy" width="{SIZE[0] * DPI:.0f}" '
-            f'height="{SIZE[1] * DPI:.0f}"><b>{title}</b><span>{escape(about)}</span></a>\n')  # fmt: skip
+    width, height = (round(x * DPI) for x in SIZE)
+    picture = f'<img src="gallery/{name}.png" alt="" loading="lazy" width="{width}" height="{height}">'
+    return f'<a href="gallery/{name}.html">{picture}<b>{title}</b><span>{escape(about)}</span></a>\n'
 
 
 def _page(folder: Path, name: str) -> str:

@@ -68,7 +68,9 @@ class ndarray:
     def tolist(self) -> Any:
         rows: Any = [*self.flat]
         for n in reversed(self.shape[1:]):
-            rows = [rows[k : k + n] for k in range(0, len(rows), n)] if n else [[]] * math.prod(self.shape[:-1])
+            rows = (
+                [rows[k : k + n] for k in range(0, len(rows), n)] if n else [[]] * math.prod(self.shape[:-1])
+            )
         return rows if self.shape else rows[0]
 
     def astype(self, kind: Any) -> ndarray:
@@ -206,8 +208,8 @@ def _reduced(x: ndarray, axis: Any, f: Callable[[Any], Any], initial: Any = None
 
 def array(x: Any, dtype: Any = None) -> ndarray:
     shape, flat = _parts(x)
-    kind = dtype or (bool if flat and builtins.all(type(v) is bool for v in flat)
-                     else int if flat and builtins.all(isinstance(v, int) for v in flat) else float)  # fmt: skip
+    kinds = set(map(type, flat))
+    kind = dtype or (kinds.pop() if len(kinds) == 1 else int if kinds == {bool, int} else float)
     return ndarray([kind(v) for v in flat], shape, kind)
 
 
@@ -252,7 +254,9 @@ def broadcast_arrays(*x: Any) -> list[ndarray]:
     return [broadcast_to(a, shape) for a in found]
 
 
-def _function(f: Callable[..., Any], kind: type | None = float, careful: Callable[..., Any] | None = None) -> Any:
+def _function(
+    f: Callable[..., Any], kind: type | None = float, careful: Callable[..., Any] | None = None
+) -> Any:
     """Return a function of arrays and numbers; where `f` has no value for one, `careful` has."""
 
     def of_elements(*x: Any) -> Any:
@@ -317,7 +321,9 @@ abs = _function(builtins.abs, None)
 power, divide = _function(math.pow, careful=_power), _function(operator.truediv, careful=_quotient)
 maximum, minimum = _function(_larger), _function(_smaller)
 less, less_equal, equal = (_function(f, bool) for f in (operator.lt, operator.le, operator.eq))
-logical_and, logical_or = (_function(f, bool) for f in (lambda a, b: bool(a and b), lambda a, b: bool(a or b)))
+logical_and, logical_or = (
+    _function(f, bool) for f in (lambda a, b: bool(a and b), lambda a, b: bool(a or b))
+)
 logical_not, isfinite = (_function(f, bool) for f in (operator.not_, math.isfinite))
 where = _function(lambda c, a, b: a if c else b, None)
 clip = _function(lambda x, low, high: builtins.min(builtins.max(x, low), high))
@@ -436,11 +442,7 @@ def frombuffer(block: bytes, kind: str, n: int, offset: int) -> ndarray:
 
 
 def sum(x: Any, axis: Any = None) -> Any:
-    return builtins.sum(x) if not isinstance(x, ndarray) and axis is None and _plain(x) else asarray(x).sum(axis)
-
-
-def _plain(x: Any) -> bool:
-    return not isinstance(x, Sequence) or not x or isinstance(x[0], float | int)
+    return asarray(x).sum(axis)
 
 
 def max(x: Any, axis: Any = None, initial: Any = None) -> Any:
@@ -531,7 +533,7 @@ def outer(x: Any, y: Any) -> ndarray:
 def cross(x: Any, y: Any) -> ndarray:
     a, b = ([v[..., k] for k in range(3)] for v in map(asarray, (x, y)))
     parts = [a[i] * b[j] - a[j] * b[i] for i, j in ((1, 2), (2, 0), (0, 1))]
-    return array(parts) if _plain(parts) else array(parts).T
+    return array(parts).T
 
 
 def einsum(form: str, x: ndarray, y: ndarray) -> Any:
