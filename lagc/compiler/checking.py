@@ -41,7 +41,7 @@ def look(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Checked
     effects. `choice` may name one model or scene.  Its parameter values are given to the models that have
     them."""
     reached = [len(STAGES)]  # number of stages, for each model and scene
-    faults = _look(source, choice, roots, reached)
+    faults = _check_scenes(source, choice, roots, reached)
     if choice.parameters:
         from lagc.simulation.request import is_of_other_value
 
@@ -54,7 +54,7 @@ def look(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Checked
     return Checked(faults, STAGES[min(reached) :])
 
 
-def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[int]) -> list[Fault]:
+def _check_scenes(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[int]) -> list[Fault]:
     from lagc.semantics.resolve import text_warnings
     from lagc.semantics.scenes import ByScene, variants
 
@@ -68,7 +68,7 @@ def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[
     known: set[str] = set()
     if choice.scene is not None:
         faults |= _faults(tree, choice, roots, known, reached)
-        return [*faults.values(), *_unknown(choice, known)]
+        return [*faults.values(), *_unknown_parameters(choice, known)]
     models: set[str | None] = set()
     scenes = ByScene(tree)
     # Each scene, and effects that no scene uses, alone and beside the others.
@@ -92,7 +92,7 @@ def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[
             found = {key: fault for key, fault in found.items() if key in without}
         for key, fault in found.items():
             faults.setdefault(key, fault)
-    return [*faults.values(), *_unknown(choice, known)]
+    return [*faults.values(), *_unknown_parameters(choice, known)]
 
 
 def _faults(
@@ -119,7 +119,7 @@ def _faults(
             from lagc.mechanics.lint.loads import unmoved
 
             warnings = [*warnings, *unmoved(equations)]
-        faults = _unstarted(model, equations, choice)
+        faults = _initial_faults(model, equations, choice)
     except Refused as refused:
         faults = refused.faults
     reached.append(stages)
@@ -135,7 +135,7 @@ def _by_place(faults: Sequence[Fault]) -> dict[tuple[object, ...], Fault]:
     return found
 
 
-def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> list[Fault]:
+def _initial_faults(model: Model, equations: EquationsOfMotion, choice: Choice) -> list[Fault]:
     """Try the initial state, and return warnings. A warning tells that a parameter has no value, that the
     check took too long, or that an output has no finite value.  Raises Refused if a run would fail before its
     first step."""
@@ -177,7 +177,7 @@ def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> li
     ]
 
 
-def _unknown(choice: Choice, known: set[str]) -> list[Fault]:
+def _unknown_parameters(choice: Choice, known: set[str]) -> list[Fault]:
     """Faults for given parameters that no model has, if a model could be resolved."""
     names = [name for name in choice.parameters if known and name not in known]
     if not names:
