@@ -271,22 +271,14 @@ class CompiledModel(Differentiable, Measurable, Comparable):
         stop: Value | None = None,
         *,
         accuracy: float | None = None,
-        method: str | None = None,
-        rtol: float | None = None,
-        atol: float | None = None,
-        step: Value | None = None,
-        max_step: Value | None = None,
-        every: Value | None = None,
-        points: int | None = None,
+        method: str | None = None, rtol: float | None = None, atol: float | None = None,
+        step: Value | None = None, max_step: Value | None = None,
+        every: Value | None = None, points: int | None = None,
         parameters: Mapping[str, Value] | None = None,
-        inputs: Mapping[str, Input] | None = None,
-        until: str | None = None,
-        starts: Mapping[str, Value] | None = None,
-        guesses: Mapping[str, Value] | None = None,
-        scales: Mapping[str, Value] | None = None,
-        sensitivity: str | Sequence[str] = (),
-        progress: Progress | None = None,
-    ) -> Run:
+        inputs: Mapping[str, Input] | None = None, until: str | None = None,
+        starts: Mapping[str, Value] | None = None, guesses: Mapping[str, Value] | None = None,
+        scales: Mapping[str, Value] | None = None, sensitivity: str | Sequence[str] = (),
+        progress: Progress | None = None) -> Run:  # fmt: skip
         """Simulate from t = 0 to `stop` and return the motion.
 
         stop: the end time in s.
@@ -305,19 +297,16 @@ class CompiledModel(Differentiable, Measurable, Comparable):
             model states them.
         scales: what the accuracy is relative to, by name of a coordinate, speed or output.  The default is
             the range of its values over the motion.
-        sensitivity: names of parameters, inputs and initial values (`start(theta)`); the motion is
-            differentiated by each of them.
+        sensitivity: names of parameters, inputs and initial values (`start(theta)`) to differentiate by.
         progress: a function that is called with the time reached.
 
-        An argument that is not given has the value of the scene, or else its default.  A failed run keeps
-        the results so far, and says why it failed in `status` and `message`.  Raises Refused if an argument
-        is invalid or there is no consistent initial state."""
-        # Courses of inputs and a condition `until` are part of the code: another model is compiled for them,
-        # and runs with the other arguments.
+        Arguments that are not given have the values of the scene, or else their defaults.  A failed run keeps
+        the results so far, and says why in `status` and `message`.  Raises Refused if an argument is invalid
+        or there is no consistent initial state."""
+        # Courses of inputs and a condition `until` are part of the code: another model runs with them.
         if inputs is not None or until is not None:
             numbers, courses = split_inputs(inputs)
-            driven = self._with_courses(numbers, courses, condition(until))
-            return driven.simulate(
+            return self._with_courses(numbers, courses, condition(until)).simulate(
                 stop, accuracy=accuracy, method=method, rtol=rtol, atol=atol, step=step, max_step=max_step,
                 every=every, points=points, parameters={**quantities("parameters", parameters), **numbers},
                 starts=starts, guesses=guesses, scales=scales, sensitivity=sensitivity, progress=progress,

@@ -20,9 +20,9 @@ DEEPEST = 100  # nesting of brackets, `if`s, signs and blocks
 MOST_FAULTS = 50
 
 _FIXED = {NUMBER: "NUMBER", STRING: "STRING", UNIT: "UNIT", END: "$END"}
-_ALWAYS = frozenset({"if", "not", "true", "false", "end"})
+ALWAYS = frozenset({"if", "not", "true", "false", "end"})
 # Keywords that a `(` or a sign may follow.
-_BEFORE_SIGNS = {"simulate": "(", "annotation": "(", "initial": "(+-", "when": "(+-"}
+BEFORE_SIGNS = {"simulate": "(", "annotation": "(", "initial": "(+-", "when": "(+-"}
 _BLOCKS = frozenset({"MODEL", "PACKAGE", "EFFECT", "SCENE", "FOR", "WHEN"})
 _OUTSIDE = {  # blocks that others cannot contain
     "effect": ("MODEL", "PACKAGE", "EFFECT", "SCENE"),
@@ -30,7 +30,7 @@ _OUTSIDE = {  # blocks that others cannot contain
     "model": ("MODEL", "PACKAGE"),
 }
 _NESTING = frozenset({"LPAR", "LBRACE", "LSQB", "IF", "NOT", *_BLOCKS})
-_AFTER_NAMES = frozenset(("<=", ">=", "==", "<>", *"=.[+-*/^,)]}:<>("))
+AFTER_NAMES = frozenset(("<=", ">=", "==", "<>", *"=.[+-*/^,)]}:<>("))
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,9 +152,9 @@ class Machine:
         return keyword
 
     def _reads_as_name(self, word: str, after: str) -> bool:
-        if word in _ALWAYS or after not in _AFTER_NAMES:
+        if word in ALWAYS or after not in AFTER_NAMES:
             return False
-        return after not in _BEFORE_SIGNS.get(word, "")
+        return after not in BEFORE_SIGNS.get(word, "")
 
     # -- the two moves --------------------------------------------------------------------
 

@@ -55,7 +55,7 @@ from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import derived
 from lagc.syntax import tree
 
-_ATTRIBUTES = {
+ATTRIBUTES = {
     "constant": (), "parameter": ("min", "max", "displayUnit"), "structural": ("min", "max"),
     "input": ("min", "max", "displayUnit"),
     "coordinate": ("start", "guess", "rate", "fixed", "startFixed", "rateFixed", "displayUnit", "scale"),
@@ -101,7 +101,7 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
     # Sizes need the values of structural parameters only, so they are known before the quantity is.
     sizes = [integer(context, size, entry.environment, "a size") for size in source.dimensions]
     # The kinds share sizes, attributes and units; after a fault a symbol stands for the value.
-    attributes = attributes_of(context, entry, _ATTRIBUTES[entry.kind])
+    attributes = attributes_of(context, entry, ATTRIBUTES[entry.kind])
     try:
         if meant is not None:
             display = _display(context, meant, attributes)
