@@ -228,9 +228,13 @@ def program(
     return delivered(Compilation(source, choice, roots), differentiate)
 
 
-def delivered(compilation: Compilation, differentiate: bool, methods: Sequence[str] = EXPLICIT) -> Program:
+def delivered(
+    compilation: Compilation, differentiate: bool, methods: Sequence[str] = EXPLICIT, events: bool = False,
+    directional: bool = False,
+) -> Program:  # fmt: skip
     """Return the program of a compilation for generated code; the given values are its defaults. It has these
-    methods of integration."""
+    methods of integration, and with `events` functions for integrators of the caller. `directional`:
+    its derivatives are those along directions."""
     from lagc.simulation.request import bound_parameters
 
     for method in methods:
@@ -239,14 +243,17 @@ def delivered(compilation: Compilation, differentiate: bool, methods: Sequence[s
     if differentiate:
         refuse_contacts(compilation.model, "derivatives")
     stiff, expand = (not set(kind).isdisjoint(methods) for kind in (IMPLICIT, SERIES))
-    found = optimize(compilation.equations, False, differentiate, stiff=stiff, expand=expand)
+    found = optimize(
+        compilation.equations, False, differentiate, stiff=stiff, expand=expand, directional=directional
+    )
     interface = found.interface
     values = bound_parameters(
         interface, compilation.choice.parameters, unused(compilation.model, interface), demanding=False
     )
     fields = [replace(f, value=v) for f, v in zip((*interface.parameters, *interface.inputs), values)]
     n = len(interface.parameters)
-    bound = replace(interface, parameters=tuple(fields[:n]), inputs=tuple(fields[n:]), methods=tuple(methods))
+    bound = replace(interface, parameters=tuple(fields[:n]), inputs=tuple(fields[n:]), methods=tuple(methods),
+                    events=events)  # fmt: skip
     return replace(found, interface=bound)
 
 

@@ -162,13 +162,13 @@ def derive(model: Model) -> EquationsOfMotion:
 @uncollected
 def optimize(
     equations: EquationsOfMotion, work: bool, differentiate: bool = False, sensitive: bool = False,
-    stiff: bool = False, expand: bool = False,
+    stiff: bool = False, expand: bool = False, directional: bool = False,
 ) -> Program:  # fmt: skip
     from lagc.lowering.lower_equations import optimize as run
 
     unknowns = len(equations.v) + len(equations.rows)
     with stage("simplifying the equations", PER_PAIR * unknowns**2):
-        return run(equations, work, differentiate, sensitive, stiff, expand)
+        return run(equations, work, differentiate, sensitive, stiff, expand, directional)
 
 
 @uncollected

@@ -18,6 +18,60 @@ def forget_stages(s: State) -> None:
         s.newton.eta = 1.0
 
 
+def forget_events(s: State, t: Real, x: Vec[NX]) -> None:
+    """Let a trajectory begin at (t, x) without events."""
+    # All indicators count as off their crossings. The modes themselves follow in `evaluate_start`, since no
+    # parameters are known.
+    if NMODE > 0:
+        s.changes = 0
+        s.changes_at_time = 0
+        s.t_changed = t
+        for i in range(NX):
+            s.event_roundoff[i] = 0.0
+        for k in range(NMODE):
+            s.slack[k] = 0.0
+        s.after_event = False
+        s.is_split = False
+        s.event_time_error = 0.0
+        s.first_order_time = 0.0
+    if NWHEN > 0:
+        s.conditions_known = False
+        s.short_bounces = 0
+    if NLEAP > 0:
+        s.jumps = 0
+        s.x_before_event[:] = x
+    # Without a speed of rebound the next impact of a contact is its first.
+    if NCON > 0:
+        s.settlements = 0
+        s.penetration = 0.0
+        for i in range(NCON):
+            s.bounce_speeds[i] = 0.0
+            s.fall_heights[i] = 0.0
+            s.touch_times[i] = t
+
+
+def forget_last_step(s: State) -> None:
+    """Let a trajectory begin without rate, dense output and parameters of a step before."""
+    s.steps_before_call = 0
+    s.is_new_call = True
+    s.parameters_known = False
+    s.method = 0
+    s.rate_place = ABSENT
+    s.dense_place = ABSENT
+    if NC > 0:
+        s.rank_deficient = False
+    # The implicit method has neither Jacobian nor factors. theta = 1, slow convergence, asks for a new
+    # Jacobian.
+    if NNEWTON > 0:
+        forget_stages(s)
+        s.newton.factored = 0.0
+        s.newton.theta = 1.0
+        s.newton.count = 0
+    if NSERIES > 0:
+        s.series.step = -1
+        s.series.tolerance = 0.0
+
+
 @public
 def begin(s: State, t: Real, x: Vec[NX]) -> None:
     """Begin a new trajectory at (t, x). x meets the constraints. *s need not be filled before."""
@@ -57,25 +111,7 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
     s.stability_due = 1000
     s.rates_apart = 0.0
     s.states_apart = 0.0
-    # A step takes over rate, dense output and parameters of the one before it. There is none.
-    s.steps_before_call = 0
-    s.is_new_call = True
-    s.parameters_known = False
-    s.method = 0
-    s.rate_place = ABSENT
-    s.dense_place = ABSENT
-    if NC > 0:
-        s.rank_deficient = False
-    # The implicit method has neither Jacobian nor factors. theta = 1, slow convergence, asks for a new
-    # Jacobian.
-    if NNEWTON > 0:
-        forget_stages(s)
-        s.newton.factored = 0.0
-        s.newton.theta = 1.0
-        s.newton.count = 0
-    if NSERIES > 0:
-        s.series.step = -1
-        s.series.tolerance = 0.0
+    forget_last_step(s)
     # Round-off is not suspected before an error estimate fails.
     s.roundoff_estimated = False
     s.roundoff_memory = 0.0
@@ -83,34 +119,8 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
         s.rate_roundoff[i] = 0.0
     s.longest_step = 0.0
     s.culprit = -1
-    # All indicators count as off their crossings. The modes themselves follow in `evaluate_start`, since no
-    # parameters are known.
-    if NMODE > 0:
-        s.changes = 0
-        s.changes_at_time = 0
-        s.t_changed = t
-        for i in range(NX):
-            s.event_roundoff[i] = 0.0
-        for k in range(NMODE):
-            s.slack[k] = 0.0
-        s.after_event = False
-        s.is_split = False
-        s.event_time_error = 0.0
-        s.first_order_time = 0.0
-    if NWHEN > 0:
-        s.conditions_known = False
-        s.short_bounces = 0
-    if NLEAP > 0:
-        s.jumps = 0
-        s.x_before_event[:] = x
-    # Without a speed of rebound the next impact of a contact is its first.
-    if NCON > 0:
-        s.settlements = 0
-        s.penetration = 0.0
-        for i in range(NCON):
-            s.bounce_speeds[i] = 0.0
-            s.fall_heights[i] = 0.0
-            s.touch_times[i] = t
+    if NMODE > 0 or NLEAP > 0:
+        forget_events(s, t, x)
 
 
 def enter_call(s: State, w: Work) -> None:

@@ -30,7 +30,7 @@ _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
     "initial_places", "relations", "timed", "flowing", "driven", "doubtful", "derivatives",
     "part_ends", "part_columns", "written", "conservative", "series", "methods",
-    "scales",
+    "scales", "events",
 )  # fmt: skip
 _OPTIONAL = (
     "contacts", "late_relations", "loading_rows", "held_rows", "pushed_contacts", "servos", "curved_loads",
@@ -49,6 +49,7 @@ def interface(
     parameters: tuple[Parameter, ...],
     functions: Mapping[str, Function],
     slopes: Slopes,
+    loads: Mapping[str, Any],
     *,
     read: tuple[int, ...] = (),
     work: bool,
@@ -61,32 +62,27 @@ def interface(
     remarks: tuple[str, ...] = (),
     derivatives: Mapping[str, tuple[tuple[int, int], ...]],
     relations: tuple[EventRelation, ...] = (),
-    loading_rows: tuple[int, ...] = (),
-    held_rows: tuple[int, ...] = (),
-    pushed_contacts: tuple[int, ...] = (),
-    curved_loads: bool = False,
 ) -> Interface:
-    """Return the interface of `functions` and of `slopes`, the derivatives of the initial equations.
-    `dropped` are names that were left out; `remarks` become notes."""
+    """Return the interface of `functions`, of `slopes`, the derivatives of the initial equations, and of
+    `loads` that depend on reactions (`Loads.described`). `dropped` are names that were left out; `remarks`
+    become notes."""
     model = equations.model
     # A parameter without a place reaches nothing: a note says so.
     kept = {p.name for p in parameters}
     notes = [f"parameter `{p.name}` reaches nothing" for p in model.parameters if p.name not in kept]
     # Does the motion depend on time itself? The right-hand side, or the dense system, tells.
     flowing = _timed(functions["system" if "system" in functions else "rhs"])
-    # Everything that a run needs of a model and the compiled functions do not say: names, units, places,
-    # tables, sizes.
+    # The functions do not say what a run needs besides: names, units, places, tables, sizes.
     found = Interface(
-        model=model.name,
-        scene=model.scene,
-        model_hash="",
+        model=model.name, scene=model.scene, model_hash="",
         nz=1 if work else 0,
         whens=_clauses(equations, int(work)),
-        discretes=tuple([discrete_field(variable) for variable in model.discretes]),
-        booleans=tuple([int(variable.boolean) for variable in model.discretes]),
         contacts=_contacts(equations, int(work)),
         **_of_equations(equations),
         **_of_functions(functions, slopes),
+        **_of_discretes(model),
+        **_of_relations(relations),
+        **loads,
         parameters=tuple([parameter_field(p) for p in parameters]),
         inputs=tuple([input_field(u) for u in model.inputs]),
         limits=tuple([_limit(x) for x in model.limits]),
@@ -97,28 +93,16 @@ def interface(
         velocity_unknowns=velocity_unknowns,
         read=read,
         effects=tuple([e.name for e in model.effects if e.used]),
-        simulate=dict(model.simulate),
-        scales=dict(model.scales),
+        simulate=dict(model.simulate), scales=dict(model.scales),
         notes=(*model.notes, *notes, *equations.dropped, *remarks),
         dropped=dropped,
-        relations=tuple([relation.words for relation in relations]),
-        counted_relations=tuple([int(relation.edges is not None) for relation in relations]),
-        loading_rows=loading_rows,
-        held_rows=held_rows,
-        pushed_contacts=pushed_contacts,
-        curved_loads=curved_loads,
         servos=tuple([(c.name, c.actuator) for c in model.constraints if c.actuator]),
-        late_relations=sum(relation.late for relation in relations),
-        timed_relations=sum(1 for relation in relations if relation.slope is not None),
-        relations_aside=tuple([int(relation.aside) for relation in relations]),
         timed=flowing or ("indicators" in functions and _timed(functions["indicators"])),
         flowing=flowing,
         doubtful=_doubtful(model),
         derivatives=dict(derivatives),
-    )
-    # The hash is that of everything else.
-    digest = _digest(found, functions)
-    return replace(found, model_hash=digest)
+    )  # fmt: skip
+    return replace(found, model_hash=_digest(found, functions))  # the hash is that of everything else
 
 
 def _contacts(equations: EquationsOfMotion, nz: int) -> tuple[Contact, ...]:
@@ -188,6 +172,23 @@ def _of_functions(functions: Mapping[str, Function], slopes: Slopes) -> dict[str
         "series": counts(functions),
         "features": dict(functions["features"].outputs)["e"] if "features" in functions else 0,
         "poles": dict(functions["poles"].outputs)["e"] if "poles" in functions else 0,
+    }
+
+
+def _of_discretes(model: Model) -> dict[str, Any]:
+    return {
+        "discretes": tuple([discrete_field(variable) for variable in model.discretes]),
+        "booleans": tuple([int(variable.boolean) for variable in model.discretes]),
+    }
+
+
+def _of_relations(relations: Sequence[EventRelation]) -> dict[str, Any]:
+    return {
+        "relations": tuple([relation.words for relation in relations]),
+        "counted_relations": tuple([int(relation.edges is not None) for relation in relations]),
+        "late_relations": sum(relation.late for relation in relations),
+        "timed_relations": sum(1 for relation in relations if relation.slope is not None),
+        "relations_aside": tuple([int(relation.aside) for relation in relations]),
     }
 
 

@@ -120,15 +120,15 @@ def groups(places: Places) -> dict[str, list[Node]]:
     }
 
 
-def derivatives(places: Places, relations: Sequence[EventRelation]) -> Derivatives:
+def derivatives(places: Places, relations: Sequence[EventRelation], along: bool = False) -> Derivatives:
     """Return the derivatives by the names of `groups`, by a reverse sweep for each row of the stack; or the
-    derivative along a direction d, by one forward sweep."""
-    # Rows with many common parts make gradients with many entries: then only the derivative along a direction
-    # is made, which is as long as the rows.
+    derivative along a direction d, by one forward sweep, where it is shorter or `along` asks for it."""
+    # Rows with many common parts make gradients with many entries; the one along a direction is as long
+    # as the rows.
     equations, by = places.equations, groups(places)
     every = [symbol for symbols in by.values() for symbol in symbols]
     swept = _rows(stack(equations, relations, motion_by_sweeps))
-    if entangled(swept, every, MOST):
+    if along or entangled(swept, every, MOST):
         return Derivatives(_values(places, swept), {}, _directional(places, swept, every))
     rows = _rows(stack(equations, relations))
     slopes = [gradient(places.graph, {node: places.graph.one}, every) for node in rows]

@@ -41,11 +41,12 @@ OFTEN = ("rhs", "watch", "system", "residual", "contact_rows", "frictions")
 
 def optimize(
     equations: EquationsOfMotion, work: bool = False, differentiate: bool = False, sensitive: bool = False,
-    stiff: bool = False, expand: bool = False,
+    stiff: bool = False, expand: bool = False, directional: bool = False,
 ) -> Program:  # fmt: skip
     """Return the program of `equations`. `work` adds the integral of the power to the
-    state where the power is not identically zero, `differentiate` the functions of `lagc.lowering.jacobians`,
-    `sensitive` those of `tangents`, `stiff` those of `implicit`, `expand` those of `series`.
+    state where the power is not identically zero, `differentiate` the functions of `lagc.lowering.jacobians`
+    (`directional`: along directions alone), `sensitive` those of `tangents`, `stiff` those of `implicit`,
+    `expand` those of `series`.
     Raises Refused with LAG0501 where a coordinate has no inertia of any kind."""
     # Parts that nothing needs go; the rest is frozen on branches between events.
     equations, left_out = prune(equations)
@@ -69,21 +70,16 @@ def optimize(
     dense = solver is None or forms_matrix(equations)
     made, slopes = _functions(at, along, relations, solver, solving, work, dense, preparation)
     # Loads that depend on reactions are solved beside the equations without them.
-    if loads is not None:
-        function = loaded(whole, loads)
-        made[function.name] = preparation.separated(function)
-        power = program_functions.power(whole) if loads.pushed else None
-        if power is not None:
-            made[power.name] = preparation.separated(power)
+    more = [loaded(whole, loads)] if loads else []
+    power = program_functions.power(whole) if loads and loads.pushed else None
+    more += [power] if power else []
     # Functions that are asked for in addition: derivatives, sensitivities, implicit methods, series.
     factored = solver if equations.rows or equations.contacts or differentiate or sensitive else None
-    differentiated = derivatives(whole, relations) if differentiate else None
-    more = [*(differentiated.functions if differentiated else ()), *(tangents(along) if sensitive else ())]
-    if more and solver and not equations.rows:
-        more = [*_factored(along, solver, False), *more]
+    differentiated = derivatives(whole, relations, directional) if differentiate else None
+    derived = [*(differentiated.functions if differentiated else ()), *(tangents(along) if sensitive else ())]
+    more += _factored(along, solver, False) if derived and solver and not equations.rows else ()
+    more += [*derived, *(implicit(whole) if stiff else ())]
     made.update((f.name, preparation.separated(f)) for f in more)
-    if stiff:
-        made.update((f.name, preparation.separated(f)) for f in implicit(whole))
     found, read = preparation.finished(made)
     if expand:
         found.update((f.name, f) for f in _series(equations, found, work, loads is not None))
@@ -91,13 +87,8 @@ def optimize(
     found = {name: rerolled(function, often=name in OFTEN) for name, function in found.items()}
     return Program(
         interface(
-            equations,
-            parameters,
-            found,
-            slopes,
-            read=read,
-            work=work,
-            straight=solver is not None,
+            equations, parameters, found, slopes, loads.described() if loads else {},
+            read=read, work=work, straight=solver is not None, relations=relations,
             work_size=kkt.work_size(factored, bool(equations.rows) and not dense) if factored else 0,
             health=dict(found["rhs"].outputs)["health"] if solver else 0,
             operations=_operations(equations, found),
@@ -105,14 +96,9 @@ def optimize(
             dropped=left_out,
             remarks=independent(equations, system),
             derivatives=differentiated.patterns if differentiated else {},
-            relations=relations,
-            loading_rows=loads.rows if loads else (),
-            held_rows=loads.held if loads else (),
-            pushed_contacts=loads.pushed if loads else (),
-            curved_loads=loads is not None and not loads.linear,
         ),
         found,
-    )
+    )  # fmt: skip
 
 
 def _roots(equations: EquationsOfMotion) -> list[Node]:

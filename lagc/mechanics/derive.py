@@ -43,8 +43,7 @@ def derive(model: Model) -> EquationsOfMotion:
     totals = energies(states, parts, acting, free, classified)
     # h: inertial forces at the accelerations that speeds leave, and the free terms of Lagrangians.
     inertial = inertial_loads(states, parts)
-    # Generalized inertial forces go from velocities to speeds by virtual power; free terms are in speeds
-    # already.
+    # Inertial forces go from velocities to speeds by virtual power; free terms are in speeds already.
     bias = added(graph, [states.to_speeds(inertial), free.bias])
     servos = [x.row for x in classified if x.row.law is Law.SERVO]  # their loads act, not their gradients
     held = [{j: -(row.multiplier * slope) for j, slope in row.jacobian.items()} for row in servos]
@@ -61,16 +60,11 @@ def derive(model: Model) -> EquationsOfMotion:
     contributions = tuple([x.contribution for x in acting])
     contacts = _contacts(states, lambda nodes: of_motion(nodes, states, parts, acting, free, totals, labels))
     return EquationsOfMotion(
-        model=model,
-        graph=graph,
-        time=model.time,
-        q=states.q,
-        v=states.v,
-        a=states.a,
-        q_units=states.q_units,
-        v_units=states.v_units,
-        qdot=states.qdot,
-        quaternions=states.quaternions,
+        model=model, graph=graph, time=model.time,
+        # The states, their units, and how they start.
+        q=states.q, v=states.v, a=states.a, q_units=states.q_units, v_units=states.v_units,
+        qdot=states.qdot, quaternions=states.quaternions, rates=states.rates,
+        starts_q=states.starts_q, starts_v=states.starts_v, stated_rates=states.stated_rates,
         inertias=tuple(parts),
         further_inertia=free.mass_matrix,
         bias_forces=tuple([bias.get(i, zero) for i in range(len(states.v))]),
@@ -78,19 +72,12 @@ def derive(model: Model) -> EquationsOfMotion:
         given_forces=tuple([given.get(i, zero) for i in range(len(states.v))]),
         rows=kept,
         contributions=contributions,
-        kinetic=totals.kinetic,
-        potential=totals.potential,
-        energy=totals.energy,
-        balance=totals.balance,
+        kinetic=totals.kinetic, potential=totals.potential, energy=totals.energy, balance=totals.balance,
         power=totals.power,
-        starts_q=states.starts_q,
-        starts_v=states.starts_v,
-        stated_rates=states.stated_rates,
         initial_conditions=tuple(zip(states.in_speeds(initial), [c.span for c in model.initial_conditions])),
         whens=(*when_equations(states, conditions), *stops),
         outputs=output_equations(states, parts, acting, free, totals, labels),
         contacts=contacts,
-        rates=states.rates,
         dropped=tuple([x.reason for x in dropped]),
         warnings=(
             *model.warnings,
@@ -101,7 +88,7 @@ def derive(model: Model) -> EquationsOfMotion:
             *_shared(states, dropped),
             *_doubled(model),
         ),
-    )
+    )  # fmt: skip
 
 
 def _doubled(model: Model) -> Iterable[Fault]:

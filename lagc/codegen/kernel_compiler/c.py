@@ -439,7 +439,7 @@ def block_comment(text: str) -> str:
 
 def folded(line: str) -> str:
     """Break a long line before an operator or after a comma."""
-    indent = " " * (len(line) - len(line.lstrip()) + 4)
+    indent = " " * (len(line) - len(line.lstrip()) + 8)
     rows = []
     while len(line) > WIDTH:
         cuts = [

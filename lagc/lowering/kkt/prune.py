@@ -120,7 +120,8 @@ def leave_out(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[li
 
 
 def _without(equations: EquationsOfMotion, components: Components, reached: set[Node]) -> EquationsOfMotion:
-    graph, model, v = equations.graph, equations.model, equations.v
+    """Return `equations` with the components that are not `reached` at rest, in the old columns."""
+    graph, model, v, inertias = equations.graph, equations.model, equations.v, equations.inertias
 
     def gone(symbol: Node) -> bool:
         return symbol in components.leader and components.find(symbol) not in reached
@@ -129,7 +130,6 @@ def _without(equations: EquationsOfMotion, components: Components, reached: set[
     rest = {s: start.value for s, start in zip(equations.q, equations.starts_q) if gone(s)}
     rest.update((s, graph.zero) for s in (*equations.v, *equations.a, *equations.lam) if gone(s))
     rest.update((x.symbol, x.start) for x in model.discretes if gone(x.symbol))
-    lost = set(rest)
 
     def at_rest(nodes: Sequence[Node]) -> list[Node]:
         return substitute(graph, nodes, rest)
@@ -141,53 +141,56 @@ def _without(equations: EquationsOfMotion, components: Components, reached: set[
         if node.op == "scale":
             return graph.scale(node.value, own(node.args[0]))
         found = symbols([node])
-        if found & lost and not found & (known - lost):
+        if found & rest.keys() and not found & (known - rest.keys()):
             return graph.zero
         return at_rest([node])[0]
 
     # Bodies that rest without what is left out, and did not before, carry no energy any more.
     known = {*equations.q, *equations.v, *equations.a, *equations.lam, *(x.symbol for x in model.discretes)}
-    parts = [_at_rest(part, at_rest) for part in equations.inertias]
-    idle = {id(part.body) for part in equations.inertias} - {
-        id(part.body) for part, old in zip(parts, equations.inertias)
+    parts = [_at_rest(part, at_rest) for part in inertias]
+    idle = {id(part.body) for part in inertias} - {
+        id(part.body) for part, old in zip(parts, inertias)
         if not all(x.is_zero for x in part.velocity) or all(x.is_zero for x in old.velocity)
     }  # fmt: skip
     sums = [own(x) for x in (equations.kinetic, equations.potential, equations.energy, equations.power)]
     whens = [replace(w, changes=tuple([(s, x) for s, x in w.changes if not gone(s)]))
              for w in equations.whens if _is_asked(w) or not all(gone(s) for s, _ in w.changes)]  # fmt: skip
-    # Loads on velocities that are constant now do nothing; those on one velocity add.
-    velocities = at_rest([*equations.loads, *equations.loads.values()])
-    loads: dict[Node, Node] = {}
-    for velocity, weight in zip(velocities, velocities[len(equations.loads) :]):
-        if not velocity.is_const:
-            loads[velocity] = graph.add(loads.get(velocity, graph.zero), weight)
     contacts = tuple([c for c in equations.contacts if not gone(c.multiplier)])
+    model = replace(
+        model,
+        bodies=tuple([b for b in model.bodies if id(b) not in idle]),
+        contacts=tuple([c.contact for c in contacts]),
+        discretes=tuple([x for x in model.discretes if not gone(x.symbol)]),
+        whens=tuple([w.clause for w in whens if w.clause in model.whens]),
+    )
     return replace(
         equations,
-        model=replace(
-            model,
-            bodies=tuple([b for b in model.bodies if id(b) not in idle]),
-            contacts=tuple([c.contact for c in contacts]),
-            discretes=tuple([x for x in model.discretes if not gone(x.symbol)]),
-            whens=tuple([w.clause for w in whens if w.clause in model.whens]),
-        ),
+        model=model,
         inertias=tuple([part for part in parts if id(part.body) not in idle]),
-        further_inertia={
-            at: m for at, m in equations.further_inertia.items() if not gone(equations.v[at[0]])
-        },
-        loads=loads,
-        rows=tuple([row for row in equations.rows if not gone(row.multiplier)]),
-        contacts=contacts,
-        whens=tuple(whens),
-        initial_conditions=tuple(
-            [given for given in equations.initial_conditions if not any(map(gone, symbols([given[0]])))]
-        ),
+        further_inertia={at: m for at, m in equations.further_inertia.items() if not gone(v[at[0]])},
+        rows=tuple([row for row in equations.rows if not gone(row.multiplier)]), contacts=contacts,
+        loads=_loads(equations, at_rest), whens=tuple(whens),
         kinetic=sums[0], potential=sums[1], energy=sums[2], power=sums[3],
+        initial_conditions=tuple([
+            given for given in equations.initial_conditions if not any(map(gone, symbols(given[:1])))
+        ]),
         contributions=tuple([
             replace(c, power=own(c.power), forces={j: x for j, x in c.forces.items() if not gone(v[j])})
             for c in equations.contributions
         ]),
     )  # fmt: skip
+
+
+def _loads(equations: EquationsOfMotion, at_rest: Callable[[Sequence[Node]], list[Node]]) -> dict[Node, Node]:
+    """Return the loads on velocities where some symbols are at rest: those on a constant velocity do nothing,
+    those on one velocity add."""
+    graph, count = equations.graph, len(equations.loads)
+    velocities = at_rest([*equations.loads, *equations.loads.values()])
+    found: dict[Node, Node] = {}
+    for velocity, weight in zip(velocities, velocities[count:]):
+        if not velocity.is_const:
+            found[velocity] = graph.add(found.get(velocity, graph.zero), weight)
+    return found
 
 
 def _at_rest(part: Moving, at_rest: Callable[[Sequence[Node]], list[Node]]) -> Moving:

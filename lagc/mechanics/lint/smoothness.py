@@ -47,42 +47,49 @@ class Cuts(NamedTuple):
     whens: tuple[WhenEquations, ...]
 
 
+class _Place(NamedTuple):
+    """Expressions that may not jump in the leaves, nor have a kink if `slopes`; the warning if they do."""
+
+    nodes: Sequence[Node]
+    leaves: Sequence[Node]
+    slopes: bool
+    code: str
+    what: str
+    remedy: str
+    span: Span
+
+
 def find_cuts(states: States, relations: Collection[Node]) -> Cuts:
     """Return warnings LAG0421 of constraints and LAG0422 of places with a jump or kink, LAG0423 of energies
     and LAG0424 of declared speeds with a jump; `relations` are the candidates."""
-    model = states.model
     # Expressions above no relation are smooth, and are not looked at.
     above = set(relations)
     for node in states.graph.nodes:
         if not above.isdisjoint(node.args):
             above.add(node)
     all_smooth = above.isdisjoint([] if states.plain else states.spelt.values())
-    positions = list(states.q)
-    place = [*positions, model.time]
-    rates = [*states.rates, *(speed.symbol for speed in model.speeds)]
     warnings: list[Fault] = []
-    stopping: list[tuple[Fault, Break]] = []
-
-    def look(
-        nodes: Sequence[Node],
-        leaves: Sequence[Node],
-        slopes: bool,
-        code: str,
-        what: str,
-        remedy: str,
-        span: Span,
-    ) -> None:
+    whens: list[WhenEquations] = []
+    for nodes, leaves, slopes, code, what, remedy, span in _places(states):
         if all_smooth and above.isdisjoint(nodes):
-            return
+            continue
         found = find_break(states, nodes, leaves, slopes, rows=code == "LAG0421")
         if found is None:
-            return
+            continue
         message = f"{what} has a {found.kind} where {found.where}; a run that gets there stops"
         fault = Fault(code, message, span, remedy=remedy, severity="warning")
         if fault not in warnings:
             warnings.append(fault)
-        stopping.append((fault, found))
+        whens += _stops(fault, found)
+    return Cuts(tuple(warnings), tuple(whens))
 
+
+def _places(states: States) -> Iterator[_Place]:
+    """Yield constraints, places of bodies, energies and declared speeds."""
+    model = states.model
+    positions = list(states.q)
+    place = [*positions, model.time]
+    rates = [*states.rates, *(speed.symbol for speed in model.speeds)]
     # Rows of positions may have neither jump nor kink, as their gradients are forces. Rows of speeds
     # may have kinks.
     remedy = f"{_ROUND}, or let a force act in its place"
@@ -91,26 +98,26 @@ def find_cuts(states: States, relations: Collection[Node]) -> Cuts:
         for nonholonomic in (False, True):  # a kink is a jump of the forces
             rows = [x for x in c.residuals if (x in in_rates) == nonholonomic]
             leaves = [*place, *rates] if nonholonomic else place
-            look(rows, leaves, not nonholonomic, "LAG0421", f"the constraint `{c.name}`", remedy, c.span)
+            what = f"the constraint `{c.name}`"
+            yield _Place(rows, leaves, not nonholonomic, "LAG0421", what, remedy, c.span)
     for body in model.bodies:
         axes = [x for row in body.frame.axes for x in row] if body.frame is not None else []
         what = f"the place of `{body.name}`"
-        look([*body.position, *axes], place, True, "LAG0422", what, _ROUND, body.span)
+        yield _Place([*body.position, *axes], place, True, "LAG0422", what, _ROUND, body.span)
     # Energies may have kinks in the coordinates, where forces jump, but none in the rates, where momenta
     # would.
     remedy = "let it change over a distance, or write the forces that are meant with `force`"
     for action in model.actions:
         what = f"the energy `{action.name}`"
         if isinstance(action, Potential):
-            look([action.energy], positions, False, "LAG0423", what, remedy, action.span)
+            yield _Place([action.energy], positions, False, "LAG0423", what, remedy, action.span)
         elif isinstance(action, Lagrangian):
-            look([action.function], place, False, "LAG0423", what, remedy, action.span)
-            look([action.function], rates, True, "LAG0423", what, remedy, action.span)
+            yield _Place([action.function], place, False, "LAG0423", what, remedy, action.span)
+            yield _Place([action.function], rates, True, "LAG0423", what, remedy, action.span)
     remedy = "declare a speed that changes with the motion alone"
     for speed in model.speeds:
         what = f"the speed `{speed.name}`"
-        look([speed.expression], place, False, "LAG0424", what, remedy, speed.span)
-    return Cuts(tuple(warnings), tuple(w for fault, found in stopping for w in _stops(fault, found)))
+        yield _Place([speed.expression], place, False, "LAG0424", what, remedy, speed.span)
 
 
 def _stops(fault: Fault, found: Break) -> list[WhenEquations]:
