@@ -7,11 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from lagc.diagnostics.faults import Fault, Refused
+from lagc.compiler.checking import check
+from lagc.compiler.stages import Choice
+from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.editor import document as documents
 from lagc.editor.document import Document, errors_of
 from lagc.editor.fixes import fix
 from tests.editor.texts import LIBRARY, PENDULUM, ROOT, damaged, mistyped, text_of
+from tests.rejected.test_rejected import CASES, unmarked, whole
 
 ROOTS = (str(ROOT / "models"),)
 
@@ -130,6 +133,17 @@ def test_models_keep_their_meaning_when_names_change(path: Path, monkeypatch: py
         use = document.names.at(declared.place.start)
         assert use is not None
         assert document.renamed(use, "zz9")
+
+
+@pytest.mark.sample(5, 60)
+@pytest.mark.parametrize("text", [text for _, _, text in CASES], ids=[about for about, _, _ in CASES])
+def test_faults_are_those_of_the_compiler(text: str) -> None:
+    plain, _, _ = unmarked(whole(text))
+    source = Source("model.lag", plain)
+    quick = ("LAG01", "LAG02", "LAG03")
+    wanted = [f for f in errors_of(check(source, Choice())) if f.code.startswith(quick)]
+    found = errors_of(Document("model.lag", plain).faults)
+    assert [(f.code, f.message, f.edits) for f in found] == [(f.code, f.message, f.edits) for f in wanted]
 
 
 # -- fixes -------------------------------------------------------------------------------------
