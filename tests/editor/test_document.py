@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import random
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -133,6 +135,24 @@ def test_models_keep_their_meaning_when_names_change(path: Path, monkeypatch: py
         use = document.names.at(declared.place.start)
         assert use is not None
         assert document.renamed(use, "zz9")
+
+
+BARE = """
+import sys
+sys.modules.update(dict.fromkeys(("numpy", "pygls", "lsprotocol", "pygments")))  # cannot be imported
+from lagc.editor.document import Document
+from lagc.editor.fixes import fix
+from tests.editor.texts import PENDULUM
+document = Document("a.lag", PENDULUM.replace("sin(theta)", "sin(thet)"))
+assert fix(document, document.faults[0], lambda text: text.faults)
+assert document.hover(PENDULUM.index("l*{")) and document.completions(PENDULUM.index("l*{"))
+"""
+
+
+@pytest.mark.full
+def test_the_answers_need_no_package() -> None:
+    done = subprocess.run([sys.executable, "-c", BARE], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.sample(5, 60)
