@@ -78,6 +78,8 @@ def test_hover_knows_the_names_of_a_text_with_faults() -> None:
         ("initial\n ", "theta der", "kg"),
         ("output Real z = if theta > 1 ", "then", "bob"),
         ("end ", "Pendulum", "bob"),
+        ("for i in 1:3 loop\n output Real q[i] = ", "i l theta sin", "kg"),
+        ("for i in 1:3 loop for j in 1:2 loop\n output Real q[i, j] = ", "i j l theta", "kg"),
         ("// l", "", "l m parameter"),
         ('parameter Mass k "of t', "", "theta"),
         ("/* ", "", "theta"),
