@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tools.benchmarks.problems import PROBLEMS, Problem, solve
 from tests.simulation.programs import needs_compiler
+from tools.benchmarks.problems import PROBLEMS, Problem, solve
 
 ROOT = Path(__file__).parents[2]
 
