@@ -311,15 +311,6 @@ def _twice(first: Entry, entry: Entry, body: Entry) -> Fault:
     return Fault("LAG0229", message, entry.span, remedy=remedy, severity="warning")
 
 
-def releases_of(context: Context, entry: Entry, symbol: Node, unit: str) -> list[objects.ModelObject]:
-    """Return the release of a parameter, if an output asks for its reaction."""
-    if symbol.record.owner not in context.released:
-        return []
-    from lagc.semantics.joints import release_parameter
-
-    return release_parameter(context, entry, symbol, unit)
-
-
 def _of_vector(written: tree.Expression) -> str:
     """Return a remedy for a vector `g`, `{0, 0, -9.81}`."""
     if isinstance(written, tree.Quantity):
@@ -350,7 +341,10 @@ def _strength(context: Context, entry: Entry, written: tree.Expression | None) -
     if not value.is_const:
         return value
     symbol = context.graph.symbol("parameter", name)
-    entry.objects += releases_of(context, entry, symbol, "m/s2")
+    if name in context.released:  # an output asks for its reaction
+        from lagc.semantics.joints import release_parameter
+
+        entry.objects += release_parameter(context, entry, symbol, "m/s2")
     bounds, about = (-math.inf, math.inf), "acceleration of gravity"
     parameter = objects.Parameter(name, symbol, "m/s2", "m/s2", value.value, *bounds, entry.span, about)
     entry.objects.append(parameter)
