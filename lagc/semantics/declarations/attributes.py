@@ -26,7 +26,6 @@ from lagc.semantics.names.scope import (
 )
 from lagc.semantics.units import NONE, Dimension, QuantityType, UnknownUnit, unit
 from lagc.semantics.values.evaluate import evaluate, evaluate_as
-from lagc.semantics.values.functions import over_time
 from lagc.semantics.values.unit_hints import is_bare
 from lagc.symbolic.graph import Node
 from lagc.syntax import tree
@@ -199,6 +198,8 @@ def given_scalar(context: Context, given: Given, dimension: Dimension, what: str
         expect(value.dimension, dimension, given.expression.span, what)
         return value
     if given.points is not None:
+        from lagc.semantics.values.tables import over_time
+
         return Scalar(over_time(context, given.points, given.owner), dimension)
     number = given.number
     if given.unit is not None:

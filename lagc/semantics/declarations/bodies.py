@@ -28,9 +28,8 @@ from lagc.semantics.names.scope import (
 )
 from lagc.semantics.units import KG, NONE, M, S, dimension, over
 from lagc.semantics.values.calls import look_at_arguments, match
-from lagc.semantics.values.evaluate import each, evaluate, evaluate_as
+from lagc.semantics.values.evaluate import Argument, each, evaluate, evaluate_as
 from lagc.semantics.values.frame_vectors import unit_vector
-from lagc.semantics.values.functions import Argument
 from lagc.semantics.values.kinematics import turned_by, velocity_of
 from lagc.semantics.values.unit_hints import is_bare
 from lagc.symbolic.graph import Node
