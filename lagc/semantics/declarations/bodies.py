@@ -302,10 +302,10 @@ def _note_field(context: Context, entry: Entry, body: Entry, direction: Vector) 
     first = context.fields.setdefault((body.path, rounded), entry)
     pair = (first.span, entry.span)
     if first is not entry and pair not in context.warnings:
-        context.warnings[pair] = _twice(first, entry, body)
+        context.warnings[pair] = _declared_twice(first, entry, body)
 
 
-def _twice(first: Entry, entry: Entry, body: Entry) -> Fault:
+def _declared_twice(first: Entry, entry: Entry, body: Entry) -> Fault:
     message = f"`{first.path}` and `{entry.path}` both act on `{body.path}` in the same direction"
     remedy = "gravity acts on all bodies, including those of instances: remove one of the two"
     return Fault("LAG0229", message, entry.span, remedy=remedy, severity="warning")

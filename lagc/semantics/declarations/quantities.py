@@ -342,7 +342,7 @@ def _output(context: Context, quantity: Quantity) -> Value:
     scalars = flat(value, expression.span, f"`{entry.path}`")
     for scalar in scalars:
         expect_of(
-            expression, scalar.dimension, quantity.type.dimension, f"`{entry.path}`", quantity.type.said
+            expression, scalar.dimension, quantity.type.dimension, f"`{entry.path}`", quantity.type.in_words
         )
     sizes = shape(value)
     if quantity.sizes and sizes != quantity.sizes:
