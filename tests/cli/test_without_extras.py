@@ -111,7 +111,8 @@ def test_a_picture_is_refused_before_the_study(folder: Path, study: str) -> None
     "words",
     [
         ("sim", "--plot", "p.png"), ("linearize", "--plot", "p.png"), ("compare", "--plot", "p.png"),
-        ("sim", "-o", "p.parquet"), ("sweep", "-o", "p.parquet"), ("sweep", "-o", "p.nc"), ("fit", "data.csv"),
+        ("sim", "-o", "p.parquet"), ("sweep", "-o", "p.parquet"), ("sweep", "-o", "p.nc"),
+        ("fit", "data.csv"),
         ("sweep", "z=1,2", "-o", "p.csv", "--dask", "tcp://head:8786"),
     ],
 )  # fmt: skip
