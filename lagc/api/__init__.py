@@ -19,7 +19,7 @@ from lagc.api.effects import Comparable, without
 from lagc.api.fit import Fittable
 from lagc.api.run import Run
 from lagc.api.sweep import Sweepable
-from lagc.api.values import Input, Value, condition, parted, quantities, real, reals, seconds, word, words
+from lagc.api.values import Input, Value, condition, quantities, real, reals, seconds, separate, word, words
 from lagc.base.records import dataclass, names, replace
 from lagc.base.text import Quantity
 from lagc.compiler.loaded import Loaded
@@ -106,7 +106,7 @@ class ModelFile:
         if backend not in ("auto", "c", "numpy"):
             raise ValueError(f"there is no backend {backend!r}: auto, c or numpy")
         given = quantities("parameters", parameters)
-        numbers, courses = parted(inputs)
+        numbers, courses = separate(inputs)
         choice = Choice(
             word("model", model), word("scene", scene), words("use", use), words("without", without),
             {**given, **numbers}, courses, condition(until),
@@ -296,7 +296,7 @@ class CompiledModel(Differentiable, Measurable, Comparable, Sweepable, Fittable)
         or there is no consistent initial state."""
         # Courses of inputs and a condition `until` are part of the code: another model runs with them.
         if inputs is not None or until is not None:
-            numbers, courses = parted(inputs)
+            numbers, courses = separate(inputs)
             return self._with_courses(numbers, courses, condition(until)).simulate(
                 stop, accuracy=accuracy, method=method, rtol=rtol, atol=atol, step=step, max_step=max_step,
                 every=every, points=points, parameters={**quantities("parameters", parameters), **numbers},
@@ -342,14 +342,14 @@ class CompiledModel(Differentiable, Measurable, Comparable, Sweepable, Fittable)
         """Simulate a `Request` with the array p of all parameters, then inputs, in SI units."""
         parameters = [float(value) for value in parameters]
         if request.sensitivity:
-            from lagc.compiler.followed import directions_of, follow
+            from lagc.compiler.run_sensitivities import add_sensitivities, directions_of
 
             directions_of(self._loaded, request.sensitivity)
         found = self._loaded.simulate(request, parameters, progress)
         run = Run(**{name: getattr(found, name) for name in names(Solution)})
         run.loaded, run.request = self._loaded, request
         if request.sensitivity:
-            follow(self._loaded, run, request, parameters, running(progress))
+            add_sensitivities(self._loaded, run, request, parameters, running(progress))
         return run
 
     def check_expressions(self, expressions: Sequence[str]) -> None:

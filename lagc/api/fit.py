@@ -85,7 +85,7 @@ class Fittable(Parametrized):
 
     def _parameters(self, request: Request, base: Sequence[float]) -> list[Parameter]:
         """Return what is fitted, with its first value and its bounds.  Raises Refused."""
-        from lagc.compiler.followed import directions_of
+        from lagc.compiler.run_sensitivities import directions_of
         from lagc.study.fit import Parameter
 
         if not request.sensitivity:

@@ -45,6 +45,7 @@ COMMANDS = {
     "linearize": "find equilibria and linear models",
     "build": "write generated code for other projects",
     "new": "write a model to start from; --list: models of the library",
+    "lsp": "serve an editor: faults, completion, units, fixes",
     "cache": "show, verify or clear the cache of compiled models",
 }
 

@@ -17,10 +17,8 @@ from pathlib import Path
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from lagc.compiler.shipped import files as shipped
+from lagc.editor.colours import patterns
 from lagc.host.model_library import library_models, read
-from lagc.semantics.units import TYPES
-from lagc.semantics.values.calls import BUILTINS
-from lagc.syntax.lalr_tables import tables
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 HERE = ROOT / "tools" / "playground"
@@ -54,10 +52,7 @@ def build(folder: Path) -> None:
             archive.writestr(ZipInfo(name), content, ZIP_DEFLATED)
     subprocess.run(["node", HERE / "compile.mjs", folder / "lagc.zip"], check=True)
     models = {name: read(name).text for name in library_models()}
-    words = {"keywords": sorted(tables().keywords), "types": sorted(TYPES), "functions": sorted(BUILTINS)}
-    lines = [
-        f"self.{name} = {json.dumps(value)};\n" for name, value in (("MODELS", models), ("WORDS", words))
-    ]
+    text = f"self.MODELS = {json.dumps(models)};\nself.COLOURS = {json.dumps(patterns())};\n"
     (folder / "models.js").write_text("".join(lines), encoding="ascii")
     subprocess.run(["node", HERE / "build.mjs", folder.resolve()], check=True)
     (folder / "lagc.zip").unlink()

@@ -27,38 +27,44 @@ const wide = /[\ud800-\udbff]/;
 export const toUnits = (text, n) => (wide.test(text) ? [...text].slice(0, n).join('').length : n);
 export const toCharacters = (text, n) => (wide.test(text) ? [...text.slice(0, n)].length : n);
 
-// -- colours
-const { keywords, types, functions } = self.WORDS;
-const groups = { keyword: new Set(keywords), typeName: new Set(types), 'variableName.function': new Set(functions) };
-const AFTER_NAME = /^\s*(?:=[^=]|[.,)\]*\/^;:+-])/; // what follows a name, never a keyword
+// -- colours: the table of `lagc.editor.colours`, whose rules are tried in turn
+const STYLES = {
+  comment: 'comment',
+  string: 'string',
+  'constant.numeric': 'number',
+  'constant.other.unit': 'unit',
+  'constant.language': 'keyword',
+  keyword: 'keyword',
+  storage: 'keyword',
+  'support.type': 'typeName',
+  support: 'variableName.function',
+};
+const style = scope => Object.entries(STYLES).find(([name]) => scope.startsWith(name))?.[1] ?? null;
+const rules = self.COLOURS.map(([scopes, pattern]) => [scopes.map(style), new RegExp(pattern, 'y')]);
 
 const language = StreamLanguage.define({
-  startState: () => ({ comment: false, quantity: false }),
+  startState: () => ({ second: null }), // the length and the style of the second group of a rule
   token(stream, state) {
-    if (state.comment || stream.match('/*')) {
-      state.comment = !stream.match(/^.*?\*\//);
-      if (state.comment) stream.skipToEnd();
-      return 'comment';
+    if (state.second) {
+      const [length, name] = state.second;
+      stream.pos += length;
+      state.second = null;
+      return name;
     }
     if (stream.eatSpace()) return null;
-    if (stream.match(/^\/\/.*/)) return 'comment';
-    if (stream.match(/^"(?:[^"\\]|\\.)*"?/)) return 'string';
-    if (state.quantity && stream.match(/^\[[^[\]]*\]?/)) return 'unit';
-    state.quantity = !!stream.match(/^(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?/);
-    if (state.quantity) return 'number';
-    const word = stream.match(/^[A-Za-z_]\w*/)?.[0];
-    if (!word) {
-      state.quantity = stream.next() === '}';
-      return null;
+    for (const [[first, second], pattern] of rules) {
+      pattern.lastIndex = stream.pos;
+      const found = pattern.exec(stream.string);
+      if (!found?.[0]) continue;
+      stream.pos += (second === undefined ? found[0] : found[1]).length;
+      if (second !== undefined && found[2]) state.second = [found[2].length, second];
+      return first;
     }
-    state.quantity = word === 'Real';
-    const rest = stream.string.slice(stream.pos);
-    if (groups.keyword.has(word) && !AFTER_NAME.test(rest)) return 'keyword';
-    if (groups.typeName.has(word)) return 'typeName';
-    return groups['variableName.function'].has(word) && /^\s*\(/.test(rest) ? 'variableName.function' : null;
+    stream.next();
+    return null;
   },
   tokenTable: { unit: tags.unit },
-  languageData: { commentTokens: { line: '//', block: { open: '/*', close: '*/' } }, indentOnInput: /^\s*end$/ },
+  languageData: { commentTokens: { line: '//' }, indentOnInput: /^\s*end$/ },
 });
 const colours = HighlightStyle.define(
   [
