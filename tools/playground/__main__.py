@@ -53,7 +53,7 @@ def build(folder: Path) -> None:
     subprocess.run(["node", HERE / "compile.mjs", folder / "lagc.zip"], check=True)
     models = {name: read(name).text for name in library_models()}
     text = f"self.MODELS = {json.dumps(models)};\nself.COLOURS = {json.dumps(patterns())};\n"
-    (folder / "models.js").write_text("".join(lines), encoding="ascii")
+    (folder / "models.js").write_text(text, encoding="ascii")
     subprocess.run(["node", HERE / "build.mjs", folder.resolve()], check=True)
     (folder / "lagc.zip").unlink()
 
