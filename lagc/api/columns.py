@@ -12,8 +12,8 @@ from lagc.diagnostics.faults import Fault, Refused
 
 
 def read_columns(path: str) -> dict[str, list[str]]:
-    """Return the columns of a CSV file by the names in its header.  Raises Refused: LAG0702, and LAG0602 for a
-    line of another length."""
+    """Return the columns of a CSV file by the names in its header.  Raises Refused: LAG0702, LAG0602 for
+    a line of another length."""
     import csv
 
     try:
