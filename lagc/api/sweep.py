@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import pickle
-from array import array
 from collections.abc import Callable, Mapping, Sequence
 from math import inf, nan
 from typing import TYPE_CHECKING, Any
@@ -85,6 +83,9 @@ class Sweepable(Parametrized):
     ) -> Sweep:  # fmt: skip
         """Run the points of a plan.  `most_time` is the longest time of a run in s: one that would take more
         is refused."""
+        import pickle
+        from array import array
+
         from lagc.study.sweep.journal import Journal
         from lagc.study.sweep.sweep import Running
         from lagc.study.sweep.worker import Task, version
