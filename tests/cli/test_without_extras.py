@@ -121,10 +121,19 @@ def test_a_package_is_asked_for_before_the_run(folder: Path, words: tuple[str, .
     assert done.returncode == 2 and "pip install" in done.stderr and not done.stdout
 
 
-def test_a_command_says_that_numpy_is_missing(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("HIDDEN", "numpy")
-    done = lagc(folder, "linearize", "drop.lag")
-    assert done.returncode == 2 and "pip install numpy" in done.stderr and not done.stdout
+@pytest.mark.parametrize(
+    ("package", "words", "install"),
+    [
+        ("numpy", ("linearize", "drop.lag"), "pip install numpy"),
+        ("pygls", ("lsp",), 'pip install "lagc[lsp]"'),
+    ],
+)
+def test_a_command_says_what_is_missing(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, package: str, words: tuple[str, ...], install: str
+) -> None:
+    monkeypatch.setenv("HIDDEN", package)
+    done = lagc(folder, *words)
+    assert done.returncode == 2 and install in done.stderr and not done.stdout
 
 
 def test_a_sweep_needs_no_package(folder: Path) -> None:
