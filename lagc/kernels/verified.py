@@ -33,6 +33,8 @@ GIVEN_UP = 10.0  # predicted error over the accuracy at which an attempt ends ea
 TRUSTED_PART = 0.05  # of the time, from which on the error at the end is predicted
 LEAST_PART = 1e-3
 MEANINGLESS_ERROR = 1e-2  # error over scale at which the last attempt ends
+PATIENCE = 1.5  # times the time until which the accuracy is met, before the last attempt ends,
+WAIT = 0.1  # and of the whole time
 EARLY = 1e-3  # of the size of its group: least scale of a quantity that has hardly begun to move
 SMALL = 1e-2  # of the size of its group: a state below it that misses gets an error weight of its own
 CONSTANT = 1e-9  # of its terms: range of a quantity that does not move
@@ -62,6 +64,10 @@ def state_quantities(p: Params, t: Real, x: Vec[NX], y: Vec[NQUANTITY], w: Work)
 def compare_quantities(v: Verification) -> None:
     """Enlarge the gaps to the differences of the two runs, and the ranges to the values of the run. Values
     of outputs that are not finite are left out."""
+    if NZ > 0:
+        gap = fabs(v.run.x[NQ + NV] - v.check.x[NQ + NV])
+        if v.run.t == v.check.t and gap > v.work_error:
+            v.work_error = gap
     for i in range(NQUANTITY):
         gap = fabs(v.of_run[i] - v.of_check[i])
         if not gap - gap == 0.0:
@@ -168,18 +174,21 @@ def estimate_errors(scales: Vec[NQUANTITY], accuracy: Real, method: int, underwa
 
 def displace_check(p: Params, x0: Vec[NX], v: Verification) -> None:
     """Begin the check with data that differ from those of the run in the last place: what rounding of states
-    and parameters does to a motion is then part of the difference, as large as it grows. Integers are exact.
-    Models with relations begin alike, since the last place may decide on which side of one they are, and
-    constraints keep their parameters, on which it may depend whether one follows from others."""
+    and parameters does to a motion, and of what is prepared from them, is then part of the difference, as
+    large as it grows. Integers without a unit may be exponents and stay. Models with relations begin alike,
+    since the last place may decide on which side of one they are, and constraints keep their parameters, on
+    which it may depend whether one follows from others."""
     v.x[:] = x0
     v.p[:] = p
     if NMODE == 0:
         for i in range(NQ + NV):
             v.x[i] *= 1.0 + (SPACING if i % 2 == 0 else -SPACING)
         if NC == 0:
-            for k in range(NALL):
-                if p[k] != floor(p[k]):
+            for k in range(NP):
+                if has_unit[k] != 0 or p[k] != floor(p[k]):
                     v.p[k] = p[k] * (1.0 + (SPACING if k % 2 == 0 else -SPACING))
+            if NPREPARED > 0:
+                bind(v.p)
 
 
 def begin_attempt(p: Params, x0: Vec[NX], begin_time: Real, o: Options, r: Report, v: Verification) -> None:
@@ -198,6 +207,8 @@ def begin_attempt(p: Params, x0: Vec[NX], begin_time: Real, o: Options, r: Repor
     for i in range(NQ + NV):
         v.roundoff[i] = 0.0
     v.begin_time = begin_time
+    if NZ > 0:
+        v.work_error = 0.0
     if NMODE > 0:
         v.lag = 0
         v.changes_before = 0
@@ -470,7 +481,9 @@ def gives_up(g: Goal, error: Real, part: Real, last: bool, r: Report, v: Verific
         return False
     if part > TRUSTED_PART:
         if last:
-            if error > MEANINGLESS_ERROR and error > g.accuracy:
+            # A state that has just set out, or that round-off moves, is known as such later.
+            waited = v.run.t - v.begin_time > PATIENCE * (r.until - v.begin_time) + WAIT * v.duration
+            if error > MEANINGLESS_ERROR and error > g.accuracy and waited:
                 return True
         elif error > g.accuracy or v.predicted > GIVEN_UP * g.accuracy:
             return True

@@ -40,6 +40,8 @@ class Verification:
     scale: Vec[NQUANTITY]  # what it is relative to
     size: Vec[NQUANTITY]  # of the terms of the quantity
     constant: IVec[NQUANTITY]  # 1: the quantity does not move; 2: round-off keeps it from its own range
+    if NZ > 0:
+        work_error: Real  # largest difference of the work integrals, which have no error control
     if NLEAP > 0:
         time_error: Real  # estimated error of the times of jumps, and of the end by a clause
     run: State

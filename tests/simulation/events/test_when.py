@@ -13,8 +13,7 @@ import lagc
 from lagc.cli.main import main
 from lagc.codegen.python.emit import render
 from lagc.kernels.language.statuses import INTERRUPTED, OK, TERMINATED
-from lagc.simulation.error_measure import between, spread
-from lagc.simulation.system import Options, Trajectory
+from lagc.simulation.system import Options
 from tests.codegen.tools import STRICT, call
 from tests.simulation.events.jumping import STOP, case, motion
 
@@ -396,13 +395,6 @@ def test_what_an_act_moves_away_is_not_at_its_change() -> None:
         start="x(start = 0.25 [m], rate = 1 [m/s])",
     ).simulate(0.15, points=3)
     assert [*run["x"]] == pytest.approx([0.25, 0.1375, 0.25], abs=1e-6) and len(run.events) == 2
-
-
-def test_runs_that_jump_at_other_times_are_as_far_apart() -> None:
-    states = [[0.0, 0.0], [1.0, 1.0], [2.0, 2.0], [3.0, 3.0]]
-    one, other = (Trajectory([0.0, 1.0, 2.0, 3.0], states, 3.0, states[-1], jumps=[t]) for t in (1.5, 2.9))
-    assert between(one, other) == {2}
-    assert spread(one, other, [([0, 1], 3.0)], [([0, 1], 3.0)]) == pytest.approx(1.4 / 3.0)
 
 
 @pytest.mark.sample(2)
