@@ -23,11 +23,12 @@ from lagc.kernels.trajectory import are_in_order, interpolate_at
 
 BLOCK = 5  # steps of the run between two comparisons; the check makes one more
 SAFETY = 1.2  # of the estimated error
-FINEST_SAFETY = 1.5  # at the finest tolerance, where the difference is one sample of round-off
+FINE_SAFETY = 1.5  # near the finest tolerance, where the difference is one sample of round-off
 PRIOR = 30.0  # error over tolerance of a model without a law: the mean over the library
 AIM = 0.5  # of the accuracy: error that the next attempt aims at
 COARSEST = 1e-3  # tolerances
-FINEST = by_type(1e-6, 3e-15, "1e-31")
+FINEST = by_type(1e-6, 1e-15, "1e-31")
+FINE = by_type(2e-5, 2e-14, "2e-30")  # tolerance below which round-off is a large part of errors
 MOST_ATTEMPTS = 6
 GIVEN_UP = 10.0  # predicted error over the accuracy at which an attempt ends early
 TRUSTED_PART = 0.05  # of the time, from which on the error at the end is predicted
@@ -41,6 +42,7 @@ CONSTANT = 1e-9  # of its terms: range of a quantity that does not move
 SURELY_MOVES = 1e-3
 BY_CHANCE = 20.0  # differences of the two runs: range of a quantity that only errors move
 OFFSET = by_type(2.4e-4, 1.5e-8, "1e-17")  # relative change of a state that shows the terms of outputs
+STEADY = 1e-6  # relative: change of an acceleration that stays the same
 SEVERAL = 3.0  # factor on the round-off of rates at a few states
 KEPT = 7  # times of jumps that are kept for comparison
 FINER_SERIES = 0.1  # tolerance of the check over that of the run, for a method whose order follows from it
@@ -105,6 +107,14 @@ def roundoff_of(i: Size, v: Verification) -> Real:
     return 0.0
 
 
+def shared_roundoff(i: Size, v: Verification) -> Real:
+    """Return the part of `roundoff_of` that the difference of the runs does not show: an acceleration that
+    stays the same is rounded alike in both."""
+    if i < NQ and not HAS_DISPLACE:
+        return roundoff_of(i, v) if v.varies[i + NQ] == 0 else 0.0
+    return roundoff_of(i, v) if i >= NQ and v.varies[i] == 0 else 0.0
+
+
 def scale_of(i: Size, group: Real, accuracy: Real, underway: bool, scales: Vec[NQUANTITY],
              v: Verification) -> Real:  # fmt: skip
     """Return the scale of a quantity: the one that is given, the range, or for a quantity that does not move
@@ -131,10 +141,15 @@ def scale_of(i: Size, group: Real, accuracy: Real, underway: bool, scales: Vec[N
             if i >= quaternion[k] and i < quaternion[k] + 4:
                 scale = 1.0
     # Round-off alone moves this state, or keeps it, beside others of its group, from the accuracy.
-    roundoff = roundoff_of(i, v)
-    if largest <= roundoff and group <= roundoff:
-        v.constant[i] = 0
-        return 0.0
+    if i < NQ + NV:
+        roundoff = roundoff_of(i, v)
+        if largest > BY_CHANCE * v.gap[i]:
+            v.known[i] = 1
+        elif v.known[i] == 0 and v.tolerance <= FINE and largest > roundoff:
+            roundoff = largest
+        if v.start[i] == 0.0 and largest <= roundoff and group <= roundoff:
+            v.constant[i] = 0
+            return 0.0
     if group > scale and largest < SMALL * group and roundoff > accuracy * scale:
         v.constant[i] = 2
         return group
@@ -151,8 +166,8 @@ def estimate_errors(scales: Vec[NQUANTITY], accuracy: Real, method: int, underwa
     if NMODE > 0:
         events = v.run.changes
     margin = SAFETY / known_part(method) * (1.0 + (1.0 + events) / (v.run.steps + 1.0))
-    if v.tolerance <= 2.0 * FINEST:
-        margin *= FINEST_SAFETY
+    if v.tolerance <= FINE:
+        margin *= FINE_SAFETY
     worst = 0.0
     v.misses_by_small = False
     for i in range(NQUANTITY):
@@ -162,6 +177,8 @@ def estimate_errors(scales: Vec[NQUANTITY], accuracy: Real, method: int, underwa
         v.error[i] = margin * v.gap[i]
         if i < NQ + NV + NY:
             v.error[i] += SPACING * v.size[i]
+        if i < NQ + NV:
+            v.error[i] += shared_roundoff(i, v)
         if scale > 0.0 and not v.error[i] <= worst * scale:
             worst = v.error[i] / scale
             v.misses_by_small = i < NQ + NV and v.size[i] < SMALL * group
@@ -206,6 +223,10 @@ def begin_attempt(p: Params, x0: Vec[NX], begin_time: Real, o: Options, r: Repor
         v.terms[i] = 0.0
     for i in range(NQ + NV):
         v.roundoff[i] = 0.0
+        v.start[i] = x0[i]
+        v.known[i] = 0
+        v.rate[i] = inf
+        v.varies[i] = 0
     v.begin_time = begin_time
     if NZ > 0:
         v.work_error = 0.0
@@ -362,19 +383,26 @@ def measure_terms(p: Params, v: Verification) -> None:
 
 def measure_roundoff(p: Params, v: Verification) -> None:
     """Enlarge the round-off of the rates of speeds to their change under perturbations of all data by a few
-    units in the last place."""
+    units in the last place, and by that over the least pivot of the mass matrix. Note the accelerations that
+    vary."""
     other = params()
     rates = vector(NX)
-    t = perturb_inputs(p, v.run, v.x, other)
+    t = perturb_inputs(p, v.run, v.run.steps, v.x, other)
     v.check.rhs += 2
     if failed(rates_at(p, v.run.t, v.run.x, rates, v.check_work.lam, v.check_work)):
         return
+    pivot = 1.0
+    if NM > 0 and NC == 0:
+        pivot = v.check_work.health[0]
     if failed(rates_at(other, t, v.x, v.check_work.xdot, v.check_work.lam, v.check_work)):
         return
     for i in range(NQ, NQ + NV):
-        change = fabs(v.check_work.xdot[i] - rates[i])
+        change = fabs(v.check_work.xdot[i] - rates[i]) + SPACING / pivot * fabs(rates[i])
         if change > v.roundoff[i] and change < inf:
             v.roundoff[i] = change
+        if v.rate[i] < inf and fabs(rates[i] - v.rate[i]) > STEADY * fabs(rates[i]):
+            v.varies[i] = 1
+        v.rate[i] = rates[i]
 
 
 def follow_to(p: Params, target: Real, times: Vec[Any], o: Options, states: Rows[NX], outputs: Rows[NY],

@@ -55,6 +55,10 @@ class Verification:
     high: Vec[NQUANTITY]
     terms: Vec[NQUANTITY]  # sum of the magnitudes of the terms of an output
     roundoff: Vec[NX]  # of the rates of speeds
+    rate: Vec[NX]  # accelerations at the last comparison
+    varies: IVec[NX]  # 1: this acceleration changes
+    start: Vec[NX]
+    known: IVec[NX]  # 1: the two runs have agreed on a digit of the state
     begin_time: Real
     of_run: Vec[NQUANTITY]  # the quantities at one time
     of_check: Vec[NQUANTITY]
