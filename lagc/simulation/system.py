@@ -76,7 +76,7 @@ UNSTATED, DECLARED, SCENE, RUN, FIXED = range(5)
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """A run whose error is known by a check in lock step (`kernels/verified`).
+    """A run whose error is known by a check in lock step (`kernels/verification`).
 
     By quantity (coordinates, speeds, outputs, discrete variables): `errors`, their `scales`, the `sizes` of
     their terms, and 1 in `constant` if it does not move, 2 if round-off keeps it from the accuracy of its own

@@ -1,4 +1,4 @@
-"""Runs with a check in lock step (`kernels/verified`), in slices between which they may be watched."""
+"""Runs with a check in lock step (`kernels/verification`), in slices between which they may be watched."""
 
 from __future__ import annotations
 
