@@ -83,7 +83,8 @@ class Checked:
     range, so that it has the scale of its scaling group.  `estimated` is the largest error over scale,
     infinite if the run did not reach its end; the accuracy is met `until` this time.  `rtol` is the tolerance
     of the run, `alone` tells that it is relative to each state alone.  `rhs` counts the evaluations of all
-    `attempts`.  `work_error` is that of the work integral, in J."""
+    `attempts`.  `work_error` is that of the work integral, in J, `time_error` that of the times of jumps, in
+    s."""
 
     trajectory: Trajectory
     errors: list[float]
@@ -97,6 +98,7 @@ class Checked:
     attempts: int
     rhs: int
     work_error: float = 0.0
+    time_error: float = 0.0
 
 
 class System(Protocol):

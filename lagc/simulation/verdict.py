@@ -326,8 +326,10 @@ def _rounded(system: System, found: Verified) -> str:
 
 
 def _worst(system: System, found: Verified) -> str:
-    """The quantity with the largest error over its scale, in brackets."""
+    """What has the largest error over its scale, in brackets."""
     shares = [error / scale if scale else 0.0 for error, scale in zip(found.errors, found.scales)]
+    if found.time_error > max(shares, default=0.0):
+        return " (the time of an event)"
     if not any(shares):
         return ""
     return f" (`{quantity_names(system.interface)[shares.index(max(shares))]}`)"

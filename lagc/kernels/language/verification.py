@@ -84,4 +84,5 @@ class Verification:
     check_ended: bool  # a clause has ended the check
     predicted: Real  # estimated error at the end, by that so far
     failures: int  # attempts that ended by an error
+    set_out_time: Real  # of the last comparison at which a quantity has moved twice as far as before
     misses_by_small: bool  # the worst quantity is small in its scaling group

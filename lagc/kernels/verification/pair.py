@@ -55,6 +55,7 @@ def begin_attempt(p: Params, x0: Vec[NX], begin_time: Real, o: Options, r: Repor
     v.high[:] = v.of_run
     for i in range(NQUANTITY):
         v.gap[i] = 0.0
+        v.scale[i] = 0.0
         v.terms[i] = 0.0
     for i in range(NQ + NV):
         v.roundoff[i] = 0.0
@@ -63,6 +64,7 @@ def begin_attempt(p: Params, x0: Vec[NX], begin_time: Real, o: Options, r: Repor
         v.rate[i] = inf
         v.varies[i] = 0
     v.begin_time = begin_time
+    v.set_out_time = begin_time
     if NZ > 0:
         v.work_error = 0.0
     if NMODE > 0:

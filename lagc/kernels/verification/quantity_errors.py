@@ -14,7 +14,7 @@ from lagc.kernels.language.vocabulary import *
 
 BLOCK = 5  # steps of the run between two comparisons; the check makes one more
 SAFETY = 1.2  # of the estimated error
-FINE_SAFETY = 1.5  # near the finest tolerance, where the difference is one sample of round-off
+FINE_SAFETY = 2.0  # near the finest tolerance, where the difference is one sample of round-off
 FINE = by_type(2e-5, 2e-14, "2e-30")  # tolerance below which round-off is a large part of errors
 FINER_SERIES = 0.1  # tolerance of the check over that of the run, for a method whose order follows from it
 EARLY = 1e-3  # of the size of its group: least scale of a quantity that has hardly begun to move
@@ -157,8 +157,8 @@ def scale_of(i: Size, group: Real, accuracy: Real, underway: bool, scales: Vec[N
             if i >= quaternion[k] and i < quaternion[k] + 4:
                 scale = 1.0
     # Round-off alone moves this state, or keeps it, beside others of its group, from the accuracy.
+    roundoff = roundoff_of(i, v)
     if i < NQ + NV:
-        roundoff = roundoff_of(i, v)
         if largest > BY_CHANCE * v.gap[i]:
             v.known[i] = 1
         elif v.known[i] == 0 and v.tolerance <= FINE and largest > roundoff:
@@ -188,8 +188,11 @@ def estimate_errors(scales: Vec[NQUANTITY], accuracy: Real, method: int, underwa
     v.misses_by_small = False
     for i in range(NQUANTITY):
         group = v.run.sizes[scaling_group[i]] if i < NQ + NV else 0.0
+        before = v.scale[i]
         scale = scale_of(i, group, accuracy, underway, scales, v)
         v.scale[i] = scale
+        if scale > 2.0 * before:
+            v.set_out_time = v.run.t
         v.error[i] = margin * v.gap[i]
         if i < NQ + NV + NY:
             v.error[i] += SPACING * v.size[i]

@@ -17,7 +17,7 @@ from lagc.kernels.verification.quantity_errors import BLOCK, estimate_errors
 PRIOR = 30.0  # error over tolerance of a model without a law: the mean over the library
 AIM = 0.5  # of the accuracy: error that the next attempt aims at
 COARSEST = 1e-3  # tolerances
-FINEST = by_type(1e-6, 1e-15, "1e-31")
+FINEST = by_type(1e-6, 3e-15, "1e-31")
 MOST_ATTEMPTS = 6
 GIVEN_UP = 10.0  # predicted error over the accuracy at which an attempt ends early
 TRUSTED_PART = 0.05  # of the time, from which on the error at the end is predicted
@@ -41,7 +41,9 @@ def gives_up(g: Goal, error: Real, part: Real, last: bool, r: Report, v: Verific
             waited = v.run.t - v.begin_time > PATIENCE * (r.until - v.begin_time) + WAIT * v.duration
             if error > MEANINGLESS_ERROR and error > g.accuracy and waited:
                 return True
-        elif error > g.accuracy or v.predicted > GIVEN_UP * g.accuracy:
+        elif v.run.t - v.set_out_time > TRUSTED_PART * v.duration and (
+            error > g.accuracy or v.predicted > GIVEN_UP * g.accuracy
+        ):
             return True
     return g.most > 0 and r.rhs + v.run.rhs + v.check.rhs > g.most
 

@@ -57,5 +57,5 @@ def checked(trajectory: Trajectory, v: Any, report: Any, options: Any) -> Checke
         constant=v.constant[:], estimated=report.estimated if ended else inf,
         until=report.until, rtol=options.rtol, alone=bool(v.alone), attempts=report.attempts,
         rhs=report.rhs if ended else report.rhs + 2 * trajectory.rhs,
-        work_error=getattr(v, "work_error", 0.0),
+        work_error=getattr(v, "work_error", 0.0), time_error=getattr(v, "time_error", 0.0),
     )  # fmt: skip

@@ -28,7 +28,8 @@ class Verified:
     """The trajectory to return and its error: `estimated` is infinite if the run does not reach its end.
     The accuracy is met until `horizon`. `errors` and `scales` are those of each quantity, `limit` the one
     with the largest rounding unit over its scale, and this ratio. `rhs` counts the evaluations of all
-    `attempts`. `work_error` is that of the work integral, in J."""
+    `attempts`. `work_error` is that of the work integral, in J, `time_error` that of the times of jumps over
+    the time of the run."""
 
     trajectory: Trajectory
     options: Options
@@ -41,6 +42,7 @@ class Verified:
     notes: list[str] = field(default_factory=list)
     limit: tuple[int, float] = (0, 0.0)
     work_error: float = 0.0
+    time_error: float = 0.0
 
 
 def verified_run(
@@ -70,7 +72,7 @@ def verified_run(
     limit = max(enumerate(floors), key=lambda each: each[1], default=(0, 0.0))
     return Verified(
         found.trajectory, options, found.estimated, found.until, found.errors, found.scales, found.attempts,
-        found.rhs, notes, limit, found.work_error,
+        found.rhs, notes, limit, found.work_error, found.time_error / ((times[-1] - times[0]) or 1.0),
     )  # fmt: skip
 
 
