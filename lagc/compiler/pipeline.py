@@ -19,7 +19,7 @@ from lagc.compiler.artifact import (
     store_head,
     version_key,
 )
-from lagc.compiler.held import DERIVED, refuse_contacts, with_held
+from lagc.compiler.fixed_discretes import DERIVED, refuse_contacts, with_fixed_discretes
 from lagc.compiler.stages import Choice, derive, optimize, parse, render, resolve, uncollected
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host import cache
@@ -81,7 +81,7 @@ class Compilation:
 
     @once
     def program(self) -> Program:
-        """The program for a run, which also integrates the work of non-conservative forces."""
+        """Return the program for a run, which also integrates the work of non-conservative forces."""
         differentiate, sensitive = (self.variant == name for name in DERIVED)
         stiff, expand = self.variant in IMPLICIT, self.variant in SERIES
         work = not (differentiate or sensitive)
@@ -89,23 +89,23 @@ class Compilation:
 
     @once
     def differentiated(self) -> Compilation:
-        """The same choice with derivatives, for evaluations."""
+        """Return the same choice with derivatives, for evaluations."""
         return _Variant(self, "derivatives")
 
     @once
     def sensitive(self) -> Compilation:
-        """The same choice with what sensitivities of a run need."""
+        """Return the same choice with what sensitivities of a run need."""
         return _Variant(self, "sensitivities")
 
     def taking(self, method: str) -> Compilation:
-        """The same choice with code for this method of integration."""
+        """Return the same choice with code for this method of integration."""
         if method == DEFAULT_METHOD:
             return self
         with self.lock:
             return self.others.setdefault(method, _Variant(self, method))
 
     def artifact(self, target: str) -> Artifact:
-        """The compiled model for `target`, from the cache, or compiled now and stored."""
+        """Return the compiled model for `target`, from the cache, or compiled now and stored."""
         with self.lock:
             return self.cached_artifact(target) or self._compiled(target)
 
@@ -119,7 +119,7 @@ class Compilation:
     @once
     def _head_name(self) -> str:
         choice = self.choice
-        inputs = [(name, _said(given)) for name, given in sorted(choice.inputs.items())]
+        inputs = [(name, _input_text(given)) for name, given in sorted(choice.inputs.items())]
         effects = choice.with_effects, choice.without_effects
         chosen = repr((choice.model, choice.scene, *effects, inputs, choice.until, choice.outputs,
                        choice.contact_modes, choice.probes))  # fmt: skip
@@ -170,7 +170,7 @@ class _Variant(Compilation):
         found = self.base.model
         if self.variant not in EXPLICIT:
             refuse_contacts(found, self.variant)
-        return with_held(found) if self._holds else found
+        return with_fixed_discretes(found) if self._holds else found
 
     @once
     def equations(self) -> EquationsOfMotion:
@@ -194,8 +194,8 @@ class _Variant(Compilation):
         return self.base.taking(method)
 
 
-def _said(given: Source | Points) -> str:
-    """The text that stands for an input in a cache key."""
+def _input_text(given: Source | Points) -> str:
+    """Return the text that stands for an input in a cache key."""
     if isinstance(given, Source):
         return repr((folder_of(given.name), given.text))
     return repr([list(map(float, column)) for column in given[:2]]) + given[2]
@@ -209,13 +209,15 @@ def _code(sources: Mapping[str, str]) -> tuple[CodeType, ...]:
 
 
 def equations(source: Source, choice: Choice) -> EquationsOfMotion:
-    """The equations of motion for display.  Raises Refused if a given value is invalid for a run."""
+    """Return the equations of motion for display. Raises Refused if a given value is invalid for a run."""
     from lagc.lowering.interface import input_field
     from lagc.simulation.request import given_values
 
     compilation = Compilation(source, choice)
     model, faults = compilation.model, list[Fault]()
-    given_values(choice.parameters, (*map(input_field, model.inputs), *_own(model, frozenset())), faults)
+    given_values(
+        choice.parameters, (*map(input_field, model.inputs), *_unread_fields(model, frozenset())), faults
+    )
     if faults:
         raise Refused(faults)
     return compilation.equations
@@ -224,13 +226,17 @@ def equations(source: Source, choice: Choice) -> EquationsOfMotion:
 def program(
     source: Source, choice: Choice, roots: tuple[str, ...] = (), differentiate: bool = False
 ) -> Program:
-    """The program for generated code; the given values are its defaults."""
+    """Return the program for generated code; the given values are its defaults."""
     return delivered(Compilation(source, choice, roots), differentiate)
 
 
-def delivered(compilation: Compilation, differentiate: bool, methods: Sequence[str] = EXPLICIT) -> Program:
-    """The program of a compilation for generated code; the given values are its defaults.  It has
-    these methods of integration."""
+def delivered(
+    compilation: Compilation, differentiate: bool, methods: Sequence[str] = EXPLICIT, events: bool = False,
+    directional: bool = False,
+) -> Program:  # fmt: skip
+    """Return the program of a compilation for generated code; the given values are its defaults. It has these
+    methods of integration, and with `events` functions for integrators of the caller. `directional`:
+    its derivatives are those along directions."""
     from lagc.simulation.request import bound_parameters
 
     for method in methods:
@@ -239,19 +245,22 @@ def delivered(compilation: Compilation, differentiate: bool, methods: Sequence[s
     if differentiate:
         refuse_contacts(compilation.model, "derivatives")
     stiff, expand = (not set(kind).isdisjoint(methods) for kind in (IMPLICIT, SERIES))
-    found = optimize(compilation.equations, False, differentiate, stiff=stiff, expand=expand)
+    found = optimize(
+        compilation.equations, False, differentiate, stiff=stiff, expand=expand, directional=directional
+    )
     interface = found.interface
     values = bound_parameters(
         interface, compilation.choice.parameters, unused(compilation.model, interface), demanding=False
     )
     fields = [replace(f, value=v) for f, v in zip((*interface.parameters, *interface.inputs), values)]
     n = len(interface.parameters)
-    bound = replace(interface, parameters=tuple(fields[:n]), inputs=tuple(fields[n:]), methods=tuple(methods))
+    bound = replace(interface, parameters=tuple(fields[:n]), inputs=tuple(fields[n:]), methods=tuple(methods),
+                    events=events)  # fmt: skip
     return replace(found, interface=bound)
 
 
 def with_all_methods(compilation: Compilation) -> Program:
-    """The program of a compilation with all methods that its equations admit."""
+    """Return the program of a compilation with all methods that its equations admit."""
     if compilation.model.contacts:
         return delivered(compilation, False)
     try:
@@ -263,12 +272,12 @@ def with_all_methods(compilation: Compilation) -> Program:
 
 
 def unused(model: Model, interface: Interface) -> tuple[Field, ...]:
-    """The parameters of the model that have no effect, and those that are part of the code."""
-    return _own(model, {f.name for f in (*interface.parameters, *interface.inputs)})
+    """Return the parameters of the model that have no effect, and those that are part of the code."""
+    return _unread_fields(model, {f.name for f in (*interface.parameters, *interface.inputs)})
 
 
-def _own(model: Model, but: Container[str]) -> tuple[Field, ...]:
-    """The parameters of the model, and those that are part of the code, except the names in `but`."""
+def _unread_fields(model: Model, but: Container[str]) -> tuple[Field, ...]:
+    """Return the parameters of the model, and those that are part of the code, except the names in `but`."""
     from lagc.lowering.interface import parameter_field
 
     fields = [parameter_field(p) for p in model.parameters if p.name not in but]

@@ -55,21 +55,25 @@ def drop_idle(states: States, classified: Sequence[Classified]) -> tuple[list[Cl
     component of a vector. The proof holds for all values of parameters, so roots and choices such as
     sqrt(l^2) = l are not proved. Raises Refused: LAG0409 a row without coordinates and speeds that is not
     proved."""
+    # A row without coordinates and speeds restricts nothing: it must vanish identically, which the field can
+    # prove.
     idle = [x.row for x in classified if not x.row.jacobian]
     if not idle:
         return list(classified), []
     from lagc.mechanics.identities.sampling_domains import (
-        anywhere,  # what proves is loaded where there is a question
+        all_states,  # what proves is loaded where there is a question
     )
     from lagc.mechanics.identities.zero_test import ZeroTest
 
-    zero_test = ZeroTest(anywhere(states))
+    zero_test = ZeroTest(all_states(states))
     faults = [
-        _motionless(row) for row in idle if _sided([row.residual]) or not zero_test.vanish([row.residual])
+        _motionless(row)
+        for row in idle
+        if _has_branches([row.residual]) or not zero_test.vanish([row.residual])
     ]
     if faults:
         raise Refused(faults)
-    return [x for x in classified if x.row.jacobian], [_dropped(row, ()) for row in idle]
+    return [x for x in classified if x.row.jacobian], [_dropped_row(row, ()) for row in idle]
 
 
 def shared_reactions(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:
@@ -83,12 +87,12 @@ def shared_reactions(states: States, dropped: Sequence[Dropped]) -> tuple[Fault,
         for row in dropped:
             others = row.others if len(row.others) > 1 else ()
             if row.others and not asked.isdisjoint({row.label, *others}):
-                found.append(_shared(name, span, row))
+                found.append(_shared_fault(name, span, row))
                 break
     return tuple(found)
 
 
-def _shared(name: str, span: Span, row: Dropped) -> Fault:
+def _shared_fault(name: str, span: Span, row: Dropped) -> Fault:
     rows = ", ".join([f"`{label}`" for label in (row.label, *row.others)])
     return Fault(
         "LAG0428",
@@ -99,7 +103,7 @@ def _shared(name: str, span: Span, row: Dropped) -> Fault:
     )
 
 
-def _sided(nodes: Iterable[Node]) -> bool:
+def _has_branches(nodes: Iterable[Node]) -> bool:
     """Return whether a root or a choice is below them, whose side only the values at hand decide."""
     return any(node.op in _SIDED for node in reachable(nodes))
 
@@ -118,6 +122,7 @@ def drop_redundant(
     states: States, classified: Sequence[Classified]
 ) -> tuple[list[Classified], list[Dropped]]:
     """Return the rows that stay and those that do not."""
+    # Candidates by numbers at random states; a row is left out only after a proof in the field.
     found = dependent_rows(states, [x.row for x in classified])
     if not found:
         return list(classified), []
@@ -126,24 +131,28 @@ def drop_redundant(
     dropped: dict[int, Dropped] = {}
     for redundant in found:
         row, others = classified[redundant.row].row, [classified[k].row for k in redundant.others]
-        if row.holonomic or (not others and _sided(row.jacobian.values())):
+        # Holonomic rows stay in any case: a mechanism may leave a singular position, and the run shares
+        # forces.
+        if row.holonomic or (not others and _has_branches(row.jacobian.values())):
             continue
         if follows(states, row, independent):
-            dropped[redundant.row] = _dropped(row, others)
+            dropped[redundant.row] = _dropped_row(row, others)
     kept = [x for k, x in enumerate(classified) if k not in dropped]
     return kept, list(dropped.values())
 
 
 def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:
-    """The rows whose Jacobian depends on those before, on every state tried."""
+    """Return the rows whose Jacobian depends on that of rows before, on every state tried."""
+    # A line is dependent if its remainder is round-off on every state. On one state alone it may be so by
+    # chance.
     tried = [table for _, table in tables(states, rows, _STATES)]
     found: list[Redundant] = []
-    for line in _entangled(tried):
+    for line in _coupled_lines(tried):
         reduced = [table.reduce(line) for table in tried]
         depends = [table.depends(line, left) for table, (left, _) in zip(tried, reduced)]
         row = tried[0].rows[line]
         if row is not None and all(depends):
-            found.append(Redundant(row, _others(tried[0], line, reduced[0][1])))
+            found.append(Redundant(row, _rows_in(tried[0], line, reduced[0][1])))
             continue
         for table, settled, (left, factors) in zip(tried, depends, reduced):
             if not settled:
@@ -151,15 +160,16 @@ def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:
     return found
 
 
-def _others(table: Reduced, line: int, factors: Mapping[int, float]) -> tuple[int, ...]:
-    """The rows that a line is made of, where it is more than rounding."""
+def _rows_in(table: Reduced, line: int, factors: Mapping[int, float]) -> tuple[int, ...]:
+    """Return the rows that a line is a combination of, without those whose share is round-off."""
+    # Weights of rows whose share in the line is more than round-off.
     size = dict(zip(table.rows, table.sizes))
     made = table.made_of(factors).items()
     return tuple(sorted([k for k, x in made if abs(x) * size[k] > VANISHES * table.sizes[line]]))
 
 
-def _entangled(tried: Sequence[Reduced]) -> list[int]:
-    """The lines that may depend on each other."""
+def _coupled_lines(tried: Sequence[Reduced]) -> list[int]:
+    """Return the lines that may depend on each other."""
     if not tried:
         return []
     lines = range(len(tried[0].rows))
@@ -170,6 +180,7 @@ def _entangled(tried: Sequence[Reduced]) -> list[int]:
 def entangled(rows: Sequence[Mapping[int, bool]]) -> list[int]:
     """Return the rows that may depend on each other, each given as column -> whether its entry is surely
     nonzero: a vanishing sum contains no row that is alone in a column, recursively."""
+    # Columns with one row: that row cannot be part of a vanishing sum. Removing it may leave another alone.
     users: dict[int, set[int]] = {}
     for k, row in enumerate(rows):
         for j in row:
@@ -187,7 +198,7 @@ def entangled(rows: Sequence[Mapping[int, bool]]) -> list[int]:
     return sorted(left)
 
 
-def _dropped(row: Row, others: Sequence[Row]) -> Dropped:
+def _dropped_row(row: Row, others: Sequence[Row]) -> Dropped:
     why = f"it follows from {_labels(others)}" if others else "it holds whatever the motion"
     return Dropped(row.label, tuple([y.label for y in others]), f"row `{row.label}` is left out: {why}")
 
@@ -203,9 +214,12 @@ def follows(states: States, row: Row, others: Sequence[Row]) -> bool:
     from lagc.mechanics.identities.zero_test import ZeroTest, spelt_out
     from lagc.symbolic.finite_field import Undefined
 
+    # All points are written beside each other, as one long row for each constraint: a combination that holds
+    # for all of them has the same numbers at each point.
     rows = [*others, row]
     flat = [x for r in rows for x in (r.rate, *r.jacobian.values())]
     spelt = spelt_out(states.graph, flat)
+    # States on the other constraints, so that roots have the signs that they have in a motion.
     met = map(onto(states, others), samples(states.model, _STATES, vary=False))
     tries = [state for state in met if state is not None]
     ground = replace(on_rows(states, [r for r in others if r.holonomic], tries), values={})
@@ -221,6 +235,7 @@ def follows(states: States, row: Row, others: Sequence[Row]) -> bool:
             for r, entries in zip(rows, beside):
                 entries.update((count * width + 1 + j, next(values)) for j in (RIGHT, *r.jacobian))
             count += 1
+    # The last row follows if it reduces to nothing over the others; one point alone would prove too little.
     taken = Echelon()
     for entries in beside[:-1]:
         taken.grows(entries)
@@ -251,11 +266,13 @@ class Reduced:
         self._last = {j: k for k, line in enumerate(lines) for j in line}  # line that has an entry there
 
     def surely(self, line: int) -> dict[int, bool]:
-        """By column, whether the entry is more than rounding."""
+        """Return, by column, whether the entry is more than round-off."""
         return {j: abs(x) > VANISHES * self.sizes[line] for j, x in self.entries[line].items()}
 
     def reduce(self, line: int) -> tuple[dict[int, float], dict[int, float]]:
         """Return the remainder of a line, and the factor of each base that was taken from it."""
+        # Sparse elimination: the bases whose pivots the line has, in the order in which they were made, as
+        # each may bring in later pivots.
         left, factors = dict(self.entries[line]), dict[int, float]()
         waiting = [self._of_pivot[j] for j in left if j in self._of_pivot]
         heapify(waiting)
@@ -278,6 +295,8 @@ class Reduced:
     def add(self, line: int, left: dict[int, float], factors: dict[int, float]) -> None:
         """Add the remainder of a line, unless it is zero, as a base for the lines to come; its pivot is in
         the column that these are done with first."""
+        # Markowitz in one direction: of the entries that are large enough the column that the fewest lines
+        # behind still need.
         largest = max(map(abs, left.values()), default=0.0)
         if largest:
             pivots = [j for j, x in left.items() if abs(x) >= _WORTH * largest]
@@ -286,7 +305,8 @@ class Reduced:
             self._bases.append(_Base(line, pivot, left, factors))
 
     def made_of(self, factors: Mapping[int, float]) -> dict[int, float]:
-        """The rows that such a part of a line is made of."""
+        """Return the rows, with their weights, that a combination of bases with these factors consists of."""
+        # Backwards: a base is its line less its own factors of bases before.
         weights, found = dict(factors), dict[int, float]()
         for k in range(len(self._bases) - 1, -1, -1):
             weight, base = weights.pop(k, 0.0), self._bases[k]
@@ -302,6 +322,7 @@ def tables(
     states: States, rows: Sequence[Row], count: int, vary: bool = True
 ) -> Iterator[tuple[dict[Node, float], Reduced]]:
     """Yield `count` random states, as `samples` does, each with the lines of `rows` there."""
+    # Values and sizes of all entries at each state, from one evaluation.
     lines = list(_lines([row.jacobian for row in rows]))
     numbers = [line.row for line in lines]
     nodes = [node for line in lines for node in line.slopes.values()]
@@ -320,9 +341,10 @@ class _Line(NamedTuple):
 
 
 def _lines(rows: Sequence[Mapping[int, Node]]) -> Iterator[_Line]:
-    """`rows`, each behind the definitions of the sums that it builds on."""
+    """Yield the lines of `rows`: each row after the definitions of the sums that it uses."""
     known: set[int] = set()
     for k, row in enumerate(rows):
+        # A row of shared sums comes after the definitions of the sums that it needs and no row before needed.
         if not isinstance(row, Entries):
             yield _Line(k, None, row)
             continue
@@ -342,6 +364,7 @@ def _lines(rows: Sequence[Mapping[int, Node]]) -> Iterator[_Line]:
 def _scaled(lines: Sequence[_Line], found: Sequence[Columns]) -> list[Columns]:
     """Return the columns with each sum in units of its size at speeds of 1, so that units of sums do not
     count."""
+    # A sum has its own unit: its size at speeds of 1. Lines of sums before it are known then.
     units: dict[int, float] = {}
     measured: list[Columns] = []
     for line, columns in zip(lines, found):

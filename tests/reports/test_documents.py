@@ -49,7 +49,9 @@ def blocks(language: str) -> list[tuple[str, str]]:
     found = []
     for path in DOCUMENTS:
         text = path.read_text(encoding="utf-8")
-        for match in re.finditer(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
+        for match in re.finditer(
+            rf"(?<!^<!-- fragment -->\n)^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL
+        ):
             found.append((f"{page(path)}:{text.count(chr(10), 0, match.start()) + 2}", match[1]))
     return found
 
@@ -97,7 +99,7 @@ def test_commands_run_as_printed_there(saved: Path, document: str) -> None:
 
 
 COMMANDS = ["check", "fmt", "explain", "equations", "sim", "cost", "compare", "effects", "hard", "linearize"]
-COMMANDS += ["build", "derive", "new", "cache"]
+COMMANDS += ["build", "derive", "new", "lsp", "cache", "sweep", "fit"]
 
 
 @pytest.mark.parametrize("command", COMMANDS)

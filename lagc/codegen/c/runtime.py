@@ -23,6 +23,7 @@ ROOTS = ("begin", "step", "dense", "advance", "record", "verified", "check")
 EMBEDDED = ("check",)  # of these the kernels that a run of lagc does itself
 CALLED = ("rhs_at", "system_at", "assemble_at", "solve_at")  # called by `public_functions`
 NUMBERS = ("int", "Real", "Reals")  # kinds of constants that are not in the header
+IMPORTED = ("hold_modes", "indicators", "event", "next_event", "project_state")  # with `events`
 FOLLOWING = ("follow", "event_facts")  # with sensitivities
 _COPY_STATE = """\
 static void lagc_fn_copy_state(const lagc_state *s, lagc_state *kept)
@@ -51,6 +52,7 @@ class Runtime:
         roots += ["hold"] if interface.relations else []
         roots += ["seated"] if interface.contacts else []
         roots += ["consistent"] if self.searches else []
+        roots += IMPORTED if interface.events else ()
         called = (rates(interface), *CALLED[1:])
         roots += [name for name in called[:2] if name != "system_at" or "system" in functions]
         roots += [

@@ -46,9 +46,13 @@ class Acting:
 
 
 def act(states: States) -> list[Acting]:
-    """Every action of the model, in its order."""
+    """Return the contribution of every action of the model, in its order."""
+    # Potentials by gradients, loads by the velocities that they act on; free terms have their share in M and
+    # h.
     zero, actions = states.graph.zero, states.model.actions
-    stored = {k: x for k, action in enumerate(actions) if (x := _stored(states, action)) is not None}
+    stored = {
+        k: x for k, action in enumerate(actions) if (x := _potential_energy(states, action)) is not None
+    }
     actuators = _actuators(states)
     written = [_load(states, action, actuators) for action in actions]
     loads = {k: load for k, load in enumerate(written) if load is not None}
@@ -64,7 +68,7 @@ def act(states: States) -> list[Acting]:
 def force_along(states: States, action: Action, coordinate: Coordinate) -> Node:
     """Return the generalized force of an action along the rate of a coordinate: -dV/dq, or the sum of its
     weights times the slopes of the velocities."""
-    graph, energy = states.graph, _stored(states, action)
+    graph, energy = states.graph, _potential_energy(states, action)
     if energy is not None:
         return -gradient(graph, {energy: graph.one}, [coordinate.symbol]).get(coordinate.symbol, graph.zero)
     load, rate = _load(states, action, _actuators(states)), coordinate.rate_symbol
@@ -73,8 +77,8 @@ def force_along(states: States, action: Action, coordinate: Coordinate) -> Node:
     return states.in_speeds([slopes.get(rate, graph.zero)])[0]
 
 
-def _stored(states: States, action: Action) -> Node | None:
-    """The energy of a potential, which an L free of rates is too: -L."""
+def _potential_energy(states: States, action: Action) -> Node | None:
+    """Return the energy of a potential, or -L of a Lagrangian without rates, which is one too; else None."""
     if isinstance(action, Potential):
         return action.energy
     if not isinstance(action, Lagrangian) or action.is_kinetic:
@@ -84,6 +88,8 @@ def _stored(states: States, action: Action) -> Node | None:
 
 def _potentials(states: States, actions: Sequence[Action], energies: Sequence[Node]) -> list[Acting]:
     graph, model = states.graph, states.model
+    # Power of a potential: -dV/dt along the motion. It is no stored energy if an input or a jump in time
+    # changes it.
     powers = [-x for x in tangent(graph, energies, states.motion)]
     driven = depends(energies, [given.symbol for given in model.inputs])
     timed = depends(energies, [model.time])
@@ -129,8 +135,8 @@ def _actuators(states: States) -> dict[str, Node]:
 
 
 def _load(states: States, action: Action, actuators: Mapping[str, Node]) -> _Load | None:
-    """F on u, T on w, -dD/d(rate_i) on rates; None of what has a potential or is a free term. An actuator
-    acts its multiplier times."""
+    """Return the load of an action: F on u, T on w, -dD/d(rate_i) on rates; None for a potential or a free
+    term. The load of an actuator is multiplied by its multiplier."""
     load = _load_of_one(states, action)
     factor = actuators.get(action.name)
     if load is None or factor is None:
@@ -141,6 +147,7 @@ def _load(states: States, action: Action, actuators: Mapping[str, Node]) -> _Loa
 def _load_of_one(states: States, action: Action) -> _Load | None:
     if isinstance(action, Force):
         return _Load(action, "force", list(action.velocity), states.in_speeds(action.vector))
+    # A torque acts on the spin of its frame and, with the opposite sign, on that of the frame it reacts on.
     if isinstance(action, Torque):
         pairs = [(action.frame.spin, action.vector)]
         if action.reaction is not None:
@@ -149,6 +156,7 @@ def _load_of_one(states: States, action: Action) -> _Load | None:
         return _Load(action, "torque", [x for spin, _ in pairs for x in spin], weights)
     if not isinstance(action, Dissipation):
         return None
+    # -dD/d(rate) on each rate, and on each declared speed that D contains.
     leaves = [*states.rates, *(speed.symbol for speed in states.model.speeds)]
     slopes = gradient(states.graph, {action.function: states.graph.one}, leaves)
     weights = [-x for x in states.in_speeds(list(slopes.values()))]
@@ -157,6 +165,7 @@ def _load_of_one(states: States, action: Action) -> _Load | None:
 
 def _working(states: States, loads: Sequence[_Load]) -> list[Acting]:
     graph = states.graph
+    # The velocities in speeds, and at rest: drives move them without any speed.
     velocities = [x for load in loads for x in load.velocities]
     moving, drives_at_rest = iter(states.in_speeds(velocities)), iter(states.at_rest(velocities))
     moved = [[next(moving) for _ in load.velocities] for load in loads]
@@ -192,7 +201,7 @@ def energies(
     free: FreeTerms,
     rows: Sequence[Classified],
 ) -> Energies:
-    """K, V, E and dE/dt of the whole system, in t, q, v (and the multipliers in the power)."""
+    """Return K, V, E and dE/dt of the whole system, in t, q, v (and the multipliers in the power)."""
     graph = states.graph
     momenta = [part.momentum(part.velocity) for part in parts]
     kinetic = graph.sum(0.5 * dot(part.velocity, p) for part, p in zip(parts, momenta))
@@ -222,9 +231,7 @@ def _balance(states: States, drives: Node, free: FreeTerms) -> str:
 def _vanishes(states: States, node: Node) -> bool:
     if node.is_zero:
         return True
-    from lagc.mechanics.identities.sampling_domains import (
-        anywhere,  # what proves is loaded where there is a question
-    )
+    from lagc.mechanics.identities.sampling_domains import all_states  # loaded where there is a question
     from lagc.mechanics.identities.zero_test import ZeroTest
 
-    return bool(ZeroTest(anywhere(states)).vanish([node]))
+    return bool(ZeroTest(all_states(states)).vanish([node]))

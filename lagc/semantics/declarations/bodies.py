@@ -28,9 +28,8 @@ from lagc.semantics.names.scope import (
 )
 from lagc.semantics.units import KG, NONE, M, S, dimension, over
 from lagc.semantics.values.calls import look_at_arguments, match
-from lagc.semantics.values.evaluate import each, evaluate, evaluate_as
+from lagc.semantics.values.evaluate import Argument, each, evaluate, evaluate_as
 from lagc.semantics.values.frame_vectors import unit_vector
-from lagc.semantics.values.functions import Argument
 from lagc.semantics.values.kinematics import turned_by, velocity_of
 from lagc.semantics.values.unit_hints import is_bare
 from lagc.symbolic.graph import Node
@@ -44,7 +43,8 @@ STANDARD = 9.81  # m/s2, the default
 
 _SAME = 12  # decimal digits that equal directions share
 _DIMENSIONS = {"mass": KG, "at": M, "com": M, "inertia": INERTIA, "frame": NONE}
-_PARAMETERS = {"Particle": (("mass", "at"), 2), "Solid": (("mass", "inertia", "frame", "com", "at"), 2)}
+PARAMETERS = {"Particle": (("mass", "at"), 2), "Solid": (("mass", "inertia", "frame", "com", "at"), 2)}
+GRAVITY_PARAMETERS = ("g", "direction")
 
 
 def declare_body(context: Context, entry: Entry) -> Value:
@@ -52,9 +52,9 @@ def declare_body(context: Context, entry: Entry) -> Value:
     no_modifiers(entry)
     call = _call_of(entry)
     name = call.function.name if isinstance(call.function, tree.Name) else ""
-    if name not in _PARAMETERS:
+    if name not in PARAMETERS:
         look_at_arguments(context, call, entry.environment)
-        remedy = did_you_mean(name, _PARAMETERS) or remedy_of_word("models", name)
+        remedy = did_you_mean(name, PARAMETERS) or remedy_of_word("models", name)
         raise Wrong("LAG0221", NO_BODY, call.function.span, remedy)
     given = _arguments(context, entry, call, name)
     if name == "Solid" and "frame" not in given:
@@ -141,7 +141,7 @@ def _call_of(entry: Entry) -> tree.Call:
 
 def _arguments(context: Context, entry: Entry, call: tree.Call, name: str) -> dict[str, Argument]:
     """Return the arguments by parameter name; the faults of all of them are reported."""
-    parameters, required = _PARAMETERS[name]
+    parameters, required = PARAMETERS[name]
     written = dict(zip(parameters, match(context, call, parameters, required, f"`{name}`")))
 
     def argument_of(parameter: str) -> tuple[str, Argument]:
@@ -246,11 +246,12 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
     bodies of the instance and of nested instances.  Its strength is the parameter `field.g`."""
     source = entry.source
     assert isinstance(source, tree.Declarator)
+    # `Gravity` has its data in parentheses, as a call; it may be changed by a run, not by modifiers.
     call = tree.Call(tree.Name("Gravity", source.name_span), source.arguments, source.span)
     if source.value is not None:
         remedy = f"write `Gravity {entry.name}(g = {source.value.span.text});`"
         raise Wrong("LAG0209", f"`{entry.name}` takes its data in parentheses", source.value.span, remedy)
-    strength, written_direction = match(context, call, ("g", "direction"), 0, "`Gravity`")
+    strength, written_direction = match(context, call, GRAVITY_PARAMETERS, 0, "`Gravity`")
     if entry.modifiers:
         raise Wrong(
             "LAG0209", f"`{entry.name}` cannot be changed from outside", entry.modifiers[0].argument.span
@@ -300,22 +301,13 @@ def _note_field(context: Context, entry: Entry, body: Entry, direction: Vector) 
     first = context.fields.setdefault((body.path, rounded), entry)
     pair = (first.span, entry.span)
     if first is not entry and pair not in context.warnings:
-        context.warnings[pair] = _twice(first, entry, body)
+        context.warnings[pair] = _declared_twice(first, entry, body)
 
 
-def _twice(first: Entry, entry: Entry, body: Entry) -> Fault:
+def _declared_twice(first: Entry, entry: Entry, body: Entry) -> Fault:
     message = f"`{first.path}` and `{entry.path}` both act on `{body.path}` in the same direction"
     remedy = "gravity acts on all bodies, including those of instances: remove one of the two"
     return Fault("LAG0229", message, entry.span, remedy=remedy, severity="warning")
-
-
-def releases_of(context: Context, entry: Entry, symbol: Node, unit: str) -> list[objects.ModelObject]:
-    """Return the release of a parameter, if an output asks for its reaction."""
-    if symbol.record.owner not in context.released:
-        return []
-    from lagc.semantics.joints import release_parameter
-
-    return release_parameter(context, entry, symbol, unit)
 
 
 def _of_vector(written: tree.Expression) -> str:
@@ -348,7 +340,10 @@ def _strength(context: Context, entry: Entry, written: tree.Expression | None) -
     if not value.is_const:
         return value
     symbol = context.graph.symbol("parameter", name)
-    entry.objects += releases_of(context, entry, symbol, "m/s2")
+    if name in context.released:  # an output asks for its reaction
+        from lagc.semantics.joints import release_parameter
+
+        entry.objects += release_parameter(context, entry, symbol, "m/s2")
     bounds, about = (-math.inf, math.inf), "acceleration of gravity"
     parameter = objects.Parameter(name, symbol, "m/s2", "m/s2", value.value, *bounds, entry.span, about)
     entry.objects.append(parameter)
