@@ -75,6 +75,7 @@ def verified_verdict(system: System, found: Verified, asked: float, stop: float)
     run, estimated = found.trajectory, found.estimated
     status, message = verdict(system, run, stop)
     if status == "failed":
+        found.errors = []  # they are those up to the failure, not up to the last recorded time
         return Verdict(status, message, run, estimated)
     kept = _kept_share(system, run)
     if kept is not None:  # an error that all runs share does not show in their differences
@@ -326,7 +327,7 @@ def _rounded(system: System, found: Verified) -> str:
 
 
 def _worst(system: System, found: Verified) -> str:
-    """What has the largest error over its scale, in brackets."""
+    """The quantity with the largest error over its scale, or the times of events, in brackets."""
     shares = [error / scale if scale else 0.0 for error, scale in zip(found.errors, found.scales)]
     if found.time_error > max(shares, default=0.0):
         return " (the time of an event)"
