@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 from array import array
 from collections.abc import Callable, Mapping, Sequence
 from math import inf, nan
@@ -79,6 +78,8 @@ class Sweepable(Parametrized):
     ) -> Sweep:  # fmt: skip
         """Run the points of a plan.  `most_time` is the longest time of a run in s: one that would take more
         is refused."""
+        import pickle
+
         from lagc.study.sweep.journal import Journal
         from lagc.study.sweep.sweep import Running
         from lagc.study.sweep.worker import Task, version
