@@ -31,6 +31,7 @@ sys.setrecursionlimit(3000)  # of the stack that a browser gives
 NAME = "model.lag"
 POINTS = 301
 LONGEST = 60.0  # s, of a run
+PATIENCE = 2.0  # s, for names and dimensions
 SLOW = "write an earlier `stop`, or install lagc: it compiles to C"
 LONG_LATEX = 20_000  # characters
 MOST_SLIDERS, MOST_FIXES, MOST_OFFERS = 24, 3, 200
@@ -62,7 +63,7 @@ def _faults(faults: list[Fault]) -> list[Answer]:
 
 @lru_cache(1)
 def _document(text: str) -> Document:
-    return Document(NAME, text)
+    return Document(NAME, text, quick=PATIENCE)
 
 
 def check(asked: Answer) -> Answer:
