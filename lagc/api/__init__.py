@@ -17,6 +17,7 @@ from lagc.api.cost import Measurable
 from lagc.api.derivatives import Differentiable
 from lagc.api.effects import Comparable, without
 from lagc.api.run import Run
+from lagc.api.stepper import Steppable
 from lagc.api.values import Input, Value, condition, parted, quantities, real, reals, seconds, word, words
 from lagc.base.records import dataclass, names, replace
 from lagc.base.text import Quantity
@@ -125,7 +126,7 @@ class ModelFile:
         return self.compile()._repr_latex_()
 
 
-class CompiledModel(Differentiable, Measurable, Comparable):
+class CompiledModel(Differentiable, Measurable, Comparable, Steppable):
     """A compiled scene of a model: its equations, its code, and the methods that simulate and linearize it.
 
     Compiled code comes from the cache if it is there; other stages run only if they are needed.  An
