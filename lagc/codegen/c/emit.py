@@ -90,13 +90,13 @@ def _source(runtime: Runtime, file: str, own_header: str, declared: str) -> str:
     numbers = numbered(program)
     runs = [*runtime.definitions(declared), *(f.definition for f in runtime.functions)]
     called = set(re.findall(r"\blagc_fn_(\w+)", "\n".join(runs)))
-    functions = [function_text(f, names, fields, real, numbers) for f in program.functions.values()
-                 if f.spelled in called]  # fmt: skip
+    printed = [f for f in program.functions.values() if f.spelled in called]
+    functions = [function_text(f, names, fields, real, numbers) for f in printed]
     parts = [
         header.banner(interface, file) + f'#include "{own_header}"\n\n' + real.includes,
         compiler_guards(real),
         PLACE,
-        helpers(program),
+        helpers(printed),
         *c_tables(numbers, real),
         *sine_cosine(sine_cosine_kernels(functions, DOUBLE.language)),
         *functions,

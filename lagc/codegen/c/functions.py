@@ -14,7 +14,7 @@ from lagc.codegen.loops import Forms, Running, loops
 from lagc.codegen.statements import AND, OR, Dialect, lines
 from lagc.codegen.tables import NONE, Numbers, c_look_up
 from lagc.lowering.loop_rolling import moves_itself
-from lagc.lowering.program import Function, Program, Run, uses
+from lagc.lowering.program import Function, Run, uses
 from lagc.symbolic.operators import spelling
 
 CALLS = spelling("c")
@@ -33,9 +33,9 @@ HELPERS = {
 }
 
 
-def helpers(program: Program) -> str:
-    """Return the definitions of HELPERS that the functions of `program` call."""
-    used = {o.op for f in program.functions.values() for o, n in zip(f.operations, uses(f)) if n}
+def helpers(functions: Iterable[Function]) -> str:
+    """Return the definitions of HELPERS that `functions` call."""
+    used = {o.op for f in functions for o, n in zip(f.operations, uses(f)) if n}
     return "".join(text for op, text in HELPERS.items() if op in used)
 
 
