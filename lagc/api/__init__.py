@@ -50,6 +50,8 @@ if TYPE_CHECKING:
 
 Progress: TypeAlias = Callable[[float], None]
 
+LONGEST = 4000  # characters of LaTeX that a notebook shows; browsers hang on many more
+
 
 def load(path: str) -> ModelFile:
     """Read the model file `path`, or the library model of that name (such as `simple_pendulum`).
@@ -98,6 +100,8 @@ class ModelFile:
 
         Raises Refused with all errors of the model or of the arguments, ValueError for an unknown backend.
         """
+        # Words and numbers are checked here; names of the model are not known before it is resolved, and are
+        # refused then.
         if backend not in ("auto", "c", "numpy"):
             raise ValueError(f"there is no backend {backend!r}: auto, c or numpy")
         given = quantities("parameters", parameters)
@@ -257,22 +261,14 @@ class CompiledModel(Differentiable, Measurable, Comparable, Steppable):
         stop: Value | None = None,
         *,
         accuracy: float | None = None,
-        method: str | None = None,
-        rtol: float | None = None,
-        atol: float | None = None,
-        step: Value | None = None,
-        max_step: Value | None = None,
-        every: Value | None = None,
-        points: int | None = None,
+        method: str | None = None, rtol: float | None = None, atol: float | None = None,
+        step: Value | None = None, max_step: Value | None = None,
+        every: Value | None = None, points: int | None = None,
         parameters: Mapping[str, Value] | None = None,
-        inputs: Mapping[str, Input] | None = None,
-        until: str | None = None,
-        starts: Mapping[str, Value] | None = None,
-        guesses: Mapping[str, Value] | None = None,
-        scales: Mapping[str, Value] | None = None,
-        sensitivity: str | Sequence[str] = (),
-        progress: Progress | None = None,
-    ) -> Run:
+        inputs: Mapping[str, Input] | None = None, until: str | None = None,
+        starts: Mapping[str, Value] | None = None, guesses: Mapping[str, Value] | None = None,
+        scales: Mapping[str, Value] | None = None, sensitivity: str | Sequence[str] = (),
+        progress: Progress | None = None) -> Run:  # fmt: skip
         """Simulate from t = 0 to `stop` and return the motion.
 
         stop: the end time in s.
@@ -291,21 +287,21 @@ class CompiledModel(Differentiable, Measurable, Comparable, Steppable):
             model states them.
         scales: what the accuracy is relative to, by name of a coordinate, speed or output.  The default is
             the range of its values over the motion.
-        sensitivity: names of parameters, inputs and initial values (`start(theta)`); the motion is
-            differentiated by each of them.
+        sensitivity: names of parameters, inputs and initial values (`start(theta)`) to differentiate by.
         progress: a function that is called with the time reached.
 
-        An argument that is not given has the value of the scene, or else its default.  A failed run keeps
-        the results so far, and says why it failed in `status` and `message`.  Raises Refused if an argument
-        is invalid or there is no consistent initial state."""
+        Arguments that are not given have the values of the scene, or else their defaults.  A failed run keeps
+        the results so far, and says why in `status` and `message`.  Raises Refused if an argument is invalid
+        or there is no consistent initial state."""
+        # Courses of inputs and a condition `until` are part of the code: another model runs with them.
         if inputs is not None or until is not None:
             numbers, courses = parted(inputs)
-            driven = self._with_courses(numbers, courses, condition(until))
-            return driven.simulate(
+            return self._with_courses(numbers, courses, condition(until)).simulate(
                 stop, accuracy=accuracy, method=method, rtol=rtol, atol=atol, step=step, max_step=max_step,
                 every=every, points=points, parameters={**quantities("parameters", parameters), **numbers},
                 starts=starts, guesses=guesses, scales=scales, sensitivity=sensitivity, progress=progress,
             )  # fmt: skip
+        # All other arguments make a request, which the scene completes, then the defaults.
         given = quantities("starts", starts)
         times = {"stop": stop, "step": step, "max_step": max_step, "every": every}
         request = Request(
@@ -316,6 +312,7 @@ class CompiledModel(Differentiable, Measurable, Comparable, Steppable):
             sensitivity=words("sensitivity", sensitivity),
             **{name: seconds(name, value) for name, value in times.items()},
         )  # fmt: skip
+        # Points that would not fit into memory are refused before the run.
         complete = request.completed(self.interface.simulate)
         check_memory(complete, self.interface.nx, of_this_machine(), "record fewer points")
         return self.run(request, self._bound(parameters), progress)
@@ -415,4 +412,6 @@ class CompiledModel(Differentiable, Measurable, Comparable, Steppable):
         from lagc.reports.equations.latex import equations_latex
 
         with self.compilation.lock:
-            return equations_latex(self.equations)
+            text = equations_latex(self.equations)
+            count = len(self.equations.v) + len(self.equations.rows)
+        return text if len(text) <= LONGEST else f"{count} equations; `lagc equations` prints them"

@@ -9,6 +9,7 @@ from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
 from lagc.api.values import Parametrized, quantities, seconds
+from lagc.compiler.loaded import Loaded
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.simulation.request import Request, bound_starts
 
@@ -50,59 +51,87 @@ class Measurable(Parametrized):
         consistent initial state or C compiler, or if the motion does not reach `stop`.
         """
         began = perf_counter()
-        from lagc.compiler import pipeline, stages
-        from lagc.host import cache
         from lagc.simulation.backends.compile import CannotCompile
         from lagc.study.cost import Study, study
-        from lagc.study.probe import Failed, Late, Probe
+        from lagc.study.probe import Failed, Late
 
+        # Times, parameters and initial state are the same for all settings, so that only the setting differs.
         request = Request(
             stop=seconds("stop", stop), points=points,
             starts=bound_starts(self.interface, quantities("starts", starts)),
         )  # fmt: skip
-        times = request.completed({**self.interface.simulate, "accuracy": 1e-6}).grid()
         values = self._bound(parameters)
-        system = self._loaded.system("numpy").bind(values)
-        x0 = self._loaded.initialize(system, request).x
-        program = pipeline.with_all_methods(self._loaded.compilation)
-        interface = program.interface
-
-        double = stages.render(program, "c")
-
-        def make(real: str, flags: tuple[str, ...]) -> Probe:
-            sources = double if real == "double" else stages.render(program, "c", real=real)
-            return Probe(sources, interface, values, x0, real, flags)
-
-        def verify(accuracy: float) -> tuple[Verified, Array | None]:
-            asked = Request(stop=times[-1], accuracy=accuracy, points=points, starts=request.starts)
-            self._loaded.system("c")
-            with cache.unused():  # a remembered tolerance would save the search for it
-                start = process_time()
-                run = self.run(asked, values)
-            return _verified(run, accuracy, process_time() - start, names)
-
-        def nearby(k: int) -> Probe | None:
-            """Return the probe with parameters of up to 1 % more or less; None where that has no initial
-            state."""
-            dice = Random(k)
-            moved = [value * (1.0 + dice.uniform(-NEAR, NEAR)) for value in values]
-            with suppress(Refused, ValueError, ArithmeticError):
-                beside = self._loaded.initialize(system.bind(moved), request).x
-                return Probe(double, interface, moved, beside)
-            return None
-
-        def sizes(table: Array) -> Array:
-            return term_sizes(self._loaded.compilation.equations, system, x0, times, table)
-
-        names = (*interface.q_names, *interface.v_names, *(o.name for o in interface.outputs))
-        begun = Study(names, times[-1], len(times), interface.operations, budget=budget, began=began)
+        bench = _Bench(self._loaded, self.run, request, values)
+        times, interface = bench.times, bench.program.interface
+        begun = Study(bench.names, times[-1], len(times), interface.operations, budget=budget, began=began)
         try:
-            return study(make, verify, sizes, nearby, begun, times, progress)
+            return study(bench.probe, bench.verify, bench.sizes, bench.nearby, begun, times, progress)
         except CannotCompile as error:
             raise Refused([Fault("LAG0701", f"the cost cannot be measured: {error}")]) from None
         except (Failed, Late) as failed:
             message = f"the cost cannot be measured: the motion does not reach {times[-1]:g} s: {failed}"
             raise Refused([Fault("LAG0620", message, remedy="see `lagc sim` for the reason")]) from None
+
+
+class _Bench:
+    """One motion of a loaded model, and what measures it: probes in C, and verified runs by `run`."""
+
+    def __init__(
+        self, loaded: Loaded, run: Callable[..., Solution], request: Request, values: Sequence[float]
+    ) -> None:
+        from lagc.compiler import pipeline, stages
+
+        interface = loaded.artifact.interface
+        self.loaded, self.run, self.request, self.values = loaded, run, request, values
+        self.times = request.completed({**interface.simulate, "accuracy": 1e-6}).grid()
+        self.system = loaded.system("numpy").bind(values)
+        self.x0 = loaded.initialize(self.system, request).x
+        # One C source with all methods; single and quad precision are other sources of the same program.
+        self.program = pipeline.with_all_methods(loaded.compilation)
+        self.double = stages.render(self.program, "c")
+        own = self.program.interface
+        self.names = (*own.q_names, *own.v_names, *(o.name for o in own.outputs))
+
+    def probe(self, real: str, flags: tuple[str, ...]) -> Probe:
+        from lagc.compiler import stages
+        from lagc.study.probe import Probe
+
+        sources = self.double if real == "double" else stages.render(self.program, "c", real=real)
+        return Probe(sources, self.program.interface, self.values, self.x0, real, flags)
+
+    def nearby(self, k: int) -> Probe | None:
+        """Return the probe with parameters of up to 1 % more or less; None where that has no initial
+        state.  Motions nearby tell how much of an error is chaos and how much is the method."""
+        from lagc.study.probe import Probe
+
+        dice = Random(k)
+        moved = [value * (1.0 + dice.uniform(-NEAR, NEAR)) for value in self.values]
+        with suppress(Refused, ValueError, ArithmeticError):
+            start = self.loaded.initialize(self.system.bind(moved), self.request).x
+            return Probe(self.double, self.program.interface, moved, start)
+        return None
+
+    def verify(self, accuracy: float) -> tuple[Verified, Array | None]:
+        """Return the outcome of a run of this accuracy, and its values; None if it failed."""
+        import numpy as np
+
+        from lagc.host import cache
+        from lagc.study.cost import Verified
+
+        asked = Request(stop=self.times[-1], accuracy=accuracy, points=self.request.points,
+                        starts=self.request.starts)  # fmt: skip
+        self.loaded.system("c")  # as a user runs it: in C, and with the search for its tolerance
+        with cache.unused():  # a remembered tolerance would save the search for it
+            start = process_time()
+            run = self.run(asked, self.values)
+        spent = process_time() - start
+        outcome = Verified(accuracy, run.status, run.estimated, float("nan"), spent, run.cost.rhs)
+        failed = run.status == "failed"
+        return outcome, None if failed else np.array([run.column(name) for name in self.names]).T
+
+    def sizes(self, table: Array) -> Array:
+        equations = self.loaded.compilation.equations
+        return term_sizes(equations, self.system, self.x0, self.times, table)
 
 
 def term_sizes(
@@ -127,16 +156,3 @@ def term_sizes(
         found = magnitudes([o.expression for o in equations.outputs], values)
         outputs = np.maximum(outputs, [size for _, size in found])
     return np.array([*states, *outputs])
-
-
-def _verified(
-    found: Solution, accuracy: float, spent: float, names: tuple[str, ...]
-) -> tuple[Verified, Array | None]:
-    import numpy as np
-
-    from lagc.study.cost import Verified
-
-    outcome = Verified(accuracy, found.status, found.estimated, float("nan"), spent, found.cost.rhs)
-    if found.status == "failed":
-        return outcome, None
-    return outcome, np.array([found.column(name) for name in names]).T

@@ -81,6 +81,8 @@ class Differentiable(Parametrized):
 
         from lagc.simulation.linearization.derivatives import Point
 
+        # The matrices are straight-line code of the differentiated model. The state is the initial one as
+        # written unless x is given.
         system = self.differentiated(parameters)
         state = reals("x", system.start() if x is None else x, system.nx, system.interface.state_names)
         a = None if a is None else reals("a", a, system.nv)
@@ -88,6 +90,8 @@ class Differentiable(Parametrized):
         if of not in ALONG and of not in FIXED:
             raise KeyError(f"{of!r} is none of {', '.join((*ALONG, *FIXED))}")
         words = [wrt] if isinstance(wrt, str) else list(wrt)
+        # Columns for each word of `wrt`, side by side. At a kink of forces the derivative of one side is
+        # taken.
         with numpy.errstate(all="ignore"):  # values that are not finite are refused
             point = Point(system, real("t", t), state, a, lam)
             found = numpy.hstack([self._columns(point, of, word) for word in words])
@@ -210,16 +214,21 @@ class Differentiable(Parametrized):
         from lagc.simulation.linearization.contact_modes import Elsewhere, in_mode
         from lagc.simulation.linearization.linear_model import linearize
 
+        # The guess of the search is the initial state with all stated values.
         if tries is not None and not 0 <= index(tries) <= MOST_TRIES:
             raise ValueError(f"`tries` must be from 0 to {MOST_TRIES:,}")
         guess, _ = self._at(0.0, parameters, starts, search=True)
         found: list[tuple[float, Linear]] = []
         reasons: list[str] = []
+        # In each system (a model with contacts has one for each choice of modes) the search begins at the
+        # guess, then at random states.
         for system, whole, share in self._at_rest(guess, parameters):
             most = equilibria.tries_for(system, share) if tries is None else tries
             with stage("looking for equilibria", PER_OPERATION * self.interface.operations):
                 for e in equilibria.equilibria(system, whole[: system.nx], 0.0, most, seed):
                     try:
+                        # A contact mode is accepted if its forces keep it; else the equilibrium belongs to
+                        # another mode.
                         one = replace(linearize(system, 0.0, e.x), free=e.free)
                         if self.interface.contacts:
                             one = in_mode(self._acting(parameters), one, [*e.x, *whole[len(e.x) :]])
@@ -228,11 +237,13 @@ class Differentiable(Parametrized):
                         continue
                     except ArithmeticError as error:
                         reasons.append(str(error))
+        # The equilibrium of the initial state stays first; those by chance are ordered by energy.
         linear = [one for _, one in (*found[:1], *sorted(found[1:], key=lambda pair: pair[0]))]
         if reasons and not linear:
             raise ArithmeticError(reasons[0])
         many = len(found) + len(reasons)
         notes = [f"{len(reasons)} of {many} found have no linear model: {r}" for r in reasons[:1]]
+        # Points at which forces balance but constraints leave the configuration open are no rest.
         rests = [one for one in linear if one.equilibrium] or linear  # or else all change with time
         if len(rests) < len(linear):
             left_out = f"{len(linear) - len(rests)} of {many} found are left out"

@@ -31,15 +31,12 @@ class Comparable(Parametrized):
         self,
         stop: float | None = None,
         *,
-        accuracies: Sequence[float] = ACCURACIES,
-        points: int = POINTS,
-        of: Sequence[str] = (),
+        accuracies: Sequence[float] = ACCURACIES, points: int = POINTS, of: Sequence[str] = (),
         parameters: Mapping[str, Any] | None = None,
-        starts: Mapping[str, Any] | None = None,
-        guesses: Mapping[str, Any] | None = None,
+        starts: Mapping[str, Any] | None = None, guesses: Mapping[str, Any] | None = None,
         also: Mapping[str, Mapping[str, Any]] | None = None,
         progress: Callable[[float, str], None] = lambda part, doing: None,
-    ) -> Effects:
+    ) -> Effects:  # fmt: skip
         """Measure what each effect of the scene changes and costs, and find the cheapest scene for each
         accuracy.
 
@@ -55,14 +52,14 @@ class Comparable(Parametrized):
         from lagc.study.effect_sets import study
         from lagc.study.effects import Comparison, Effects, Refusal
 
-        compilation = self._loaded.compilation
-        model = compilation.model
+        # Faults of the arguments are reported before anything is compiled or run.
+        model, interface = self._loaded.compilation.model, self._loaded.artifact.interface
         names = tuple([e.name for e in model.effects if e.used])
+        offered = [e.name for e in model.effects if not e.used]
         if not names:
-            remedy = f"the effects that it leaves out: {', '.join(e.name for e in model.effects)}"
+            remedy = f"the effects that it leaves out: {', '.join(offered)}"
             raise Refused([Fault("LAG0214", f"the scene `{model.scene}` uses no effect",
-                                 remedy=remedy if model.effects else "the model declares none")])  # fmt: skip
-        interface = self._loaded.artifact.interface
+                                 remedy=remedy if offered else "the model declares none")])  # fmt: skip
         given = {**self._given, **quantities("parameters", parameters)}
         asked = quantities("starts", starts)
         bound_parameters(interface, given, self._loaded.artifact.unused)
@@ -73,47 +70,62 @@ class Comparable(Parametrized):
         begin = {name: {**asked, **quantities("also", own)} for name, own in (also or {}).items()}
         for own in (asked, *begin.values()):
             bound_guesses(interface, guessed, bound_starts(interface, own))
+        # All runs are recorded at the same times, those of a run at the accuracy of the scene.
         request = Request(stop=seconds("stop", stop), points=points, starts=bound_starts(interface, asked))
         times = request.completed({**interface.simulate, "accuracy": 1e-6}).grid()
-        spans = {e.name: e.span for e in model.effects}
-
-        compiled: dict[tuple[Names, Names], Loaded | Refused] = {}
-
-        def make_for(starts: Mapping[str, Any]) -> Callable[[Names, Names], Variant | None]:
-            def make(without: Names, more: Names) -> Variant | None:
-                if (without, more) not in compiled:
-                    compiled[without, more] = _compiled(compilation, without, more)
-                found = compiled[without, more]
-                return None if isinstance(found, Refused) else _Variant(found, given, starts, guessed, times)
-
-            return make
-
-        def closure(effects: Names) -> Names | None:
-            """Return the effects with all that need them: those that are refused without them."""
-            while True:
-                found = _compiled(compilation, effects, frozenset())
-                if not isinstance(found, Refused):
-                    return effects
-                more = {
-                    name for fault in found.faults for name, span in spans.items()
-                    if name in names and fault.span is not None and fault.span.source is span.source
-                    and span.start <= fault.span.start <= span.end
-                }  # fmt: skip
-                if more <= effects:
-                    return None
-                effects |= more
-
+        scenes = _Scenes(self._loaded.compilation, given, guessed, times)
+        # The full scene, then sets without effects; recommended sets are verified with other initial values.
         begun = Effects(model.scene, times[-1], names)
+        elsewhere = {name: scenes.starting(own) for name, own in begin.items()}
+        coarsest_first = sorted(accuracies, reverse=True)
         try:
-            comparison = Comparison(make_for(asked), begun, min(accuracies, default=1e-6), of)
-            offered = [e.name for e in model.effects if not e.used]
-            elsewhere = {name: make_for(own) for name, own in begin.items()}
-            return study(comparison, closure, offered, sorted(accuracies, reverse=True), progress, elsewhere)
+            comparison = Comparison(scenes.starting(asked), begun, min(accuracies, default=1e-6), of)
+            return study(comparison, scenes.closure, offered, coarsest_first, progress, elsewhere)
         except CannotCompile as error:
             raise Refused([Fault("LAG0701", f"effects cannot be measured: {error}")]) from None
         except Refusal as error:
             message = f"effects cannot be measured: the full scene does not run to {times[-1]:g} s: {error}"
             raise Refused([Fault("LAG0620", message, remedy="see `lagc sim` for the reason")]) from None
+
+
+class _Scenes:
+    """The scene of a compilation with other effects, each compiled once."""
+
+    def __init__(self, compilation: Compilation, given: Mapping[str, Any], guesses: Mapping[str, Any],
+                 times: Sequence[float]):  # fmt: skip
+        self.compilation, self.given, self.guesses, self.times = compilation, given, guesses, times
+        self.compiled: dict[tuple[Names, Names], Loaded | Refused] = {}
+
+    def starting(self, starts: Mapping[str, Any]) -> Callable[[Names, Names], Variant | None]:
+        """Return what makes a variant with these initial values, without some effects and with more; it
+        returns None where the text has a fault then."""
+
+        def make(without: Names, more: Names) -> Variant | None:
+            if (without, more) not in self.compiled:
+                self.compiled[without, more] = _compiled(self.compilation, without, more)
+            found = self.compiled[without, more]
+            if isinstance(found, Refused):
+                return None
+            return _Variant(found, self.given, starts, self.guesses, self.times)
+
+        return make
+
+    def closure(self, effects: Names) -> Names | None:
+        """Return the effects with all that need them: those that are refused without them.  The refusal of a
+        set names the effect whose declarations miss what was left out."""
+        used = {e.name: e.span for e in self.compilation.model.effects if e.used}
+        while True:
+            found = _compiled(self.compilation, effects, frozenset())
+            if not isinstance(found, Refused):
+                return effects
+            more = {
+                name for fault in found.faults for name, span in used.items()
+                if fault.span is not None and fault.span.source is span.source
+                and span.start <= fault.span.start <= span.end
+            }  # fmt: skip
+            if more <= effects:
+                return None
+            effects |= more
 
 
 def without(

@@ -329,7 +329,9 @@ def write_or_keep(
 def _reason(path: str, error: Exception) -> str:
     if isinstance(error, OSError):
         return f"`{path}` cannot be written: {error.strerror or error}"
-    return str(error)
+    from lagc.host.packages import missing
+
+    return missing(error) or str(error)
 
 
 def spare(compilation: Compilation, *paths: str | None) -> None:

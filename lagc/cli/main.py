@@ -85,6 +85,11 @@ def main(arguments: list[str] | None = None) -> int:
         if SIGNALS.number:  # an interrupted import raises other errors
             say("interrupted")
             return INTERRUPTED
+        from lagc.host.packages import missing
+
+        if package := missing(error):
+            say(f"lagc: {package}")
+            return USAGE
         return _internal_error(error, verbose)
 
 

@@ -141,7 +141,8 @@ def draw(text: str) -> None:
 
 
 def use_color(stream: TextIO | None, wanted: bool | None = None) -> bool:
-    """Whether to colour the text for `stream`: on a terminal, unless NO_COLOR is set or `wanted` decides."""
+    """Return whether to colour the text for `stream`: on a terminal, unless NO_COLOR is set or `wanted`
+    decides."""
     if wanted is not None or stream is None:
         return bool(wanted)
     return not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb" and stream.isatty()

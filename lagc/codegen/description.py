@@ -16,17 +16,14 @@ from lagc.lowering.program import Field, Interface
 BYTES = {"float": 4, "double": 8, "quad": 16}  # of a real
 
 
-def describe(interface: Interface, files: dict[str, str], target: str, real: str) -> dict[str, Any]:
-    """Return names, units and places of what the code holds, and in C its functions and sizes.
+def describe(interface: Interface, declared: str | None, real: str) -> dict[str, Any]:
+    """Return names, units and places of what the code holds, and of C, whose header is `declared`, its
+    functions and sizes.
 
     The index of a state counts from the beginning of x, the offset of a parameter in bytes from that of the
     struct."""
-    in_c = target == "c"
-    members = header.members(interface) if in_c else member_names(interface)
+    members = member_names(interface) if declared is None else header.members(interface)
     fields = [_field(f, member) for f, member in zip((*interface.parameters, *interface.inputs), members)]
-    if in_c:
-        for k, field in enumerate(fields):
-            field["offset"] = k * BYTES[real]
     n = len(interface.parameters)
     discretes = [(f.name, f.unit) for f in interface.discretes]
     found: dict[str, Any] = {
@@ -40,8 +37,9 @@ def describe(interface: Interface, files: dict[str, str], target: str, real: str
         "contacts": [contact.name for contact in interface.contacts],
         "relations": list(interface.relations),
     }  # fmt: skip
-    if in_c:
-        declared = next(text for name, text in files.items() if name.endswith(".h"))
+    if declared is not None:
+        for k, field in enumerate(fields):
+            field["offset"] = k * BYTES[real]
         found["real"] = {"type": TYPES[real].name, "size": BYTES[real]}
         found["sizes"] = {name: value for name, value, _ in header.sizes(interface)}
         found["functions"] = functions(declared, found["prefix"])

@@ -68,16 +68,20 @@ SPELLED = {  # in C
 def sizes_of(interface: Interface) -> dict[str, int]:
     """Return the sizes of a model (`lagc.kernels.language.sizes`)."""
     nq, nv, fields = interface.nq, interface.nv, (*interface.parameters, *interface.inputs)
+    # Initialization has sizes of its own; in a model with everything they are those of the run.
     start = sizes_of_start(nq, nv, len(interface.rate_names), interface.condition_ends,
                            interface.condition_columns, interface.quaternions,
                            len(interface.massless))  # fmt: skip
     sums = max(len(interface.part_ends) - len(interface.condition_ends), 0)
+    # Contacts: rows of a contact are its normal and its slips; the normal forces of two-sided ones are sums
+    # of `known` quantities.
     values, lanes, squares, *_ = interface.series
     relations, free = len(interface.relations), len(interface.relations) - interface.timed_relations
     loaded, pushed = len(interface.loading_rows), len(interface.pushed_contacts)
     normals = sum(c.normals for c in interface.contacts)
     rows = sum(1 + c.slips for c in interface.contacts)
     known = nv + interface.nc + rows
+    # Names and meanings are those of `kernels/language/sizes`.
     own = {
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NINT": nq + nv + interface.nz,
         "NDISC": len(interface.discretes), "NC": interface.nc, "NH": interface.nh,
@@ -119,7 +123,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     }  # fmt: skip
     found = _derived({**own, **start, **own})  # initialization has no work integrals
     if "system" not in interface.functions:
-        found["NM"] = 0
+        found["NM"] = 0  # without a dense system the mass matrix is never formed
     return found
 
 
@@ -174,6 +178,7 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
     )
     begins, stops = stretches(ends, columns)
     angles = frozenset(interface.angles)
+    # One entry for each table of `kernels/language/model_tables`, flat, in the order of the interface.
     return {
         "scaling_group": interface.kinds, "quaternion": interface.quaternions, "bounded": bounded,
         "sources": interface.read,

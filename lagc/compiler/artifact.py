@@ -58,7 +58,8 @@ class Artifact:
         return tuple([f.name for f in self.unused if f.value is None and not f.place])
 
     def __getstate__(self) -> dict[str, object]:
-        """The state without `code`, which belongs to one version of Python and can be compiled again."""
+        """Return the state without `code`, which belongs to one version of Python and can be compiled
+        again."""
         return {**vars(self), "code": ()}
 
 
@@ -99,7 +100,7 @@ def _artifact(body: bytes) -> Artifact:
 
 
 def version_key() -> str:
-    """The versions of lagc and Python that an artifact depends on."""
+    """Return the versions of lagc and Python that an artifact depends on."""
     return f"lagc {__version__} {cache.PYTHON} {tool_fingerprint()}"
 
 

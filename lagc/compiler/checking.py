@@ -5,7 +5,7 @@ A stage reports all its errors at once.  Later stages are not checked for a text
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from lagc.base.records import dataclass, replace
@@ -55,21 +55,35 @@ def look(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Checked
 
 
 def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[int]) -> list[Fault]:
-    from lagc.semantics.resolve import text_warnings
-    from lagc.semantics.scenes import ByScene, variants
-
     try:
         tree = parse(source)
     except Refused as refused:
         reached.append(1)
         return list(refused.faults)
-    faults = _by_place(text_warnings(tree))
     known: set[str] = set()
+
+    def faults_of(file: Tree, each: Choice) -> dict[tuple[object, ...], Fault]:
+        return _faults(file, each, roots, known, reached)
+
+    return [*faults_in_scenes(tree, choice, roots, faults_of), *_unknown(choice, known)]
+
+
+def faults_in_scenes(
+    tree: Tree, choice: Choice, roots: tuple[str, ...],
+    faults_of: Callable[[Tree, Choice], dict[tuple[object, ...], Fault]],
+) -> list[Fault]:  # fmt: skip
+    """Return the warnings of a text and the faults by `faults_of` of each scene; of an unused effect, only
+    those that it has with and without the other effects."""
+    from lagc.semantics.resolve import text_warnings
+    from lagc.semantics.scenes import ByScene, variants
+
+    # Faults by place: scenes share declarations, so one fault would be found in each.
+    faults = by_place(text_warnings(tree))
     if choice.scene is not None:
-        faults |= _faults(tree, choice, roots, known, reached)
-        return [*faults.values(), *_unknown(choice, known)]
+        return list((faults | faults_of(tree, choice)).values())
     models: set[str | None] = set()
     scenes = ByScene(tree)
+    # Each scene, and effects that no scene uses, alone and beside the others.
     for v in variants(tree, choice.model, roots):
         each = replace(
             choice,
@@ -81,23 +95,23 @@ def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[
         # The first check of a model covers what its scenes share.
         file = scenes.only(v.scene) if v.scene and v.model in models else tree
         models.add(v.model)
-        found = _faults(file, each, roots, known, reached)
+        found = faults_of(file, each)
         if file is not tree:  # the scenes that use the effects are not in it
             found = {key: fault for key, fault in found.items() if fault.code != _UNUSED}
         if found and v.alone:  # an effect that no scene uses: errors with and without the other effects
             alone = replace(each, without_effects=(*each.without_effects, *v.alone))
-            without = _faults(file, alone, roots, known, reached)
+            without = faults_of(file, alone)
             found = {key: fault for key, fault in found.items() if key in without}
         for key, fault in found.items():
             faults.setdefault(key, fault)
-    return [*faults.values(), *_unknown(choice, known)]
+    return list(faults.values())
 
 
 def _faults(
     tree: Tree, choice: Choice, roots: tuple[str, ...], known: set[str], reached: list[int]
 ) -> dict[tuple[object, ...], Fault]:
-    """The faults of one choice by code and place, warnings first. Adds the names of its parameters and inputs
-    to `known`, and the number of stages that it reached to `reached`."""
+    """Return the faults of one choice by code and place, warnings first. Adds the names of its parameters and
+    inputs to `known`, and the number of stages that it reached to `reached`."""
     faults: Sequence[Fault]
     warnings: Sequence[Fault] = ()
     asked: Sequence[Fault] = ()
@@ -121,10 +135,11 @@ def _faults(
     except Refused as refused:
         faults = refused.faults
     reached.append(stages)
-    return _by_place([*asked, *warnings, *faults])
+    return by_place([*asked, *warnings, *faults])
 
 
-def _by_place(faults: Sequence[Fault]) -> dict[tuple[object, ...], Fault]:
+def by_place(faults: Sequence[Fault]) -> dict[tuple[object, ...], Fault]:
+    """Return the first fault of each code at each place."""
     found: dict[tuple[object, ...], Fault] = {}
     for fault in faults:
         span = fault.span
@@ -142,6 +157,8 @@ def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> li
     from lagc.simulation.initialization.dry_run import NoStart, try_start
     from lagc.simulation.request import bound_parameters
 
+    # The interface says which parameters a run must give; a value that is missing ends the check with a
+    # warning.
     program = optimize(equations, work=True)
     interface, left = program.interface, unused(model, program.interface)
     fields = (*interface.parameters, *interface.inputs)
@@ -154,6 +171,7 @@ def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> li
             message = f"parameter `{p.name}` has no value: the initial state was not checked"
             return [Fault("LAG0603", message, p.span,
                           remedy=f"give it one: -p {p.name}=...", severity="warning")]  # fmt: skip
+    # The check has a limit of time, a run has none: beyond it the initial state is not refused.
     try:
         with stage("checking the initial state", PER_OPERATION * interface.operations):
             strange = try_start(program, values)

@@ -36,6 +36,7 @@ def follow(
     loaded: Loaded, run: Solution, request: Request, parameters: Sequence[float], progress: Progress | None
 ) -> None:
     """Add the sensitivities of `request` to `run`, which has these parameters and inputs."""
+    # Without contacts the motion and its derivatives are those of the model itself.
     own = loaded.artifact
     complete, wanted = request.completed(own.interface.simulate), directions_of(loaded, request.sensitivity)
     if not own.interface.contacts:
@@ -43,17 +44,22 @@ def follow(
         followed = loaded.sensitive(run.system.backend).bind(parameters)
         sensitivities(system, followed, run, complete, wanted, progress)
         return
+    # With contacts the modes of the start are constraints and loads of another model, whose motion is the
+    # same until the first contact event.
     modes = modes_of(own.interface, run.states[0])
     _refuse_sliding(own.interface, modes)
     system = loaded.held(modes)
+    # Parameters and inputs may reach nothing in these modes: directions by them are zero.
     used = {f.name for f in (*system.interface.parameters, *system.interface.inputs)}
     fields = (*own.unused, *own.interface.parameters, *own.interface.inputs)
     unused = [field for field in fields if field.name not in used]
     wanted = directions(system.interface, request.sensitivity, unused, own.built_in)
     followed = loaded.sensitive(run.system.backend, modes)
+    # Values by name, as the other model may have fewer parameters.
     known = _by_name(own.interface, parameters)
     until, reason = _first_event(run)
     count = sum(t < until for t in run.times)
+    # The run up to that event, with its sensitivities; later times have none.
     short = replace(run, times=run.times[:count], states=run.states[:count])
     sensitivities(
         system.model.bind(_given(system.interface, known)), followed.bind(_given(followed.interface, known)),

@@ -64,7 +64,7 @@ class Loaded:
         return next((b for b in ("c", "numpy") if b in self.systems), self.preferred)
 
     def system(self, backend: str) -> System:
-        """The system of `backend` with the model's own parameter values."""
+        """Return the system of `backend` with the model's own parameter values."""
         found = self.systems.get(backend)
         if found is not None:
             return found
@@ -81,7 +81,7 @@ class Loaded:
 
     @once
     def differentiated(self) -> NumpySystem:
-        """The system with derivatives, in Python."""
+        """Return the system with derivatives, in Python."""
         from lagc.simulation.backends.python import NumpySystem
 
         found = Loaded(self.compilation.differentiated, "numpy").system("numpy")
@@ -89,12 +89,12 @@ class Loaded:
         return found
 
     def in_modes(self, modes: tuple[int, ...]) -> Compilation:
-        """The compilation that holds contacts in these modes."""
+        """Return the compilation that holds contacts in these modes."""
         own = self.compilation
         return Compilation(own.source, replace(own.choice, contact_modes=modes), own.roots)
 
     def held(self, modes: tuple[int, ...]) -> NumpySystem:
-        """The system with derivatives that holds its contacts in these modes."""
+        """Return the system with derivatives that holds its contacts in these modes."""
         from lagc.simulation.backends.python import NumpySystem
 
         with self.lock:
@@ -105,8 +105,8 @@ class Loaded:
             return self.held_systems[modes]
 
     def sensitive(self, backend: str, modes: tuple[int, ...] | None = None) -> System:
-        """The system that follows sensitivities: in C for a run in C, and for `auto` with a compiler. It
-        holds contacts in `modes`."""
+        """Return the system that follows sensitivities: in C for a run in C, and for `auto` with a compiler.
+        It holds contacts in `modes`."""
         own = self.compilation if modes is None else self.in_modes(modes)
         with self.lock:
             if (backend, modes) not in self.followers:
@@ -116,12 +116,12 @@ class Loaded:
             return self.followers[backend, modes]
 
     def for_steps(self) -> System:
-        """The system for many short calls."""
+        """Return the system for many short calls."""
         return self._compiled(False, self.system)
 
     def _compiled(self, wanted: bool, load: Callable[[str], System]) -> System:
-        """The system that `load` returns for a backend: C if it is `wanted` or asked for, and for `auto`
-        with a compiler."""
+        """Return the system that `load` returns for a backend: C if it is `wanted` or asked for, and for
+        `auto` with a compiler."""
         from lagc.simulation.backends.compile import CannotCompile
         from lagc.simulation.supervision import has_compiler
 
@@ -134,7 +134,7 @@ class Loaded:
         return load("numpy")
 
     def taking(self, method: str) -> Loaded:
-        """The same model with this method of integration."""
+        """Return the same model with this method of integration."""
         root = self.root
         if method == DEFAULT_METHOD:
             return root
@@ -144,7 +144,7 @@ class Loaded:
             return root.others[method]
 
     def _another(self, backend: str, method: str) -> System:
-        """The system of `backend` with this method."""
+        """Return the system of `backend` with this method."""
         return self.taking(method).system(backend)
 
     def simulate(
@@ -154,6 +154,8 @@ class Loaded:
         before in this process and compiling takes less time than fifty such runs.  Otherwise the run starts
         in NumPy, and changes to C when it has taken as long as compiling would."""
         request.completed(self.artifact.interface.simulate)  # refuses before anything is compiled
+        # Methods that are not carried by the usual code need a library of their own, which is the same model
+        # taken again.
         own = self.taking(request.method or DEFAULT_METHOD)
         if own is not self:
             return own.simulate(request, parameters, progress)
@@ -161,6 +163,7 @@ class Loaded:
             return self._run(self.asked, request, parameters, progress)
         from lagc.simulation.backends.compile import CannotCompile
 
+        # Compiled before: C is faster in any case.
         if self.backend == "c":
             try:
                 return self._run("c", request, parameters, progress, "compiled before")
@@ -168,6 +171,7 @@ class Loaded:
                 return self._run("numpy", request, parameters, progress, str(error))
         from lagc.simulation.supervision import CompileTimer, SlowRun, compile_time, has_compiler
 
+        # Runs in NumPy so far show what a run costs; fifty of them are worth a compilation.
         if FOLLOWING * self.numpy_s > compile_time(self.artifact.interface) and has_compiler():
             try:
                 self.system("c")
@@ -175,6 +179,8 @@ class Loaded:
                 self.numpy_s = 0.0
                 return self._run("numpy", request, parameters, progress, str(error))
             return self._run("c", request, parameters, progress, "a repeated run")
+        # NumPy begins at once. A timer ends the run when it has taken as long as compiling would: at most
+        # twice the better of both (the ski rental problem).
         system = self.system("numpy").bind(parameters)
         began = perf_counter()
         start = self.initialize(system, request)
@@ -218,7 +224,8 @@ class Loaded:
         return found
 
     def initialize(self, system: System, request: Request) -> Start:
-        """The initial state of a run; all backends give the same bits.  Raises Refused if there is none."""
+        """Return the initial state of a run; all backends give the same bits. Raises Refused if there is
+        none."""
         from lagc.simulation.initialization.initialize import NoStart, begin
 
         try:
@@ -227,7 +234,7 @@ class Loaded:
             raise self._with_places(error) from None
 
     def _with_places(self, error: NoStart) -> Refused:
-        """The error with its places in the model text."""
+        """Return the error with its places in the model text."""
         from lagc.compiler.source_spans import placed
 
         with self.compilation.lock:

@@ -81,7 +81,7 @@ class Compilation:
 
     @once
     def program(self) -> Program:
-        """The program for a run, which also integrates the work of non-conservative forces."""
+        """Return the program for a run, which also integrates the work of non-conservative forces."""
         differentiate, sensitive = (self.variant == name for name in DERIVED)
         stiff, expand = self.variant in IMPLICIT, self.variant in SERIES
         work = not (differentiate or sensitive)
@@ -89,23 +89,23 @@ class Compilation:
 
     @once
     def differentiated(self) -> Compilation:
-        """The same choice with derivatives, for evaluations."""
+        """Return the same choice with derivatives, for evaluations."""
         return _Variant(self, "derivatives")
 
     @once
     def sensitive(self) -> Compilation:
-        """The same choice with what sensitivities of a run need."""
+        """Return the same choice with what sensitivities of a run need."""
         return _Variant(self, "sensitivities")
 
     def taking(self, method: str) -> Compilation:
-        """The same choice with code for this method of integration."""
+        """Return the same choice with code for this method of integration."""
         if method == DEFAULT_METHOD:
             return self
         with self.lock:
             return self.others.setdefault(method, _Variant(self, method))
 
     def artifact(self, target: str) -> Artifact:
-        """The compiled model for `target`, from the cache, or compiled now and stored."""
+        """Return the compiled model for `target`, from the cache, or compiled now and stored."""
         with self.lock:
             return self.cached_artifact(target) or self._compiled(target)
 
@@ -195,7 +195,7 @@ class _Variant(Compilation):
 
 
 def _said(given: Source | Points) -> str:
-    """The text that stands for an input in a cache key."""
+    """Return the text that stands for an input in a cache key."""
     if isinstance(given, Source):
         return repr((folder_of(given.name), given.text))
     return repr([list(map(float, column)) for column in given[:2]]) + given[2]
@@ -209,7 +209,7 @@ def _code(sources: Mapping[str, str]) -> tuple[CodeType, ...]:
 
 
 def equations(source: Source, choice: Choice) -> EquationsOfMotion:
-    """The equations of motion for display.  Raises Refused if a given value is invalid for a run."""
+    """Return the equations of motion for display. Raises Refused if a given value is invalid for a run."""
     from lagc.lowering.interface import input_field
     from lagc.simulation.request import given_values
 
@@ -224,13 +224,17 @@ def equations(source: Source, choice: Choice) -> EquationsOfMotion:
 def program(
     source: Source, choice: Choice, roots: tuple[str, ...] = (), differentiate: bool = False
 ) -> Program:
-    """The program for generated code; the given values are its defaults."""
+    """Return the program for generated code; the given values are its defaults."""
     return delivered(Compilation(source, choice, roots), differentiate)
 
 
-def delivered(compilation: Compilation, differentiate: bool, methods: Sequence[str] = EXPLICIT) -> Program:
-    """The program of a compilation for generated code; the given values are its defaults.  It has
-    these methods of integration."""
+def delivered(
+    compilation: Compilation, differentiate: bool, methods: Sequence[str] = EXPLICIT, events: bool = False,
+    directional: bool = False,
+) -> Program:  # fmt: skip
+    """Return the program of a compilation for generated code; the given values are its defaults. It has these
+    methods of integration, and with `events` functions for integrators of the caller. `directional`:
+    its derivatives are those along directions."""
     from lagc.simulation.request import bound_parameters
 
     for method in methods:
@@ -239,19 +243,22 @@ def delivered(compilation: Compilation, differentiate: bool, methods: Sequence[s
     if differentiate:
         refuse_contacts(compilation.model, "derivatives")
     stiff, expand = (not set(kind).isdisjoint(methods) for kind in (IMPLICIT, SERIES))
-    found = optimize(compilation.equations, False, differentiate, stiff=stiff, expand=expand)
+    found = optimize(
+        compilation.equations, False, differentiate, stiff=stiff, expand=expand, directional=directional
+    )
     interface = found.interface
     values = bound_parameters(
         interface, compilation.choice.parameters, unused(compilation.model, interface), demanding=False
     )
     fields = [replace(f, value=v) for f, v in zip((*interface.parameters, *interface.inputs), values)]
     n = len(interface.parameters)
-    bound = replace(interface, parameters=tuple(fields[:n]), inputs=tuple(fields[n:]), methods=tuple(methods))
+    bound = replace(interface, parameters=tuple(fields[:n]), inputs=tuple(fields[n:]), methods=tuple(methods),
+                    events=events)  # fmt: skip
     return replace(found, interface=bound)
 
 
 def with_all_methods(compilation: Compilation) -> Program:
-    """The program of a compilation with all methods that its equations admit."""
+    """Return the program of a compilation with all methods that its equations admit."""
     if compilation.model.contacts:
         return delivered(compilation, False)
     try:
@@ -263,12 +270,12 @@ def with_all_methods(compilation: Compilation) -> Program:
 
 
 def unused(model: Model, interface: Interface) -> tuple[Field, ...]:
-    """The parameters of the model that have no effect, and those that are part of the code."""
+    """Return the parameters of the model that have no effect, and those that are part of the code."""
     return _own(model, {f.name for f in (*interface.parameters, *interface.inputs)})
 
 
 def _own(model: Model, but: Container[str]) -> tuple[Field, ...]:
-    """The parameters of the model, and those that are part of the code, except the names in `but`."""
+    """Return the parameters of the model, and those that are part of the code, except the names in `but`."""
     from lagc.lowering.interface import parameter_field
 
     fields = [parameter_field(p) for p in model.parameters if p.name not in but]

@@ -22,7 +22,7 @@ _RUBBING = re.compile(r"/(abs|norm)\((der|velocity)\(")  # of a force against th
 
 
 def placed(equations: EquationsOfMotion, found: NoStart) -> Refused:
-    """The fault of `found`, with its places in the text that `equations` come from."""
+    """Return the fault of `found`, with its places in the text that `equations` come from."""
     (fault,) = found.faults
     values = _values(equations, found)
     spans = [(span, label) for anchor in found.anchors for span, label in _spans(equations, anchor)]
@@ -48,7 +48,7 @@ def placed(equations: EquationsOfMotion, found: NoStart) -> Refused:
 
 
 def _values(equations: EquationsOfMotion, found: NoStart) -> dict[Node, float]:
-    """The symbols at the start: those that were dropped are 0."""
+    """Return the symbols at the start: those that were dropped are 0."""
     model = equations.model
     values = {equations.time: 0.0}
     for parameter in model.parameters:
@@ -87,7 +87,7 @@ def _declared(equations: EquationsOfMotion, state: Symbol) -> Span:
 
 
 def _light(equations: EquationsOfMotion, values: dict[Node, float]) -> list[tuple[Body, float]]:
-    """The bodies without mass."""
+    """Return the bodies without mass."""
     bodies = equations.model.bodies
     masses = evaluate([body.mass for body in bodies], values)
     return [(body, mass) for body, mass in zip(bodies, masses) if not mass > 0.0]
@@ -96,7 +96,7 @@ def _light(equations: EquationsOfMotion, values: dict[Node, float]) -> list[tupl
 def _strange(
     equations: EquationsOfMotion, code: str, found: NoStart, values: dict[Node, float]
 ) -> tuple[Span | None, str] | None:
-    """The first expression without a finite value, and the place of what it belongs to."""
+    """Return the first expression without a finite value, and the place of what it belongs to."""
     for span, nodes in _suspects(equations, code, found):
         what = _culprit(nodes, values)
         if what is not None:
@@ -137,7 +137,7 @@ def _suspects(
 
 
 def _culprit(nodes: Sequence[Node], values: dict[Node, float]) -> str | None:
-    """The first of all below `nodes` that has no finite value where its arguments have."""
+    """Return the first of all below `nodes` that has no finite value where its arguments have."""
     known = [node for node in reachable(nodes) if node.op != "symbol" or node in values]
     order = [node for node in known if node.op not in ("select", "and", "or", "not", "lt", "le", "eq")]
     if any(node.op == "symbol" and node not in values for node in reachable(nodes)):

@@ -104,6 +104,9 @@ def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
             probes=choice.probes,
         )
 
+    # Values of structural parameters are part of the model, all others are given to each run. Which ones are
+    # structural is known only after the model is resolved, so it is resolved again until that does not
+    # change.
     given = {name: _in_si(name, value) for name, value in choice.parameters.items()}
     with stage("finding what its names mean", PER_CHARACTER * len(tree.source.text)):
         values: dict[str, float] = {}
@@ -132,7 +135,7 @@ def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
 
 
 def _in_si(name: str, given: float | Quantity) -> float:
-    """The number in SI units; its dimension is checked where the parameter's unit is known."""
+    """Return the number in SI units; its dimension is checked where the parameter's unit is known."""
     if not isinstance(given, Quantity):
         return float(given)
     if given.unit is None:
@@ -159,13 +162,13 @@ def derive(model: Model) -> EquationsOfMotion:
 @uncollected
 def optimize(
     equations: EquationsOfMotion, work: bool, differentiate: bool = False, sensitive: bool = False,
-    stiff: bool = False, expand: bool = False,
+    stiff: bool = False, expand: bool = False, directional: bool = False,
 ) -> Program:  # fmt: skip
     from lagc.lowering.lower_equations import optimize as run
 
     unknowns = len(equations.v) + len(equations.rows)
     with stage("simplifying the equations", PER_PAIR * unknowns**2):
-        return run(equations, work, differentiate, sensitive, stiff, expand)
+        return run(equations, work, differentiate, sensitive, stiff, expand, directional)
 
 
 @uncollected

@@ -20,9 +20,19 @@ from lagc.diagnostics.sources import Span as Span
 
 
 @dataclass(frozen=True, slots=True)
+class Edit:
+    """The characters start..end of a text become `text`."""
+
+    start: int
+    end: int
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
 class Fault:
     """One fault: a message for the user. `code` is stable (`LAG0123`) and listed in
-    `lagc.diagnostics.catalogue`; `related` are further places, each with a short label."""
+    `lagc.diagnostics.catalogue`; `related` are further places, each with a short label; `edits` of the text
+    with the fault probably give what was meant."""
 
     code: str
     message: str
@@ -30,6 +40,7 @@ class Fault:
     related: tuple[tuple[Span, str], ...] = ()
     remedy: str | None = None
     severity: str = "error"  # or "warning"
+    edits: tuple[Edit, ...] = ()
 
     @property
     def file(self) -> str | None:
@@ -65,7 +76,7 @@ class Fault:
 
 
 def _on_one_line(span: Span, other: Span) -> bool:
-    """Whether both spans are in the same line of text, which is then shown once."""
+    """Return whether both spans are in the same line of text, which is then shown once."""
     if span.source is not other.source or span.line != other.line:
         return False
     return len(span.source.line(span.line)) <= WIDEST
@@ -133,9 +144,14 @@ def as_json(faults: Iterable[Fault]) -> list[dict[str, object]]:
             **(place(fault.span) if fault.span else {"file": None}),
             "related": [{"label": label, **place(span)} for span, label in fault.related],
             "remedy": fault.remedy,
+            "edits": [{**place(span), "text": text} for span, text in _edited(fault)],
         }
         for fault in sorted(faults, key=_order)
     ]
+
+
+def _edited(fault: Fault) -> list[tuple[Span, str]]:
+    return [(Span(fault.span.source, e.start, e.end), e.text) for e in fault.edits if fault.span]
 
 
 def place(span: Span) -> dict[str, object]:
@@ -169,8 +185,21 @@ class Wrong(Exception):
         self, code: str, message: str, span: Span | None, remedy: str | None = None,
         related: tuple[tuple[Span, str], ...] = (),
     ):  # fmt: skip
-        self.fault = Fault(code, message, span, related, remedy)
+        self.fault = Fault(code, message, span, related, remedy, edits=_meant(span, remedy))
         super().__init__(message)
+
+
+def _meant(span: Span | None, remedy: str | None) -> tuple[Edit, ...]:
+    """Return the edit of a remedy that names the unit or the name that was meant: "did you mean `theta`?". Of
+    a path `a.b`, it is the last name."""
+    if span is None or remedy is None:
+        return ()
+    words, _, rest = remedy.partition("`")
+    text, _, rest = rest.partition("`")
+    if (words, rest) != ("did you mean ", "?") and (words, text[:1], rest) != ("write ", "[", ""):
+        return ()
+    before = 0 if "." in text or text[:1] == "[" else span.text.rfind(".") + 1
+    return (Edit(span.start + before, span.end, text),)
 
 
 class Poisoned(Exception):

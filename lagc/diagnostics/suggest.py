@@ -68,7 +68,7 @@ def _nearest(name: str, known: Sequence[str]) -> Sequence[str]:
 
 
 def _leaves_out(path: Sequence[str], other: Sequence[str]) -> bool:
-    """Whether `path` is `other` with some parts left out."""
+    """Return whether `path` is `other` with some parts left out."""
     left = iter(other)
     return len(path) < len(other) and path[-1] == other[-1] and all(part in left for part in path)
 
@@ -105,7 +105,7 @@ def _plain(name: str) -> str:
 
 
 def is_many_radians(value: float) -> bool:
-    """Whether a number without a unit looks like an angle in degrees."""
+    """Return whether a number without a unit looks like an angle in degrees."""
     return abs(value) >= MANY_RADIANS and float(value).is_integer()
 
 
@@ -153,7 +153,7 @@ def unit_symbol(word: str) -> str:
 
 
 def looks_like_unit(word: str) -> bool:
-    """Whether a word looks like a unit, maybe with an exponent: `kg`, `s2`, `degrees`."""
+    """Return whether a word looks like a unit, maybe with an exponent: `kg`, `s2`, `degrees`."""
     word = word.rstrip("0123456789")
     return word in foreign("units") or unit_symbol(word) != word
 
@@ -196,6 +196,6 @@ def remedy_of_surplus(name: str, arguments: Sequence[str]) -> str | None:
 
 
 def keeps_argument(name: str, k: int) -> bool:
-    """Whether argument number k of a call is written in its remedy: not the `t` of `diff(x, t)`."""
+    """Return whether argument number k of a call is written in its remedy: not the `t` of `diff(x, t)`."""
     template = foreign("calls").get(name, "`")
     return "`" in template or f"{{{k}}}" in template or "{all}" in template

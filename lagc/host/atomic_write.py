@@ -159,7 +159,7 @@ def output(path: str) -> int:
 
 
 def is_straight(path: str) -> bool:
-    """Whether `path` is written directly: it is not a regular file, or it is our own output."""
+    """Return whether `path` is written directly: it is not a regular file, or it is our own output."""
     with suppress(OSError, ValueError):
         mode = os.stat(path).st_mode
         return not (stat.S_ISDIR(mode) or stat.S_ISREG(mode)) or output(path) > 0
@@ -167,7 +167,7 @@ def is_straight(path: str) -> bool:
 
 
 def may_wait(path: str) -> bool:
-    """Whether writing `path` may wait for another process."""
+    """Return whether writing `path` may wait for another process."""
     try:
         old = _status(path)
     except OSError:

@@ -197,14 +197,14 @@ class Limits:
 
 
 def _of_memory(error: BaseException) -> bool:
-    """Whether an error means that memory ran out: for an object, a process or a library."""
+    """Return whether an error means that memory ran out: for an object, a process or a library."""
     if isinstance(error, ImportError):  # hashlib hides the reason and lacks a name
         return any(words in str(error) for words in ("failed to map", "allocate memory", "from 'hashlib'"))
     return isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno == ENOMEM)
 
 
 def _at_an_edge(frame: FrameType | None) -> bool:
-    """Whether a block is being entered or left, where an exception would not be handled."""
+    """Return whether a block is being entered or left, where an exception would not be handled."""
     while frame is not None:
         if frame.f_code in _EDGES:
             return True

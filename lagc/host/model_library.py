@@ -152,7 +152,7 @@ def content(
 
 
 def is_within(real: str, roots: Iterable[str]) -> bool:
-    """Whether a path without links is below one of the folders."""
+    """Return whether a path without links is below one of the folders."""
     return any(real.startswith(root.rstrip(os.sep) + os.sep) for root in roots)
 
 

@@ -57,6 +57,7 @@ FILES = (
     "events/contact_events",
     "events/step_guards",
     "call_boundary",
+    "events/other_integrators",
     "integrators/step_grid",
     "driver",
     "trajectory",

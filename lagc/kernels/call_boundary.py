@@ -18,60 +18,10 @@ def forget_stages(s: State) -> None:
         s.newton.eta = 1.0
 
 
-@public
-def begin(s: State, t: Real, x: Vec[NX]) -> None:
-    """Begin a new trajectory at (t, x). x meets the constraints. *s need not be filled before."""
-    s.t = t
-    s.t_old = t
-    s.t_end = t
-    s.x[:] = x
-    s.x_old[:] = x
-    s.x_end[:] = x
-    for i in range(NGROUP):
-        s.sizes[i] = 0.0
-    enlarge_sizes(x, s.sizes)
-    s.lowest[:] = x
-    s.highest[:] = x
-    s.h_old = 0.0
-    s.h = 0.0
-    s.error_old = 1e-4
-    s.grid.begin = t
-    s.grid.step = 0.0
-    s.grid.rest = 0.0
-    s.position_drift = 0.0
-    s.velocity_drift = 0.0
-    s.grid.index = 0
-    s.grid.goal = 0
-    s.grid.stride = 1
-    s.steps = 0
-    s.rejected = 0
-    s.rhs = 0
-    s.stiff = 0
-    s.stability_due = 1000
-    s.rates_apart = 0.0
-    s.states_apart = 0.0
-    s.steps_before_call = 0
-    s.is_new_call = True
-    s.parameters_known = False
-    s.method = 0
-    s.rate_place = ABSENT
-    s.dense_place = ABSENT
-    if NC > 0:
-        s.rank_deficient = False
-    if NNEWTON > 0:
-        forget_stages(s)
-        s.newton.factored = 0.0
-        s.newton.theta = 1.0
-        s.newton.count = 0
-    if NSERIES > 0:
-        s.series.step = -1
-        s.series.tolerance = 0.0
-    s.roundoff_estimated = False
-    s.roundoff_memory = 0.0
-    for i in range(NX):
-        s.rate_roundoff[i] = 0.0
-    s.longest_step = 0.0
-    s.culprit = -1
+def forget_events(s: State, t: Real, x: Vec[NX]) -> None:
+    """Let a trajectory begin at (t, x) without events."""
+    # All indicators count as off their crossings. The modes themselves follow in `evaluate_start`, since no
+    # parameters are known.
     if NMODE > 0:
         s.changes = 0
         s.changes_at_time = 0
@@ -90,6 +40,7 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
     if NLEAP > 0:
         s.jumps = 0
         s.x_before_event[:] = x
+    # Without a speed of rebound the next impact of a contact is its first.
     if NCON > 0:
         s.settlements = 0
         s.penetration = 0.0
@@ -97,6 +48,79 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
             s.bounce_speeds[i] = 0.0
             s.fall_heights[i] = 0.0
             s.touch_times[i] = t
+
+
+def forget_last_step(s: State) -> None:
+    """Let a trajectory begin without rate, dense output and parameters of a step before."""
+    s.steps_before_call = 0
+    s.is_new_call = True
+    s.parameters_known = False
+    s.method = 0
+    s.rate_place = ABSENT
+    s.dense_place = ABSENT
+    if NC > 0:
+        s.rank_deficient = False
+    # The implicit method has neither Jacobian nor factors. theta = 1, slow convergence, asks for a new
+    # Jacobian.
+    if NNEWTON > 0:
+        forget_stages(s)
+        s.newton.factored = 0.0
+        s.newton.theta = 1.0
+        s.newton.count = 0
+    if NSERIES > 0:
+        s.series.step = -1
+        s.series.tolerance = 0.0
+
+
+@public
+def begin(s: State, t: Real, x: Vec[NX]) -> None:
+    """Begin a new trajectory at (t, x). x meets the constraints. *s need not be filled before."""
+    # The last step is empty, t_old = t_end = t: dense output returns x itself.
+    s.t = t
+    s.t_old = t
+    s.t_end = t
+    s.x[:] = x
+    s.x_old[:] = x
+    s.x_end[:] = x
+    # Sizes of scaling groups and ranges of states only grow from here: a state that passes zero keeps the
+    # scale of its past in the error weights.
+    for i in range(NGROUP):
+        s.sizes[i] = 0.0
+    enlarge_sizes(x, s.sizes)
+    s.lowest[:] = x
+    s.highest[:] = x
+    # h = 0 lets the first step choose its size. A PI controller divides by the error of the step before; 1e-4
+    # stands for that of the step that does not exist, as in DOPRI5.
+    s.h_old = 0.0
+    s.h = 0.0
+    s.error_old = 1e-4
+    # There is no grid of fixed steps before `begin_grid`, and no constraint has drifted.
+    s.grid.begin = t
+    s.grid.step = 0.0
+    s.grid.rest = 0.0
+    s.position_drift = 0.0
+    s.velocity_drift = 0.0
+    s.grid.index = 0
+    s.grid.goal = 0
+    s.grid.stride = 1
+    # Counters and estimates of the whole trajectory.
+    s.steps = 0
+    s.rejected = 0
+    s.rhs = 0
+    s.stiff = 0
+    s.stability_due = 1000
+    s.rates_apart = 0.0
+    s.states_apart = 0.0
+    forget_last_step(s)
+    # Round-off is not suspected before an error estimate fails.
+    s.roundoff_estimated = False
+    s.roundoff_memory = 0.0
+    for i in range(NX):
+        s.rate_roundoff[i] = 0.0
+    s.longest_step = 0.0
+    s.culprit = -1
+    if NMODE > 0 or NLEAP > 0:
+        forget_events(s, t, x)
 
 
 def enter_call(s: State, w: Work) -> None:
@@ -164,11 +188,14 @@ def keep_parameters(p: Params, s: State) -> None:
 
 def evaluate_start(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Compute the rate at the beginning of a step, in its modes."""
+    # `again`: the rate at (t, x) is to be evaluated. `elsewhere`: modes are to be chosen as at a start.
     again = False
     if NDISC > 0:
         box_discrete(s, w)
     if NMODE > 0:
         elsewhere = False
+    # Between two calls the caller may have changed t, x, p or inputs. A change of x ends what was known of
+    # the motion: its round-off, and which constraint equations depend on others.
     if s.is_new_call:
         if state_changed(s):
             again = True
@@ -184,24 +211,31 @@ def evaluate_start(p: Params, s: State, direction: Real, w: Work) -> Status:
                     w.fallbacks -= 1
         else:
             again = parameters_changed(p, s)
+    # Kept stages predict the next ones along the same smooth motion only: not behind a change, and not behind
+    # an event.
     if NNEWTON > 0:
         if again or s.newton.kept_step != s.steps:
             forget_stages(s)
         if NMODE > 0:
             if s.after_event:
                 forget_stages(s)
+    # A change may contradict modes and contacts: then they are chosen anew. That also evaluates the rate.
     if NMODE > 0:
         if again:
             s.rate_place = STAGES
             if NCON > 0:
                 return start_contacts(p, s, direction, elsewhere, w)
             return start_modes(p, s, direction, elsewhere, w)
+        # Else the modes of the last step go on, with the edges, normal directions and slip axes that belong
+        # to them.
         w.modes[:] = s.modes
         update_edges(w)
         if NTWO > 0:
             w.contacts.normal_signs[:] = s.normal_signs
         if NSPACE > 0:
             turn_slips(p, s, w)
+    # The rate at the beginning of a step is its first stage, k[0]. A method whose last stage is at the end of
+    # the step (first same as last) has it already.
     status = OK
     if again or s.rate_place == ABSENT:
         status = rates_at(p, s.t, s.x, s.k[0], w.lam, w)

@@ -63,6 +63,8 @@ LARGE_ERROR = 100.0  # error of a step that says little about the right step siz
 
 def finish_step(p: Params, s: State, t: Real, o: Options, leaves_end_rate: bool, w: Work) -> Status:
     """Project the new state onto the constraints and evaluate its rate, unless it is left open."""
+    # Projection comes before the rate: the next step begins on the constraints, with a rate that belongs to
+    # the projected state. Methods whose stages meet the constraints have nothing to project.
     if NC > 0 or NQUAT > 0 or NCON > 0:
         if o.project and not keeps_constraints(o.method):
             status = put_on_constraints(p, t, s.x_new, w.error.sizes, w)
@@ -85,18 +87,24 @@ def prepare_newton(s: State, o: Options, h: Real, w: Work) -> None:
     """Set the weights and the tolerance of the Newton method of an implicit step. The error that it estimates
     is of order 3, and that of its steps of order 5: a power of the tolerance makes that proportional to
     it."""
+    # The weights take the larger of both ends of the step; of the new end nothing is known yet.
     s.x_new[:] = s.x
     set_error_weights(s, o, h, w)
     w.newton.loosening = 1.0
     w.newton.tolerance = NEWTON_TOLERANCE
     w.newton.rtol = o.rtol
     w.newton.most = MOST_ITERATED
+    # A fixed step has no error to compare with: its stages are solved to round-off, by weights that follow
+    # the sizes of the states.
     if o.step > 0.0:
         w.newton.most = MOST_FIXED
         w.newton.rtol = FIXED_STEP_TOLERANCE
         for i in range(NQ + NV):
             w.error.weights[i] = FIXED_STEP_TOLERANCE * w.error.sizes[scaling_group[i]] + TINY
     elif o.rtol > 0.0:
+        # RADAU5 does the same with 0.1 rtol^(2/3), and ends iterations at min(0.03, sqrt(rtol)) (E. Hairer,
+        # G. Wanner, Solving Ordinary Differential Equations II, 1996, IV.8): the geometric mean of both
+        # tolerances, so that the residual of the stages does not spoil the estimate.
         w.newton.loosening = LOOSENING / rational_power(o.rtol, LOOSER)
         w.newton.tolerance = rational_power(o.rtol * w.newton.loosening, 0.5)
         if w.newton.tolerance > NEWTON_TOLERANCE:
@@ -105,6 +113,7 @@ def prepare_newton(s: State, o: Options, h: Real, w: Work) -> None:
 
 def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     """Compute stages, error and end of an attempt.  It is acceptable if a.error <= 1."""
+    # An error of 0 counts as accepted: fixed steps have no estimate.
     a.error = 0.0
     if NCON > 0:
         forget_forces(w)
@@ -114,12 +123,16 @@ def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     status = method_stages(o.method, p, s.t, s.x, a.h, s, w)
     if failed(status):
         return status
+    # Weights of the error need the new state. A method that does not use the rate at its end is tested first,
+    # so that a rejected attempt saves the projection and this evaluation.
     set_error_weights(s, o, a.h, w)
     if needs_end_rate(o.method) or o.step > 0.0:
         status = finish_step(p, s, a.t_new, o, a.leaves_end_rate, w)
         if failed(status) or o.step > 0.0:
             return status
     a.error = method_error(o.method, a.h, s, w)
+    # Is it round-off that rejects the step? One more evaluation tells. It is made when an attempt was
+    # rejected already, or round-off decided shortly before: not in each step.
     a.roundoff_estimated = a.error > 1.0 and (
         a.rejected > 0 or s.roundoff_estimated or s.roundoff_memory > 0.0
     )
@@ -133,9 +146,13 @@ def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
 def end_step_at_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     """If an indicator crosses zero within the step, repeat the step so that it ends at the crossing.  If the
     crossing is at its beginning, handle the event and set a.h to 0."""
+    # A state that begins at a crossing may be beyond it by round-off. Its slack shifts the crossing there; it
+    # must not hide the next one, so it shrinks as the indicator moves on.
     release_slack(p, s, w)
     factor = LEAST_SLACK
     part = first_crossing(p, s, o.method, a, w)
+    # A crossing that round-off of the state explains is no event: its indicator gets twice the slack, and the
+    # next crossing is sought.
     while (
         part >= 0.0
         and part < NO_EVENT
@@ -149,6 +166,8 @@ def end_step_at_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> Sta
     if part > 1.0:
         a.ends_at_event = False
         return OK
+    # The step ends at the crossing. It is made again to there (L. F. Shampine, I. Gladwell, R. W. Brankin,
+    # 1991): the solution has the order of the method at the event, not that of its dense output.
     a.ends_at_event = True
     a.is_split = False
     a.size_before_event = a.size
@@ -158,11 +177,14 @@ def end_step_at_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> Sta
     a.ends_on_grid = False
     a.t_new = s.t + a.h
     w.error.longest_step = s.longest_step
+    # An event at the beginning of the step leaves no step to make. It acts at once.
     if fabs(a.h) <= 4.0 * SPACING * fabs(s.t) + LEAST_STEP * a.size_before_event:
         a.h = 0.0
         keep_parameters(p, s)
         return pass_event(p, s, a.direction, w)
     status = try_step(p, s, o, a, w)
+    # In space the speed of a slip turns ever faster towards its stop, and the dense output is less accurate
+    # than a step. Newton's method finds the time on the ends of steps.
     if NSPACE > 0:
         for count in range(MOST_STOPS):
             if failed(status) or a.error > 1.0:
@@ -179,11 +201,14 @@ def end_step_at_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> Sta
 
 def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> None:
     """Make the new state the current one, and set the size of the next step."""
+    # On the grid of fixed steps its points are counted; else the controller sets the next size.
     if o.step > 0.0:
         pass_grid(s, t1, a)
     else:
         s.grid.step = 0.0
         set_next_step(s, a, o)
+    # From here the last step is this one: its parameters, ends, modes and stages serve dense output until the
+    # next step is accepted.
     keep_parameters(p, s)
     if NNEWTON > 0:
         method_keep_stages(o.method, s)
@@ -201,11 +226,15 @@ def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
         detect_stiffness(s, w)
     if NLEAP > 0:
         s.x_before_event[:] = s.x_new
+    # The largest magnitudes and ranges so far scale errors and round-off.
     enlarge_sizes(s.x_new, s.sizes)
     widen_ranges(s.x_new, s.lowest, s.highest)
     s.roundoff_estimated = a.roundoff_estimated
+    # Where the rate at the end is: dense output and the next step look there.
     s.rate_place = ABSENT if a.leaves_end_rate else READY
     s.dense_place = OPEN if a.leaves_end_rate else STAGES
+    # Modes of the step, for dense output behind an event that changes them, and the time within which an
+    # event is as good as exact.
     if NMODE > 0:
         s.modes_old[:] = w.modes
         if NTWO > 0:
@@ -229,6 +258,7 @@ def choose_step_size(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Wor
             s.h = o.first_step
         else:
             s.h = first_step_size(p, s, t1, a.direction, o, w)
+    # A step below this size would be round-off of the time, whatever the controller says.
     least = LEAST_ATTEMPT * SPACING * fabs(s.t)
     a.size = s.h if s.h > least else least
     if o.max_step > 0.0 and a.size > o.max_step:
@@ -272,6 +302,8 @@ def is_short(s: State, t1: Real, size: Real) -> bool:
 def split_step_to(s: State, goal: Real, t1: Real, o: Options, a: Trial) -> None:
     """With the option `halves`, reach a given time by two half steps.  Two runs of different tolerance would
     otherwise have the same last step, and their difference would not show its error."""
+    # The last step before `goal` is split unless it is half of one already, or so short that it has no
+    # truncation error.
     rest = fabs(goal - s.t)
     if (
         not o.halves
@@ -323,35 +355,46 @@ def end_by_underflow(p: Params, s: State, cause: Status, a: Trial, w: Work) -> S
     return report_culprit(s, cause if cause != OK else STEP_UNDERFLOW, w)
 
 
+def plan_attempt(s: State, t1: Real, goal: Real, o: Options, a: Trial) -> None:
+    """Plan an attempt towards `goal`: a step of the grid, or one of the size that the error asks for."""
+    if o.step > 0.0:
+        plan_fixed_step(s, goal, t1, a)
+        # A fixed step ends where inputs may change: a model without events leaves the rate there to the
+        # next step.
+        if not NMODE > 0:
+            a.leaves_end_rate = a.ends_on_target
+    else:
+        plan_step(s, goal, a)
+    if NMODE > 0:
+        split_step_to(s, goal, t1, o, a)
+
+
 def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w: Work) -> Status:
     """Attempt steps towards `goal` until one is accepted, a.is_accepted, or the call ends."""
     cause = OK
     if NGUARD > 0:
         reductions = 0
+    # Each turn is one attempt: plan it, compute it, look for what forbids it (a turning slip, a hidden event,
+    # a crossing), accept or reduce. Guards come first: crossings are sought on a true dense output.
     while True:
+        # The limit counts attempts. The size that was reached is kept for the next call.
         if o.max_steps > 0 and s.steps + s.rejected - s.steps_before_call >= o.max_steps:
             if a.rejected > 0:
                 s.h = a.size
             return MAX_STEPS
-        if o.step > 0.0:
-            plan_fixed_step(s, goal, t1, a)
-            if not NMODE > 0:
-                a.leaves_end_rate = a.ends_on_target
-        else:
-            plan_step(s, goal, a)
-        if NMODE > 0:
-            split_step_to(s, goal, t1, o, a)
+        plan_attempt(s, t1, goal, o, a)
         update_longest_step(s, a, w)
         if fixed_step_underflows(s, t1, a) if o.step > 0.0 else step_underflows(s, t1, a):
             return end_by_underflow(p, s, cause, a, w)
         status = try_step(p, s, o, a, w)
+        # A slip in space that turns within the step is not resolved by it.
         if NSPACE > 0:
-            if not failed(status) and a.error <= 1.0 and o.step == 0.0:
-                if turns_fast(s, w):
-                    a.size *= 0.5
-                    a.rejected += 1
-                    s.rejected += 1
-                    continue
+            if not failed(status) and a.error <= 1.0 and o.step == 0.0 and turns_fast(s, w):
+                a.size *= 0.5
+                a.rejected += 1
+                s.rejected += 1
+                continue
+        # Something narrow may lie between the stages: the step goes on with the part that excludes it.
         if NGUARD > 0:
             if not failed(status) and a.error <= 1.0 and o.step == 0.0 and reductions < MOST_REDUCTIONS:
                 hidden = find_hidden_event(p, s, o.method, a, o.rtol, w)
@@ -360,11 +403,14 @@ def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w
                     s.rejected += 1
                     reductions += 1
                     continue
+        # A step that contains a crossing is repeated to end there, and may then fail or be rejected.
         if NFREE > 0:
             if not failed(status) and a.error <= 1.0:
                 status = end_step_at_event(p, s, o, a, w)
                 if status == CHATTERING or a.h == 0.0:
                     return report_culprit(s, status, w)
+        # A failed evaluation may lie beyond what the motion reaches: a quarter of the step is tried. Its
+        # status is told if the size underflows; a Newton method that did not converge is none of the model.
         if failed(status):
             if o.step > 0.0:
                 return report_culprit(s, status, w)
@@ -387,12 +433,14 @@ def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w
 
 def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     """Make one step towards t1, at most to it, and then exactly."""
+    # The dense output of the last step reads stages that this step overwrites.
     if s.dense_place == STAGES or s.dense_place == OPEN:
         s.dense_place = ABSENT  # this step overwrites the stages
     a = Trial()
     a.direction = 1.0 if t1 >= s.t else -1.0
     if o.step > 0.0:
         a.direction = 1.0 if s.grid.step > 0.0 else -1.0
+    # Contacts or clauses that act at the beginning are reported as a step of length 0.
     if NLEAP > 0:
         changes = s.changes
     status = evaluate_start(p, s, a.direction, w)
@@ -404,9 +452,11 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
             return OK
     choose_step_size(p, s, t1, o, a, w)
     fade_roundoff(s, w)
+    # Events of time alone have known times: the step ends there exactly, and needs no search.
     goal = t1
     if NTIMED > 0:
         goal = next_time_event(p, s, t1, a.direction, w)
+        # If one is due now, it acts before any step, so that the step begins in its modes.
         if goal == s.t:
             if t1 == s.t and not is_time_event_due(w):
                 return OK
@@ -420,6 +470,8 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     if not a.is_accepted:
         return status
     accept_step(p, s, t1, o, a, w)
+    # The step has ended at an event of the state, or at a time event before t1. An event at t1 itself acts in
+    # this call if it belongs to a clause; that of a relation is left to the next, which begins there.
     if NMODE > 0:
         due = a.ends_on_target and goal != t1
         if NWHEN > 0:

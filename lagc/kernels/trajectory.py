@@ -23,6 +23,7 @@ OUTSIDE_STEP = by_type(1e-5, 1e-9, "1e-9")  # of a step: times that are outside 
 
 def recompute_stages(s: State, t: Real, x: Vec[NX], w: Work) -> Status:
     """Compute the stages of the last step again: a later failed attempt has overwritten them."""
+    # The step had other modes than the state that it led to, if it ended at an event.
     if NMODE > 0:
         w.modes[:] = s.modes_old
         if NTWO > 0:
@@ -30,6 +31,7 @@ def recompute_stages(s: State, t: Real, x: Vec[NX], w: Work) -> Status:
         if NSPACE > 0:
             w.contacts.slip_axes[:] = s.slips.axes_old
             w.contacts.slip_roundoff[:] = s.slips.roundoff_old
+    # The same arithmetic gives the same stages. The rate at s.t, which shares their storage, is lost.
     status = rates_at(s.p, s.t_old, s.x_old, s.k[0], w.lam, w)
     s.rate_place = ABSENT
     s.rhs += 2
@@ -43,11 +45,13 @@ def recompute_stages(s: State, t: Real, x: Vec[NX], w: Work) -> Status:
 def compute_dense_output(s: State, w: Work) -> Status:
     """Compute the coefficients of the dense output of the last step, with its parameters and its end, even
     if the caller changed them."""
+    # The polynomial ends where the step ended: before changes by the caller, and before the jump of an event.
     t = s.t_end if s.is_new_call else s.t
     if NLEAP > 0:
         x = s.x_before_event
     else:
         x = s.x_end if s.is_new_call else s.x
+    # Indicators, signs and slip axes within the step are those that the step was made with.
     if NMODE > 0:
         w.modes[:] = s.modes_old
         if NTWO > 0:
@@ -55,6 +59,8 @@ def compute_dense_output(s: State, w: Work) -> Status:
         if NSPACE > 0:
             w.contacts.slip_axes[:] = s.slips.axes_old
             w.contacts.slip_roundoff[:] = s.slips.roundoff_old
+    # Implicit stages and coefficients of series were kept apart from the workspace, so that they need no
+    # evaluation.
     if NNEWTON > 0:
         if s.newton.kept_step == s.steps:
             method_restore_stages(s.method, s)
@@ -65,6 +71,8 @@ def compute_dense_output(s: State, w: Work) -> Status:
             if failed(status):
                 return status
             return method_dense_output(s.method, s.p, s.t_old, s.x_old, x, s.h_old, s, w)
+    # Explicit stages are in s.k until a further attempt overwrites them; an end rate that was left open
+    # (inputs might have changed there) is evaluated first.
     if s.dense_place == ABSENT:
         status = recompute_stages(s, t, x, w)
         if failed(status):
@@ -189,6 +197,24 @@ def resumes_in_order(times: Vec[Any], n: Length, done: Length, direction: Real) 
     return (there - times[done - 1]) * direction >= 0.0 and (times[n - 1] - there) * direction >= 0.0
 
 
+def check_record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, done: Cell[Length],
+                 budget: Count, t1: Real, direction: Real) -> Status:  # fmt: skip
+    """Check the arguments of `record`; returns OK, INVALID or NOT_FINITE, with s.culprit."""
+    status = check_call(p, s, t1, o)
+    if status != OK:
+        return status
+    if budget < 0:
+        s.culprit = BAD_BUDGET
+        return INVALID
+    # Of a grid that was checked in an earlier call only the next time is looked at: to check it whole each
+    # time would cost n^2.
+    known = done[0] > 0 and done[0] <= n and resumes_in_order(times, n, done[0], direction)
+    if not known and (done[0] > 0 or not are_in_order(s, times, n, direction)):
+        s.culprit = BAD_TIME
+        return INVALID
+    return OK
+
+
 @public
 def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: Rows[NX], done: Cell[Length],
            budget: Count, w: Work) -> Status:  # fmt: skip
@@ -196,21 +222,18 @@ def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: 
     that are written, and is 0 in the first call. The times are in order from s->t on, forwards or
     backwards. After `budget` steps (0: no limit) it returns INTERRUPTED: call again to continue. If n is
     0, times and states may be NULL."""
+    # The direction of times follows from their end; a grid of one time, that of the state, has the direction
+    # of the last step.
     t1 = times[n - 1] if n > 0 else s.t
     direction = 1.0 if t1 > s.t or (t1 == s.t and s.t >= s.t_old) else -1.0
-    status = check_call(p, s, t1, o)
+    # All arguments are checked before anything changes.
+    status = check_record(p, s, o, times, n, done, budget, t1, direction)
     if status != OK:
         return status
-    if budget < 0:
-        s.culprit = BAD_BUDGET
-        return INVALID
-    known = done[0] > 0 and done[0] <= n and resumes_in_order(times, n, done[0], direction)
-    if not known and (done[0] > 0 or not are_in_order(s, times, n, direction)):
-        s.culprit = BAD_TIME
-        return INVALID
     if o.step > 0.0:
         begin_grid(s, t1, o)
     enter_call(s, w)
+    # Contacts act before the first state is recorded, so that this one is consistent.
     count: Count = 0
     if NCON > 0:
         if done[0] == 0 and n > 0:
@@ -218,12 +241,16 @@ def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: 
     if NMODE > 0:
         ended = OK
     while status == OK:
+        # Each turn writes the times that the last step has passed, then makes a step. An event changes s.x,
+        # but times before it are interpolated on the step that led there.
         while status == OK and done[0] < n and (times[done[0]] - s.t) * direction <= 0.0:
             status = interpolate_at(s, times[done[0]], o, states[done[0]], w)
             if status == OK:
                 done[0] += 1
         if NMODE > 0:
             if status == OK:
+                # A step that failed or was interrupted has ended on an accepted state: the loop first writes
+                # the times up to that.
                 status = ended
         if status != OK or done[0] == n:
             break
@@ -235,6 +262,8 @@ def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: 
             status = INTERRUPTED
         else:
             status = step_once(p, s, t1, o, w)
+            # The budget counts turns, so that a caller gets back control (for a signal, or a limit of time)
+            # within a known number of steps.
             if NMODE > 0:
                 if status == OK and o.report != 0 and s.after_event:
                     status = INTERRUPTED

@@ -78,14 +78,14 @@ def _indicator_modes(along: Places, relations: Sequence[EventRelation]) -> Funct
 
 
 def _edges(along: Places, relations: Sequence[EventRelation]) -> Function:
-    """Of those that count; else zeros."""
+    """Return the edges of relations that count; zeros for others."""
     zero = along.graph.zero
     values = [end for relation in relations for end in relation.edges or (zero, zero)]
     return made(along, "edges", ("modes",), (("e", values),), "edges of the modes", rare=True)
 
 
 def _rates(along: Places, relations: Sequence[EventRelation]) -> Function:
-    """de/dt with the rates of the state given."""
+    """Return the function de/dt for given rates of the state."""
     equations, graph = along.equations, along.graph
     states = [*equations.q, *equations.v]
     rates = [graph.symbol("change", str(k)) for k in range(len(states))]
@@ -114,7 +114,7 @@ def _enclosure(along: Places, others: Sequence[EventRelation]) -> Function:
 
 
 def boxed(along: Places) -> tuple[Places, dict[Node, Ends]]:
-    """With the ends of a box of time and states: the least of all, then the largest."""
+    """Return the places with the ends of a box of time and states: all lower ends, then all upper ends."""
     equations, graph = along.equations, along.graph
     leaves = [equations.time, *equations.q, *equations.v]
     arrays = dict(along.arrays)
@@ -129,7 +129,8 @@ def boxed(along: Places) -> tuple[Places, dict[Node, Ends]]:
 
 
 def in_boxes(along: Places, found: Sequence[Node], name: str, about: str) -> list[Function]:
-    """Their values, and what they keep to in a box of time and states; none where there are none."""
+    """Return the functions of the values of `nodes` and of their bounds in a box of time and states; none
+    without nodes."""
     if not found:
         return []
     places, boxes = boxed(along)
@@ -162,7 +163,8 @@ def changing(
 
 
 def whens(at: Places, along: Places) -> list[Function]:
-    """`holds` on the branches that modes tell, `reinit` by the state alone; none where no clause is."""
+    """Return `holds` on the branches that modes tell, and `reinit` by the state alone; none without
+    clauses."""
     graph, clauses = along.graph, along.equations.whens
     if not clauses:
         return []
@@ -263,7 +265,7 @@ def divisors(graph: Graph, node: Node, moving: Set[Node]) -> list[tuple[Node, No
 
 
 def poles(equations: EquationsOfMotion) -> tuple[Node, ...]:
-    """The divisors, each once, without the root that one may be; 1 on branches that ask for none."""
+    """Return the divisors, each once and without a root around it; 1 on branches that do not divide."""
     roots, graph = deciding(equations), equations.graph
     moving = depends(roots, [equations.time, *equations.q, *equations.v])
     found: dict[Node, list[tuple[Node, Node]]] = {}  # with the nodes that divide by them, and when these do
@@ -282,7 +284,7 @@ def poles(equations: EquationsOfMotion) -> tuple[Node, ...]:
 
 
 def _asked(graph: Graph, roots: Sequence[Node]) -> dict[Node, Node]:
-    """Of each node the condition under which the values of `roots` depend on it."""
+    """Return, for each node, the condition under which the values of `roots` depend on it."""
     asked = dict.fromkeys(roots, graph.one)
     for node in reversed(reachable(roots)):
         for k, below in enumerate(node.args):

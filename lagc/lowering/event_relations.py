@@ -53,9 +53,12 @@ class EventRelation:
 def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[EventRelation, ...]]:
     """Return the equations along a step and their relations, those with a slope first. A relation depends on
     the modes of relations before it."""
+    # Relations of conditions and of given forces may ask for accelerations and reactions: `late`.
     conditions = [when.condition for when in equations.whens]
     asking = [*conditions, *equations.given_forces]
     late = frozenset(symbols(asking) & {*equations.a, *equations.lam, *_forces(equations)})
+    # Only relations that time, states or late values move become modes; one of parameters alone is a branch
+    # of the compiled code.
     changing = [equations.time, *equations.q, *equations.v]
     moved = depends([*deciding(equations), *conditions], [*changing, *late])
     relation_functions = sorted(
@@ -63,11 +66,15 @@ def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[Event
     )
     if not relation_functions and not equations.contacts:
         return equations, ()
+    # Freezing replaces each such relation by its mode, in all that the rates are made of. Relations that no
+    # equation uses then are left out.
     made = _Freezing(equations.graph, frozenset(changing), late, equations.time, relation_functions)
     found = _with(equations, made)
     whens = [replace(x, condition=node) for x, node in zip(equations.whens, made.all(conditions))]
     found = replace(found, whens=tuple(whens))
+    # Time events first, then those of the state, late ones last: kernels rely on this order.
     ordered = sorted(_used(found, made.relations), key=lambda one: (one.slope is None, one.late))
+    # A load that a reaction decides sees all branches in its solve; its mode decides events alone.
     if any(relation.late and not relation.aside for relation in ordered):
         found = _with_late_choices(found, ordered)
     return found, (*ordered, *_touching(found, len(made.relations)))
@@ -80,6 +87,7 @@ def _with_late_choices(equations: EquationsOfMotion, relations: Sequence[EventRe
     chosen = {relation.mode: relation.own for relation in relations if relation.late}
 
     def with_choices(nodes: Sequence[Node]) -> list[Node]:
+        # Modes of late relations may contain each other.
         found = list(nodes)
         while symbols(found) & chosen.keys():
             found = substitute(graph, found, chosen)
@@ -112,7 +120,10 @@ def _touching(equations: EquationsOfMotion, count: int) -> list[EventRelation]:
 
 
 def _used(equations: EquationsOfMotion, relations: Sequence[EventRelation]) -> list[EventRelation]:
-    """Those that `equations` depend on: what loads on bodies depend on may cancel in the forces on speeds."""
+    """Return the relations that `equations` depend on. A relation of a load on a body may cancel in the
+    forces on the speeds."""
+    # From the last relation to the first: each uses modes of those before it. A relation that only clauses
+    # read is `aside`.
     moving = [*equations.qdot, *sources(replace(equations, whens=()))]
     reached = symbols([*moving, *formed_of(_gradients(equations))])
     asked = symbols([when.condition for when in equations.whens])
@@ -138,7 +149,7 @@ class _Freezing:
     ) -> None:
         self.graph = graph
         self.known: dict[Node, Node] = {}
-        self.modes: dict[Node, Node] = {}  # by what they stand for
+        self.modes: dict[Node, Node] = {}  # sign(g), floor(g) or piece(g) -> its mode
         self.relations: list[EventRelation] = []
         self._kinds = dict.fromkeys(changing, _MOVES)  # of what nodes are made of
         self._kinds.update(dict.fromkeys(late, _MOVES | _LATE))
@@ -146,13 +157,15 @@ class _Freezing:
         self._time = time
         self._ranges: dict[Node, Interval] = {}
         self._texts: Texts = {}
-        self._asked: dict[Node, Node] = {}  # by what the sign of is asked for, who does first
+        self._asked: dict[Node, Node] = {}  # expression -> the first relation that asks for its sign
         for node in relation_functions:
             for side in self._sides(node):
                 self._asked.setdefault(side, node)
 
     def all(self, nodes: Sequence[Node]) -> list[Node]:
         known = self.known
+        # Arguments before users: each node is rebuilt on frozen arguments. A relation becomes a mode, a power
+        # of a base that vanishes at the end of its branch uses its absolute value.
         for node in missing(nodes, known):
             args = tuple([known[a] for a in node.args])
             if node.op in _RELATIONS:
@@ -164,7 +177,7 @@ class _Freezing:
         return [known[node] for node in nodes]
 
     def _kind(self, node: Node) -> int:
-        """Which of _TIME, _MOVES, _MODES and _LATE it is made of."""
+        """Return the bits _TIME, _MOVES, _MODES and _LATE of all that a node is made of."""
         kinds = self._kinds
         for below in missing([node], kinds):
             kinds[below] = union(kinds[a] for a in below.args)
@@ -175,6 +188,7 @@ class _Freezing:
 
     def _relation(self, node: Node, args: tuple[Node, ...]) -> Node:
         graph, op = self.graph, node.op
+        # A relation of parameters, or one whose arguments are modes, is no event of its own.
         if not any(self._kind(a) & (_TIME | _MOVES) for a in args):
             return node if args == node.args else graph.rebuild(node, args)
         if op in _COUNTING:
@@ -183,6 +197,7 @@ class _Freezing:
             mode = self._sign(args[0], node.args[0], node)
             return mode * args[0] if op == "abs" else mode
         plain = node.args
+        # a < b asks for the sign of b - a; min and max choose by it.
         mode = self._sign(graph.sub(args[1], args[0]), graph.sub(plain[1], plain[0]), node)
         if op in COMPARISONS:
             return graph.binary("eq", mode, graph.zero) if op == "eq" else graph.binary(op, graph.zero, mode)
@@ -190,7 +205,8 @@ class _Freezing:
         return graph.select(graph.binary("lt", graph.zero, mode), *first)
 
     def _sides(self, node: Node) -> list[Node]:
-        """The expression whose sign `node` asks for, without a number before it, and its opposite."""
+        """Return the expression whose sign `node` asks for, without a number before it, and its opposite."""
+        # Two relations with the same indicator, up to a number and a sign, share a mode.
         if node.op in _COUNTING:
             return []
         side = node.args[0] if len(node.args) == 1 else self.graph.sub(node.args[1], node.args[0])
@@ -204,6 +220,7 @@ class _Freezing:
         """Return the base of a power for its branch and beyond: with the sign of the whole if that is known,
         else with the signs of its factors."""
         whole = self._beyond(base)
+        # The sign of the whole base, else of its factors with odd powers, that some relation asks for.
         if whole is not self.known[base]:
             return whole
         c, product = (base.value, base.args[0]) if base.op == "scale" else (1.0, base)
@@ -214,7 +231,8 @@ class _Freezing:
         return self.graph.scale(c, self.graph.product(held))
 
     def _beyond(self, factor: Node) -> Node:
-        """A factor with the sign that it has on its branch, where that is known."""
+        """Return a factor with the sign that it has on its branch, if that is known."""
+        # An interval that does not contain zero tells the sign without a relation.
         graph, frozen = self.graph, self.known[factor]
         low, high = extended(self._ranges, factor)
         if low >= 0.0:
@@ -227,7 +245,8 @@ class _Freezing:
         return self._sign(frozen, factor, asking) * graph.unary("abs", frozen)
 
     def _counted(self, side: Node, node: Node) -> Node:
-        """floor(side), or the piece of a table that holds it, as a mode."""
+        """Return floor(side), or the piece of a table that contains `side`, as a mode."""
+        # The mode k means k <= side < k + 1, or the piece of the table; beyond its ends there is no edge.
         graph, own = self.graph, self.graph.rebuild(node, (side,))
         if own not in self.modes:
             mode = self._symbol()
@@ -240,14 +259,16 @@ class _Freezing:
         return self.modes[own]
 
     def _sign(self, side: Node, plain: Node, node: Node) -> Node:
-        """sign(side), as a mode; of opposite sides one is the negative of the other."""
+        """Return sign(side) as a mode; opposite sides have opposite modes."""
         graph = self.graph
+        # sign(c x) = sign(c) sign(x), and sign(-x) = -sign(x): one mode stands for all of them.
         if side.op == "scale":
             mode = self._sign(side.args[0], graph.scale(1.0 / side.value, plain), node)
             return mode if side.value > 0.0 else -mode
         known = self.modes.get(graph.unary("sign", self._opposite(side)))
         if known is not None:
             return -known
+        # An indicator that cannot vanish has a constant sign.
         low, high = extended(self._ranges, side)
         if low > 0.0 or high < 0.0:
             return graph.one if low > 0.0 else -graph.one
@@ -269,6 +290,7 @@ class _Freezing:
     def _slope(self, side: Node) -> Node | None:
         """Return the slope of an indicator that is affine in time and depends on nothing else that varies but
         such modes."""
+        # dg/dt is constant along the branch, so the time of the crossing is known: g + slope dt = 0.
         if self._kind(side) != _TIME:
             return None
         (slope,) = tangent(self.graph, [side], {self._time: self.graph.one})
@@ -294,7 +316,8 @@ def _matrix(flat: Sequence[Node]) -> Matrix:
 
 
 def deciding(equations: EquationsOfMotion) -> list[Node]:
-    """All that the rates are made of."""
+    """Return the nodes that the rates are made of."""
+    # Inertia, gradients and bias of rows, forces, contacts.
     found = [*equations.qdot, *equations.loads, *equations.loads.values()]
     found += [*equations.bias_forces, *equations.given_forces, equations.power]
     for part in equations.inertias:
@@ -315,8 +338,9 @@ def _gradients(equations: EquationsOfMotion) -> list[Mapping[int, Node]]:
 
 
 def _with(equations: EquationsOfMotion, f: _Freezing) -> EquationsOfMotion:
-    """`equations` with f of all that the rates are made of."""
+    """Return `equations` with all nodes of the rates replaced by `f`."""
 
+    # f freezes a scalar mass, or each entry of a tensor.
     def mass(given: Node | Matrix) -> Node | Matrix:
         return _matrix(f.all([x for row in given for x in row])) if isinstance(given, tuple) else f.one(given)
 

@@ -30,7 +30,7 @@ _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
     "initial_places", "relations", "timed", "flowing", "driven", "doubtful", "derivatives",
     "part_ends", "part_columns", "written", "conservative", "series", "methods",
-    "scales",
+    "scales", "events",
 )  # fmt: skip
 _OPTIONAL = (
     "contacts", "late_relations", "loading_rows", "held_rows", "pushed_contacts", "servos", "curved_loads",
@@ -39,7 +39,7 @@ _OF_DISCRETES = ("discretes", "booleans")
 
 
 def used_parameters(equations: EquationsOfMotion, roots: Iterable[Node]) -> tuple[Parameter, ...]:
-    """The parameters that reach any of `roots`, in order of declaration."""
+    """Return the parameters that `roots` depend on, in order of declaration."""
     reached = symbols(roots)
     return tuple([p for p in equations.model.parameters if p.symbol in reached])
 
@@ -49,6 +49,7 @@ def interface(
     parameters: tuple[Parameter, ...],
     functions: Mapping[str, Function],
     slopes: Slopes,
+    loads: Mapping[str, Any],
     *,
     read: tuple[int, ...] = (),
     work: bool,
@@ -61,29 +62,27 @@ def interface(
     remarks: tuple[str, ...] = (),
     derivatives: Mapping[str, tuple[tuple[int, int], ...]],
     relations: tuple[EventRelation, ...] = (),
-    loading_rows: tuple[int, ...] = (),
-    held_rows: tuple[int, ...] = (),
-    pushed_contacts: tuple[int, ...] = (),
-    curved_loads: bool = False,
 ) -> Interface:
-    """Return the interface of `functions` and of `slopes`, the derivatives of the initial equations.
-    `dropped` are names that were left out; `remarks` become notes."""
+    """Return the interface of `functions`, of `slopes`, the derivatives of the initial equations, and of
+    `loads` that depend on reactions (`Loads.described`). `dropped` are names that were left out; `remarks`
+    become notes."""
     model = equations.model
     # A parameter without a place reaches nothing: a note says so.
     kept = {p.name for p in parameters}
     notes = [f"parameter `{p.name}` reaches nothing" for p in model.parameters if p.name not in kept]
+    # Does the motion depend on time itself? The right-hand side, or the dense system, tells.
     flowing = _timed(functions["system" if "system" in functions else "rhs"])
+    # The functions do not say what a run needs besides: names, units, places, tables, sizes.
     found = Interface(
-        model=model.name,
-        scene=model.scene,
-        model_hash="",
+        model=model.name, scene=model.scene, model_hash="",
         nz=1 if work else 0,
         whens=_clauses(equations, int(work)),
-        discretes=tuple([discrete_field(variable) for variable in model.discretes]),
-        booleans=tuple([int(variable.boolean) for variable in model.discretes]),
         contacts=_contacts(equations, int(work)),
         **_of_equations(equations),
         **_of_functions(functions, slopes),
+        **_of_discretes(model),
+        **_of_relations(relations),
+        **loads,
         parameters=tuple([parameter_field(p) for p in parameters]),
         inputs=tuple([input_field(u) for u in model.inputs]),
         limits=tuple([_limit(x) for x in model.limits]),
@@ -94,32 +93,21 @@ def interface(
         velocity_unknowns=velocity_unknowns,
         read=read,
         effects=tuple([e.name for e in model.effects if e.used]),
-        simulate=dict(model.simulate),
-        scales=dict(model.scales),
+        simulate=dict(model.simulate), scales=dict(model.scales),
         notes=(*model.notes, *notes, *equations.dropped, *remarks),
         dropped=dropped,
-        relations=tuple([relation.words for relation in relations]),
-        counted_relations=tuple([int(relation.edges is not None) for relation in relations]),
-        loading_rows=loading_rows,
-        held_rows=held_rows,
-        pushed_contacts=pushed_contacts,
-        curved_loads=curved_loads,
         servos=tuple([(c.name, c.actuator) for c in model.constraints if c.actuator]),
-        late_relations=sum(relation.late for relation in relations),
-        timed_relations=sum(1 for relation in relations if relation.slope is not None),
-        relations_aside=tuple([int(relation.aside) for relation in relations]),
         timed=flowing or ("indicators" in functions and _timed(functions["indicators"])),
         flowing=flowing,
         doubtful=_doubtful(model),
         derivatives=dict(derivatives),
-    )
-    # The hash is that of everything else.
-    digest = _digest(found, functions)
-    return replace(found, model_hash=digest)
+    )  # fmt: skip
+    return replace(found, model_hash=_digest(found, functions))  # the hash is that of everything else
 
 
 def _contacts(equations: EquationsOfMotion, nz: int) -> tuple[Contact, ...]:
     """Return the contacts as a run needs them."""
+    # Discrete variables are the last states; an impulse that a model reads is one of them.
     first = len(equations.q) + len(equations.v) + nz
     states = {variable.name: first + k for k, variable in enumerate(equations.model.discretes)}
     return tuple([
@@ -167,6 +155,8 @@ def _of_equations(equations: EquationsOfMotion) -> dict[str, Any]:
 
 def _of_functions(functions: Mapping[str, Function], slopes: Slopes) -> dict[str, Any]:
     """Return what the functions and the derivatives of the initial equations tell of themselves."""
+    # The derivatives of the initial equations as tables: ends of rows and columns of entries. Where sums are
+    # shared, also those of the parts.
     bind = functions.get("bind")
     columns = slopes.columns
     parts = (*slopes.rows, *slopes.sums) if slopes.sums else ()
@@ -185,13 +175,30 @@ def _of_functions(functions: Mapping[str, Function], slopes: Slopes) -> dict[str
     }
 
 
+def _of_discretes(model: Model) -> dict[str, Any]:
+    return {
+        "discretes": tuple([discrete_field(variable) for variable in model.discretes]),
+        "booleans": tuple([int(variable.boolean) for variable in model.discretes]),
+    }
+
+
+def _of_relations(relations: Sequence[EventRelation]) -> dict[str, Any]:
+    return {
+        "relations": tuple([relation.words for relation in relations]),
+        "counted_relations": tuple([int(relation.edges is not None) for relation in relations]),
+        "late_relations": sum(relation.late for relation in relations),
+        "timed_relations": sum(1 for relation in relations if relation.slope is not None),
+        "relations_aside": tuple([int(relation.aside) for relation in relations]),
+    }
+
+
 def _timed(function: Function) -> bool:
-    """Whether what it computes depends on time itself: that of frames that turn may cancel."""
+    """Return whether the values of a function depend on time itself: that of turning frames may cancel."""
     return any(isinstance(o.payload, tuple) and o.payload[0] == "t" for o in function.operations)
 
 
 def _doubtful(model: Model) -> bool:
-    """Whether masses and moments of inertia that are not negative may leave a kinetic energy that is."""
+    """Return whether the kinetic energy may be negative although no mass or moment of inertia is."""
     tensors = [body.inertia for body in model.bodies if body.inertia is not None]
     free = any(isinstance(action, Lagrangian) for action in model.actions)
     return free or not all(_without_products(tensor) or _positive(tensor) for tensor in tensors)
@@ -202,7 +209,8 @@ def _without_products(tensor: Matrix) -> bool:
 
 
 def _positive(tensor: Matrix) -> bool:
-    """Whether a tensor of numbers is positive definite, as its leading minors tell (J. Sylvester, 1852)."""
+    """Return whether a tensor of numbers is positive definite, by its leading minors (J. J. Sylvester,
+    1852)."""
     if not all(x.is_const for row in tensor for x in row):
         return False
     (a, d, e), (_, b, f), (_, _, c) = [[x.value for x in row] for row in tensor]
@@ -217,7 +225,7 @@ def _warning(fault: Fault) -> str:
 
 
 def place(span: Span) -> str:
-    """File and line, without the directory: generated text must not depend on where a file is."""
+    """Return file and line without the directory: generated text must not depend on where a file is."""
     return f"{_file(span.source.name)}:{span.line}"
 
 
@@ -226,7 +234,7 @@ def _file(path: str) -> str:
 
 
 def _source_name(equations: EquationsOfMotion) -> str:
-    """The file that the model's first thing was read from."""
+    """Return the file that the first definition of the model was read from."""
     model = equations.model
     for things in (model.coordinates, model.bodies, model.parameters):
         for thing in things:
@@ -278,7 +286,7 @@ def _outputs(equations: EquationsOfMotion) -> tuple[Field, ...]:
 
 
 def _digest(interface: Interface, functions: Mapping[str, Function]) -> str:
-    """A hash of all that makes a result: no file names, no places."""
+    """Return a hash of everything that decides a result: no file names, no places."""
     texts = []
     for name in names(Interface):
         absent = name in _OPTIONAL and not getattr(interface, name)
@@ -301,14 +309,14 @@ def _digest(interface: Interface, functions: Mapping[str, Function]) -> str:
 
 
 def kinds(q_units: Sequence[str], v_units: Sequence[str]) -> tuple[int, ...]:
-    """The kind of each coordinate, then of each speed; those of coordinates come first."""
+    """Return the kind of each coordinate, then of each speed; those of coordinates come first."""
     known: dict[tuple[str, Dimension], int] = {("q", NONE): 0}
     states = [("q", _dimension(u)) for u in q_units] + [("v", _dimension(u)) for u in v_units]
     return tuple([known.setdefault(state, len(known)) for state in states])
 
 
 def rates(q_units: Sequence[str], v_units: Sequence[str]) -> dict[int, int]:
-    """The kinds of coordinates, each with the kind of speeds that are its rates, where there is one."""
+    """Return the scaling group of the rates of each scaling group of coordinates, if there is one."""
     states = kinds(q_units, v_units)
     speeds = {_dimension(u): kind for u, kind in zip(v_units, states[len(q_units) :])}
     pairs = {kind: speeds.get(over(_dimension(u), S)) for u, kind in zip(q_units, states)}

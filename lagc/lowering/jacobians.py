@@ -55,6 +55,7 @@ class Derivatives(NamedTuple):
 
 def motion_by_entries(equations: EquationsOfMotion) -> dict[str, list[Node]]:
     """Return the terms that determine the accelerations, by the entries of M and G."""
+    # M a by entries of the symmetric matrix: each off-diagonal one counts in two rows.
     graph = equations.graph
     inertia: list[list[Node]] = [[] for _ in equations.v]
     for (i, j), m in sorted(equations.mass_matrix.items()):
@@ -77,8 +78,10 @@ def motion_by_entries(equations: EquationsOfMotion) -> dict[str, list[Node]]:
 
 
 def motion_by_sweeps(equations: EquationsOfMotion) -> dict[str, list[Node]]:
-    """The same in proportion to the equations, which have more entries."""
+    """Return the same terms by sweeps through the graph: as long as the equations, not as M and G."""
     graph = equations.graph
+    # The same sums by one sweep through the graph: for models whose matrices have more entries than the graph
+    # has nodes.
     along = tangent(graph, [row.rate for row in equations.rows], dict(zip(equations.v, equations.a)))
     forces = zip(equations.applied_forces, equations.constraint_forces)
     return {
@@ -117,13 +120,15 @@ def groups(places: Places) -> dict[str, list[Node]]:
     }
 
 
-def derivatives(places: Places, relations: Sequence[EventRelation]) -> Derivatives:
+def derivatives(places: Places, relations: Sequence[EventRelation], along: bool = False) -> Derivatives:
     """Return the derivatives by the names of `groups`, by a reverse sweep for each row of the stack; or the
-    derivative along a direction d, by one forward sweep."""
+    derivative along a direction d, by one forward sweep, where it is shorter or `along` asks for it."""
+    # Rows with many common parts make gradients with many entries; the one along a direction is as long
+    # as the rows.
     equations, by = places.equations, groups(places)
     every = [symbol for symbols in by.values() for symbol in symbols]
     swept = _rows(stack(equations, relations, motion_by_sweeps))
-    if entangled(swept, every, MOST):
+    if along or entangled(swept, every, MOST):
         return Derivatives(_values(places, swept), {}, _directional(places, swept, every))
     rows = _rows(stack(equations, relations))
     slopes = [gradient(places.graph, {node: places.graph.one}, every) for node in rows]
@@ -140,7 +145,10 @@ def _rows(parts: dict[str, list[Node]]) -> list[Node]:
 
 
 def entangled(rows: Sequence[Node], leaves: Sequence[Node], most: int) -> bool:
-    """Whether sweeps, one a row, would pass what rows share more than `most` times."""
+    """Return whether reverse sweeps, one for each row, would pass nodes that rows share more than `most`
+    times on average."""
+    # Rows above each node as bits: a reverse sweep for each row passes a node once for each row above it. The
+    # sum of these numbers is the work.
     moving, passed = depends(rows, leaves), 0
     for first in range(0, len(rows), TOGETHER):
         some = rows[first : first + TOGETHER]
@@ -184,7 +192,7 @@ def _function(
 
 
 def condition_rows(equations: EquationsOfMotion) -> list[Node]:
-    """The residuals that vanish at a consistent start, and the rates that were stated."""
+    """Return the residuals that vanish at a consistent start, and the stated rates."""
     phi = [row.residual for row in equations.rows if row.holonomic]
     psi = [row.rate for row in equations.rows]
     own = [residual for residual, _ in equations.initial_conditions]
@@ -192,9 +200,10 @@ def condition_rows(equations: EquationsOfMotion) -> list[Node]:
 
 
 def condition_slopes(equations: EquationsOfMotion) -> Slopes:
-    """d(row)/d(q, v, stated rates) of each of `condition_rows`."""
+    """Return the derivatives of `condition_rows` by q, v and the stated rates."""
     unknowns, rows = (*equations.q, *equations.v), condition_rows(equations)
     n, rates = len(unknowns), len(equations.stated_rates)
+    # A stated rate is an unknown too: rate - value has the derivative -1 by its value.
     found = slopes(equations.graph, rows, {x: k for k, x in enumerate(unknowns)}, n + rates)
     value = equations.graph.const(-1.0)  # each stated rate is its rate less its value
     stated = [{**own, n + k: value} for k, own in enumerate(found.rows[len(rows) - rates :])]
@@ -202,6 +211,6 @@ def condition_slopes(equations: EquationsOfMotion) -> Slopes:
 
 
 def start_units(equations: EquationsOfMotion) -> list[str]:
-    """The units of the unknowns of the start, each once."""
+    """Return the units of the unknowns of the start, each once."""
     rates = [s.unit for s in equations.stated_rates]
     return list(dict.fromkeys([*equations.q_units, *equations.v_units, *rates]))

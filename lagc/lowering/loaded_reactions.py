@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from lagc.base.records import dataclass, replace
 from lagc.lowering.program import Function
@@ -28,6 +29,11 @@ class Loads:
     slopes: tuple[Node, ...]
     linear: bool
     rest: EquationsOfMotion
+
+    def described(self) -> dict[str, Any]:
+        """Return the fields of an interface that tell of them."""
+        return {"loading_rows": self.rows, "held_rows": self.held, "pushed_contacts": self.pushed,
+                "curved_loads": not self.linear}  # fmt: skip
 
 
 def loads_of(equations: EquationsOfMotion) -> Loads | None:

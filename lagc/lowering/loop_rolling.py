@@ -40,8 +40,11 @@ def rerolled(function: Function, often: bool = False) -> Function:
     """Return `function` with its `runs` if it is long and loops cost less, else in the order of `ordered`. A
     function that is called `often` is optimized for time, others for size."""
     straight = len(function.operations) + len(function.stores)
+    # Short functions stay straight: a loop would not make them faster or shorter.
     if straight <= STRAIGHT:
         return function
+    # In the order in which they were made, equal parts repeat. A function that is called often may pay for
+    # another order, in which values are used where they are made.
     if not moves_itself(function):
         cost, found = _with_loops(function, often)
         if often and cost > _MUCH * straight:
@@ -64,6 +67,7 @@ def _with_loops(function: Function, often: bool) -> tuple[float, Function]:
 def lettered(function: Function) -> tuple[Function, list[Letter]]:
     """Return the operations with commutative operands in one order, and a letter for each: operation or store
     without the places of operands."""
+    # A letter is an operation with the kinds of its operands: equal letters are equal code up to places.
     kinds = _kinds(function)
     operations = tuple([_in_one_order(o, kinds) for o in function.operations])
     letters: list[Letter] = [(o.op, *_table(o), *[kinds[k] for k in o.operands]) for o in operations]
@@ -82,6 +86,8 @@ def local(function: Function) -> Function:
     """Return the function with its operations store by store, each followed by those that it makes possible,
     so that operations on one value and on one part are adjacent. A value of few operations on leaves is
     computed where it is needed."""
+    # Two kinds of values: those of few operations on leaves (`cone`), which are computed where they are
+    # needed, and the others, which are made once, as early as they can be.
     operations = function.operations
     cone = [0] * len(operations)  # operations that lead to each, as far as they are few
     users: list[list[int]] = [[] for _ in operations]
@@ -96,6 +102,8 @@ def local(function: Function) -> Function:
     def waits(k: int) -> bool:
         return any([not done[a] and cone[a] > _FEW for a in operations[k].operands])
 
+    # Depth first from each store; when a value is done, operations that it makes possible and that wait for
+    # nothing else come at once: they work on the same part of the model.
     for store in function.stores:
         stack = [store.value]
         while stack:
@@ -137,13 +145,13 @@ def _in_one_order(o: Operation, kinds: Sequence[str]) -> Operation:
 
 
 def moves_itself(function: Function) -> bool:
-    """Whether an entry that it stores is one that another store may have changed by then."""
+    """Return whether a function stores a value that it loads from a place which another store overwrites."""
     written = {(store.array, store.index) for store in function.stores}
     return any([function.operations[store.value].payload in written for store in function.stores])
 
 
 class _Repeated(NamedTuple):
-    """`times` the `period` letters from `at` on."""
+    """A repetition: `period` letters from `at` on, `times` times."""
 
     at: int
     period: int
@@ -155,14 +163,17 @@ class _Repeated(NamedTuple):
 
 
 class _Text:
-    """The operations of a function behind its leaves, then its stores, as letters."""
+    """The text of a function: its operations without leaves, then its stores, as letters."""
 
     def __init__(self, function: Function, letters: Sequence[Letter]) -> None:
         operations, stores = function.operations, function.stores
         self.first = first = sum([o.op in LEAVES for o in operations])
         self.stores = len(operations)
         signs: dict[Letter, str] = {}
+        # The text: one sign for each different letter, so that substrings are compared by the string search
+        # of Python.
         self.letters = "".join([signs.setdefault(letter, chr(33 + len(signs))) for letter in letters[first:]])
+        # Operands: from outside by their place in an array, from inside by how far back they are.
         # By place among the operands: where in its array a leaf is, which value another one is, no operand.
         where = [o.payload[1] if isinstance(o.payload, tuple) else k for k, o in enumerate(operations)]
         operands = [o.operands for o in operations[first:]] + [(store.value,) for store in stores]
@@ -178,7 +189,9 @@ class _Text:
         self.same_to: dict[int, int] = {}  # by period: where letters that were the same so far back end
 
     def runs(self) -> Iterator[Run]:
-        """Of all letters: of the periods that begin at a place the one that goes farthest."""
+        """Yield the runs of the whole text: at each place the repetition that goes farthest, else straight
+        code."""
+        # Left to right: the longest repetition at a place becomes a run, and the search goes on behind it.
         nexts, at, straight = self._nexts(), 0, 0
         while at < len(self.letters):
             found = self._longest(at, nexts)
@@ -194,7 +207,8 @@ class _Text:
             yield Run(self.first + straight, at - straight, 1)
 
     def _nexts(self) -> list[int]:
-        """Where the letters that begin at each place come next."""
+        """Return, for each place, the next place at which the same letters begin."""
+        # `seen` is filled from the end, so it holds the next place with the same letters.
         count = len(self.letters)
         found, seen = [count] * count, dict[str, int]()
         for k in range(count - _GRAM, -1, -1):
@@ -204,6 +218,8 @@ class _Text:
         return found
 
     def _longest(self, at: int, nexts: Sequence[int]) -> _Repeated | None:
+        # Each return of the same 16 letters is a candidate for the period. Periods that cannot repeat three
+        # times in the text that remains end the search.
         count, found, other = len(self.letters), list[_Repeated](), nexts[at]
         for _ in range(_HOPS):
             period = other - at
@@ -213,6 +229,8 @@ class _Text:
             if times >= _LEAST and period * times >= _WORTH:
                 found.append(_Repeated(at, period, times))
             other = nexts[other]
+        # From the longest on: a repetition must also have the same edges. A shorter period wins over a longer
+        # one that covers hardly more.
         best: _Repeated | None = None
         least: float = _WORTH
         for one in sorted(found, key=lambda one: (-one.length, one.period)):
@@ -224,7 +242,9 @@ class _Text:
         return best
 
     def _common(self, a: int, b: int) -> int:
-        """How many letters are the same from a and from b > a on."""
+        """Return how many letters are the same from a and from b > a on."""
+        # Letters that were found equal at this distance before are not compared again; else the length is
+        # found by doubling, then halving.
         if self.same_to.get(b - a, 0) > a:
             return self.same_to[b - a] - a
         letters, length, step = self.letters, 0, 64
@@ -238,7 +258,9 @@ class _Text:
         return length
 
     def _same(self, one: _Repeated) -> int:
-        """How many repetitions have the edges of the first among themselves."""
+        """Return how many repetitions have the same edges among their operations as the first one."""
+        # Operands inside a repetition are equally far back in each. One that points before the repetition is
+        # no edge inside it: its place comes from outside.
         pattern = [back[one.at : one.at + one.period] for back in self.back]
         for n in range(1, one.times):
             begin = one.at + n * one.period
@@ -251,7 +273,10 @@ class _Text:
         return one.times
 
     def _shaped(self, one: _Repeated) -> _Repeated:
-        """The same with several repetitions as one, or without some at its ends, where fewer tables do."""
+        """Return the repetition with several repetitions taken as one, or without some at its ends, if that
+        needs fewer tables."""
+        # Operands from outside need a table unless their places grow evenly. Two or more repetitions as one,
+        # or one less at an end, may make more of them even.
         best, least = one, math.inf
         for together in range(1, _TOGETHER + 1):
             period, times = together * one.period, one.times // together
@@ -261,6 +286,8 @@ class _Text:
                 times = self._same(_Repeated(one.at, period, times))
             if times < _LEAST:
                 continue
+            # Room: the text of the loop, its tables at a quarter of an operation each, and what stays
+            # outside.
             columns = self._uneven(_Repeated(one.at, period, times))
             for first, last in product(range(_ENDS + 1), repeat=2):
                 form = _Repeated(one.at + first * period, period, times - first - last)
@@ -273,16 +300,20 @@ class _Text:
         return best
 
     def indexing(self, run: Run) -> int:
-        """Iterations of a run, and indices from tables; stores of what is computed stand beside it mostly."""
+        """Return the cost of the indices of a run: its entries of tables, and one for each iteration unless
+        the run only stores values that stand side by side."""
         if run.count == 1:
             return 0
+        # Without a table and without a value from before, an iteration costs nothing more than its
+        # operations.
         tables = len(self._uneven(_Repeated(run.first - self.first, run.period, run.count)))
         first = run.first - self.first
         alone = run.first < self.stores or self.far in self.back[0][first : first + run.period]
         return run.count * (tables + alone)
 
     def _uneven(self, one: _Repeated) -> list[list[int]]:
-        """The operands that do not come from side by side."""
+        """Return the columns of operands, one entry for each repetition, that do not grow evenly."""
+        # Columns of equal operands in all repetitions. Equal columns share one table.
         found: dict[tuple[int, ...], list[int]] = {}
         for outer, back in zip(self.outer, self.back):
             for k in range(one.period):
@@ -290,6 +321,8 @@ class _Text:
                 if back[begin] <= k:
                     continue
                 column = outer[begin : end : one.period]
+                # The first value before a run of row to row (as in a recurrence) may lie elsewhere: it is
+                # taken for even.
                 if back[begin] < self.far:  # what comes before a row may lie before it
                     column[0] = 2 * column[1] - column[2]
                 if not _even(column):
@@ -298,6 +331,6 @@ class _Text:
 
 
 def _even(column: Sequence[int]) -> bool:
-    """Whether its numbers grow evenly."""
+    """Return whether the numbers of a column grow evenly."""
     first, step = column[0], column[1] - column[0]
     return column == [first + step * n for n in range(len(column))]

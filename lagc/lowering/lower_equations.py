@@ -41,11 +41,12 @@ OFTEN = ("rhs", "watch", "system", "residual", "contact_rows", "frictions")
 
 def optimize(
     equations: EquationsOfMotion, work: bool = False, differentiate: bool = False, sensitive: bool = False,
-    stiff: bool = False, expand: bool = False,
+    stiff: bool = False, expand: bool = False, directional: bool = False,
 ) -> Program:  # fmt: skip
-    """The functions of `equations`, each as short as it gets. `work` adds the integral of the power to the
-    state where the power is not identically zero, `differentiate` the functions of `lagc.lowering.jacobians`,
-    `sensitive` those of `tangents`, `stiff` those of `implicit`, `expand` those of `series`.
+    """Return the program of `equations`. `work` adds the integral of the power to the
+    state where the power is not identically zero, `differentiate` the functions of `lagc.lowering.jacobians`
+    (`directional`: along directions alone), `sensitive` those of `tangents`, `stiff` those of `implicit`,
+    `expand` those of `series`.
     Raises Refused with LAG0501 where a coordinate has no inertia of any kind."""
     # Parts that nothing needs go; the rest is frozen on branches between events.
     equations, left_out = prune(equations)
@@ -69,21 +70,16 @@ def optimize(
     dense = solver is None or forms_matrix(equations)
     made, slopes = _functions(at, along, relations, solver, solving, work, dense, preparation)
     # Loads that depend on reactions are solved beside the equations without them.
-    if loads is not None:
-        function = loaded(whole, loads)
-        made[function.name] = preparation.separated(function)
-        power = program_functions.power(whole) if loads.pushed else None
-        if power is not None:
-            made[power.name] = preparation.separated(power)
+    more = [loaded(whole, loads)] if loads else []
+    power = program_functions.power(whole) if loads and loads.pushed else None
+    more += [power] if power else []
     # Functions that are asked for in addition: derivatives, sensitivities, implicit methods, series.
     factored = solver if equations.rows or equations.contacts or differentiate or sensitive else None
-    differentiated = derivatives(whole, relations) if differentiate else None
-    more = [*(differentiated.functions if differentiated else ()), *(tangents(along) if sensitive else ())]
-    if more and solver and not equations.rows:
-        more = [*_factored(along, solver, False), *more]
+    differentiated = derivatives(whole, relations, directional) if differentiate else None
+    derived = [*(differentiated.functions if differentiated else ()), *(tangents(along) if sensitive else ())]
+    more += _factored(along, solver, False) if derived and solver and not equations.rows else ()
+    more += [*derived, *(implicit(whole) if stiff else ())]
     made.update((f.name, preparation.separated(f)) for f in more)
-    if stiff:
-        made.update((f.name, preparation.separated(f)) for f in implicit(whole))
     found, read = preparation.finished(made)
     if expand:
         found.update((f.name, f) for f in _series(equations, found, work, loads is not None))
@@ -91,13 +87,8 @@ def optimize(
     found = {name: rerolled(function, often=name in OFTEN) for name, function in found.items()}
     return Program(
         interface(
-            equations,
-            parameters,
-            found,
-            slopes,
-            read=read,
-            work=work,
-            straight=solver is not None,
+            equations, parameters, found, slopes, loads.described() if loads else {},
+            read=read, work=work, straight=solver is not None, relations=relations,
             work_size=kkt.work_size(factored, bool(equations.rows) and not dense) if factored else 0,
             health=dict(found["rhs"].outputs)["health"] if solver else 0,
             operations=_operations(equations, found),
@@ -105,18 +96,13 @@ def optimize(
             dropped=left_out,
             remarks=independent(equations, system),
             derivatives=differentiated.patterns if differentiated else {},
-            relations=relations,
-            loading_rows=loads.rows if loads else (),
-            held_rows=loads.held if loads else (),
-            pushed_contacts=loads.pushed if loads else (),
-            curved_loads=loads is not None and not loads.linear,
         ),
         found,
-    )
+    )  # fmt: skip
 
 
 def _roots(equations: EquationsOfMotion) -> list[Node]:
-    """Every node that any function stores."""
+    """Return every node that a function may store."""
     others = [x.value for x in equations.model.limits] + [x.start for x in equations.model.discretes]
     return [*equations.qdot, *(s.value for s in equations.starts), *others, *sources(equations)]
 
@@ -124,7 +110,8 @@ def _roots(equations: EquationsOfMotion) -> list[Node]:
 def _series(
     equations: EquationsOfMotion, found: Mapping[str, Function], work: bool, loaded: bool
 ) -> list[Function]:
-    """Raises Refused (LAG0591) where the right-hand side has an operation without a recurrence."""
+    """Return the functions of the Taylor series of the right-hand side. Raises Refused (LAG0591) if it has an
+    operation without a recurrence."""
     reason = "its equations are solved by a loop over a dense matrix"
     if loaded:
         reason = "its loads depend on reactions"
@@ -138,8 +125,9 @@ def _series(
 
 
 def _solver(at: Places, work: bool) -> tuple[Solver | None, list[Function]]:
-    """The form of the equations that takes the fewest operations, and its right-hand side, with what watches
-    it, where one can be straight."""
+    """Return the form of the equations with the fewest operations, and the functions `rhs` and `watch` of it;
+    None and no functions if no form can be solved by straight-line code."""
+    # Both forms are printed and weighed: the number of operations of the right-hand side decides.
     forms = [(solver, kkt.rhs(at, solver, work)) for solver in solvers(at.equations)]
     if len(forms) < 2:
         return forms[0] if forms else (None, [])
@@ -156,8 +144,8 @@ def _functions(
     dense: bool,
     preparation: Preparation,
 ) -> tuple[dict[str, Function], Slopes]:
-    """`at` the state alone; `along` the branches of a run, which differ if there are relations.  With the
-    functions, the slopes of the conditions of a start."""
+    """Return the functions, and the derivatives of the initial equations. `at` has the equations on the state
+    alone; `along` those on the branches of a run, which differ if there are relations."""
     constrained = bool(at.equations.rows)
     made: list[Function | None] = [*solving]
     # The linear equations: as a matrix, or as factors with what checks them.
@@ -196,14 +184,15 @@ def _factored(along: Places, solver: Solver, guarded: bool) -> list[Function]:
 
 
 def _operations(equations: EquationsOfMotion, found: Mapping[str, Function]) -> int:
-    """Of one right-hand side, where all contacts touch; the dense solve of a looped one counts n^3/3."""
+    """Return the operations of one right-hand side while all contacts touch; a dense solve counts n^3/3."""
+    # The equations without contacts; n^3/3 multiplications of the dense factorization, 2 n^2 of the solve.
     n = len(equations.v) + len(equations.rows)
     free = found["rhs"].cost if "rhs" in found else found["system"].cost + n * n * n // 3 + 2 * n * n
     return free + (_contact_operations(equations, found) if equations.contacts else 0)
 
 
 def _contact_operations(equations: EquationsOfMotion, found: Mapping[str, Function]) -> int:
-    """Of the forces of contacts: their rows R, X = K^-1 R^T, W = R X, the solve of W, and X p."""
+    """Return the operations of the forces of contacts: rows R, X = K^-1 R^T, W = R X, its solve, and X p."""
     rows, n = sum(len(contact.jacobians) for contact in equations.contacts), len(equations.v)
 
     def cost(*names: str) -> int:

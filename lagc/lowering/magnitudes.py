@@ -17,6 +17,9 @@ _ROOT = 3  # products that a root costs, with what stands about it
 
 
 def terms(graph: Graph, node: Node) -> list[Node]:
+    """Return the terms of a sum, with sums inside it opened."""
+    # A sum of sums as one list of terms, with their numbers multiplied in. Long ones stay as they are from
+    # some length on.
     found: list[Node] = []
     stack: list[tuple[float, Node]] = [(1.0, node)]
     while stack:
@@ -33,6 +36,8 @@ def terms(graph: Graph, node: Node) -> list[Node]:
 def magnitudes(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
     """Return the absolute values of `nodes` before cancellation: magnitudes add in sums and multiply in
     products."""
+    # |a + b| <= |a| + |b| before cancellation. A divisor keeps its own value: it may cancel, and then the
+    # quotient is large.
     found: dict[Node, Node] = {}
     for node in reachable(nodes):
         if node.op == "add":
@@ -53,6 +58,8 @@ def magnitudes(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
 def gradient_magnitudes(graph: Graph, nodes: Sequence[Node], weights: Mapping[Node, Node]) -> list[Node]:
     """Return for each of `nodes` the sum over leaves w of |weights[w] d(node)/dw| before cancellation. All
     products along a path contribute the same in any order, so no gradient is formed."""
+    # Backpropagation of one number per node: sum over arguments a of |d node / d a| times the number of a.
+    # Nodes without leaves of `weights` contribute nothing.
     order = reachable(nodes)
     bits = leaves_below(order, weights)
     moving = [node for node in order if node in bits and node not in weights]
@@ -71,6 +78,7 @@ def gradient_bounds(graph: Graph, nodes: Sequence[Node], weights: Mapping[Node, 
     products as the gradients. The product of two gradients is that of the arguments of the later node, each
     times its slope."""
     bits = leaves_below(reachable(nodes), weights)
+    # Entries of gradients are counted by bits; a root costs about three products.
     most = sum([2 * bits.get(node, 0).bit_count() - _ROOT for node in nodes])
     # The pairs of nodes whose products of gradients are needed, from the pairs of roots down; given up as
     # soon as they are more than the gradients themselves have entries.
@@ -104,6 +112,7 @@ def gradient_bounds(graph: Graph, nodes: Sequence[Node], weights: Mapping[Node, 
             if slope is not None and known is not None:
                 total = total + slope * known
         found[pair] = total
+    # Of n entries sum |e| <= sqrt(n sum e^2) (Cauchy and Schwarz).
     counts = [bits.get(node, 0).bit_count() for node in nodes]
     squares = [graph.scale(n, found.get((node, node), graph.zero)) for n, node in zip(counts, nodes)]
     return [graph.unary("sqrt", graph.unary("abs", square)) for square in squares]  # which rounding may turn

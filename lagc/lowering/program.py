@@ -79,7 +79,7 @@ class Function:
 
     @property
     def spelled(self) -> str:
-        """Its name in generated code: one that is a function of modes is that on their branch."""
+        """The name in generated code; a function of modes has a suffix."""
         return f"{self.name}_on" if "modes" in self.inputs else self.name
 
     @property
@@ -90,13 +90,13 @@ class Function:
 
     @property
     def written(self) -> int:
-        """Operations and stores, those of loops once."""
+        """The number of operations and stores as text: those of loops count once."""
         loops = sum([run.period for run in self.runs])
         return loops or len(self.operations) + len(self.stores)
 
 
 def tables(functions: Iterable[Function]) -> list[Table]:
-    """Those in which `functions` look numbers up, in the order of their first use."""
+    """Return the tables that `functions` look numbers up in, in the order of their first use."""
     from lagc.symbolic.leaves import Table
 
     found = [o.payload for f in functions for o in f.operations if isinstance(o.payload, Table)]
@@ -104,7 +104,7 @@ def tables(functions: Iterable[Function]) -> list[Table]:
 
 
 def uses(function: Function) -> list[int]:
-    """How often each value is used on the way to a store; 0: it need not be computed."""
+    """Return how often each value is used on the way to a store; 0: it need not be computed."""
     found = [0] * len(function.operations)
     for store in function.stores:
         found[store.value] += 1
@@ -161,7 +161,7 @@ class Contact:
 
 
 def _ranges(sizes: Mapping[str, int]) -> dict[str, range]:
-    """One part behind the other."""
+    """Return the ranges of parts that follow each other."""
     found, first = dict[str, range](), 0
     for name, size in sizes.items():
         found[name] = range(first, first + size)
@@ -247,6 +247,7 @@ class Interface:
     part_ends: tuple[int, ...] = ()  # where in J those by sums too of each condition, then each sum, end
     part_columns: tuple[int, ...] = ()  # of an unknown, or behind these of a sum
     methods: tuple[str, ...] = ()  # of integration that generated code has; none: all that it can have
+    events: bool = False  # generated code has functions for integrators of the caller
     series: tuple[int, int, int, int, int] = (0, 0, 0, 0, 0)  # see `lagc.lowering.series.counts`
     scales: dict[str, float] = field(default_factory=dict)  # that quantities are declared with
     # places of their entries
@@ -272,7 +273,7 @@ class Interface:
         return bool(self.condition_ends or self.quaternions)
 
     def condition_entries(self, k: int) -> range:
-        """Where in J the derivatives of condition k are."""
+        """Return the places in J of the derivatives of condition k."""
         return range(self.condition_ends[k - 1] if k else 0, self.condition_ends[k])
 
     @property
@@ -296,7 +297,7 @@ class Interface:
 
     @property
     def groups(self) -> dict[str, range]:
-        """Where in a direction each group of what the stack is differentiated by is."""
+        """The places in a direction of each group of variables that the stack is differentiated by."""
         sizes = {"time": 1, "state": self.nq + self.nv, "acceleration": self.nv + self.nc,
                  "parameter": len(self.parameters) + len(self.inputs)}  # fmt: skip
         return _ranges(sizes)
@@ -313,7 +314,8 @@ class Interface:
         return _ranges(sizes)
 
     def drives(self, relation: int) -> bool:
-        """Whether the equations depend on it: an index beyond the relations is that of a clause `when`."""
+        """Return whether the equations depend on relation `k`; an index beyond the relations is that of a
+        clause `when`."""
         return relation < len(self.relations) and not self.relations_aside[relation]
 
     @property
@@ -412,7 +414,7 @@ class Program:
 
     @property
     def shipped(self) -> Program:
-        """Without the factors that derivatives alone are made with, in runs of lagc."""
+        """The interface without the factors that only derivatives need, for runs of lagc."""
         interface = self.interface
         if interface.nc or not interface.work_size or interface.follows or interface.contacts:
             return self

@@ -24,7 +24,8 @@ _BESIDE = 1e-6  # of other rows of its unit: smaller, the terms of a row may be 
 
 
 def system(places: Places, rare: bool) -> Function:
-    """M, r = tau - h, G and gamma for a dense solve; zeros of M and G are stored too."""
+    """Return the function of M, r = tau - h, G and gamma for a dense solve; zeros of M and G are stored
+    too."""
     equations, n = places.equations, len(places.equations.v)
     packed = {i * (i + 1) // 2 + j: node for (i, j), node in equations.mass_matrix.items()}
     jacobian = {k * n + j: node for k, row in enumerate(equations.rows) for j, node in row.jacobian.items()}
@@ -41,7 +42,7 @@ def system(places: Places, rare: bool) -> Function:
 
 
 def forces(places: Places) -> Function:
-    """qdot, and the right-hand side without a matrix."""
+    """Return the function of qdot and the right-hand side, without a matrix."""
     equations = places.equations
     right = [*equations.applied_forces, *(row.gamma for row in equations.rows)]
     outputs = (("qdot", equations.qdot), ("r", right))
@@ -56,7 +57,7 @@ class Sparse(NamedTuple):
 
 
 def matrix(places: Places, entries: Mapping[int, Node], length: int) -> Sparse | list[Node]:
-    """All entries of a matrix or, where zeros are very many, the others."""
+    """Return all entries of a matrix or, if there are very many zeros, the entries that are not zero."""
     found = {k: node for k, node in sorted(entries.items()) if not node.is_zero}
     if length - len(found) > _MOST_ZEROS:
         return Sparse(length, found)
@@ -64,7 +65,7 @@ def matrix(places: Places, entries: Mapping[int, Node], length: int) -> Sparse |
 
 
 def displace(places: Places) -> Function | None:
-    """dq = N(t,q) d."""
+    """Return the function dq = N(t,q) d; None if qdot = v."""
     equations, graph = places.equations, places.graph
     if equations.qdot == equations.v:
         return None
@@ -92,6 +93,7 @@ def velocity(places: Places) -> Function:
 def scales(places: Places) -> Function:
     """Return the sum of the absolute terms of each row. A further term for each coordinate that is no angle
     (speed, for a velocity row) covers cancellation inside products, as in dot(v, u)."""
+    # Products of a coordinate and its slope count too, where terms inside a product cancel.
     graph, equations = places.graph, places.equations
     states = kinds(equations.q_units, equations.v_units)
     lengths = {x: k for k, (x, kind) in enumerate(zip(equations.q, states)) if kind > 0}
@@ -111,6 +113,7 @@ def scales(places: Places) -> Function:
 def _beside_others(places: Places, rows: Sequence[Row], sizes: Sequence[Node]) -> list[Node]:
     """Return `sizes`, each at least a share of the largest of its unit if all terms of a row may vanish: the
     round-off of a point at the origin is no measure of its row."""
+    # Rows of one unit are compared: a row all of whose terms may vanish has at least a share of the largest.
     graph, found = places.graph, list(sizes)
     moving = {*places.equations.q, *places.equations.v}
     largest: dict[str, Node] = {}
@@ -144,7 +147,8 @@ def gradient_sizes(places: Places) -> Function:
 
 
 def gradients(places: Places) -> Function:
-    """The sum of the absolute values of the entries of each row's gradient, or what it is at most."""
+    """Return the sum of the absolute values of the entries of each row's gradient, or an upper bound of
+    it."""
     graph, rows = places.graph, places.equations.rows
     sums = gradient_bounds(graph, [row.rate for row in rows], dict.fromkeys(places.equations.v, graph.one))
     if sums is None:
@@ -193,10 +197,13 @@ def reaches(places: Places) -> Function:
     for x, kind in zip(equations.q, states):
         if x in displaced:
             size[kind] = graph.binary("max", size[kind], weights[x])
+    # A coordinate that is displaced from a place changes at least by the size of the place.
     pace = graph.zero  # at which the coordinates change by their sizes
     for kind, speed in rates(equations.q_units, equations.v_units).items():
         one = given[speed] if kind == 0 else given[speed] / (size[kind] + _TINY)
         pace = graph.binary("max", pace, one)
+    # Holonomic rows by coordinates, others by speeds; then the rates of the holonomic ones by speeds, and by
+    # coordinates at the pace of these.
     own = changes(holonomic, [row.residual for row in holonomic], equations.q)
     own += changes(others, [row.rate for row in others], equations.v)
     found = _beside_others(places, equations.rows, [reach(sums) for sums in own])
@@ -214,6 +221,8 @@ def reaches(places: Places) -> Function:
 def _displaced(graph: Graph, rows: Sequence[Row], coordinates: Container[Node]) -> dict[Node, Node]:
     """Return the sizes of the places from which coordinates are displaced in `rows`, as l in `z - l`. Such
     coordinates may begin at zero; the place gives their size."""
+    # z - l: the place l, over the factor of z, is the size of z there. A factor may vanish: |f| / f^2 is 1 /
+    # |f| without a branch.
     found: dict[Node, Node] = {}
     for node in _sums([row.residual for row in rows]):
         parts = [(part, _lever(part, coordinates)) for part in terms(graph, node)]
@@ -225,7 +234,7 @@ def _displaced(graph: Graph, rows: Sequence[Row], coordinates: Container[Node]) 
 
 
 def _sums(nodes: Sequence[Node]) -> list[Node]:
-    """Sums in `nodes`, without those that are parts of one other alone."""
+    """Return the sums in `nodes`, without those whose only user is another sum."""
     below = reachable(nodes)
     users: dict[Node, list[Node]] = {}
     for node in below:
@@ -239,6 +248,7 @@ def _lever(part: Node, coordinates: Container[Node]) -> tuple[Node, Node] | None
     cosines count as 1."""
     factor, part = (part.value, part.args[0]) if part.op == "scale" else (1.0, part)
     graph = part.graph
+    # The part is factor * x with factor made of parameters, and perhaps of sines.
     powers = dict(zip(part.args, part.value)) if part.op == "mul" else {part: 1}
     moved = [x for x, power in powers.items() if x in coordinates]
     if len(moved) != 1 or powers[moved[0]] != 1:
@@ -289,6 +299,8 @@ def _energies_in(places: Places, nodes: Sequence[Node]) -> dict[Node, int]:
     """Return the kinetic and potential energies with their places in `energies`, if `nodes` contain them and
     share little else with them."""
     equations = places.equations
+    # Energies of the model are known to outputs that contain them, if little else is shared: else the common
+    # parts would be computed twice.
     parts = {node: k for k, node in enumerate((equations.kinetic, equations.potential)) if node.args}
     if not parts.keys() <= set(reachable(nodes)):
         return {}
@@ -309,7 +321,7 @@ def start(places: Places, work: bool) -> Function:
 
 
 def limits(places: Places) -> Function | None:
-    """The values made of parameters that have bounds."""
+    """Return the function of the values made of parameters that have bounds."""
     found = [limit.value for limit in places.equations.model.limits]
     parts = (("b", found),)
     described = "derived values that have bounds"

@@ -70,6 +70,8 @@ class _Series:
     def functions(self) -> list[Function]:
         rhs, used = self.rhs, uses_of_rates(self.rhs)
         for k, o in enumerate(rhs.operations):
+            # Each operation in order 0 in one block, and its recurrence for order k in another. Operations
+            # that nothing of the rates uses, and those that do not move, have none.
             self.value.append(self.first.again(o, [self.value[i] for i in o.operands]))
             if used[k] and self.moves(o):
                 self.coefficient[k] = self.order_k(k, o)
@@ -120,6 +122,7 @@ class _Series:
 
     def at_0(self, a: int) -> int:
         """Return the value `a` of `first` in `next`: a number, a parameter, or an entry of w."""
+        # Values of order 0 that recurrences need are kept in w, each once.
         if a < 0:
             return ~self.at_0(~a)
         op, _, payload = self.first.row(a)
@@ -131,15 +134,16 @@ class _Series:
         return self.next.load("w", self.kept.setdefault(a, len(self.kept)))
 
     def n(self, k: int) -> int:
-        """The value of operation k in order 0."""
+        """Return the value of operation k in order 0."""
         return self.at_0(self.value[k])
 
     def number(self, place: int) -> int:
-        """k, 1/k or the coefficient of time."""
+        """Return k, 1/k or the coefficient of time, by `place`."""
         return self.next.load("d", dict(self.rhs.outputs)["xdot"] + place)
 
     def times_k(self, k: int) -> int:
-        """k times the coefficient of operation k."""
+        """Return the order times the coefficient of operation k."""
+        # j x_j of a state is its rate in the scaled time: it needs no product.
         o = self.rhs.operations[k]
         if o.op == "load" and isinstance(o.payload, tuple) and o.payload[0] == "x":
             return self.next.load("d", o.payload[1])
@@ -162,13 +166,13 @@ class _Series:
         return self.next.load("s", len(self.squares) - 1)
 
     def square(self, a: int, a_0: int) -> int:
-        """The coefficient of a^2."""
+        """Return the coefficient of a^2."""
         found = self.half()
         self.squares[-1] = a
         return self.next.add(found, self.next.mul(self.next.add(a_0, a_0), a))
 
     def depth(self, a: int) -> int:
-        """About how long the coefficient `a` takes after the sums."""
+        """Return about how many cycles after the sums the coefficient `a` is ready."""
         a = self.next.unsigned(a)
         if a not in self.depths:
             op, operands, _ = self.next.row(a)
@@ -176,7 +180,9 @@ class _Series:
         return self.depths[a]
 
     def product(self, i: int, j: int) -> int:
-        """The coefficient of a product; the factor that is known last is added last."""
+        """Return the coefficient of a product; the factor that is known last is added last."""
+        # (xy)_k = x_k y_0 + x_0 y_k + sum of x_j y_(k-j): the sum is a lane of the convolution, the rest is
+        # added here.
         block, coefficient = self.next, self.coefficient
         if i not in coefficient or j not in coefficient:
             i, j = (i, j) if i in coefficient else (j, i)
@@ -213,6 +219,7 @@ class _Series:
     def of_div(self, k: int, o: Operation) -> int:
         block = self.next
         a, b = o.operands
+        # q b = a gives q_k = (a_k - sum b_j q_(k-j) - b_k q_0) / b_0.
         inverse = self.at_0(self.first.div(self.first.one, self.value[b]))
         right = self.coefficient.get(a, block.zero)
         if b not in self.coefficient:
@@ -227,7 +234,8 @@ class _Series:
         return self.root(self.coefficient[o.operands[0]], self.value[k])
 
     def root(self, a: int, root_0: int) -> int:
-        """The coefficient of a square root, `root_0` in order 0."""
+        """Return the coefficient of a square root, `root_0` in order 0."""
+        # r^2 = a gives r_k = (a_k - sum r_j r_(k-j)) / (2 r_0).
         inverse = self.at_0(self.first.div(self.first.const(0.5), root_0))
         place = len(self.squares)
         found = self.next.mul(self.next.sub(a, self.half()), inverse)
@@ -235,8 +243,10 @@ class _Series:
         return found
 
     def turned(self, i: int, ops: tuple[str, str], sign: float) -> tuple[int, int]:
-        """The coefficients of s = sin or sinh, and c = cos or cosh of operation i: s' = c x', c' = -s x' or
-        s x'."""
+        """Return the coefficients of s = sin or sinh and c = cos or cosh of operation i, with s' = c x' and
+        c' = -s x' or s x'."""
+        # k s_k = sum j x_j c_(k-j), k c_k = -sum j x_j s_(k-j): both in one, as each needs the other (JZ 2.1
+        # in `kernels/integrators/taylor`).
         if (ops[0], i) not in self.pairs:
             block, own, d = self.next, self.coefficient[i], self.times_k(i)
             values = [self.at_0(self.first.apply(op, self.value[i])) for op in ops]
@@ -261,7 +271,7 @@ class _Series:
         return self.turned(o.operands[0], ("sinh", "cosh"), 1.0)[1]
 
     def integral(self, i: int, rate: int, rate_0: int) -> int:
-        """The coefficient of y with y' = rate * x', x operation i: rate_0 x_k and 1/k of the sum of
+        """Return the coefficient of y with y' = rate * x', x operation i: rate_0 x_k and 1/k of the sum of
         j x_j rate_(k-j)."""
         block = self.next
         return block.add(block.mul(self.number(1), self.convolved(self.times_k(i), rate)),
@@ -274,7 +284,7 @@ class _Series:
         return found
 
     def of_tan(self, k: int, o: Operation, sign: float = 1.0) -> int:
-        """y' = (1 + y^2) x', and tanh: y' = (1 - y^2) x'."""
+        """Return the coefficient of tan, y' = (1 + y^2) x', or of tanh, y' = (1 - y^2) x'."""
         y = self.value[k]
         square = self.first.mul(y, y)
         rate = self.at_0(self.first.add(self.first.one, square if sign > 0.0 else ~square))
@@ -288,8 +298,9 @@ class _Series:
         return self.of_tan(k, o, -1.0)
 
     def inverse(self, i: int, divisor: int, divisor_0: int) -> int:
-        """The coefficient of y with y' * divisor = x', x operation i."""
+        """Return the coefficient of y with y' * divisor = x', x operation i."""
         block = self.next
+        # k y_k d_0 = k x_k - sum j y_j d_(k-j).
         place = len(self.lanes)
         rest = block.sub(self.coefficient[i], block.mul(self.number(1), self.lane()))
         found = block.mul(rest, self.at_0(self.first.div(self.first.one, divisor_0)))
@@ -318,7 +329,8 @@ class _Series:
         return ~self.of_asin(k, o)
 
     def of_atan2(self, k: int, o: Operation) -> int:
-        """y' (a^2 + b^2) = b a' - a b'."""
+        """Return the coefficient of y with y' (a^2 + b^2) = b a' - a b'."""
+        # The same with a^2 + b^2 for the divisor.
         block, first, (i, j) = self.next, self.first, o.operands
         a, b = [self.coefficient.get(n, block.zero) for n in (i, j)]
         a_0, b_0 = self.value[i], self.value[j]
@@ -337,7 +349,7 @@ class _Series:
         return found
 
     def of_pow(self, k: int, o: Operation) -> int:
-        """y' x = exponent x' y for a power with a fixed exponent."""
+        """Return the coefficient of a power with a fixed exponent: y' x = exponent x' y."""
         i, exponent = o.operands
         if exponent in self.coefficient:
             raise NoSeries("pow with an exponent that varies")
@@ -357,7 +369,7 @@ class _Series:
         return self.next.mul(self.at_0(self.first.apply("sign", self.value[i])), self.coefficient[i])
 
     def of_select(self, k: int, o: Operation) -> int:
-        """A choice that does not change within a step."""
+        """Return the coefficient of a choice that does not change within a step."""
         condition, *others = o.operands
         if condition in self.coefficient:
             raise NoSeries("a condition that may change within a step")
@@ -368,5 +380,5 @@ class _Series:
 
 
 def uses_of_rates(rhs: Function) -> list[int]:
-    """How often each operation is used on the way to the rates."""
+    """Return how often each operation is used on the way to the rates."""
     return uses(replace(rhs, stores=tuple([store for store in rhs.stores if store.array == "xdot"])))

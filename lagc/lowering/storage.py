@@ -44,8 +44,8 @@ class Places:
 def places(
     equations: EquationsOfMotion, parameters: Sequence[Parameter], modes: Sequence[Node] = (), nz: int = 0
 ) -> Places:
-    """Parameters and inputs in p, time in t, q and v in x, discrete variables there behind `nz` work
-    integrals, modes of relations, and a, lam."""
+    """Return the places of symbols: parameters and inputs in p, time in t, q and v in x, discrete variables
+    there behind `nz` work integrals, modes of relations, a and lam."""
     found: dict[Node, tuple[str, int]] = {equations.time: ("t", 0)}
     given = [*(p.symbol for p in parameters), *(u.symbol for u in equations.model.inputs)]
     for array, symbols in (
@@ -106,6 +106,6 @@ def cheapest(
 
 
 def weight(function: Function, parameters: int) -> int:
-    """About the time a function takes, in additions, without what depends on parameters alone."""
+    """Return about the time of a function in additions, without values that depend on parameters alone."""
     made_of = dependence(function, parameters)
     return sum([WEIGHTS[o.op] for o, kind in zip(function.operations, made_of) if kind != FIXED])

@@ -43,6 +43,7 @@ def derive(model: Model) -> EquationsOfMotion:
     totals = energies(states, parts, acting, free, classified)
     # h: inertial forces at the accelerations that speeds leave, and the free terms of Lagrangians.
     inertial = inertial_loads(states, parts)
+    # Inertial forces go from velocities to speeds by virtual power; free terms are in speeds already.
     bias = added(graph, [states.to_speeds(inertial), free.bias])
     servos = [x.row for x in classified if x.row.law is Law.SERVO]  # their loads act, not their gradients
     held = [{j: -(row.multiplier * slope) for j, slope in row.jacobian.items()} for row in servos]
@@ -59,16 +60,11 @@ def derive(model: Model) -> EquationsOfMotion:
     contributions = tuple([x.contribution for x in acting])
     contacts = _contacts(states, lambda nodes: of_motion(nodes, states, parts, acting, free, totals, labels))
     return EquationsOfMotion(
-        model=model,
-        graph=graph,
-        time=model.time,
-        q=states.q,
-        v=states.v,
-        a=states.a,
-        q_units=states.q_units,
-        v_units=states.v_units,
-        qdot=states.qdot,
-        quaternions=states.quaternions,
+        model=model, graph=graph, time=model.time,
+        # The states, their units, and how they start.
+        q=states.q, v=states.v, a=states.a, q_units=states.q_units, v_units=states.v_units,
+        qdot=states.qdot, quaternions=states.quaternions, rates=states.rates,
+        starts_q=states.starts_q, starts_v=states.starts_v, stated_rates=states.stated_rates,
         inertias=tuple(parts),
         further_inertia=free.mass_matrix,
         bias_forces=tuple([bias.get(i, zero) for i in range(len(states.v))]),
@@ -76,19 +72,12 @@ def derive(model: Model) -> EquationsOfMotion:
         given_forces=tuple([given.get(i, zero) for i in range(len(states.v))]),
         rows=kept,
         contributions=contributions,
-        kinetic=totals.kinetic,
-        potential=totals.potential,
-        energy=totals.energy,
-        balance=totals.balance,
+        kinetic=totals.kinetic, potential=totals.potential, energy=totals.energy, balance=totals.balance,
         power=totals.power,
-        starts_q=states.starts_q,
-        starts_v=states.starts_v,
-        stated_rates=states.stated_rates,
         initial_conditions=tuple(zip(states.in_speeds(initial), [c.span for c in model.initial_conditions])),
         whens=(*when_equations(states, conditions), *stops),
         outputs=output_equations(states, parts, acting, free, totals, labels),
         contacts=contacts,
-        rates=states.rates,
         dropped=tuple([x.reason for x in dropped]),
         warnings=(
             *model.warnings,
@@ -99,11 +88,12 @@ def derive(model: Model) -> EquationsOfMotion:
             *_shared(states, dropped),
             *_doubled(model),
         ),
-    )
+    )  # fmt: skip
 
 
 def _doubled(model: Model) -> Iterable[Fault]:
-    """Warnings of weights that are also written as potentials."""
+    """Return warnings of weights that are also written as potentials."""
+    # All weights come either from `gravity` or from actions: only a mixture can count twice.
     fields = [isinstance(action, Potential) and action.gravity is not None for action in model.actions]
     if all(fields) or not any(fields):
         return ()
@@ -113,7 +103,7 @@ def _doubled(model: Model) -> Iterable[Fault]:
 
 
 def _cuts(states: States) -> tuple[tuple[Fault, ...], tuple[WhenEquations, ...]]:
-    """Warnings of what jumps or has a kink, and the clauses that stop a run there."""
+    """Return warnings of expressions that jump or have a kink, and the clauses that stop a run there."""
     relations = {node for node in states.graph.nodes if node.op in _RELATIONS}
     if not relations:
         return (), ()
@@ -123,7 +113,7 @@ def _cuts(states: States) -> tuple[tuple[Fault, ...], tuple[WhenEquations, ...]]
 
 
 def _constrained(states: States) -> tuple[list[Classified], list[Dropped], tuple[Fault, ...]]:
-    """The rows of the constraints that stay, those left out, and warnings."""
+    """Return the rows of the constraints that stay, those that are left out, and warnings."""
     found = classify(states)
     if not found:
         return [], [], ()
@@ -148,9 +138,12 @@ def _refuse_reactions(
 ) -> None:
     """Raise Refused, LAG0431, if a load or friction depends on the multiplier of a row that others imply, or
     a load on any reaction, or an actuator holds a constraint, beside friction of a two-sided contact."""
+    # Labels of rows that share a reaction: those left out, and those that imply them.
     shared = {label for row in dropped if row.others for label in (row.label, *row.others)}
     rough = [contact for contact in model.contacts if contact.normals]
     faults = []
+    # A load on a shared reaction has no value; on any reaction it cannot stand beside friction of two-sided
+    # contacts, whose solver has no loads.
     for load in [x for x in model.actions if isinstance(x, Force | Torque)]:
         for owner in sorted(s.record.owner for s in symbols(load.vector) if s.record.kind == "multiplier"):
             if owner in shared:
@@ -165,6 +158,8 @@ def _refuse_reactions(
     for servo in [c for c in model.constraints if c.actuator and rough]:
         message = f"`{servo.actuator}` holds `{servo.name}`, beside {rough[0].title}"
         faults.append(Fault("LAG0431", message, servo.span, remedy=rough[0].otherwise))
+    # Friction on the normal force of a row that others imply has no value either. Only here the dependent
+    # rows that stay are needed.
     if rough and classified:
         from lagc.mechanics.redundancy import dependent_rows  # loaded where there are rows
 
@@ -181,7 +176,7 @@ def _refuse_reactions(
 
 
 def _shared(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:
-    """Warnings of reactions that are one of many."""
+    """Return warnings of reactions that several rows share in a way that is not unique."""
     if not dropped:
         return ()
     from lagc.mechanics.redundancy import shared_reactions
@@ -215,6 +210,8 @@ def _loads(
     bias: Mapping[int, Node],
 ) -> dict[Node, Node]:
     """Return given loads less inertial loads, on velocities that speeds change."""
+    # Inertia and bias with a minus: M a = sum of loads. Servo rows act by their loads, so what their
+    # gradients would add is taken away.
     asked = [*inertial.items(), *((states.v[j], node) for j, node in bias.items())]
     given = [pair for x in acting for pair in x.loads.items()]
     given += [(row.rate, -row.multiplier) for row in servos]
@@ -226,6 +223,8 @@ def _loads(
 def when_equations(states: States, conditions: Sequence[Node]) -> tuple[WhenEquations, ...]:
     """Return the clauses with these conditions, in t, q, v, a, lam. Raises Refused (LAG0427) where a new
     value is given to what is no state."""
+    # New values go to states: to coordinates, to speeds, to discrete variables; a rate that declared speeds
+    # replace is none.
     discretes = [variable.symbol for variable in states.model.discretes]
     known, faults, found = {*states.q, *states.v, *discretes}, [], []
     for clause, asked in zip(states.model.whens, conditions):

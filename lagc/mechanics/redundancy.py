@@ -55,6 +55,8 @@ def drop_idle(states: States, classified: Sequence[Classified]) -> tuple[list[Cl
     component of a vector. The proof holds for all values of parameters, so roots and choices such as
     sqrt(l^2) = l are not proved. Raises Refused: LAG0409 a row without coordinates and speeds that is not
     proved."""
+    # A row without coordinates and speeds restricts nothing: it must vanish identically, which the field can
+    # prove.
     idle = [x.row for x in classified if not x.row.jacobian]
     if not idle:
         return list(classified), []
@@ -118,6 +120,7 @@ def drop_redundant(
     states: States, classified: Sequence[Classified]
 ) -> tuple[list[Classified], list[Dropped]]:
     """Return the rows that stay and those that do not."""
+    # Candidates by numbers at random states; a row is left out only after a proof in the field.
     found = dependent_rows(states, [x.row for x in classified])
     if not found:
         return list(classified), []
@@ -126,6 +129,8 @@ def drop_redundant(
     dropped: dict[int, Dropped] = {}
     for redundant in found:
         row, others = classified[redundant.row].row, [classified[k].row for k in redundant.others]
+        # Holonomic rows stay in any case: a mechanism may leave a singular position, and the run shares
+        # forces.
         if row.holonomic or (not others and _sided(row.jacobian.values())):
             continue
         if follows(states, row, independent):
@@ -135,7 +140,9 @@ def drop_redundant(
 
 
 def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:
-    """The rows whose Jacobian depends on those before, on every state tried."""
+    """Return the rows whose Jacobian depends on that of rows before, on every state tried."""
+    # A line is dependent if its remainder is round-off on every state. On one state alone it may be so by
+    # chance.
     tried = [table for _, table in tables(states, rows, _STATES)]
     found: list[Redundant] = []
     for line in _entangled(tried):
@@ -152,14 +159,15 @@ def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:
 
 
 def _others(table: Reduced, line: int, factors: Mapping[int, float]) -> tuple[int, ...]:
-    """The rows that a line is made of, where it is more than rounding."""
+    """Return the rows that a line is a combination of, without those whose share is round-off."""
+    # Weights of rows whose share in the line is more than round-off.
     size = dict(zip(table.rows, table.sizes))
     made = table.made_of(factors).items()
     return tuple(sorted([k for k, x in made if abs(x) * size[k] > VANISHES * table.sizes[line]]))
 
 
 def _entangled(tried: Sequence[Reduced]) -> list[int]:
-    """The lines that may depend on each other."""
+    """Return the lines that may depend on each other."""
     if not tried:
         return []
     lines = range(len(tried[0].rows))
@@ -170,6 +178,7 @@ def _entangled(tried: Sequence[Reduced]) -> list[int]:
 def entangled(rows: Sequence[Mapping[int, bool]]) -> list[int]:
     """Return the rows that may depend on each other, each given as column -> whether its entry is surely
     nonzero: a vanishing sum contains no row that is alone in a column, recursively."""
+    # Columns with one row: that row cannot be part of a vanishing sum. Removing it may leave another alone.
     users: dict[int, set[int]] = {}
     for k, row in enumerate(rows):
         for j in row:
@@ -203,9 +212,12 @@ def follows(states: States, row: Row, others: Sequence[Row]) -> bool:
     from lagc.mechanics.identities.zero_test import ZeroTest, spelt_out
     from lagc.symbolic.finite_field import Undefined
 
+    # All points are written beside each other, as one long row for each constraint: a combination that holds
+    # for all of them has the same numbers at each point.
     rows = [*others, row]
     flat = [x for r in rows for x in (r.rate, *r.jacobian.values())]
     spelt = spelt_out(states.graph, flat)
+    # States on the other constraints, so that roots have the signs that they have in a motion.
     met = map(onto(states, others), samples(states.model, _STATES, vary=False))
     tries = [state for state in met if state is not None]
     ground = replace(on_rows(states, [r for r in others if r.holonomic], tries), values={})
@@ -221,6 +233,7 @@ def follows(states: States, row: Row, others: Sequence[Row]) -> bool:
             for r, entries in zip(rows, beside):
                 entries.update((count * width + 1 + j, next(values)) for j in (RIGHT, *r.jacobian))
             count += 1
+    # The last row follows if it reduces to nothing over the others; one point alone would prove too little.
     taken = Echelon()
     for entries in beside[:-1]:
         taken.grows(entries)
@@ -251,11 +264,13 @@ class Reduced:
         self._last = {j: k for k, line in enumerate(lines) for j in line}  # line that has an entry there
 
     def surely(self, line: int) -> dict[int, bool]:
-        """By column, whether the entry is more than rounding."""
+        """Return, by column, whether the entry is more than round-off."""
         return {j: abs(x) > VANISHES * self.sizes[line] for j, x in self.entries[line].items()}
 
     def reduce(self, line: int) -> tuple[dict[int, float], dict[int, float]]:
         """Return the remainder of a line, and the factor of each base that was taken from it."""
+        # Sparse elimination: the bases whose pivots the line has, in the order in which they were made, as
+        # each may bring in later pivots.
         left, factors = dict(self.entries[line]), dict[int, float]()
         waiting = [self._of_pivot[j] for j in left if j in self._of_pivot]
         heapify(waiting)
@@ -278,6 +293,8 @@ class Reduced:
     def add(self, line: int, left: dict[int, float], factors: dict[int, float]) -> None:
         """Add the remainder of a line, unless it is zero, as a base for the lines to come; its pivot is in
         the column that these are done with first."""
+        # Markowitz in one direction: of the entries that are large enough the column that the fewest lines
+        # behind still need.
         largest = max(map(abs, left.values()), default=0.0)
         if largest:
             pivots = [j for j, x in left.items() if abs(x) >= _WORTH * largest]
@@ -286,7 +303,8 @@ class Reduced:
             self._bases.append(_Base(line, pivot, left, factors))
 
     def made_of(self, factors: Mapping[int, float]) -> dict[int, float]:
-        """The rows that such a part of a line is made of."""
+        """Return the rows, with their weights, that a combination of bases with these factors consists of."""
+        # Backwards: a base is its line less its own factors of bases before.
         weights, found = dict(factors), dict[int, float]()
         for k in range(len(self._bases) - 1, -1, -1):
             weight, base = weights.pop(k, 0.0), self._bases[k]
@@ -302,6 +320,7 @@ def tables(
     states: States, rows: Sequence[Row], count: int, vary: bool = True
 ) -> Iterator[tuple[dict[Node, float], Reduced]]:
     """Yield `count` random states, as `samples` does, each with the lines of `rows` there."""
+    # Values and sizes of all entries at each state, from one evaluation.
     lines = list(_lines([row.jacobian for row in rows]))
     numbers = [line.row for line in lines]
     nodes = [node for line in lines for node in line.slopes.values()]
@@ -320,9 +339,10 @@ class _Line(NamedTuple):
 
 
 def _lines(rows: Sequence[Mapping[int, Node]]) -> Iterator[_Line]:
-    """`rows`, each behind the definitions of the sums that it builds on."""
+    """Yield the lines of `rows`: each row after the definitions of the sums that it uses."""
     known: set[int] = set()
     for k, row in enumerate(rows):
+        # A row of shared sums comes after the definitions of the sums that it needs and no row before needed.
         if not isinstance(row, Entries):
             yield _Line(k, None, row)
             continue
@@ -342,6 +362,7 @@ def _lines(rows: Sequence[Mapping[int, Node]]) -> Iterator[_Line]:
 def _scaled(lines: Sequence[_Line], found: Sequence[Columns]) -> list[Columns]:
     """Return the columns with each sum in units of its size at speeds of 1, so that units of sums do not
     count."""
+    # A sum has its own unit: its size at speeds of 1. Lines of sums before it are known then.
     units: dict[int, float] = {}
     measured: list[Columns] = []
     for line, columns in zip(lines, found):

@@ -26,16 +26,15 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
     """The facts of one scene of a model; numbers in SI; expressions `whole`, or as long as people read."""
     model, analysis = equations.model, analyse(equations)
     written = Expressions(equations, whole)
-    jumps = any(when.changes for when in equations.whens)
-    rough = [bool(c.normals) for c in equations.contacts]  # and the others are one-sided
-    open_ones = [", while contacts are open"] if not all(rough) else []
-    smooth = [" and without friction" if open_ones else ", without friction"] if any(rough) else []
-    until = ", between events" if jumps else "".join([*open_ones, *smooth])
     interface = program.interface
     parts = analysis.kinetic_parts or ()
     (*texts, potential), energy_parts = written.texts([*parts, equations.potential])
     kinetic = dict(zip(("K2", "K1", "K0"), texts)) or None
-    idle = analysis.speeds - interface.nv
+    idle, until = analysis.speeds - interface.nv, _until(equations)
+
+    def said(node: Node) -> str:
+        return written.short(node) or _energy(equations, node, kinetic, potential) or written.text(node)
+
     facts: Facts = {
         "model": model.name,
         "scene": model.scene,
@@ -64,14 +63,7 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
         "actions": [_action(equations, c, written if whole else None) for c in equations.contributions],
         "cyclic": [name for name in analysis.cyclic if name not in interface.dropped],
         "conserved": [
-            {
-                "name": c.name,
-                "expression": written.short(c.expression)
-                or _energy(equations, c.expression, kinetic, potential)
-                or written.text(c.expression),
-                "reason": c.reason + until,
-                "proved": c.proved,
-            }
+            {"name": c.name, "expression": said(c.expression), "reason": c.reason + until, "proved": c.proved}
             for c in analysis.conserved
             if not c.expression.is_zero
         ],
@@ -89,6 +81,16 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
     }
     facts["short_names"] = dict(where(written.seen))
     return facts
+
+
+def _until(equations: EquationsOfMotion) -> str:
+    """Return where what is conserved stays so: between events, and apart from contacts and friction."""
+    if any(when.changes for when in equations.whens):
+        return ", between events"
+    rough = [bool(c.normals) for c in equations.contacts]  # and the others are one-sided
+    open_ones = [", while contacts are open"] if not all(rough) else []
+    smooth = [" and without friction" if open_ones else ", without friction"] if any(rough) else []
+    return "".join([*open_ones, *smooth])
 
 
 def _energy(equations: EquationsOfMotion, node: Node, kinetic: Facts | None, potential: str) -> str:

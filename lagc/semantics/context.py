@@ -142,46 +142,51 @@ class Context:
         before: Context | None = None,
     ):
         """`before` is the resolution of the same scene without the releases that its reactions need."""
+        # The graph of the resolution before is shared, so that nodes of both can be compared.
         self.graph: Graph = Graph() if before is None else before.graph
         self.held: set[str] = set()  # parameters and bodies whose reactions outputs ask for
         self.released: set[str] = set() if before is None else before.held
         self.clock = Clock(self.graph)
         self.time: Node = self.graph.symbol("time", "time")
         self.clock.set_rate(self.time, self.graph.one)
+        # Kinematics: the world, and caches of vectors in the axes of frames.
         self.world = _world(self.graph)
         self.components: dict[tuple[Matrix, Vector], Vector] = {}  # vectors in the axes of frames
         self.turns: dict[Matrix, tuple[Matrix, Matrix]] = {}  # axes -> parent axes and rotation
         self.importer = importer
         self.uses = uses
+        # Values from outside the model, and which of them were used.
         self.parameters: dict[str, Given] = {}
         self.starts: dict[str, Given] = {}
         self.taken: set[str] = set()
+        # Effects, and names that `unless` mentions.
         self.effects: dict[str, tree.Effect] = {}  # by full name
-        self.mentioned: list[
-            tuple[tree.Name, str]
-        ] = []  # effects named by `unless`, with the instance's path
+        self.mentioned: list[tuple[tree.Name, str]] = []  # with the paths of instances
+        # Gathered by declarations as they are evaluated, for those that come later.
         self.mentioned_velocities: list[tuple[Vector, Span]] = []  # since the last reset
         self.impulses: dict[str, Any] = {}  # the `Discrete` of each contact whose impulse is asked for
         self.actuators: dict[str, str] = {}  # loads that hold a constraint, and that
         self.has_joints = False
         self.linkage: Any = None  # the `Linkage` of the joints, once it is asked for
-        self.poses: dict[
-            str, Callable[[Vector], Vector]
-        ] = {}  # bodies that joints place: drawn point -> place
+        # Bodies that joints place: from a drawn point to its place.
+        self.poses: dict[str, Callable[[Vector], Vector]] = {}
         self.conditions: list[tuple[tree.Condition, Environment]] = []
         self.whens: list[tuple[tree.When, Environment, str | None]] = []
         self.curves: dict[str, Table] = {}  # by name
         self.fields: dict[tuple[str, tuple[object, ...]], Entry] = {}  # gravity by body and direction
         self.built_in: list[str] = []  # parameters that a run cannot change
         self.scales: dict[str, float] = {}  # that quantities are declared with
+        # Faults and warnings, each once.
         self.faults: list[Fault] = []
         self.warnings: dict[tuple[Span, Span], Fault] = {}  # one for each pair of places
         self.hushed = False  # faults are not reported, while a remedy is looked for
         self._reported: set[tuple[str, Span | None, str]] = set()
+        # Guards against endless models: declarations, nested evaluations, calls.
         self.count = 0
         self.chain: list[Entry] = []  # declarations that are evaluated, the outermost first
         self.callers: list[Span] = []  # places of the nested calls
         self.all_calls = 0
+        # Functions are inlined: results by their arguments.
         self.called: set[int] = set()  # functions, by identity
         self.results: dict[tuple[str, int, tuple[Value, ...]], Value] = {}  # results of functions
         self.constants: dict[tuple[int, str], Value] = {}  # constants of files and packages

@@ -63,6 +63,8 @@ class Builder:
         self.deferred: list[tuple[tree.Declaration, Destination]] = []
 
     def build(self, declaration: tree.ModelDeclaration, space: Namespace) -> None:
+        # First everything that needs no size; then modifiers of bases behind those from outside; then loops,
+        # instances and elements, whose sizes may depend on any parameter.
         self._body_of(declaration, space)
         for name, modifier in outermost_first(declaration, self.extended):
             self.modifiers.setdefault(name, []).append(modifier)
@@ -81,6 +83,7 @@ class Builder:
             raise Wrong(
                 "LAG0218", f"models extend one another more than {DEEPEST} levels deep", declaration.name_span
             )
+        # A model that is extended on two paths is there once.
         if id(declaration) in self.extended:  # already extended on another path
             return
         self.extended[id(declaration)] = []
@@ -126,6 +129,7 @@ class Builder:
 
     def _excluding_effect(self, d: tree.Declaration) -> str | None:
         for name in getattr(d, "unless", ()):
+            # A name of `unless` that is no effect is reported later, when all effects are known.
             if self._uses(name.name):
                 return str(name.name)
             self.context.mentioned.append((name, self.instance.path))
@@ -142,6 +146,7 @@ class Builder:
         first = self.instance.entries.get(name)
         if first is not None:
             raise self._twice(name, entry.span, first.span)
+        # The list of modifiers is shared: models that extend this one add to it.
         entry.modifiers = self.modifiers.setdefault(name, [])  # filled later by models that extend this one
         self.used.add(name)
         self.instance.entries[name] = entry
@@ -158,6 +163,8 @@ class Builder:
             if kind == "joint":
                 self._coordinates(entry, destination)
             return
+        # Elements `b[1]`, `b[2]` of an indexed name have one container, which is entered with the first of
+        # them.
         container = self.instance.entries.get(d.name)
         if container is None:
             container = self._enter(kind, d.name, d, d, replace(destination, items=[]))
@@ -178,6 +185,7 @@ class Builder:
                 declaration, tree.Extends | tree.Scene | tree.Effect | tree.Initial | tree.ModelDeclaration
             ):
                 raise Wrong("LAG0221", "this is not allowed in an effect", declaration.span)
+        # An unused effect leaves names behind, so that a value given to one of them is explained.
         if self._uses(d.name):
             self._register(d.body, replace(destination, effect=d.name))
             return
@@ -198,6 +206,7 @@ class Builder:
 
     def _defer(self, d: tree.Declaration, destination: Destination) -> None:
         """Reserve the place of a declaration whose sizes are evaluated later."""
+        # The place in the order of the text is kept; the declarations come into it when sizes are known.
         place: list[Item] = []
         destination.items.append(place)
         if isinstance(d, tree.Instance):
@@ -233,6 +242,8 @@ class Builder:
             before = "declare an array before the loop, `coordinate Angle th[n];`"
             remedy = before if isinstance(declaration, tree.Quantities) else None
             raise Wrong("LAG0221", "this is not allowed in a loop", declaration.span, remedy)
+        # The body is registered once for each number, with the loop variable bound; inner loops unfold at
+        # once, as they see it.
         for number in integers(self.context, d.range, destination.environment):
             self.context.grow(d.span)
             value = Scalar(self.context.graph.const(number), None if number == 0 else NONE)

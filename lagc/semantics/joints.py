@@ -297,7 +297,7 @@ class Linkage:
             raise Wrong("LAG0233", message, end.span, remedy)
 
     def _moves(self, body: Entry) -> bool:
-        """Whether a body that no joint has reached moves by coordinates of its own."""
+        """Return whether a body that no joint has reached moves by coordinates of its own."""
         nodes: list[Node] = []
         for expression in places_of(body):
             try:

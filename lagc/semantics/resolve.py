@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 from lagc.base.records import replace
@@ -64,16 +64,19 @@ def resolve(
     until: str | None = None,
     roots: Sequence[str] | None = None,
     probes: Sequence[str] = (),
+    evaluators: Mapping[type, Callable[..., Value]] = EVALUATORS,
 ) -> objects.Model:
     """Return one scene of a model of the file, with all names resolved. `parameters` and `starts` are values
     by full name, in SI or with a unit; `inputs` are texts of expressions or points over time; `until` is the
     condition that ends a run; `roots` are further folders for imports; `probes` are expressions that become
-    outputs. Raises Refused with all faults."""
+    outputs; `evaluators` find the value of each kind of expression. Raises Refused with all faults."""
     sys.setrecursionlimit(max(sys.getrecursionlimit(), RECURSION))
 
+    # A reaction that an output asks for needs a model in which its constraint is released: the file is
+    # resolved twice then.
     def once(before: Context | None) -> tuple[Context, objects.Model]:
         importer = Importer(file.source, tuple(roots or ()))
-        context = Context(importer, Uses(), declare, EVALUATORS, before)
+        context = Context(importer, Uses(), declare, evaluators, before)
         found = _resolve(context, file, scene, with_effects, without_effects, model, parameters, starts,
                          inputs, until, probes)  # fmt: skip
         return context, found
@@ -130,16 +133,8 @@ def _resolve(
         )
     look_at_uncalled(context, instance.in_order())
     _check_given(context, instance)
-    if (
-        not context.faults
-        and not _of(declared, objects.Coordinate)
-        and not _of(declared, objects.Orientation)
-    ):
-        empty = _empty(declaration)
-        reason = f": {empty}" if empty else ""
-        message = f"the model `{declaration.name}` has no coordinates, so nothing can move{reason}"
-        remedy = "set the size to 1 or more" if empty else "declare one: `coordinate Length x;`"
-        context.report(Wrong("LAG0222", message, declaration.name_span, remedy))
+    if not context.faults and not any(isinstance(x, _COORDINATES) for x in declared):
+        context.report(_nothing_moves(declaration))
     context.refuse_faults()
     # Faults refuse the model here, warnings go with it.
     warnings = [*context.warnings.values(), *text_warnings(file)]
@@ -153,8 +148,9 @@ def text_warnings(file: tree.Tree) -> list[Fault]:
     return [*whole_radians(file), *angular_hertz(file), *ignored_annotations(file)]
 
 
-def _empty(declaration: tree.ModelDeclaration) -> str:
-    """Return the arrays of coordinates with a size of 0, as text, for a model without coordinates."""
+def _nothing_moves(declaration: tree.ModelDeclaration) -> Wrong:
+    """Return the fault of a model without coordinates, with the arrays of coordinates that have a size of
+    0."""
     arrays = [
         declarator
         for d in declaration.body
@@ -162,10 +158,14 @@ def _empty(declaration: tree.ModelDeclaration) -> str:
         for declarator in d.declarators
         if declarator.dimensions
     ]
-    return "; ".join(
+    empty = "; ".join(
         f"`{a.name}` has no entries, as {' or '.join(size.span.text for size in a.dimensions)} = 0"
         for a in arrays
     )
+    reason = f": {empty}" if empty else ""
+    message = f"the model `{declaration.name}` has no coordinates, so nothing can move{reason}"
+    remedy = "set the size to 1 or more" if empty else "declare one: `coordinate Length x;`"
+    return Wrong("LAG0222", message, declaration.name_span, remedy)
 
 
 def _evaluate(context: Context, instance: Instance) -> list[objects.ModelObject]:
@@ -278,6 +278,7 @@ def _model(
     simulate: dict[str, float],
     warnings: Sequence[Fault],
 ) -> objects.Model:
+    # Objects of the declarations by kind; actions are of several kinds and keep their common order.
     kinds = objects.Potential | objects.Force | objects.Torque | objects.Dissipation | objects.Lagrangian
     effects = [
         objects.Effect(path, e.description or "", setting.uses.has(path), e.span)
@@ -292,7 +293,7 @@ def _model(
         graph=context.graph,
         time=context.time,
         # The objects of the declarations, each kind in the order of the text.
-        coordinates=tuple([n for n in found if isinstance(n, objects.Coordinate | objects.Orientation)]),
+        coordinates=tuple([n for n in found if isinstance(n, _COORDINATES)]),
         actions=tuple([n for n in found if isinstance(n, kinds)]),
         discretes=(*_of(found, objects.Discrete), *context.impulses.values(), *modes),
         **of_one_kind,
@@ -311,6 +312,7 @@ def _model(
     )
 
 
+_COORDINATES = (objects.Coordinate, objects.Orientation)
 _KINDS: dict[str, type[Any]] = {  # fields of the model that hold objects of one kind
     "parameters": objects.Parameter, "inputs": objects.Input, "speeds": objects.Speed,
     "frames": objects.Frame, "points": objects.Point, "bodies": objects.Body,

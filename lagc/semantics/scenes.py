@@ -177,7 +177,7 @@ def _refuse_type(type_name: tree.TypeName) -> None:
 
 
 def _is_plain(declarator: tree.Declarator) -> bool:
-    """Whether all subscripts are literal numbers."""
+    """Return whether all subscripts are literal numbers."""
     found = [*declarator.dimensions]
     e = declarator.within
     while isinstance(e, tree.Member | tree.Index):

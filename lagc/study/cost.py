@@ -214,46 +214,30 @@ def study(
 
     try:
         tell(*at)
-        plain = make("double", ())
-        plain.look = lambda: progress(*at)
-        try:
-            exact = make("quad", ())
-        except CannotCompile as error:
-            found.notes.append(f"there is no quadruple precision: {error}")
-            exact = None
+        plain, exact = _probes(make, lambda: progress(*at), found.notes)
+        # The reference, the errors and times of all settings, and the advice for the targets.
         plain.deadline = max(began + LONGEST * budget, perf_counter() + budget)  # compiling may take longer
         tell(0.05, "reference")
-        if exact is not None:
-            exact.look = plain.look
         left = max(budget - (perf_counter() - began), 0.2 * budget)
         plain.deadline = perf_counter() + LONGEST * left
         found.reference = refer(exact, plain, times, sizes, 0.3 * left)
+        recorded = len(found.reference.shot.hi)
         if found.reference.shot.ended:
-            found.notes.append(
-                f"the model ends the motion after {len(found.reference.shot.hi)} recorded times"
-            )
+            found.notes.append(f"the model ends the motion after {recorded} recorded times")
         measure(found, plain, times, perf_counter() + 0.5 * left, tell)
         found.conclude()
         deadline = max(began + 0.95 * budget, perf_counter() + LEFT * budget)
-        look_nearby(found, plain, nearby, times[: len(found.reference.shot.hi)], deadline)
+        look_nearby(found, plain, nearby, times[:recorded], deadline)
         found.conclude()
+        # Then verified runs and other compiler options, as long as the budget lasts.
         for target in TARGETS:
             if perf_counter() - began > budget:
                 break
             tell(0.85, f"lagc sim --accuracy {target:.0e}")
-            outcome, values = verify(target)
-            for _ in range(TIMES if outcome.seconds < 0.01 * budget else 0):  # the first run loads modules
-                outcome = min(outcome, verify(target)[0], key=lambda each: each.seconds)
-            made = float("nan")
-            with suppress(Failed):
-                if values is not None:
-                    made = float(errors_of(values, 0.0, found.reference).max(initial=0.0))
-            found.verified.append(replace(outcome, error=made))
+            found.verified.append(_verified(verify, target, found.reference, budget))
         if perf_counter() - began < budget:
             tell(0.95, "compiler options")
-            compare_compilers(
-                found, lambda flags: make("double", flags), times[: len(found.reference.shot.hi)]
-            )
+            compare_compilers(found, lambda flags: make("double", flags), times[:recorded])
         found.complete = True
     except (KeyboardInterrupt, Late) as error:
         if found.reference is None and isinstance(error, Late):
@@ -264,6 +248,39 @@ def study(
         found.conclude()
     found.spent = perf_counter() - began
     return found
+
+
+def _probes(
+    make: Callable[[str, tuple[str, ...]], Probe], look: Callable[[], None], notes: list[str]
+) -> tuple[Probe, Probe | None]:
+    """Return the probes in double and in quadruple precision, if there is one; a note says why not.  Raises
+    CannotCompile without the first."""
+    plain, exact = make("double", ()), None
+    plain.look = look
+    try:
+        exact = make("quad", ())
+        exact.look = look
+    except CannotCompile as error:
+        notes.append(f"there is no quadruple precision: {error}")
+    return plain, exact
+
+
+def _verified(
+    verify: Callable[[float], tuple[Verified, Array | None]],
+    target: float,
+    reference: Reference,
+    budget: float,
+) -> Verified:
+    """Return the outcome of a verified run with the error that it made; the fastest of several where one is
+    short, as the first loads modules."""
+    outcome, values = verify(target)
+    for _ in range(TIMES if outcome.seconds < 0.01 * budget else 0):
+        outcome = min(outcome, verify(target)[0], key=lambda each: each.seconds)
+    error = float("nan")
+    with suppress(Failed):
+        if values is not None:
+            error = float(errors_of(values, 0.0, reference).max(initial=0.0))
+    return replace(outcome, error=error)
 
 
 def settings(pilot: Shot, stop: float) -> Iterator[Setting]:

@@ -55,6 +55,8 @@ def tangent(
     """Return d(outputs) along the direction d(leaf) = seeds[leaf]; leaves without a seed are constant.
     `within`: the nodes below `outputs` that the leaves can change, arguments before users, if they are known
     already. `norms`: the derivative of a norm that is 0 is 0, as that of abs(0): norm(v)*v has this one."""
+    # Forward accumulation: rates of the leaves, then of each node from those of its arguments. A node that is
+    # not in `rates` does not move.
     order = reachable(outputs) if within is None else within
     leaves = order if within is None else seeds  # only those in `order`, if there are many seeds
     rates = {leaf: seeds[leaf] for leaf in leaves if leaf in seeds and not seeds[leaf].is_zero}
@@ -66,12 +68,15 @@ def tangent(
         if not moving:
             continue
         total = zero
+        # The derivative of a choice is the choice of the derivatives: a branch that is not taken may have
+        # none.
         if node.op == "select":
             total, moving = graph.select(node.args[0], *[rates.get(a, zero) for a in node.args[1:]]), []
         for k in moving:
             rate = rates[node.args[k]]
             share = rate if node.op == "add" else graph.mul(partial(graph, node, k), rate)
             total = graph.add(total, share)
+        # d sqrt(u) = du / (2 sqrt(u)) is 0/0 where a norm vanishes.
         if norms and node.op == "sqrt" and _is_square(node.args[0]):
             total = graph.select(graph.binary("eq", node, zero), zero, total)
         if total is not zero:
@@ -97,12 +102,14 @@ def gradient(
     """Return the non-zero sums over outputs of seeds[output] * d(output)/d(w), in the order of `wrt`. `wrt`
     may be a mapping from w to its position, if it is long and used often.  `within` is as in `tangent`."""
     places = wrt if isinstance(wrt, Mapping) else {w: k for k, w in enumerate(wrt)}
+    # Only nodes above a leaf of `wrt` need an adjoint.
     live = set[Node]() if within is None else set(places)
     order: list[Node] = []
     for node in reachable(seeds) if within is None else within:
         if node in places or not live.isdisjoint(node.args):
             live.add(node)
             order.append(node)
+    # Reverse accumulation: users before arguments, so that a node's adjoint is complete when it is passed on.
     sweep = _Sweep(graph, places, order)
     for node, seed in seeds.items():
         if node in live:
@@ -135,6 +142,7 @@ class _Sweep:
         self.graph, self.places = graph, places
         self.adjoint: dict[Node, Node] = {}
         self.chosen: dict[Node, dict[_Choice, Node]] = {}
+        # Functions with a limited domain matter only below choices: without `select` the sets stay empty.
         self.narrow: set[Node] = set()  # nodes at or above functions with a limited domain
         conditions = [node.args[0] for node in order if node.op == "select"]
         self.deciding = symbols(conditions)
@@ -146,10 +154,12 @@ class _Sweep:
     def add(self, node: Node, weight: Node, choice: _Choice) -> None:
         if weight.is_zero:
             return
+        # An adjoint that must not meet a function without value stays with its choice until it has passed it.
         if node in choice.partly and node not in self.places:
             _gather(self.chosen.setdefault(node, {}), choice, weight)
             return
         c, weight = (weight.value, weight.args[0]) if weight.op == "scale" else (1.0, weight)
+        # The branches are applied from the inner to the outer one; a number goes outside of them.
         for condition, which in choice.taken:
             sides = (weight, self.graph.zero) if which else (self.graph.zero, weight)
             weight = self.graph.select(condition, *sides)
@@ -172,6 +182,7 @@ class _Sweep:
         if node.op == "add":
             self.add(argument, weight, choice)
             return
+        # Entering a branch: what in it may be undefined while the branch is not taken?
         if node.op == "select" and k and (partly := self._partly(argument, node.args[0])):
             taken = ((node.args[0], k == 1), *choice.taken)
             self.add(argument, weight, _Choice(taken, choice.partly | partly))
@@ -181,9 +192,11 @@ class _Sweep:
     def _partly(self, branch: Node, condition: Node) -> frozenset[Node]:
         """Return the nodes of a branch at or above functions with a limited domain that its condition does
         not use."""
+        # A function that the condition itself evaluates is defined on both sides.
         asked = set(self._narrow_below(condition))
         found: set[Node] = set()
         for node in self._narrow_below(branch):
+            # From such functions upwards, up to the top of the branch.
             if (self._is_narrow(node) and node not in asked) or not found.isdisjoint(node.args):
                 found.add(node)
         return frozenset(found)
@@ -203,8 +216,8 @@ class _Sweep:
         return list(found)
 
     def _is_narrow(self, node: Node) -> bool:
-        """Whether the node may lack a value or a derivative for some arguments. A parameter is the same in
-        all branches, and may only be 0 if that is why a branch is not taken."""
+        """Return whether the node may lack a value or a derivative for some arguments. A parameter is the
+        same in all branches, and may only be 0 if that is why a branch is not taken."""
         if node.op == "mul":
             return any(e < 0 and not self._is_given(base) for base, e in zip(node.args, node.value))
         return node.op in OPERATORS and OPERATORS[node.op].smoothness in (END, POLE)
@@ -250,6 +263,7 @@ class Slopes:
         """Return the leaves that each expression depends on by structure."""
         if not self.sums:
             return [list(row) for row in self.rows]
+        # Bits of leaves below each sum, from the first sum on: each contains sums before it only.
         known = [1 << k for k in range(self.leaves)]
         for own in self.sums:
             known.append(union(known[k] for k in own))
@@ -266,6 +280,7 @@ class Slopes:
         for k in numbers:
             for j, slope in self.rows[k].items():
                 found[j] = found[j] + slope if j in found else slope
+        # From the last sum to the first: each passes its weight on to leaves and earlier sums.
         for column in range(self.leaves + len(self.sums) - 1, self.leaves - 1, -1):
             if column in found:
                 weight = found.pop(column)
@@ -306,6 +321,7 @@ def slopes(
 ) -> Slopes:
     """Return the derivatives of `nodes` with respect to the leaves in `places` (`size` columns). At most
     `few` derivatives are never expressed by shared sums."""
+    # Derivatives through shared sums only if they are fewer by the factor _WORTH; else plain gradients.
     found = by_sums(graph, nodes, places, size, few)
     return found or Slopes(graph, _gradients(graph, nodes, places), [], size)
 
@@ -353,6 +369,8 @@ def _through(
 ) -> Slopes:
     """Return the derivatives with respect to leaves and the sums in `shared`; a symbol stands for each
     sum."""
+    # Each shared sum becomes a symbol: the expressions above are short, and the sums themselves are
+    # expressions of the sums before.
     symbols = {x: graph.symbol("sum", str(size + k)) for k, x in enumerate(shared)}
     found: dict[Node, Node] = dict(symbols)
     made: dict[Node, Node] = {}
@@ -363,11 +381,13 @@ def _through(
     by = {**places, **{symbols[x]: size + k for k, x in enumerate(shared)}}
     own = _gradients(graph, [*(found[node] for node in nodes), *(made[x] for x in shared)], by)
     outlined = Slopes(graph, own[: len(nodes)], own[len(nodes) :], size)
+    # In the derivatives the symbols are the sums again.
     back = {symbol: x for x, symbol in symbols.items()}
     return outlined.mapped(lambda slopes: substitute(graph, slopes, back))
 
 
 def _gradients(graph: Graph, nodes: Sequence[Node], by: Mapping[Node, int]) -> list[dict[int, Node]]:
+    # All gradients walk on the nodes that depend on leaves; `within` restricts each to those below its node.
     moving = depends(nodes, by)
     found = (gradient(graph, {node: graph.one}, by, within([node], moving)) for node in nodes)
     return [{by[x]: slope for x, slope in own.items()} for own in found]

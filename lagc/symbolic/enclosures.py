@@ -34,12 +34,14 @@ def extended(known: dict[Node, Interval], node: Node) -> Interval:
 def _interval(node: Node, x: Sequence[Interval]) -> Interval:
     op = node.op
     if op == "const":
+        # Sums, factors and products by interval arithmetic, from the ends of the arguments.
         return (node.value, node.value)
     if op == "add":
         return (x[0][0] + x[1][0], x[0][1] + x[1][1])
     if op == "scale":
         return _hull([_times(node.value, end) for end in x[0]])
     if op == "mul":
+        # Powers first, since x^2 is not x times an independent x.
         found = (1.0, 1.0)
         for base, exponent in zip(x, node.value):
             power = _power(base, exponent)
@@ -84,10 +86,12 @@ def _times(a: float, b: float) -> float:
 
 def _power(base: Interval, n: int) -> Interval:
     low, high = base
+    # An even power is that of the distance from zero.
     if n % 2 == 0:
         low, high = max(low, -high, 0.0), max(-low, high)
     if n > 0:
         return (_raised(low, n), _raised(high, n))
+    # A divisor that contains zero has no bound.
     if low < 0.0 < high or low == high == 0.0:
         return EVERYWHERE
     return (
@@ -133,6 +137,8 @@ class _Enclosure:
 
     def of(self, node: Node, x: Sequence[Ends]) -> Ends:
         graph, op = self.graph, node.op
+        # The rules of Moore, with expressions for the ends. A monotonic function maps ends to ends; others
+        # have rules of their own.
         if op == "add":
             return graph.add(x[0][0], x[1][0]), graph.add(x[0][1], x[1][1])
         if op == "scale":
@@ -154,10 +160,13 @@ class _Enclosure:
             return self._power(*x)
         if op == "atan2":
             return self._angle(*x)
+        # A choice by what does not move keeps both ends of its branch; another choice may be anywhere in its
+        # range.
         if op == "select" and x[0][0] is x[0][1]:
             return graph.select(x[0][0], x[1][0], x[2][0]), graph.select(x[0][0], x[1][1], x[2][1])
         if op == "acos":
             return graph.unary(op, self._within(x[0][1])), graph.unary(op, self._within(x[0][0]))
+        # Arguments outside of the domain are those of a box that is wider than the motion: they are clipped.
         if OPERATORS[op].rising:
             ends = [graph.rebuild(node, tuple([self._allowed(op, e[k]) for e in x])) for k in (0, 1)]
             return ends[0], ends[1]
@@ -190,6 +199,7 @@ class _Enclosure:
 
     def _product(self, bases: Sequence[Ends], exponents: Sequence[int]) -> Ends:
         graph = self.graph
+        # Constant factors multiply the ends once, with one hull for their sign.
         constant = [(b[0], e) for b, e in zip(bases, exponents) if b[0] is b[1]]
         found: Ends | None = None
         for base, exponent in zip(bases, exponents):
@@ -212,12 +222,14 @@ class _Enclosure:
         return low, high
 
     def _raised(self, x: Ends, n: int) -> Ends:
+        # Odd powers are monotonic; even ones begin at the least distance from zero.
         graph = self.graph
         low, high = self._distances(x) if n % 2 == 0 else x
         size = abs(n)
         low, high = graph.power(low, size), graph.power(high, size)
         if n > 0:
             return low, high
+        # 1 / x is between the inverses of the ends if both have one sign, else unknown.
         apart = graph.binary("lt", graph.zero, graph.mul(*x))  # both ends on one side of zero
         least, most = self.unknown
         return graph.select(apart, graph.div(graph.one, high), least), graph.select(
@@ -226,6 +238,8 @@ class _Enclosure:
 
     def _wave(self, op: str, x: Ends, crest: float) -> Ends:
         """Return the range of a sine or cosine with this crest."""
+        # A crest is in the interval if floor((end - crest) / (2 pi)) differs at both ends, and a trough
+        # likewise.
         graph, ends = self.graph, [self.graph.unary(op, end) for end in x]
 
         def passes(place: float) -> Node:
@@ -240,6 +254,7 @@ class _Enclosure:
 
     def _tangent(self, x: Ends) -> Ends:
         graph = self.graph
+        # Both ends on one branch of the tangent: it rises there.
         branch = [graph.unary("floor", end * (1.0 / _HALF) + 0.5) for end in x]
         one = graph.binary("le", branch[1], branch[0])
         return (

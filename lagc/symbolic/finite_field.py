@@ -59,6 +59,7 @@ class Point:
 
     def draw(self) -> int:
         """Return a random number from 1 to P - 1."""
+        # A 128-bit linear congruential generator, its upper half: the same points on every machine.
         self._state = (self._state * 47026247687942121848144207491837523525 + 1) % (1 << 128)
         return (self._state >> 64) % (P - 1) + 1
 
@@ -75,6 +76,8 @@ class Point:
         """Draw symbols until all nodes in `under` are squares.  Return False if there are too many. Every
         second random number is a square, so symbols are drawn one by one.  Call it before any value is
         known."""
+        # A symbol is drawn again until all roots that are complete with it have squares below them. Values
+        # that later symbols do not change are kept.
         order = list[tuple[Node, list[Node]]]()  # symbols, and the nodes that have a value once it is known
         latest = dict[Node, int]()  # position of the last symbol below a node
         for x in under:
@@ -99,7 +102,8 @@ class Point:
         return True
 
     def _all_squares(self, nodes: Sequence[Node], truths: Mapping[Node, int]) -> bool:
-        """Whether all nodes are squares, tested in order because later ones may contain earlier roots."""
+        """Return whether all nodes are squares, tested in order because later ones may contain earlier
+        roots."""
         try:
             return all(is_square(self.values([node], truths)[0]) for node in nodes)
         except Undefined:
@@ -114,6 +118,8 @@ class Point:
         return [known[node] for node in nodes]
 
     def _value(self, node: Node, truths: Mapping[Node, int]) -> int:
+        # The operations of the field; choices are blended by their share, truth values are 0, 1 or a share:
+        # `and` is the product, `not` 1 - x.
         op, known = node.op, self._known
         if op == "add":
             return (known[node.args[0]] + known[node.args[1]]) % P
@@ -144,6 +150,8 @@ class Point:
         return self._function(node, op)
 
     def _function(self, node: Node, op: str) -> int:
+        # Functions with identities (circle, exponential, roots, stairs) follow these; all others are random,
+        # and then a value that is not zero refutes nothing.
         x = self._known[node.args[0]]
         if op in ("sin", "cos", "tan"):
             c, s = self._turned(node.args[0])
@@ -175,6 +183,8 @@ class Point:
         return self._numbers[value]
 
     def _meant(self, value: float) -> int:
+        # Floats are taken for the numbers that they stand for: multiples of pi, decimals as written,
+        # fractions. Another float is a number without known relations.
         if not math.isfinite(value):
             self.exact = False
             return self._any("not finite", repr(value))
@@ -190,6 +200,8 @@ class Point:
     def _rounded(self, value: float) -> int:
         """Return the value of a rounded decimal number. It is random, except for multiples, products and
         quotients of earlier ones, and cosines of numbers that are sines."""
+        # Earlier decimals, their inverses and products of two: a quotient of small fractions to round-off
+        # says that both are multiples.
         found = self._decimals.items()
         bases = [*found, *((1.0 / a, power(x, -1)) for a, x in found if a)]
         if len(bases) <= _MOST_DECIMALS:
@@ -199,6 +211,7 @@ class Point:
             ratio = Fraction(quotient if math.isfinite(quotient) else 0.0).limit_denominator(100)
             if ratio and abs(float(ratio) * known - value) <= _ULPS * math.ulp(value):
                 return residue(ratio) * number % P
+        # A new decimal is the sine of a random angle: so its sine and cosine fulfil s^2 + c^2 = 1.
         cosine, sine = self._circle(value)
         self._decimals[value] = sine
         if abs(value) < 1.0:
@@ -206,6 +219,7 @@ class Point:
         return sine
 
     def _circle(self, key: object) -> Circle:
+        # The rational parametrization of the circle: ((1 - u^2) / (1 + u^2), 2 u / (1 + u^2)).
         u = self._any("circle", key)
         whole = power(1 + u * u, -1)
         return (1 - u * u) * whole % P, 2 * u * whole % P
@@ -214,6 +228,7 @@ class Point:
 
     def _form(self, node: Node) -> Linear:
         """Return `node` as a linear form, which the addition theorems of circles and exponentials need."""
+        # Without recursion: arguments of sums and factors first.
         forms = self._forms
         stack = [node]
         while stack:
@@ -251,12 +266,15 @@ class Point:
     @staticmethod
     def _term(value: int, c: Fraction) -> Linear:
         """Return c times a term; a term and its opposite are the same."""
+        # Terms with opposite values share a circle: sin(-u) = -sin(u).
         if not value:
             return {}
         return {value: c} if 2 * value < P else {P - value: -c}
 
     def _multiples(self, form: Linear) -> Iterable[tuple[tuple[object, ...], int]]:
         """Yield (base, integer multiple) of each term; a term with an odd denominator is a base itself."""
+        # Whole multiples of the finest part of a term keep the addition theorems: u/2 and u/3 are 3 and 2
+        # parts of u/6.
         for term, c in form.items():
             if _PARTS % c.denominator == 0:
                 yield ("part", term), c.numerator * (_PARTS // c.denominator)
@@ -266,6 +284,7 @@ class Point:
     def _turned(self, angle: Node) -> Circle:
         """Return cosine and sine of an angle."""
         if angle in self._circles:
+            # Quarter turns are exact; other terms turn by multiples of their own circle, term after term.
             return self._circles[angle]
         rest = dict(self._form(angle))
         quarters = 0
@@ -278,6 +297,7 @@ class Point:
         return turned
 
     def _exponential(self, op: str, form: Linear) -> int:
+        # e^(sum n_i x_i) = product of e_i^n_i; sinh and cosh by halves of sum and difference.
         grown = 1
         for base, n in self._multiples(form):
             grown = grown * power(self._any("exp", base), n) % P
@@ -294,6 +314,7 @@ class Point:
             self.exact = False
             return self._any("sqrt", x)
         self.rooted = True
+        # P is 3 modulo 4, so x^((P+1)/4) is a root of x if there is one. Its sign is drawn, once for each x.
         root = pow(x, (P + 1) // 4, P)
         if root * root % P != x:
             raise Undefined
@@ -302,6 +323,7 @@ class Point:
     def _floor(self, x: int, form: Linear) -> int:
         """Apply floor(n + u) = n + floor(u) for integers n and floor(-u) = -1 - floor(u), the only relations
         used."""
+        # floor(n + u) = n + floor(u) takes the integer out; u and -u share one random value.
         number = form.get("1", Fraction(0))
         rest = (x - residue(number)) % P
         if not rest:
@@ -316,6 +338,8 @@ class Point:
 
     def _pow(self, x: int, exponent: Node) -> int:
         """Return x^(n + rest) = x^n x^rest for the integer part n of the number in the exponent."""
+        # x^(n + 1/2) is a power and a root; another exponent has a random value for its part behind the
+        # integer.
         form = dict(self._form(exponent))
         number = form.pop("1", Fraction(0))
         whole = math.floor(number)
@@ -331,6 +355,7 @@ def _around(a: Circle, b: Circle) -> Circle:
 
 
 def _multiple(angle: Circle, n: int) -> Circle:
+    # Doubling and adding: n turns in log n steps.
     if n < 0:
         angle, n = (angle[0], -angle[1] % P), -n
     total = (1, 0)
@@ -350,7 +375,7 @@ def power(x: int, n: int) -> int:
 
 
 def has_root(node: Node) -> bool:
-    """Whether the node contains the square root of its first argument."""
+    """Return whether the node contains the square root of its first argument."""
     if node.op != "pow":
         return node.op == "sqrt"
     exponent = node.args[1]
@@ -371,6 +396,7 @@ def residue(x: Fraction) -> int:
 
 def turns_of(value: float) -> Fraction | None:
     """Return the simple non-zero multiple of pi that equals a float up to round-off, or None."""
+    # Multiples k/n of pi with n up to 360 and at most 1000 half turns: numbers that a person writes.
     if not math.isfinite(value) or abs(value) > _MOST_TURNS * math.pi or _is_written(value):
         return None
     near = Fraction(value / math.pi).limit_denominator(_FINEST_TURN)
@@ -380,6 +406,7 @@ def turns_of(value: float) -> Fraction | None:
 def fraction(value: float, digits: int = WRITTEN) -> Fraction | None:
     """Return the decimal of up to `digits` digits, or the fraction, that equals a float up to round-off, or
     None."""
+    # Few digits: as written. Else the nearest fraction with a small denominator, to round-off.
     if not math.isfinite(value):
         return None
     if _is_written(value, digits):
@@ -391,7 +418,7 @@ def fraction(value: float, digits: int = WRITTEN) -> Fraction | None:
 
 
 def _is_written(value: float, most: int = WRITTEN) -> bool:
-    """Whether a number has few digits or is an integer, so that it is taken as written."""
+    """Return whether a number has few digits or is an integer, so that it is taken as written."""
     digits = repr(abs(value)).partition("e")[0].replace(".", "").strip("0")
     return len(digits) <= most or value == int(value)
 
@@ -409,7 +436,9 @@ class Echelon:
         self.rows: dict[int, Entries] = {}  # pivot -> row, one at the pivot
 
     def reduce(self, row: Mapping[int, int]) -> Entries:
-        """`row` less its part along the rows taken in."""
+        """Return `row` less its part along the rows taken in."""
+        # Each base row has a 1 at its pivot; one pass in their order suffices, as later bases are reduced by
+        # earlier ones.
         rest = {j: x for j, x in row.items() if x}
         for pivot, base in self.rows.items():
             factor = rest.get(pivot)
@@ -418,8 +447,9 @@ class Echelon:
         return rest
 
     def grows(self, row: Mapping[int, int]) -> bool:
-        """Take a row in; False where it follows from those before."""
+        """Take a row in. Return False if it depends on those before."""
         rest = self.reduce(row)
+        # The first column that is not zero is the pivot: exact arithmetic needs no choice.
         pivot = next((j for j in rest if j != RIGHT), None)
         if pivot is None:
             return False
@@ -433,7 +463,8 @@ class Echelon:
         return len(self.rows)
 
     def solution(self, columns: Iterable[int], draw: Callable[[], int]) -> Entries:
-        """x with rows . x = right, free entries drawn."""
+        """Return x with rows . x = right, with free entries drawn."""
+        # Back substitution from the last pivot; columns without one are drawn.
         values = {j: 0 if j in self.rows else draw() for j in columns}
         values[RIGHT] = P - 1
         for pivot, row in reversed(self.rows.items()):
@@ -454,7 +485,8 @@ def _subtract(row: Entries, factor: int, base: Mapping[int, int]) -> None:
 def solve_exactly(
     rows: Iterable[Mapping[int, int]], columns: Iterable[int], draw: Callable[[], int]
 ) -> Entries | None:
-    """x with row . x = row[RIGHT] for all rows, free entries drawn; None where they contradict."""
+    """Return x with row . x = row[RIGHT] for all rows, with free entries drawn; None if the rows contradict
+    each other."""
     taken = Echelon()
     for row in rows:
         if not taken.grows(row) and taken.reduce(row):

@@ -117,6 +117,7 @@ class Graph:
         self.one = self.const(1.0)
 
     def _intern(self, op: str, args: tuple[Node, ...], value: object) -> Node:
+        # Interning: equal (op, args, value) is one object, so that equality of expressions is identity.
         key = (op, args, value)
         node = self._table.get(key)
         if node is None:
@@ -147,6 +148,7 @@ class Graph:
         op = x.op
         if op == "const":
             return self.const(c * x.value)
+        # Nested factors are multiplied; a factor of 1 or 0 disappears.
         if op == "scale":
             c = c * x.value
             x = x.args[0]
@@ -157,6 +159,7 @@ class Graph:
         return self._intern("scale", (x,), c)
 
     def add(self, a: Node, b: Node) -> Node:
+        # Numbers are summed; zero disappears.
         if a.op == "const":
             if a.value == 0.0:
                 return b
@@ -164,6 +167,8 @@ class Graph:
                 return self.const(_total(a.value, b.value))
         elif b.op == "const" and b.value == 0.0:
             return a
+        # Like terms meet, also those one level deep in either sum; longer sums keep the order in which they
+        # were written.
         met = self._meet(a, b)
         if met is not None:
             return met
@@ -189,12 +194,15 @@ class Graph:
 
     def _meet(self, a: Node, b: Node) -> Node | None:
         """Return a + b if the terms are alike (or sin^2 and cos^2), else None."""
+        # Equal terms up to their factors: the factors add.
         ca, xa = (a.value, a.args[0]) if a.op == "scale" else (1.0, a)
         cb, xb = (b.value, b.args[0]) if b.op == "scale" else (1.0, b)
         if xa is xb:
             return self.scale(_total(ca, cb), xa)
         if xa.op == "const" and xb.op == "const":
             return self.const(_total(ca * xa.value, cb * xb.value))
+        # c x sin(u)^2 + c x cos(u)^2 = c x. Both must be products with one factor; `exchanged` proposes x
+        # sin^2 -> x cos^2.
         if ca != cb or xa.op != "mul" or xb.op != "mul" or 2 not in xa.value:
             return None
         squares = exchanged(zip(xa.args, xa.value), lambda base, e: self.twin(base) if e == 2 else None)
@@ -244,6 +252,7 @@ class Graph:
         powers: dict[Node, int] = {}
         for base, exponent in factors:
             if base.op in ("scale", "const"):
+                # A power of a number is folded if it has a value; 0^-1 stays as written.
                 folded = _fold(operator.pow, base.value, exponent)
                 if folded is None:
                     powers[base] = powers.get(base, 0) + exponent
@@ -281,6 +290,8 @@ class Graph:
         return self._monomial(powers)
 
     def _monomial(self, powers: dict[Node, int]) -> Node:
+        # Sorted by index: one monomial for each set of powers. Roots with other powers than 1 and -1 become
+        # powers of their argument.
         items = []
         for b, e in powers.items():
             if e:
@@ -306,6 +317,7 @@ class Graph:
     def _without_roots(self, powers: dict[Node, int]) -> Node:
         """Replace sqrt(u)^2 by u."""
         rest = self.one
+        # sqrt(u)^e = u^(e // 2) sqrt(u)^(e % 2), rounded towards zero.
         for root in [b for b, e in powers.items() if b.op == "sqrt" and e not in (1, -1, 0)]:
             e = powers.pop(root)
             half = e // 2 if e > 0 else -(-e // 2)
@@ -329,6 +341,7 @@ class Graph:
         return self.scale(c, self._monomial({b: e * n for b, e in pairs}))
 
     def pow(self, x: Node, y: Node) -> Node:
+        # Integer powers are products, 1/2 is a root; others stay `pow`.
         if y.op == "const":
             n = y.value
             if n == int(n) and abs(n) <= 64:
@@ -342,6 +355,8 @@ class Graph:
         return self._intern("pow", (x, y), None)
 
     def unary(self, op: str, x: Node) -> Node:
+        # Constants are folded, unless they have no value; a sine at a quarter turn is exactly 0. f(-x) =
+        # +-f(x) takes a sign outside.
         if x.op == "const":
             folded = _fold(VALUES[op], x.value)
             if folded is not None:
@@ -432,7 +447,7 @@ class Graph:
 
 
 def _at_quarter_turn(angle: float, value: float) -> bool:
-    """Whether a sine or cosine of a constant is round-off, as cos(90 [deg])."""
+    """Return whether a sine or cosine of a constant is round-off, as cos(90 [deg])."""
     return abs(angle) < MOST_TURNED and abs(value) <= ULP * abs(angle)
 
 

@@ -38,11 +38,14 @@ class _Work:
 def without_turns(square: Node) -> Node:
     """Return `square` without the angles that have no influence on it."""
     work, found = _Work(), square
+    # Limits on nodes, terms and products: beyond them the square stays as it was.
     try:
         angles = _angles(square, work)
         if not 0 < len(angles) <= TURNS:
             return square
         terms, left = _expanded(square, work), -1
+        # One angle after the other: if neither sine nor cosine of it remains, the shorter form is kept.
+        # Others may drop out then, so the loop begins again.
         while left != len(angles):  # the outermost rotation drops out first
             left, others = len(angles), []
             for sine, cosine in angles:
@@ -80,6 +83,8 @@ def _angles(square: Node, work: _Work) -> list[tuple[Node, Node]]:
 
 def _expanded(node: Node, work: _Work) -> Terms:
     terms: Terms = {}
+    # Without recursion except for sums inside products. Terms are monomials with the coefficient and the sum
+    # of magnitudes, which tells cancellation from smallness.
     stack = [(node, 1.0)]
     while stack:
         work.spend()
@@ -121,6 +126,7 @@ def _in_sines(terms: Terms, sine: Node, cosine: Node, work: _Work) -> Terms:
     found: Terms = {}
     for term, (c, size) in terms.items():
         work.spend()
+        # cos^2n = (1 - sin^2)^n, by the binomial theorem.
         n = max((e for base, e in term if base is cosine), default=0) // 2
         for k in range(n + 1):
             other = _monomial((*term, (cosine, -2 * n), (sine, 2 * k))) if n else term

@@ -13,8 +13,8 @@ _NAMES = spelling("sympy")
 
 
 def to_sympy(nodes: Sequence[Node], names: Callable[[Node], Any] | None = None) -> list[Any]:
-    """The sympy expressions of `nodes`. `names` gives the sympy object of a symbol; without it a real symbol
-    of the symbol's own name. Floats that are integers or simple fractions (0.5, 0.25) become exact
+    """Return the sympy expressions of `nodes`. `names` gives the sympy object of a symbol; without it a real
+    symbol of the symbol's own name. Floats that are integers or simple fractions (0.5, 0.25) become exact
     numbers."""
     import sympy
 

@@ -18,6 +18,7 @@ _index = attrgetter("index")
 
 def reachable(nodes: Iterable[Node]) -> list[Node]:
     """Return `nodes` and every node below them, arguments before users."""
+    # Depth first without recursion; the indices give the topological order at the end.
     seen = set(nodes)
     stack = list(seen)
     while stack:
@@ -104,6 +105,7 @@ def union(sets: Iterable[int]) -> int:
 def substitute(graph: Graph, nodes: Sequence[Node], mapping: Mapping[Node, Node]) -> list[Node]:
     """Return `nodes` with every key of `mapping` replaced by its value, all at once."""
     replaced: dict[Node, Node] = dict(mapping)
+    # Only nodes above a key change; each is rebuilt once, from its changed arguments.
     touched = depends(nodes, mapping)
     for node in sorted(touched, key=_index):
         if node not in replaced:

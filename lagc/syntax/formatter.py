@@ -147,7 +147,7 @@ class _Layout:
         return None if long else end
 
     def is_condition(self, position: int) -> bool:
-        """Whether a line of the initial section, or a loop of such lines, begins here."""
+        """Return whether a line of the initial section, or a loop of such lines, begins here."""
         tokens = self.lexed.tokens
         while tokens[position].terminal == "FOR":
             stop = self.header_end(position)
@@ -274,7 +274,7 @@ class Spacing:
         return made
 
     def space(self, number: int, tight: bool) -> bool:
-        """Whether there is a blank before token `number`; `tight`: inside subscripts and ranges."""
+        """Return whether there is a blank before token `number`; `tight`: inside subscripts and ranges."""
         token, before = self.tokens[number], self.tokens[number - 1]
         if token.kind == UNIT:
             return before.kind == NUMBER or before.text == "}"
@@ -304,7 +304,7 @@ class Spacing:
         return True  # = and comparisons
 
     def _behind(self, number: int, tight: bool) -> bool:
-        """Whether there is a blank before an operand, depending on the token before it."""
+        """Return whether there is a blank before an operand, depending on the token before it."""
         before = self.tokens[number - 1]
         if before.kind != SYMBOL:
             return True

@@ -11,7 +11,7 @@ from itertools import pairwise
 from typing import Any
 
 from lagc.base.records import dataclass
-from lagc.diagnostics.faults import Fault, Source, Span
+from lagc.diagnostics.faults import Edit, Fault, Source, Span
 from lagc.syntax.lalr_tables import Tables
 from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Lexed, Token
 from lagc.syntax.tree_builder import Builder
@@ -20,9 +20,9 @@ DEEPEST = 100  # nesting of brackets, `if`s, signs and blocks
 MOST_FAULTS = 50
 
 _FIXED = {NUMBER: "NUMBER", STRING: "STRING", UNIT: "UNIT", END: "$END"}
-_ALWAYS = frozenset({"if", "not", "true", "false", "end"})
+ALWAYS = frozenset({"if", "not", "true", "false", "end"})
 # Keywords that a `(` or a sign may follow.
-_BEFORE_SIGNS = {"simulate": "(", "annotation": "(", "initial": "(+-", "when": "(+-"}
+BEFORE_SIGNS = {"simulate": "(", "annotation": "(", "initial": "(+-", "when": "(+-"}
 _BLOCKS = frozenset({"MODEL", "PACKAGE", "EFFECT", "SCENE", "FOR", "WHEN"})
 _OUTSIDE = {  # blocks that others cannot contain
     "effect": ("MODEL", "PACKAGE", "EFFECT", "SCENE"),
@@ -30,7 +30,7 @@ _OUTSIDE = {  # blocks that others cannot contain
     "model": ("MODEL", "PACKAGE"),
 }
 _NESTING = frozenset({"LPAR", "LBRACE", "LSQB", "IF", "NOT", *_BLOCKS})
-_AFTER_NAMES = frozenset(("<=", ">=", "==", "<>", *"=.[+-*/^,)]}:<>("))
+AFTER_NAMES = frozenset(("<=", ">=", "==", "<>", *"=.[+-*/^,)]}:<>("))
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,11 +51,13 @@ class Block:
         word = self.word.text
         return f"this `{word}`" if self.end_name == word else f"{word} `{self.end_name}`"
 
-    def fault(self, code: str, message: str, span: Span) -> Fault:
+    def fault(self, code: str, message: str, span: Span, edits: tuple[Edit, ...] = ()) -> Fault:
         """Return a fault of its `end`, with the place where the block begins."""
         last = self.word if self.end_name == self.word.text else self.name
         opened = Span(span.source, self.word.start, max(self.word.end, last.end))
-        return Fault(code, message, span, ((opened, "opened here"),), f"write `end {self.end_name};`")
+        return Fault(
+            code, message, span, ((opened, "opened here"),), f"write `end {self.end_name};`", edits=edits
+        )
 
 
 class Machine:
@@ -150,13 +152,14 @@ class Machine:
         return keyword
 
     def _reads_as_name(self, word: str, after: str) -> bool:
-        if word in _ALWAYS or after not in _AFTER_NAMES:
+        if word in ALWAYS or after not in AFTER_NAMES:
             return False
-        return after not in _BEFORE_SIGNS.get(word, "")
+        return after not in BEFORE_SIGNS.get(word, "")
 
     # -- the two moves --------------------------------------------------------------------
 
     def shift(self, token: Token, terminal: str, state: int) -> bool:
+        # Nesting is limited, as later stages walk the tree recursively. A sign counts too: `----x`.
         depth = self.depths[-1]
         if terminal in _NESTING or (terminal in ("PLUS", "MINUS") and self._is_sign()):
             depth += 1
@@ -164,12 +167,15 @@ class Machine:
                 span = Span(self.source, token.start, token.end)
                 self.faults.append(Fault("LAG0106", f"this is nested more than {DEEPEST} levels deep", span))
                 return False
+        # `end` closes the innermost open block; one that closes nothing, or an outer block, is a fault that
+        # recovery handles.
         if terminal == "END" and not self._closes():
             return True
         if terminal in _BLOCKS and self._begins_block():
             if self._left_open(terminal):
                 return True
             self.blocks.append(Block(token, self.tokens[self.position + 1], len(self.states)))
+        # The state is pushed with its value, first token and depth: four stacks of one height.
         token.terminal = terminal
         self.states.append(state)
         self.values.append(token)
@@ -225,15 +231,15 @@ class Machine:
         return before.kind == SYMBOL and before.text not in (")", "]", "}")
 
     def _begins_block(self) -> bool:
-        """Whether this word begins a block (not `end for` or `{i^2 for i in 1:n}`)."""
+        """Return whether this word begins a block (not `end for` or `{i^2 for i in 1:n}`)."""
         open_ = self.tables.actions[self.states[-1]].keys() & {"RBRACE", "RPAR"}
         return not open_ and self.tokens[self.position - 1].text != "end"
 
     # -- blocks and their ends ---------------------------------------------------------------
 
     def _closes(self) -> bool:
-        """Whether the next `end` closes the innermost block.  A missing `end` of an inner block is reported
-        and inserted."""
+        """Return whether the next `end` closes the innermost block. A missing `end` of an inner block is
+        reported and inserted."""
         name = self.tokens[self.position + 1]
         self.last_closed = None
         if not self.blocks:
@@ -253,11 +259,12 @@ class Machine:
 
     def _wrong_end(self, block: Block, name: Token) -> Fault:
         message = f"this `end` names `{name.text}`, but it closes {block.shown}"
-        return block.fault("LAG0113", message, Span(self.source, name.start, name.end))
+        edits = (Edit(name.start, name.end, block.end_name),)
+        return block.fault("LAG0113", message, Span(self.source, name.start, name.end), edits)
 
     def _left_open(self, terminal: str) -> bool:
-        """Whether a block begins that the innermost one cannot contain, and whose `end` is missing; it is
-        inserted."""
+        """Return whether a block begins that the innermost one cannot contain, and whose `end` is missing; it
+        is inserted."""
         if not self.blocks or terminal not in _OUTSIDE.get(self.blocks[-1].word.text, ()):
             return False
         block = self.blocks[-1]
@@ -294,21 +301,33 @@ class Machine:
         at = self.tokens[self.position]
         before = "the end of the file" if at.kind == END else f"this `{at.text}`"
         message = f"{block.shown} is not closed before {before}"
-        self.report(block.fault("LAG0112", message, Span(self.source, at.start, at.end)), block.word)
+        edits = (self._missing_end(block, at),)
+        self.report(block.fault("LAG0112", message, Span(self.source, at.start, at.end), edits), block.word)
         self.tokens[self.position : self.position] = [
             Token(WORD, "end", at.start, at.start),
             Token(WORD, block.end_name, at.start, at.start),
             Token(SYMBOL, ";", at.start, at.start),
         ]
 
-    def report(self, fault: Fault, first: Token) -> None:
+    def _missing_end(self, block: Block, before: Token) -> Edit:
+        """Return the `end` of a block: where a line begins, a line that is indented as the block is."""
+        text, end = self.source.text, f"end {block.end_name};"
+        line, opened = (text.rfind("\n", 0, token.start) + 1 for token in (before, block.word))
+        if text[line : before.start].strip():
+            return Edit(before.start, before.start, f" {end} ")
+        indent = text[opened : block.word.start]
+        return Edit(line, line, f"{'' if indent.strip() else indent}{end}\n")
+
+    def report(self, fault: Fault, first: Token) -> bool:
         """Report at most one fault per declaration (first token `first`), and none where the lexer found
-        one."""
+        one. Return whether it is reported."""
         end = self.source.text.find("\n", self.tokens[self.position].end)
         end = len(self.source.text) if end < 0 else end
         odd = fault.code != "LAG0112" and any(
             known.span is not None and first.start <= known.span.start < end for known in self.lexed.faults
         )
-        if not odd and first.start not in self._reported:
-            self._reported.add(first.start)
-            self.faults.append(fault)
+        if odd or first.start in self._reported:
+            return False
+        self._reported.add(first.start)
+        self.faults.append(fault)
+        return True

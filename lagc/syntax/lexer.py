@@ -88,6 +88,7 @@ def tokenise(source: Source) -> Lexed:
             if not word.isascii():
                 lexed.faults.append(_foreign_word(source, word, position))
             tokens.append(Token(WORD, word, position, end))
+        # `[` begins a unit behind a number or a closing bracket; elsewhere it is a subscript.
         elif kind == "symbol":
             symbol = matched.group()
             if symbol == "[" and tokens and _unit_follows(tokens[-1]):

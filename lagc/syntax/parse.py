@@ -144,7 +144,7 @@ def _function(source: Source, tokens: list[Token], at: int) -> tuple[Fault, int]
 
 
 def _begins_section(source: Source, tokens: list[Token], at: int) -> bool:
-    """Whether the word begins a line and is no name: `equation` is a name in `Mass equation = 1;`."""
+    """Return whether the word begins a line and is no name: `equation` is a name in `Mass equation = 1;`."""
     before, after = tokens[at - 1] if at else None, tokens[at + 1]
     if before is not None and before.kind == SYMBOL and before.text not in (";", ")", "]", "}"):
         return False

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from lagc.diagnostics.faults import Fault, Span
+from lagc.base.records import replace
+from lagc.diagnostics.faults import Edit, Fault, Span
 from lagc.syntax.lalr import MOST_FAULTS, Machine
 from lagc.syntax.lexer import END, SYMBOL, WORD, Token
 from lagc.syntax.mistakes import Explained, Repair, Where, explained, keywords, signs
 
 MOST_RECOVERIES = 200
+_CLOSE = tuple(";,)]}([")  # no blank stands before them
 
 
 def recover(machine: Machine) -> bool:
@@ -49,10 +51,24 @@ class Recovery:
             elif type(value) is Token and value.kind == SYMBOL and value.text in ")]}" and brackets:
                 brackets.pop()
         found = explain(Where(machine, self.accepts, begin, brackets))
-        machine.report(found.fault, machine.tokens[begin])
+        reported, count = machine.report(found.fault, machine.tokens[begin]), len(machine.faults)
+        edits = self._edits(found.repair) if found.repair is not None else ()
         if found.repair is None or not self._repair(found.repair):
             self._give_up(bottom, begin)
+        elif reported:
+            machine.faults[count - 1] = replace(found.fault, edits=edits)
         return True
+
+    def _edits(self, repair: Repair) -> tuple[Edit, ...]:
+        """Return a repair as an edit of the text."""
+        tokens, source, text = self.machine.tokens, self.machine.source.text, ""
+        for token in repair.others:
+            close = not text or token.text in _CLOSE or text[-1] in "([{"
+            text += token.text if close else f" {token.text}"
+        old = tokens[repair.at : repair.at + repair.count]
+        at = old[0].start if old else tokens[repair.at - 1].end if repair.at else 0
+        apart = text[:1] not in _CLOSE if not old else text[:1].isalnum() and source[at - 1 : at].isalnum()
+        return (Edit(at, old[-1].end if old else at, f" {text}" if apart else text),)
 
     def _end_unfinished(self) -> bool:
         """Complete an `end` without a name or without `;`."""
@@ -64,7 +80,9 @@ class Recovery:
         at = machine.tokens[machine.position].start
         if top.text == "end" and "SEMICOLON" not in machine.tables.actions[machine.states[-1]]:
             span = Span(machine.source, top.start, top.end)
-            machine.report(block.fault("LAG0113", "`end` needs the name of its block", span), top)
+            edits = (Edit(top.end, top.end, f" {block.end_name}"),)
+            fault = block.fault("LAG0113", "`end` needs the name of its block", span, edits)
+            machine.report(fault, top)
             machine.tokens.insert(machine.position, Token(WORD, block.end_name, at, at))
             return True
         before = machine.values[-2]
@@ -72,7 +90,8 @@ class Recovery:
             return False
         span = Span(machine.source, top.end, top.end)
         remedy = f"write `end {block.end_name};`"
-        machine.report(Fault("LAG0111", "a `;` is missing", span, (), remedy), before)
+        edits = (Edit(top.end, top.end, ";"),)
+        machine.report(Fault("LAG0111", "a `;` is missing", span, (), remedy, edits=edits), before)
         machine.tokens.insert(machine.position, Token(SYMBOL, ";", at, at))
         return True
 
@@ -117,7 +136,7 @@ class Recovery:
         return 0, 0
 
     def accepts(self, *terminals: str) -> bool:
-        """Whether these terminals can follow here, one after the other."""
+        """Return whether these terminals can follow here, one after the other."""
         states = list(self.machine.states)
         return all(self._takes(states, terminal) for terminal in terminals)
 
@@ -161,7 +180,7 @@ class Recovery:
         return True
 
     def _reads_on(self, states: list[int], first: int, last: int) -> bool:
-        """Whether the tokens first..last can be parsed from `states` on."""
+        """Return whether the tokens first..last can be parsed from `states` on."""
         machine = self.machine
         for position in range(first, min(last + 1, len(machine.tokens))):
             while True:

@@ -292,6 +292,10 @@ def test_a_notebook_shows_equations_and_plots(pendulum: lagc.CompiledModel) -> N
     shown = pendulum._repr_latex_()
     assert "theta" in shown and shown.startswith("$$") and shown.endswith("$$")
     assert lagc.load("simple_pendulum")._repr_latex_() == shown
+    long = (
+        lagc.load("chain").compile(parameters={"n": 9})._repr_latex_()
+    )  # browsers hang on some 100,000 characters
+    assert long == "9 equations; `lagc equations` prints them"
     pytest.importorskip("matplotlib")
     assert "<" in pendulum.simulate(stop=1)._repr_html_()
 

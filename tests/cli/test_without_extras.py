@@ -16,11 +16,11 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 WITHOUT = """
-import sys
+import os, sys
 
 class Hidden:
     def find_spec(self, name, path=None, target=None):
-        if name.partition(".")[0] in {"matplotlib", "pandas", "pyarrow", "sympy"}:
+        if name.partition(".")[0] in {"matplotlib", "pandas", "pyarrow", "sympy", os.environ.get("HIDDEN")}:
             raise ModuleNotFoundError(f"No module named {name!r}", name=name)
 
 sys.meta_path.insert(0, Hidden())
@@ -116,3 +116,9 @@ def test_a_picture_is_refused_before_the_study(folder: Path, study: str) -> None
 def test_a_package_is_asked_for_before_the_run(folder: Path, words: tuple[str, ...]) -> None:
     done = lagc(folder, words[0], "drop.lag", *words[1:])
     assert done.returncode == 2 and "pip install" in done.stderr and not done.stdout
+
+
+def test_a_command_says_that_numpy_is_missing(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HIDDEN", "numpy")
+    done = lagc(folder, "linearize", "drop.lag")
+    assert done.returncode == 2 and "pip install numpy" in done.stderr and not done.stdout

@@ -71,7 +71,7 @@ def test_a_caller_that_knows_the_tables_alone(name: str, real: str, tmp_path: Pa
         if row.name is None:
             break
         rows[row.record.decode(), row.name.decode()] = row
-    facts = json.loads(json.dumps(describe(interface, files, "c", real)))
+    facts = json.loads(json.dumps(describe(interface, files[f"{own}.h"], real)))
     size, nx = facts["real"]["size"], facts["sizes"]["NX"]
     for field in (*facts["parameters"], *facts["inputs"]):
         row = rows["params", field["name"]]
@@ -229,7 +229,7 @@ def test_code_without_integrators(name: str, tmp_path: Path) -> None:
         (["--cmake", "--target", "numpy"], "--cmake needs --target c"),
         (["--version", "1.0"], "--version needs --cmake"),
         (["--cmake", "--version", "1.x"], "no version"),
-        (["--only", "rhs", "--derivatives"], "name them in --only"),
+        (["--only", "rhs", "--events"], "give one of them"),
     ],
 )
 def test_options_that_do_not_fit(

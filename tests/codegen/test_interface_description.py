@@ -41,7 +41,7 @@ def test_the_header_numbers_statuses_and_methods() -> None:
     program = of_model("course/string_pendulum")
     header = next(text for name, text in render(program).items() if name.endswith(".h"))
     own = prefix(program.interface.model).upper()
-    numbers = {name: int(k) for name, k in re.findall(rf"^    {own}_(\w+) = (\d+)", header, re.M)}
+    numbers = {name: int(k) for name, k in re.findall(rf"^  {own}_(\w+) = (\d+)", header, re.M)}
     expected = {name: value for name, value in vars(statuses).items() if name.isupper()}
     del expected["PARADOX"], expected["PENETRATION"]  # of contacts
     carried = methods_of(program.interface)

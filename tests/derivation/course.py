@@ -39,7 +39,8 @@ def exercises() -> tuple[Exercise, ...]:
     text = (ROOT / "docs" / "course.md").read_text(encoding="utf-8")
     found = []
     block = re.compile(
-        r"(?:`lagc derive (\w+)`\n\n)?```modelica(?: fragment)?\n(.*?)^```\n(.*?)(?=^#|^`|\Z)", re.S | re.M
+        r"(?:`lagc derive (\w+)`\n\n)?(?:<!-- fragment -->\n)?```modelica\n(.*?)^```\n(.*?)(?=^#|^`|\Z)",
+        re.S | re.M,
     )
     for name, code, rest in block.findall(text):
         found.append(Exercise(name, code, tuple(ROW.findall(rest))))

@@ -174,6 +174,17 @@ def test_json_says_the_same() -> None:
     assert [(r["label"], r["column"]) for r in related] == [("Length [m]", 44), ("Time [s]", 48)]
 
 
+def test_json_says_what_to_write_instead() -> None:
+    text = "model A coordinate Length x; body b = Particle(mass = 1 [kg], at = {x, 0, 0}); end A;"
+    for right, wrong in (("0});", "0};"), ("{x,", "{X,"), ("[kg]", "[kx]"), ("; end", " end")):
+        damaged = text.replace(right, wrong)
+        (found,) = as_json(check(Source("m.lag", damaged), Choice()))
+        edits = found["edits"]
+        assert isinstance(edits, list)
+        (edit,) = edits
+        assert damaged[: edit["column"] - 1] + edit["text"] + damaged[edit["end_column"] - 1 :] == text
+
+
 def test_characters_that_steer_a_terminal_are_not_printed() -> None:
     source = Source("m\x1b[2J.lag", "a\x1b[31mb\n")
     text = report([Fault("LAG0000", "x\x1by", Span(source, 0, 1))])

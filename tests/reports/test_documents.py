@@ -49,7 +49,9 @@ def blocks(language: str) -> list[tuple[str, str]]:
     found = []
     for path in DOCUMENTS:
         text = path.read_text(encoding="utf-8")
-        for match in re.finditer(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
+        for match in re.finditer(
+            rf"(?<!^<!-- fragment -->\n)^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL
+        ):
             found.append((f"{page(path)}:{text.count(chr(10), 0, match.start()) + 2}", match[1]))
     return found
 

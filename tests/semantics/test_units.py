@@ -14,7 +14,20 @@ from lagc.compiler.checking import check
 from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Refused, Source
 from lagc.semantics.resolve import resolve
-from lagc.semantics.units import NONE, UnknownUnit, dimension, over, raised, si_text, times, to_si, unit
+from lagc.semantics.units import (
+    KG,
+    NONE,
+    Dimension,
+    M,
+    UnknownUnit,
+    dimension,
+    over,
+    raised,
+    si_text,
+    times,
+    to_si,
+    unit,
+)
 from lagc.semantics.values.unit_hints import spelling_remedy
 from lagc.syntax.parse import parse
 
@@ -215,3 +228,17 @@ def test_exponents_of_units_are_whole(text: str) -> None:
 
 def test_exponents_may_stand_in_parentheses() -> None:
     assert unit("m^(-2)") == unit("m-2") == unit("1/m2") and unit("m^2.kg") == unit("kg.m2")
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted", "proposed"),
+    [
+        ("kk", KG, "[kg]"), ("xm", M, "m]"), ("m/z2", unit("m/s2").dimension, "[m/s2]"),
+        ("rad/z", unit("1/s").dimension, "[rad/s]"), ("N.x", unit("N.m").dimension, "[N.m]"),
+        ("qq", unit("kg/m3").dimension, "[kg/m3]"),
+    ],
+)  # fmt: skip
+def test_the_proposal_for_a_unit_has_the_dimension_of_its_place(
+    text: str, wanted: Dimension, proposed: str
+) -> None:
+    assert proposed in (spelling_remedy(text, wanted) or "")

@@ -57,8 +57,8 @@ def render(
     header = _header(runtime, f"{name}.h")
     source = _source(runtime, f"{name}.c", f"{name}.h", header)
     return {
-        f"{name}.h": _wrapped(in_header(_real(header, real), name)),
-        f"{name}.c": _wrapped(in_source(_real(source, real), header, name)),
+        f"{name}.h": _laid_out(in_header(_real(header, real), name)),
+        f"{name}.c": _laid_out(in_source(_real(source, real), header, name)),
     }
 
 
@@ -118,15 +118,16 @@ def _real(text: str, real: Arithmetic) -> str:
 _HEAD = re.compile(r"^[A-Za-z][\w *]*\([^()]*\)(?=;$|\n\{)", re.M)  # of a function
 
 
-def _wrapped(text: str) -> str:
-    """Break the heads of functions between parameters, into lines of at most 98 characters."""
-    return _HEAD.sub(_rows, text)
+_INDENT = re.compile(r"^(?: {4})+", re.M)
+
+
+def _laid_out(text: str) -> str:
+    """Indent by two spaces, and break the heads of functions into lines of at most 98 characters."""
+    return _HEAD.sub(_rows, _INDENT.sub(lambda match: match[0][::2], text))
 
 
 def _rows(match: re.Match[str]) -> str:
-    head = " ".join(match[0].split())
-    indent = " " * (head.index("(") + 1)
-    rows = [""]
+    head, indent, rows = " ".join(match[0].split()), " " * 4, [""]
     for part in re.split(r"(?<=,) ", head):
         if rows[-1].strip() and len(rows[-1]) + len(part) > 97:
             rows.append(indent)

@@ -136,6 +136,7 @@ enum { /* what a contact did at an event: contact_kinds of the state; 0: nothing
 };
 
 """
+_FREE = {"NFREE": "event indicators that depend on the state"}
 _PREPARED = {"NPREPARED": "numbers that lagc_bind computes from the parameters"}
 _LIMITED = {"NLIMITS": "bounded values computed from parameters"}
 _NEWTON = {
@@ -159,6 +160,7 @@ def sizes(interface: Interface) -> list[tuple[str, int, str]]:
         **_SIZES,
         **discrete,
         **(_CONTACTS if interface.contacts else {}),
+        **(_FREE if interface.events else {}),
         **prepared,
         **limited,
         **newton,

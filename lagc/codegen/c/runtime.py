@@ -30,6 +30,7 @@ READ = ("Options", "State", "Work")  # structs whose members callers read
 PRIVATE = "Private from here on"
 PLAIN = {"Real": "real", "Vec": "real", "Count": "long", "int": "int", "bool": "int", "IVec": "int"}
 NUMBERS = ("int", "Real", "Reals")  # kinds of constants that are not in the header
+IMPORTED = ("hold_modes", "indicators", "event", "next_event", "project_state")  # with `events`
 FOLLOWING = ("follow", "event_facts")  # with sensitivities
 _COPY_STATE = """\
 static void lagc_fn_copy_state(const lagc_state *s, lagc_state *kept)
@@ -79,6 +80,7 @@ class Runtime:
         ]
         bodies = "".join(function.body for function in direct)
         roots += [name for name in (rates(interface), *CALLED) if f"lagc_{name}(" in bodies]
+        roots += IMPORTED if interface.events else ()
         roots += [
             name for name in FOLLOWING if interface.follows and (name != "event_facts" or interface.relations)
         ]

@@ -99,13 +99,11 @@ class CPrinter:
 
     def block(self, body: Sequence[ast.stmt], indent: str, out: list[str]) -> None:
         for node in body:
-            out += [f"{indent}/* {self.spelled(line)} */" for line in getattr(node, "lead", ())]
-            start = len(out)
             self.statement(node, indent, out)
-            if getattr(node, "trail", "") and len(out) > start:
-                out[start] += f" /* {self.spelled(node.trail)} */"  # type: ignore[attr-defined]
 
     def statement(self, node: ast.stmt, indent: str, out: list[str]) -> None:
+        # Kernels are C already but for assignments of vectors, loops, and a pair as result, which is an
+        # argument in C.
         match node:
             case ast.Assign(targets=[ast.Name(id=name)], value=value):
                 self.bind(node, name, value, indent, out)
@@ -143,6 +141,8 @@ class CPrinter:
 
     def loop(self, node: ast.For, indent: str, out: list[str]) -> None:
         assert isinstance(node.target, ast.Name) and isinstance(node.iter, ast.Call)
+        # The end of a range is evaluated once, as in Python; a constant needs no variable. Members and calls
+        # may change in the body, names may not (the type check refuses that).
         i, args = node.target.id, node.iter.args
         kind: Type = node.kind  # type: ignore[attr-defined]
         first, end = ("0", args[0]) if len(args) == 1 else (self.text(args[0]), args[1])
@@ -169,6 +169,8 @@ class CPrinter:
             out.append(indent + "}")
 
     def bind(self, node: ast.stmt, name: str, value: ast.expr, indent: str, out: list[str]) -> None:
+        # The declaration stands at the first assignment if that is in the block of all uses; records begin as
+        # zeros.
         kind = self.now.locals[name]
         declare = self.places[name] is node
         if isinstance(value, ast.Call) and identifier(value.func) in MADE:
@@ -182,6 +184,8 @@ class CPrinter:
             out.append(f"{indent}{self.local(name) if declare else name} = {text};")
 
     def copy(self, target: ast.Subscript, value: ast.expr, indent: str, out: list[str]) -> None:
+        # v[a:b] = w, or a part of it, is a loop; parameters are a struct, which C copies; a pair writes
+        # through a pointer.
         cut, kind = target.slice, target.value.type  # type: ignore[attr-defined]
         assert isinstance(cut, ast.Slice)
         if kind[0] == "Params":
@@ -230,37 +234,30 @@ class CPrinter:
 
     def branch(self, node: ast.If, indent: str, out: list[str]) -> None:
         """Print a chain of tests, with braces for all blocks if one needs them."""
+        # `elif` becomes `else if`, in one chain: braces for all of its blocks or for none.
         start, blocks = len(out), []
         word, now = indent, node
         while True:
             out.append(f"{word}if ({self.text(now.test)})")
-            blocks.append(self.part(now, now.body, indent, out))
+            blocks.append(self.part(now.body, indent, out))
             other = now.orelse
-            if len(other) == 1 and isinstance(other[0], ast.If) and not getattr(other[0], "lead", ()):
+            if len(other) == 1 and isinstance(other[0], ast.If):
                 word, now = f"{indent}else ", other[0]
                 continue
             if other:
                 out.append(f"{indent}else")
-                blocks.append(self.part(None, other, indent, out))
+                blocks.append(self.part(other, indent, out))
             break
         if all(last - first == 1 for first, last, simple in blocks if simple) and all(b[2] for b in blocks):
             return
         for first, _, _ in reversed(blocks):
-            head, note = out[first - 1], ""
-            if " /* " in head and not head.lstrip().startswith("/*"):
-                head, _, note = head.partition(" /* ")
-            out[first - 1] = f"{head} {{" + (f" /* {note}" if note else "")
+            out[first - 1] += " {"
             if first - 1 > start:
                 out[first - 1] = f"{indent}}} {out[first - 1].lstrip()}"
         out.append(indent + "}")
 
-    def part(
-        self, node: ast.If | None, body: Sequence[ast.stmt], indent: str, out: list[str]
-    ) -> tuple[int, int, bool]:
+    def part(self, body: Sequence[ast.stmt], indent: str, out: list[str]) -> tuple[int, int, bool]:
         """Print a block; return its first and last line, and whether it is one simple statement."""
-        trail: str = getattr(node, "trail", "")
-        if trail and out[-1].startswith(f"{indent}else "):
-            out[-1] += f" /* {trail} */"
         first = len(out)
         self.block(body, indent + "    ", out)
         simple = len(body) == 1 and not isinstance(body[0], ast.If | ast.For | ast.While)
@@ -277,6 +274,7 @@ class CPrinter:
 
     def operand(self, node: ast.expr, wanted: Type | None, least: int, strict: bool = False) -> str:
         """Return an operand with parentheses if it binds less than `least`, converted to `wanted`."""
+        # Parentheses by binding strength, as few as C needs; conversions of integers are written out.
         kind: Type = node.type  # type: ignore[attr-defined]
         text, binds = self.expression(node)
         if wanted in (REAL, *WHOLE) and kind != wanted and kind in WHOLE:
@@ -290,6 +288,7 @@ class CPrinter:
         return self.expression(node)[0]
 
     def expression(self, node: ast.expr) -> tuple[str, int]:
+        # Text and binding strength of each expression: the caller decides on parentheses.
         match node:
             case ast.Constant(value=bool() as value):
                 return str(int(value)), ATOM
@@ -345,6 +344,7 @@ class CPrinter:
         return (self.real.infinity, ATOM) if name == "inf" else self.named(name)
 
     def entry(self, value: ast.expr, index: ast.expr) -> tuple[str, int]:
+        # Rows of a caller are one block; a struct of parameters is read as an array of reals.
         kind: Type = value.type  # type: ignore[attr-defined]
         if kind[0] == "Rows":
             return f"({self.text(value)} + {self.operand(index, None, PRODUCT)} * {self.size(kind[1])})", ATOM
@@ -369,6 +369,7 @@ class CPrinter:
             return self.expression(args[0])
         if name == "present":
             return f"{self.text(args[0])} != NULL", EQUAL
+        # A name without signature is a function of C's library, in the spelling of the type of reals.
         callee = self.now.known.signatures.get(name)
         if callee is None:
             spelled = self.real.call.format(name)
@@ -438,13 +439,9 @@ def block_comment(text: str) -> str:
 
 def folded(line: str) -> str:
     """Break a long line before an operator or after a comma."""
-    code, mark, note = line.partition(" /* ") if not line.lstrip().startswith("/*") else (line, "", "")
-    if len(code) > WIDTH and mark:
-        lead = code[: len(code) - len(code.lstrip())]
-        return f"{lead}/* {note}\n{folded(code)}"
-    indent = " " * (len(line) - len(line.lstrip()) + 4)
+    indent = " " * (len(line) - len(line.lstrip()) + 8)
     rows = []
-    while len(line) > WIDTH and not line.lstrip().startswith("/*"):
+    while len(line) > WIDTH:
         cuts = [
             line.rfind(sign, len(indent) + 12, WIDTH) for sign in (" + ", " - ", " || ", " && ", " : ", " = ")
         ]

@@ -174,26 +174,36 @@ def _comments(text: str) -> dict[int, tuple[str, bool]]:
     return found
 
 
-def attach(body: list[ast.stmt], notes: dict[int, tuple[str, bool]], after: int, inside: bool = False) -> int:
-    """Attach comments to statements: `lead` before, `trail` beside; return the last line that was read.
-    `inside` a function, count: Count = 0 becomes an assignment that stores its type."""
-    for k, node in enumerate(body):
-        match node:
-            case ast.AnnAssign(target=ast.Name() as name, value=ast.expr() as value) if inside:
-                body[k] = ast.copy_location(ast.Assign([name], value), node)
-                body[k].said = ast.unparse(node.annotation)  # type: ignore[attr-defined]
-                node = body[k]
+def attach(body: list[ast.stmt], notes: dict[int, tuple[str, bool]], after: int) -> int:
+    """Attach comments to definitions and members of records: `lead` before, `trail` beside; return the last
+    line that was read.  Comments inside functions are for readers of the kernels alone."""
+    for node in body:
         first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", []))])
         node.lead = [notes[n][0] for n in range(after + 1, first) if n in notes]  # type: ignore[attr-defined]
+        if isinstance(node, ast.FunctionDef):
+            store_types(node.body)
+            after = node.end_lineno or node.lineno
+            continue
         inner = getattr(node, "body", None)
         last = inner[0].lineno - 1 if inner else (node.end_lineno or node.lineno)
         beside = [n for n in range(node.lineno, last + 1) if n in notes and not notes[n][1]]
         node.trail = " ".join(notes[n][0] for n in beside)  # type: ignore[attr-defined]
         after = max([node.lineno, *beside])
         for block in (inner or [], getattr(node, "orelse", [])):
-            after = attach(block, notes, after, inside or isinstance(node, ast.FunctionDef))
+            after = attach(block, notes, after)
         after = max(after, node.end_lineno or 0)
     return after
+
+
+def store_types(body: list[ast.stmt]) -> None:
+    """Make `count: Count = 0` inside a function an assignment that stores its type."""
+    for k, node in enumerate(body):
+        match node:
+            case ast.AnnAssign(target=ast.Name() as name, value=ast.expr() as value):
+                body[k] = ast.copy_location(ast.Assign([name], value), node)
+                body[k].annotation = ast.unparse(node.annotation)  # type: ignore[attr-defined]
+        for block in (getattr(node, "body", []), getattr(node, "orelse", [])):
+            store_types(block)
 
 
 # -- questions about syntax trees --

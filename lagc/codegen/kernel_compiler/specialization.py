@@ -55,6 +55,7 @@ class Statics:
     def block(self, body: list[ast.stmt]) -> list[ast.stmt]:
         """Return the remaining statements, as copies."""
         out: list[ast.stmt] = []
+        # Statements behind a return are dropped: a flag may end the kernel early.
         for node in body:
             out += self.statement(node)
             if out and isinstance(out[-1], ast.Return | ast.Break | ast.Continue):
@@ -76,7 +77,7 @@ class Statics:
                 known = {**self.known, node.target.id: value}
                 inner = Statics(self.file, self.flags, self.sizes, known, self.prefix, self.own)
                 out += inner.block(node.body)
-            return _led(node, out)
+            return out
         copy = _bare(node)
         for name, value in ast.iter_fields(node):
             if name in ("body", "orelse"):
@@ -88,9 +89,11 @@ class Statics:
         return [copy]
 
     def branch(self, node: ast.If) -> list[ast.stmt]:
+        # A known test leaves one of its blocks; else both are specialized, and a block that became empty
+        # turns the test.
         test = self.test(node.test)
         if isinstance(test, bool):
-            return _led(node, self.block(node.body if test else node.orelse))
+            return self.block(node.body if test else node.orelse)
         copy = _bare(node)
         assert isinstance(copy, ast.If)
         copy.test, copy.body, copy.orelse = test, self.block(node.body), self.block(node.orelse)
@@ -103,6 +106,7 @@ class Statics:
 
     def test(self, node: ast.expr) -> ast.expr | bool:
         """Return a condition, or its value if it is known; known operands of `and` and `or` are dropped."""
+        # Known operands of `and` and `or` decide the test or drop out.
         found = self.flag(node)
         if found is not None:
             return found
@@ -188,6 +192,8 @@ class Statics:
 
     def combination(self, node: ast.Call) -> ast.expr:
         """Return c_1 * k[0][i] + c_2 * k[1][i] ..., from left to right, without zeros."""
+        # Coefficients of 1 and -1 are no products, zeros no terms: the text has as few operations as a
+        # tableau allows.
         row, (k, i) = self.value(node.args[0], node), (self.expression(a) for a in node.args[1:])
         total: ast.expr | None = None
         for stage, text in row.items():
@@ -256,14 +262,6 @@ def _bare(node: Any) -> Any:
     found = node.__class__.__new__(node.__class__)
     found.__dict__.update(node.__dict__)
     return found
-
-
-def _led(node: ast.stmt, body: list[ast.stmt]) -> list[ast.stmt]:
-    """Move the comments before a removed statement to the first of the remaining ones."""
-    if body and node.lead:  # type: ignore[attr-defined]
-        body[0] = _bare(body[0])
-        body[0].lead = [*node.lead, *body[0].lead]  # type: ignore[attr-defined]
-    return body
 
 
 def _number(value: int | Fraction, node: ast.AST) -> ast.expr:

@@ -175,6 +175,7 @@ class Types:
                 raise self.fail(node, f"{type(node).__name__} is not in the subset: {text}")
 
     def loop(self, node: ast.For, name: str, args: list[ast.expr]) -> None:
+        # A range has ends that the body cannot change, so that C and Python make the same number of turns.
         kinds = [self.of(a) for a in args]
         for a, kind in zip(args, kinds):
             if kind not in WHOLE:
@@ -197,6 +198,8 @@ class Types:
             raise self.fail(node, f"the counter {name} counts in a loop of {name}")
 
     def bind(self, node: ast.stmt, name: str, value: ast.expr) -> None:
+        # The first assignment gives a local its type; an integer may be assigned to a real later, nothing
+        # else changes.
         if name in self.parameters:
             raise self.fail(node, f"the argument {name} is assigned")
         if name in self.counters:
@@ -213,8 +216,8 @@ class Types:
             self.records[made] = None
         else:
             found = self.of(value)
-            if hasattr(node, "said"):
-                found = self.annotated(node.said)
+            if hasattr(node, "annotation"):
+                found = self.annotated(node.annotation)
                 self.fits(node, found, value)
         old = self.locals.setdefault(name, found)
         if old != found and not (old == REAL and found in WHOLE):
@@ -224,6 +227,7 @@ class Types:
         self.assigned[name] = self.assigned.get(name, 0) + 1
 
     def copied(self, node: ast.Assign, target: ast.Subscript, value: ast.expr) -> None:
+        # Two sides of a copy: a vector, a part of one, or the pair that a kernel returns.
         self.touch(target.value)
         match target.slice, value:
             case (
@@ -263,6 +267,7 @@ class Types:
 
     def is_written(self, name: str) -> bool:
         """Return whether the contents of an argument, in any model, or of an alias change."""
+        # A name may be an alias of a member of another record: writing through it changes that.
         if name in self.parameters:
             return self.writes[[*self.parameters].index(name)]
         seen, more = set[str](), set(self.touched)

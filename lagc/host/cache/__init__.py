@@ -104,7 +104,7 @@ def load(kind: str, key: str, read: Callable[[bytes], T]) -> T | None:
 
 
 def holds(kind: str, key: str) -> bool:
-    """Whether the entry exists; `load` checks whether it is valid."""
+    """Return whether the entry exists; `load` checks whether it is valid."""
     place = opened()
     if place is None:
         return False

@@ -20,6 +20,7 @@ def normalise(x: Vec[Any]) -> None:
     for n in range(NQUAT):
         k = quaternion[n]
         square = square_at(x, k)
+        # Squares that would underflow or overflow: the largest entry is divided out first.
         if not (LEAST_SQUARE < square and square < MOST_SQUARE):
             largest = 0.0
             for i in range(k, k + 4):

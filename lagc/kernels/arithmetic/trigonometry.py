@@ -70,9 +70,12 @@ def rounding_error_of_sum(a: Real, b: Real, total: Real) -> Real:
 def reduce_near(x: Real, rest: Vec[TWO]) -> Real:
     """Reduce x, |x| < 1e5, by the multiple n of pi/2, which is returned. For angles near such a multiple,
     and for machines that do not round to the nearest double."""
+    # n to the nearest by truncation, which does not depend on the rounding mode.
     n = float(whole(fabs(x) * QUARTERS_PER_RADIAN + 0.5))
     if x < 0.0:
         n = -n
+    # x - n pi/2 in three parts; the first two products are exact (33 bits times a small integer), and the
+    # errors of both sums are kept.
     a = x - n * FIRST_PART
     b = -(n * SECOND_PART)
     c = -(n * SECOND_REST)
@@ -86,6 +89,7 @@ def reduce_near(x: Real, rest: Vec[TWO]) -> Real:
 
 def times_half_pi(a: Real, more: Real, rest: Vec[TWO]) -> None:
     """Compute (a + more) pi/2, with an exact product of the first two (T. J. Dekker)."""
+    # Dekker's product: both factors split into halves of 26 bits, whose products are exact.
     shifted = SPLITTER * a
     above = shifted - (shifted - a)
     below = a - above

@@ -19,6 +19,8 @@ FAILED_PROJECTION = by_type(1e-3, 1e-6, "1e-6")  # scaled residual above which a
 
 def assemble_at(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     """Factor [M G^T; G 0] at (t, x)."""
+    # Sparse factors first. They are good if no pivot is small and the residual of a solve that `fn_factor`
+    # makes is.
     if STRAIGHT:
         if not w.rank_deficient:
             assemble_entries(p, t, x, w)
@@ -36,6 +38,7 @@ def assemble_at(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
 
 def solve_at(r: Vec[NR], s: Vec[NR], w: Work) -> None:
     """Solve M s1 - G^T s2 = r1, G s1 = r2."""
+    # Dense factors solve by the rank-revealing method: dependent rows get shortest multipliers.
     if NM > 0:
         if STRAIGHT:
             if not w.rows.is_dense:
@@ -53,11 +56,13 @@ def solve_at(r: Vec[NR], s: Vec[NR], w: Work) -> None:
 def set_row_scales(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> None:
     """Set w.rows.scales and w.rows.rate_scales, the scales of residuals and of their rates; `sizes` are those
     of the trajectory."""
+    # Angles of many turns do not enlarge the scales of residuals.
     w.rows.group_sizes[:] = sizes
     if w.rows.group_sizes[0] > 1.0:
         w.rows.group_sizes[0] = 1.0
     fn_scales(p, t, x, w.rows.scales)
     fn_reaches(p, t, x, w.rows.group_sizes, w.rows.reaches)
+    # A row whose terms all vanish is scaled by a share of its reach; rates of a holonomic row by their own.
     for i in range(NC):
         w.rows.scales[i] += VANISHING_ROW * w.rows.reaches[i]
     w.rows.rate_scales[:] = w.rows.scales
@@ -90,6 +95,7 @@ def worst_row(values: Vec[Any], n: Size, scales: Vec[NC]) -> int:
 
 def constraint_rates_of(e: Vec[NX], w: Work) -> None:
     """Compute w.rows.values = G e, for the speeds of e."""
+    # With a dense G by products; else K (e, 0) has G e as its second part, by the sparse entries.
     if NM > 0:
         for i in range(NC):
             total = 0.0
@@ -153,6 +159,7 @@ def displace_state(p: Params, t: Real, x: Vec[NX], y: Vec[NX], w: Work) -> None:
 def perturb_off_constraints(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> bool:
     """Compute w.error.x_perturbed: a state near x, off its constraints by the residual of a projection, with
     consistent speeds. Return False if that fails."""
+    # Residuals of alternating signs, as large as a projection leaves them.
     if failed(assemble_at(p, t, x, w)):
         return False
     set_row_scales(p, t, x, sizes, w)
@@ -162,6 +169,7 @@ def perturb_off_constraints(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], 
         w.rows.rhs[NV + i] = (ROUNDOFF_RESIDUAL if i % 2 == 0 else -ROUNDOFF_RESIDUAL) * w.rows.scales[i]
     solve_at(w.rows.rhs, w.rows.solution, w)
     displace_state(p, t, x, w.error.x_perturbed, w)
+    # Speeds again tangential at the perturbed place: only the position is off.
     fn_velocity(p, t, w.error.x_perturbed, w.rows.values)
     for i in range(NC):
         w.rows.rhs[NV + i] = -w.rows.values[i]
@@ -222,6 +230,7 @@ def project_speeds(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
         # As for the coordinates; the equations are linear, so that one iteration reaches round-off.
         if w.velocity_residual <= (UNPROJECTED_RESIDUAL if n == 0 else ROUNDOFF_RESIDUAL):
             break
+        # The factors may be those of the coordinates before their projection: a simplified Newton method.
         status = assemble_once(p, t, x, w)
         if failed(status):
             return status
@@ -252,6 +261,7 @@ def project(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> Stat
     w.position_residual = 0.0
     w.velocity_residual = 0.0
     if NQUAT > 0:
+        # Unit quaternions are projected by their norm alone, before the constraints.
         normalise(x)
     if NC > 0:
         w.rows.is_assembled = False

@@ -42,6 +42,7 @@ def select_hits(law: ContactLaw, a: ImpactWork) -> bool:
         approaches = law.u[first] < -APPROACHES * a.terms[first]
         if approaches and law.two_sided[i] == 0:
             found = True
+        # Entries of the law of this round. mode = -1: nothing is known before.
         if approaches or law.two_sided[i] > 0:
             a.contact[n] = i
             hits.first[n] = rows
@@ -71,6 +72,7 @@ def select_hits(law: ContactLaw, a: ImpactWork) -> bool:
 def give_impulses(law: ContactLaw, a: ImpactWork) -> None:
     """Add the impulses of the round to law.p, change all velocities law.u by them, and count their terms."""
     hits = a.hits
+    # u = u + W p in all rows, also of contacts that take no part: they may approach then.
     for i in range(hits.count):
         for k in range(hits.slips[i] + 1):
             column = row_of_all(law, a, i, k)
@@ -78,6 +80,7 @@ def give_impulses(law: ContactLaw, a: ImpactWork) -> None:
             law.p[column] += impulse
             for j in range(law.rows):
                 law.u[j] += law.W[j * law.rows + column] * impulse
+    # Terms grow with what passed through: after many rounds a velocity has the round-off of its largest term.
     for j in range(law.rows):
         size = fabs(law.u[j])
         for i in range(hits.count):
@@ -91,6 +94,8 @@ def give_impulses(law: ContactLaw, a: ImpactWork) -> None:
 def solve_impulses(law: ContactLaw, a: ImpactWork, restitution: bool) -> int:
     """Solve the law of the round for velocities after. With `restitution`, those of Newton's law."""
     hits = a.hits
+    # b of the round is the velocity before, (1 + e) u_n in the normal row: then u_n = 0 of the law means u_n
+    # after = -e u_n before.
     for i in range(hits.count):
         for k in range(hits.slips[i] + 1):
             row = hits.first[i] + k
@@ -104,10 +109,13 @@ def solve_impulses(law: ContactLaw, a: ImpactWork, restitution: bool) -> int:
 
 def strike_twice(law: ContactLaw, a: ImpactWork) -> int:
     """Solve a round by Poisson's law, compression and then expansion. Return the result of the law."""
+    # Compression: impulses P_c bring the contacts to rest.
     hits = a.hits
     found = solve_impulses(law, a, False)
     if found > LAW_FOUND:
         return found
+    # Expansion: at least e P_c in each contact that was compressed (S. D. Poisson); others may open freely.
+    # Forces of the compression are given already, so velocities go on from there.
     give_impulses(law, a)
     expands = False
     for i in range(hits.count):
@@ -139,6 +147,8 @@ def strike(law: ContactLaw, a: ImpactWork) -> int:
 def count_loss(law: ContactLaw, a: ImpactWork) -> bool:
     """Add the energy that each contact took in a round to its loss, -p (u before + u after) / 2. Return False
     if energy has grown."""
+    # Work of an impulse is p (u before + u after) / 2, exact since u is linear in p. Newton's law with
+    # friction may gain energy (W. J. Stronge, Proc. R. Soc. Lond. A 431 (1990) 169-181): that is refused.
     gain = 0.0
     passed = 0.0
     for i in range(law.count):
@@ -155,6 +165,7 @@ def count_loss(law: ContactLaw, a: ImpactWork) -> bool:
 def impact(law: ContactLaw, a: ImpactWork) -> int:
     """Compute the impulses law.p of all contacts that touch, whose velocities before are law.b, and the
     velocities after, law.u, with the number of rounds and the energy that each contact took."""
+    # Terms bound the round-off of velocities; they are at least |b|.
     for j in range(law.rows):
         law.p[j] = 0.0
         law.u[j] = law.b[j]
@@ -168,6 +179,7 @@ def impact(law: ContactLaw, a: ImpactWork) -> int:
         if a.rounds == MOST_ROUNDS:
             result = IMPACT_ENDLESS
             break
+        # u and p before the round, for its energy.
         a.u_before[:] = law.u
         a.p_before[:] = law.p
         found = strike(law, a)

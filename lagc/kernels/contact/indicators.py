@@ -15,8 +15,10 @@ def indicate_forces(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     That of a slip becomes its speed along its direction, the friction that a contact which sticks could bear
     beside its own, and 1 for an open contact; the second one of a slip in space is always 1."""
     found = True
+    # Forces need the rates; those of contacts are stored as the evaluation's by-product.
     if find_touching(x, w):
         found = not failed(rates_at(p, t, x, w.contacts.rates, w.contacts.lam, w))
+    # `rates_at` with a failure may have left the list of contacts unfinished.
     find_touching(x, w)
     # All are positive within the modes: a force that holds, friction that is left, speed along the slip.
     for i in range(NCON):
@@ -42,6 +44,7 @@ def indicate_forces(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
 def enclose_slip_along(i: int, w: Work) -> None:
     """Set w.events.enclosures of the first relation of a slip in space to those along its direction, and of
     the second one to 1."""
+    # Bounds of the sum of two intervals with the axis as coefficients.
     j = slip_relation(i) - NTIMED
     low = 0.0
     high = 0.0
@@ -65,6 +68,8 @@ def enclose_slip(i: int, mode: Real, w: Work) -> None:
             enclose_slip_along(i, w)
     low = w.events.enclosures[2 * j]
     high = w.events.enclosures[2 * j + 1]
+    # Slipping backwards is positive within its mode after a change of sign. An open contact has no slip; one
+    # that sticks is watched by its cone, whose margin is sampled.
     if mode < 0.0:
         w.events.enclosures[2 * j] = -high
         w.events.enclosures[2 * j + 1] = -low

@@ -104,6 +104,7 @@ def list_unknowns(law: ContactLaw, turning: bool) -> None:
     """List the unknowns of these modes, law.unknown: p_n of closed contacts, p_t of those that stick, and,
     if `turning`, slip angles. Each has an equation: u_n = 0, u_t = 0, or u_t has no part across the slip."""
     n = 0
+    # Derivatives with respect to angles: p_t = -mu |p_n| d, and d changes by `across` for each radian.
     law.turning = False
     for i in range(law.count):
         if is_closed(law.mode[i]):
@@ -134,6 +135,7 @@ def effect(law: ContactLaw, unknown: int, j: int) -> Real:
     W_jn - mu d W_jt, and of a slip angle, -mu p_n W_jt across d."""
     row = law.unknown[unknown]
     value = 0.0
+    # The column of a slip angle.
     if NSPACE > 0:
         if row == law.rows:
             own = law.contact[unknown]
@@ -143,6 +145,7 @@ def effect(law: ContactLaw, unknown: int, j: int) -> Real:
             return -law.mu[own] * fabs(law.p[normal]) * value
     value = law.W[j * law.rows + row]
     if NSLIP > 0:
+        # The column of a force; a normal force carries its friction along, which is what makes W unsymmetric.
         i = law.contact[unknown]
         first = law.first[i]
         if row == first and law.mode[i] == CONTACT_SLIPS and law.mu[i] > 0.0:
@@ -177,6 +180,7 @@ def relative_motion(law: ContactLaw) -> None:
 def assemble_law(law: ContactLaw) -> None:
     """Set law.matrix and law.right: scaled equations for a change of the unknowns, u + du = 0 of rows that
     do not move and, of a slip angle, c . (u_t + du_t) - (d . u_t) dangle = 0 with c across d."""
+    # One equation for each unknown, in the same order.
     n = law.unknowns
     for e in range(n):
         row = law.unknown[e]
@@ -184,6 +188,8 @@ def assemble_law(law: ContactLaw) -> None:
             for k in range(n):
                 law.matrix[e * n + k] = law.row_scale[row] * effect(law, k, row)
             law.right[e] = -law.row_scale[row] * law.u[row]
+        # The derivative of c . u_t by the angle has two parts: c . du_t, which `effect` contains, and dc .
+        # u_t = -d . u_t.
         elif NSPACE > 0:
             i = law.contact[e]
             first = law.first[i]
@@ -336,6 +342,8 @@ def solve_modes(law: ContactLaw) -> bool:
     """Compute law.p and law.u in the modes law.mode, with slip directions as unknowns where
     law.turns says so. Return False if the modes contradict each other."""
     for i in range(law.count):
+        # Normal forces begin at their least values and those of friction at 0, as all equations are linear
+        # for given directions.
         law.p[law.first[i]] = law.least[i]
         for k in range(law.slips[i]):
             law.p[law.first[i] + 1 + k] = 0.0
@@ -350,6 +358,7 @@ def solve_modes(law: ContactLaw) -> bool:
                 turned = correct_unknowns(law)
                 if turned <= TURNED:
                     break
+    # Rates that were solved for are zero exactly; round-off of W p + b would look like a motion.
     for e in range(law.unknowns):
         if law.unknown[e] < law.rows:
             law.u[law.unknown[e]] = 0.0
@@ -413,6 +422,8 @@ def zero_rate(law: ContactLaw, force: Real) -> Real:
 def is_admissible(law: ContactLaw) -> bool:
     """Return whether law.p and law.u meet the law in the modes law.mode."""
     force = largest_force(law)
+    # Tolerances are relative to the largest force and to the size of u, both scaled to roots of energy, so
+    # that contacts of a large and a small body are alike.
     if not force < inf:
         return False
     zero_u = zero_rate(law, force)
@@ -425,6 +436,7 @@ def is_admissible(law: ContactLaw) -> bool:
                 normal = fabs(normal)
         if not is_closed(law.mode[i]) and law.row_scale[first] * law.u[first] < -zero_u:
             return False
+        # Poisson's law asks for a least force in the expansion; otherwise `least` is 0 (A. Signorini).
         if law.two_sided[i] == 0 and normal < law.least[i] / law.scale[first] - LAW_ZERO * force:
             return False
         # Along the slip: a force in the cone, or one that opposes the slip.
@@ -434,8 +446,11 @@ def is_admissible(law: ContactLaw) -> bool:
                     if slip_force(law, i) > law.mu[i] * fabs(normal) + LAW_ZERO * force:
                         return False
                     continue
+                # A contact that slips has the sign of the normal force that its friction was written for.
                 if float(law.sign[i]) * normal < -LAW_ZERO * force:
                     return False
+                # Friction opposes the slip: u_t has no part against d. A direction that is given (`slides`)
+                # is not tested, as the slip has a speed already.
                 along = 0.0
                 for k in range(law.slips[i]):
                     row = first + 1 + k

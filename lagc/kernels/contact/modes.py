@@ -68,6 +68,8 @@ def set_force_row(law: ContactLaw, row: int, force: Real) -> None:
 
 def set_slip_rows(law: ContactLaw, i: int) -> None:
     """Set F of the slip rows of a contact with friction."""
+    # F_t = p_t - P(p_t - u_t), P on the disc with radius mu |p_n|. An open contact has a disc of radius 0; a
+    # least force keeps its own.
     first = law.first[i]
     n = law.rows
     force = law.p[first]
@@ -110,6 +112,8 @@ def set_slip_rows(law: ContactLaw, i: int) -> None:
 def linearize_law(law: ContactLaw) -> Real:
     """Set law.matrix to the derivative of F by the scaled forces and law.right to -F; return its
     length."""
+    # F is piecewise smooth: each contact has the piece that its p and u are in, and the derivative of that
+    # piece.
     law.unknowns = law.rows
     relative_motion(law)
     # The normal row decides by what would press it; slip rows without friction have no force.
@@ -128,6 +132,7 @@ def linearize_law(law: ContactLaw) -> Real:
         if NSLIP > 0:
             if has_friction(law, i):
                 set_slip_rows(law, i)
+    # Its length measures the progress of the line search.
     total = 0.0
     for j in range(law.rows):
         total += law.right[j] * law.right[j]
@@ -148,9 +153,12 @@ def advance_forces(law: ContactLaw, length: Real) -> Real:
     """Take a step of Newton's method with a line search, or the whole step if no part of it makes F shorter;
     return the new length of F. In dependent equations the step is the shortest one."""
     least_norm_change(law)
+    # Armijo's rule for |F|. If no part of the step makes it shorter, the whole step is taken: it changes the
+    # piece.
     law.kept_p[:] = law.p
     found = length
     part = 1.0
+    # The last turn is the whole step.
     for halving in range(MOST_HALVES + 2):
         for j in range(law.rows):
             law.p[j] = law.kept_p[j] + part * law.scale[j] * law.step[j]
@@ -176,6 +184,8 @@ def solve_law_equation(law: ContactLaw) -> bool:
 def search_by_newton(law: ContactLaw) -> bool:
     """Compute law.p, law.u and the modes by Newton's method. Return False if it finds none that meet the
     law."""
+    # Newton's method finds forces, modes follow from them; then the system of these modes is solved, which is
+    # linear and exact. The forces of the method stay only where that leads to another motion.
     if not solve_law_equation(law):
         return False
     read_modes(law)
@@ -189,6 +199,8 @@ def search_by_newton(law: ContactLaw) -> bool:
 
 def tangential_choices(law: ContactLaw, i: int) -> int:
     """Return in how many modes a closed contact may be."""
+    # A given slip, or no friction, leaves one mode; in a plane forwards, backwards, sticking; in space
+    # slipping (with a direction to be found) or sticking.
     if not has_friction(law, i) or law.slides[i] > 0:
         return 1
     return 3 if law.slips[i] == 1 else 2
@@ -205,6 +217,7 @@ def choices(law: ContactLaw, i: int) -> int:
 
 def choose(law: ContactLaw, i: int, choice: int) -> None:
     """Put a contact into a mode."""
+    # Choices are numbered with those along the slip innermost.
     n = tangential_choices(law, i)
     law.sign[i] = 1
     law.turns[i] = 0
@@ -238,6 +251,7 @@ def choose(law: ContactLaw, i: int, choice: int) -> None:
 
 def guess_directions(law: ContactLaw) -> None:
     """Set unknown slip directions against the forces that would make these contacts stick."""
+    # Sticking forces are what friction would have to be; a slip begins against them.
     found = False
     for i in range(law.count):
         law.kept_mode[i] = law.mode[i]
@@ -247,6 +261,7 @@ def guess_directions(law: ContactLaw) -> None:
             law.turns[i] = 2
     if not found:
         return
+    # If no sticking solution exists, the first axis is as good as any.
     solved = solve_modes(law)
     for i in range(law.count):
         law.mode[i] = law.kept_mode[i]
@@ -271,6 +286,7 @@ def advance_choice(law: ContactLaw) -> bool:
 
 def name_culprit(law: ContactLaw, found: int) -> None:
     """Set law.culprit to a contact whose modes differ, or to the one that sinks in fastest by itself."""
+    # Several: where the two differ. None: what the load without forces presses in most, by its scaled b.
     deepest = 0.0
     for i in range(law.count):
         row = law.first[i]
@@ -295,10 +311,12 @@ def enumerate_modes(law: ContactLaw) -> int:
     """Try all modes; return LAW_ONE, LAW_NONE or LAW_SEVERAL. Of modes with the same u the last one gives p:
     it has the most contacts closed and sticking. Solutions that differ in slips alone may share the load of
     the same contacts in many ways; then the smallest forces are taken, and LAW_FOUND is returned."""
+    # Solutions are compared by their motion u: forces of one motion may be many.
     found = LAW_NONE
     apart = False
     for i in range(law.count):
         law.choice[i] = 0
+    # The loop ends early once two answers differ in their gaps.
     while not apart:
         # Directions of slip in space begin against the forces that would hold these contacts.
         for i in range(law.count):
@@ -321,6 +339,7 @@ def enumerate_modes(law: ContactLaw) -> int:
                     law.other_mode[:] = law.mode
         if not advance_choice(law):
             break
+    # The solution kept last, with the modes that its motion shows.
     if found != LAW_NONE:
         restore_solution(law)
         read_modes(law)
@@ -351,6 +370,7 @@ def is_spatial(law: ContactLaw) -> bool:
 def is_enumerable(law: ContactLaw) -> bool:
     """Return whether all combinations of modes are tried."""
     total = 1
+    # The product is compared in the loop so that it cannot overflow.
     for i in range(law.count):
         total = total * choices(law, i)
         if total > MOST_CHOICES:
@@ -360,6 +380,8 @@ def is_enumerable(law: ContactLaw) -> bool:
 
 def holds_as_before(law: ContactLaw) -> bool:
     """Return whether the modes before meet the law; where they are not known, whether contacts stick."""
+    # -1 means that the mode before is not known. Sticking is tried then: it is the only mode without a
+    # direction.
     for i in range(law.count):
         if law.least[i] > 0.0:
             return False
@@ -374,6 +396,7 @@ def holds_as_before(law: ContactLaw) -> bool:
 
 def choose_alone(law: ContactLaw) -> int:
     """Return the result of the law of one contact without friction: it is closed if it pushes then."""
+    # Of one contact with W > 0 the law has exactly one solution: closed if that pushes, else open.
     law.mode[0] = CONTACT_SLIPS
     if not meets_law(law):
         law.mode[0] = LEAST_SLIPS if law.least[0] > 0.0 else CONTACT_OPEN
@@ -386,6 +409,7 @@ def choose_alone(law: ContactLaw) -> int:
 
 def search_modes(law: ContactLaw) -> int:
     """Return the result of `set_law` for given law.slides and law.mu."""
+    # A model with one contact row and no loads is compiled without the search.
     if NBESIDE > 0 or NLOADS > 0:
         # Without friction the motion is unique: what is found first is the only one.
         convex = is_convex(law)
@@ -421,6 +445,7 @@ def start_slips(law: ContactLaw) -> bool:
 def rests(law: ContactLaw) -> bool:
     """Return whether contacts that do not move stay as they are by some forces in the static cones, with
     these forces. If not, modes and culprit are as before."""
+    # Where several motions meet the law, as in Painleve's examples, rest is that of the moment before.
     culprit = law.culprit
     for i in range(law.count):
         if law.slides[i] > 0:
@@ -440,6 +465,7 @@ def set_law(law: ContactLaw) -> int:
     """Find the modes of contacts that touch, with law.p and law.u. A contact that does not move sticks up
     to its static friction; it is solved with the friction of slip if it begins to slip. Of several solutions
     rest is taken."""
+    # Friction of a slip for contacts that move, static friction for others.
     for i in range(law.count):
         law.least[i] = 0.0
         law.slides[i] = law.moves[i]
@@ -452,6 +478,8 @@ def set_law(law: ContactLaw) -> int:
         if found == LAW_SEVERAL and rests(law):
             read_modes(law)
             found = LAW_FOUND
+        # Every contact that begins to slip gets the lower friction, and the law is solved again. Contacts
+        # only join these, so the loop ends.
         while found <= LAW_FOUND and start_slips(law):
             found = search_modes(law)
     return found

@@ -19,6 +19,7 @@ from lagc.kernels.language.vocabulary import *
 
 def set_normals_given(a: Vec[NX], lam: Vec[NC], w: Work) -> None:
     """Set w.contacts.normal_given by accelerations, in the rates `a`, and multipliers."""
+    # N0 + n_a a + n_lam lam: the normal force without forces of contacts.
     for k in range(NNORMAL):
         total = w.contacts.normal_bias[k]
         for j in range(NV):
@@ -30,6 +31,8 @@ def set_normals_given(a: Vec[NX], lam: Vec[NC], w: Work) -> None:
 
 def set_normal_effects(w: Work) -> None:
     """Set w.contacts.normal_effects: the derivatives of components by the forces of listed rows."""
+    # A force p_r acts on N directly, and by the accelerations and multipliers that it causes: n_p + n_(a,lam)
+    # X.
     for k in range(NNORMAL):
         for r in range(w.contacts.law.rows):
             total = w.contacts.normal_rows[k * NKNOWN + NR + w.contacts.touching_rows[r]]
@@ -41,6 +44,7 @@ def set_normal_effects(w: Work) -> None:
 def set_normal_axis(i: int, forces: Vec[NNORMAL], w: Work) -> Real:
     """Set w.contacts.normal_axes of a contact to the direction of its components; return their change."""
     first = normal_first[i]
+    # e = N / |N|. Without a force any direction will do; the first axis is taken.
     total = 0.0
     for k in range(contact_normals[i]):
         total += forces[first + k] * forces[first + k]
@@ -59,6 +63,7 @@ def set_normal_axis(i: int, forces: Vec[NNORMAL], w: Work) -> Real:
 def aim_normals(held: bool, w: Work) -> None:
     """Set the directions of the normal forces of listed contacts to those without the forces of contacts; if
     `held`, signs to w.contacts.normal_signs."""
+    # Each contact's kind in the law: 1 for one component, whose sign may be negative, 2 for a direction.
     set_normal_effects(w)
     for n in range(w.contacts.law.count):
         i = w.contacts.touching[n]
@@ -72,6 +77,8 @@ def aim_normals(held: bool, w: Work) -> None:
 
 def set_normal_laws(w: Work) -> None:
     """Set the rows of the law of normal forces for their directions."""
+    # The row u_n = p_n - e . N = 0 of the law: b = -e . N without contacts, W = 1 for p_n itself less e .
+    # dN/dp.
     law = w.contacts.law
     for n in range(law.count):
         i = w.contacts.touching[n]
@@ -98,6 +105,8 @@ def turn_normals(held: bool, w: Work) -> bool:
     """Turn the directions of normal forces to those of w.contacts.law.p; if `held`, not the signs. Return
     whether one has turned."""
     law = w.contacts.law
+    # N that follows from the forces of the law, and the directions that it has. The law is solved again until
+    # none has turned.
     forces = vector(NNORMAL)
     turned = 0.0
     for n in range(law.count):
@@ -116,6 +125,8 @@ def turn_normals(held: bool, w: Work) -> bool:
 
 def solve_touching(w: Work) -> bool:
     """Solve the law in given modes (`solve_frozen`), with normal forces of two-sided contacts."""
+    # In given modes signs are held within a step, so that forces pass through zero smoothly. The event that
+    # this is belongs to the indicators.
     if NTWO > 0:
         aim_normals(w.modes_fixed, w)
         for n in range(MOST_TURNS):
@@ -131,6 +142,8 @@ def solve_touching(w: Work) -> bool:
 
 def find_law(w: Work) -> int:
     """Find the modes (`set_law`), with normal forces of two-sided contacts; return the result of the law."""
+    # Modes decide with the signs free first: then signs stay as they are found, since an alternation of signs
+    # and modes need not end.
     if NTWO > 0:
         aim_normals(False, w)
         for n in range(MOST_TURNS):
@@ -155,6 +168,7 @@ def strike_all(w: Work) -> int:
     """Compute the impulses of listed contacts (`impact`), with normal impulses of two-sided contacts, which
     follow from the changes of speeds; return the result. The direction of one with more components is that of
     its sum over all rounds."""
+    # Impulses follow from changes of speeds alone: no N0.
     if NTWO > 0:
         for k in range(NNORMAL):
             w.contacts.normal_given[k] = 0.0

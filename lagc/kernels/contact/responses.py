@@ -22,6 +22,8 @@ CANCELLED = 64.0  # units in the last place of the terms of an acceleration: it 
 
 def factor_motion(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     """Factor K at (t, x)."""
+    # Sparse factors with constraints are made by `assemble_at`, which falls back on the rank-revealing
+    # factorization.
     if NC > 0:
         return assemble_at(p, t, x, w)
     if STRAIGHT:
@@ -40,6 +42,7 @@ def solve_motion(w: Work) -> None:
         solve_at(w.contacts.rhs, w.contacts.solution, w)
     elif STRAIGHT:
         fn_solve(w.kkt_entries, w.contacts.rhs, w.contacts.solution)
+    # Without constraints K is the mass matrix, with its Cholesky factor.
     else:
         w.contacts.solution[:] = w.contacts.rhs
         w.a[:] = part(w.contacts.rhs, 0, NV)
@@ -52,9 +55,11 @@ def respond(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     """Compute w.contacts.responses, X by rows, and w.contacts.law.W for the rows w.contacts.rows of listed
     contacts."""
     law = w.contacts.law
+    # One factorization, then one solve for each row.
     status = factor_motion(p, t, x, w)
     if failed(status):
         return status
+    # Column r of X = K^-1 R^T and of W = R X.
     for r in range(law.rows):
         row = w.contacts.touching_rows[r]
         for k in range(NR):
@@ -76,6 +81,7 @@ def respond(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
 def set_accelerations(a: Vec[NX], w: Work) -> None:
     """Set w.contacts.law.b to the accelerations of the listed rows for the rates `a`, and
     w.contacts.law.terms."""
+    # b = R a0 + bias. The sum of magnitudes of its terms tells what is round-off in it.
     for r in range(w.contacts.law.rows):
         row = w.contacts.touching_rows[r]
         total = w.contacts.bias[row]
@@ -102,6 +108,8 @@ def response_to_forces(j: int, before: Real, largest: Real, w: Work) -> Real:
     """Return a speed, acceleration or displacement with X p added. One that this cancels to round-off is
     zero: what lies at rest has no motion whose error could be measured. The round-off of each force is that
     of the largest one, as they solve equations together."""
+    # a + X p with the sum of its terms. |p| is bounded by the largest scaled force: a small force that comes
+    # from a system with large ones has their round-off.
     total = before
     terms = fabs(before)
     for r in range(w.contacts.law.rows):
@@ -129,6 +137,8 @@ def add_cancelling(values: Vec[NX], w: Work) -> None:
 def follow_loads(w: Work) -> bool:
     """Add to a response, w.contacts.solution, that of the loads of its multipliers. Return False, with the
     constraint equation as w.culprit, if they leave these open."""
+    # (I - C) s = s_response: matrix and sizes are overwritten by the elimination, so they are copied. s are
+    # the multipliers with the loads that they cause.
     if NLOADED > 0:
         for k in range(NLOADMATRIX):
             w.loads.matrix[k] = w.loads.matrix_kept[k]
@@ -137,9 +147,11 @@ def follow_loads(w: Work) -> bool:
             w.loads.step[k] = w.contacts.solution[NV + loading_row[k]]
         if eliminate_load(w) == 0.0:
             return False
+        # Each multiplier adds the response of the loads that follow it.
         for k in range(NLOADED):
             for i in range(NR):
                 w.contacts.solution[i] += w.loads.step[k] * w.loads.columns[k * NR + i]
+        # These multipliers are the solution itself: to set them removes the round-off of the sum.
         for k in range(NLOADED):
             w.contacts.solution[NV + loading_row[k]] = w.loads.step[k]
     return True
@@ -155,6 +167,8 @@ def respond_to_slope(k: int, w: Work) -> None:
 def loads_follow(w: Work) -> bool:
     """Let loads follow the forces of the listed rows: change w.contacts.responses and w.contacts.law.W.
     Return False, with w.culprit, if they leave a multiplier open."""
+    # A unit of force at row r: the loads that follow its normal force, the response of the row itself, then
+    # the loads of the multipliers of both.
     law = w.contacts.law
     for r in range(law.rows):
         row = w.contacts.touching_rows[r]
@@ -190,6 +204,7 @@ def set_loads(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """Linearize the loads at the reactions w.loads.lam and w.contacts.forces, with w.loads.rest, their value
     for reactions of zero."""
     update_load(p, t, x, w)
+    # f(0) of the tangent: f - D s, so that the loads of a solution are rest + D s.
     if NCURVED > 0:
         w.loads.rest[:] = w.loads.force
         for k in range(NLOADS):
@@ -205,6 +220,8 @@ def set_loads(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
 def servos_follow(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
     """Let the actuators of servo constraints follow the forces of the listed rows, and no other load: in an
     impact, their paths hold by impulses of the actuators. Return False, with w.culprit, if one does not."""
+    # All reactions are 0 and all slopes but those of actuators too: in an impact only impulses count, and
+    # finite loads have none.
     for i in range(NC):
         w.loads.lam[i] = 0.0
     update_load(p, t, x, w)
@@ -256,6 +273,7 @@ def reactions_agree(lam: Vec[NC], w: Work) -> bool:
     whether they were these, to 1e-10 of them or the round-off of their terms."""
     law = w.contacts.law
     # A reaction that forces of contacts cancel has the round-off of its terms.
+    # Reactions with the forces of contacts, against those that the loads were linearized at.
     agree = True
     if NLOADED > 0:
         for k in range(NLOADED):
@@ -270,6 +288,7 @@ def reactions_agree(lam: Vec[NC], w: Work) -> bool:
             if not change <= LOAD_STEP * fabs(total) + 64.0 * SPACING * terms:
                 agree = False
             w.loads.lam[row] = total
+    # Normal forces are compared in a vector of their own, as w.contacts.forces still holds the old ones.
     for i in range(NCROW):
         w.loads.pushes[i] = 0.0
     for n in range(law.count):

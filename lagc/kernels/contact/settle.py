@@ -62,6 +62,7 @@ MOST_PENETRATION = 1e-6  # of the terms of a gap: a contact that touched goes on
 def find_near_contacts(p: Params, s: State, w: Work) -> None:
     """Set w.contacts.touched to contacts that touch, are hit, or are within round-off of touching, and to
     bounds of velocities, which any impulse may hit."""
+    # A contact touches by its mode or by its hit; one that a jump has put apart does not.
     set_gaps(p, s.t, s.x, w)
     estimate_indicator_roundoff(p, s, s.x, w)
     for i in range(NCON):
@@ -93,6 +94,8 @@ def strike_contacts(p: Params, s: State, w: Work) -> Status:
     """Let the listed contacts that approach have an impact, and set w.settling.leaves: 1 for those that leave
     then."""
     law = w.contacts.law
+    # Responses X and W of all contacts that touch, not only of those that approach: an impulse may open a
+    # gap, or close one that rests.
     fn_contact_rows_on(p, s.t, s.x, w.modes, w.contacts.rows, w.contacts.speeds, w.contacts.bias)
     status = respond(p, s.t, s.x, w)
     if failed(status):
@@ -164,6 +167,8 @@ def leave_out_held(w: Work) -> bool:
     """Leave out listed contacts whose gaps no motion changes at this place, as that of a pendulum over the
     floor at its lowest point: neither a force nor its lack tells whether they stay closed. Return whether
     there are any."""
+    # No entry on the diagonal of W: no impulse at this gap changes its rate. Two-sided contacts have another
+    # quantity in this row (see `normal_forces`).
     law = w.contacts.law
     found = False
     for n in range(law.count):
@@ -184,6 +189,7 @@ def decide(p: Params, s: State, w: Work) -> Status:
     """Find which contacts in w.contacts.touched stay closed, w.settling.closed, and the rates
     w.contacts.rates."""
     law = w.contacts.law
+    # Without contacts that touch, the free motion is the answer.
     for i in range(NCON):
         w.settling.closed[i] = 0
     list_contacts(True, w)
@@ -198,12 +204,14 @@ def decide(p: Params, s: State, w: Work) -> Status:
     s.rhs += 1
     if failed(status) or law.count == 0:
         return status
+    # Loads that depend on reactions change b and W with the forces, so they have their own iteration.
     if NLOADS > 0:
         status = decide_loaded(p, s, w)
         if failed(status):
             return status
     else:
         status = respond(p, s.t, s.x, w)
+        # A gap that nothing moves makes a row of zeros, for which any force would do.
         if not failed(status) and leave_out_held(w):
             status = respond(p, s.t, s.x, w)
         if failed(status) or law.count == 0:
@@ -222,6 +230,8 @@ def decide(p: Params, s: State, w: Work) -> Status:
         if found > LAW_FOUND:
             w.culprit = w.contacts.touching[law.culprit]
             return PARADOX
+    # The forces of the law make the accelerations. Modes, signs and slip axes are those that the law has
+    # found, for the evaluations of the next steps.
     add_cancelling(w.contacts.rates, w)
     for n in range(law.count):
         w.settling.closed[w.contacts.touching[n]] = closed_mode(n, w)
@@ -257,6 +267,7 @@ def acceleration_roundoff(i: int, w: Work) -> Real:
 def decide_released(p: Params, s: State, w: Work) -> Status:
     """Decide without contacts whose force has fallen to zero; if one would sink in, decide with them too."""
     released = False
+    # First the answer that the event proposes: contacts whose force fell to zero open.
     for i in range(NCON):
         w.settling.near[i] = w.contacts.touched[i]
         if w.settling.hit[i] == RELEASES and w.contacts.touched[i] > 0:
@@ -265,6 +276,8 @@ def decide_released(p: Params, s: State, w: Work) -> Status:
     status = decide(p, s, w)
     if failed(status) or not released:
         return status
+    # It holds if their gaps do not accelerate inwards. Else other forces have changed at the same time, and
+    # all contacts are decided together.
     sinks = False
     for i in range(NCON):
         if w.settling.hit[i] == RELEASES and w.settling.near[i] > 0:
@@ -290,6 +303,8 @@ def find_rests(s: State, w: Work) -> bool:
             falls = -gap_acceleration(i, w)
             before = s.bounce_speeds[i]
             s.bounce_speeds[i] = speed
+            # The height of the fall is estimated from the impact and the time since the last touch, since
+            # gaps are not recorded within steps.
             if falls > 0.0:
                 flight = 2.0 * speed / falls
                 height = 0.5 * w.contacts.approach[i] * fabs(s.t - s.touch_times[i])
@@ -297,6 +312,7 @@ def find_rests(s: State, w: Work) -> bool:
                     s.fall_heights[i] = height
                 least = LOWEST_BOUNCE * s.fall_heights[i]
                 least += SLACK_GROWTH * w.events.roundoff[NFREE - NCON + i]
+                # u^2 / (2 a) = u flight / 4 is below the least height.
                 if speed * flight < 4.0 * least:
                     # Ratios of speeds are those of flights: the rest of the series takes flight / (1 - r).
                     ratio = speed / before if before > speed else w.settling.restitutions[i]
@@ -304,6 +320,7 @@ def find_rests(s: State, w: Work) -> bool:
                         w.settling.rests[i] = 1
                         s.rest_times[i] = s.t + flight / (1.0 - ratio)
                         found = True
+                # A step that is long beside the flight would jump over the bounces that follow.
                 elif s.h > LONGEST_AFTER_BOUNCE * flight:
                     s.h = LONGEST_AFTER_BOUNCE * flight
     return found
@@ -311,6 +328,8 @@ def find_rests(s: State, w: Work) -> bool:
 
 def bring_to_rest(p: Params, s: State, w: Work) -> Status:
     """Stop the contacts in w.settling.rests, and decide again."""
+    # The gaps of all contacts that are closed or stop lose their speed, by the least change in the metric of
+    # the mass matrix; then forces decide again, as one that stopped may carry others.
     for i in range(NCON):
         w.contacts.touched[i] = 1 if w.settling.closed[i] != 0 or w.settling.rests[i] > 0 else 0
         w.settling.near[i] = w.contacts.touched[i]
@@ -346,6 +365,7 @@ def keep_closed(p: Params, s: State, w: Work) -> Status:
 
 def settle_states(p: Params, s: State, w: Work) -> Status:
     """Do what contacts do at (s.t, s.x), with the hits w.settling.hit. Their modes in s.x follow."""
+    # Every record of this event begins empty: impulses, losses, who leaves and who rests.
     find_near_contacts(p, s, w)
     for i in range(NCON):
         w.settling.struck[i] = 0.0
@@ -355,6 +375,8 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
         w.contacts.approach[i] = 0.0
         w.settling.near[i] = w.contacts.touched[i]
     list_contacts(True, w)
+    # Gaps first (positions), then slips that have ended, then impacts (speeds), then forces (accelerations):
+    # each level presumes the ones before it. Rows of slips are not listed for displacements.
     if w.contacts.law.count > 0:
         list_contacts(False, w)
         status = seat(p, s.t, s.x, w)
@@ -370,6 +392,7 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
         status = strike_contacts(p, s, w)
         if failed(status):
             return status
+    # Contacts that fly away after the impact are no candidates of the law of forces.
     for i in range(NCON):
         w.contacts.touched[i] = 1 if w.settling.near[i] > 0 and w.settling.leaves[i] == 0 else 0
     status = decide_released(p, s, w)
@@ -379,6 +402,8 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
         status = bring_to_rest(p, s, w)
         if failed(status):
             return status
+    # The decision becomes the state: the modes of contacts are part of x. Bounces of a closed contact are
+    # over.
     for i in range(NCON):
         touched = w.settling.leaves[i] > 0 or s.x[NX - NCON + i] != 0.0
         if touched or w.settling.closed[i] != 0:
@@ -386,6 +411,7 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
         s.x[NX - NCON + i] = float(w.settling.closed[i])
         if w.settling.closed[i] != 0:
             s.bounce_speeds[i] = 0.0
+    # Round-off of the speeds of closed contacts is removed; the axes of slips follow the final speeds.
     if not find_touching(s.x, w):
         return OK
     list_contacts(True, w)
@@ -401,6 +427,8 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
 def report_contacts(s: State, begins: bool, w: Work) -> bool:
     """Store what each contact did, beside what it did before at this event; return whether any did something.
     w.settling.x is the state before."""
+    # Impulses and rest tell more than a change of modes. At the beginning of a trajectory a contact that
+    # touches is no event.
     found = False
     for i in range(NCON):
         before = w.settling.x[NX - NCON + i]
@@ -416,6 +444,8 @@ def report_contacts(s: State, begins: bool, w: Work) -> bool:
                 kind = STICKS if now == 2.0 else SLIPS
         if kind > 0:
             found = True
+        # An event may settle several times (a clause acts, then contacts again). Impulses and losses add up;
+        # a later round without an act keeps the kind of the earlier one.
         if w.settling.has_acted:
             w.settling.struck[i] += s.contact_impulses[i]
             w.settling.lost[i] += s.contact_losses[i]
@@ -423,6 +453,7 @@ def report_contacts(s: State, begins: bool, w: Work) -> bool:
                 kind = s.contact_kinds[i] if kind == 0 else STRIKES
         s.contact_kinds[i] = kind
         s.contact_impulses[i] = w.settling.struck[i]
+        # The impulse is a state that a model reads. Ever softer impacts end with one that is not felt.
         if NIMPULSE > 0:
             if impulse_state[i] >= 0 and (w.settling.struck[i] > 0.0 or kind == RESTS):
                 s.x[impulse_state[i]] = 0.0 if kind == RESTS else w.settling.struck[i]  # ever softer impacts
@@ -436,11 +467,14 @@ def settle(p: Params, s: State, begins: bool, w: Work) -> Status:
     gains the change of the energy. A failure ends the run: s.x is as before, and the
     records of bounces are not."""
     w.settling.x[:] = s.x
+    # Impacts change the energy at once: the work integral takes the change, so that the energy balance still
+    # closes.
     if NZ > 0:
         fn_energies(p, s.t, s.x, w.settling.energies)
         before = w.settling.energies[2]
     status = settle_states(p, s, w)
     if failed(status):
+        # After a failure the caller sees the state before the event.
         s.x[:] = w.settling.x
         return status
     enlarge_sizes(s.x, s.sizes)
@@ -459,6 +493,8 @@ def settle_jump(p: Params, s: State, w: Work) -> Status:
     """Let contacts act at (s.t, s.x) after a jump, as at a start. Returns PENETRATION, with the contact and
     its depth, if it is beyond its bound; s.x is as before then."""
     set_gaps(p, s.t, s.x, w)
+    # Gaps are compared with round-off of states of their largest sizes so far, as a jump may have put them at
+    # zero.
     for i in range(NQ + NV):
         w.search.x_part_middle[i] = reach_of(i, s)
     estimate_indicator_roundoff(p, s, w.search.x_part_middle, w)

@@ -51,6 +51,7 @@ def aside_of(law: ContactLaw, e: int, m: int) -> Real:
 
 def project_pull(law: ContactLaw) -> None:
     """Set law.share to the projection of law.pull on the cones, and law.place."""
+    # Projection on the cone |p_t| <= mu p_n in closed form, for each contact alone.
     for e in range(law.unknowns):
         m = sticking_rows(law, e)
         if m >= 0:
@@ -59,6 +60,8 @@ def project_pull(law: ContactLaw) -> None:
             aside = aside_of(law, e, m)
             slip = 1.0
             law.place[e] = WITHIN
+            # In the polar cone, mu |p_t| <= -p_n, the nearest point is the tip. Between the two cones it is
+            # on the surface: p_n' = (p_n + mu |p_t|) / (1 + mu^2) and |p_t'| = mu p_n'.
             if not (normal >= 0.0 and aside <= mu * normal):
                 law.place[e] = OUTSIDE if mu * aside <= -normal else ON_SURFACE
                 normal = (normal + mu * aside) / (1.0 + mu * mu) if law.place[e] == ON_SURFACE else 0.0
@@ -70,8 +73,11 @@ def project_pull(law: ContactLaw) -> None:
 
 def share_slope(law: ContactLaw, e: int, m: int, k: int, j: int) -> Real:
     """Return the derivative of entry e + k of law.share by entry e + j of law.pull."""
+    # Within the cone the projection is the identity, in the polar cone zero.
     if law.place[e] != ON_SURFACE:
         return 1.0 if law.place[e] == WITHIN and k == j else 0.0
+    # On the surface P is the projection on the ray (1, mu t), t = p_t / |p_t|, plus, between entries of
+    # friction, what turning the ray adds: mu p_n / |p_t| (I - t t').
     mu = law.mu[law.contact[e]]
     aside = aside_of(law, e, m)
     one = 1.0 if k == 0 else mu * law.pull[e + k] / aside
@@ -97,10 +103,12 @@ def pull_along(law: ContactLaw, dual: Vec[NCROW]) -> None:
 def share_value(law: ContactLaw) -> Real:
     """Set law.share for law.dual; return the value of the convex function, and set law.share_terms to
     the sum of the magnitudes of its terms."""
+    # z = P(D^-1 Q' y)
     pull_along(law, law.dual)
     for e in range(law.unknowns):
         law.pull[e] /= law.metric[e]
     project_pull(law)
+    # 1/2 z' D z - c' y, whose gradient is Q z - c. Its terms are added up to know its round-off.
     value = 0.0
     for e in range(law.unknowns):
         if is_in_block(law, e):
@@ -133,6 +141,8 @@ def load_left(law: ContactLaw) -> Real:
 
 def no_share(law: ContactLaw, load: Real) -> bool:
     """Return whether no forces up to the farthest share bear the load, by law.left. Changes law.share."""
+    # Farkas: by the polar cone and r' c. Forces up to `FARTHEST_SHARE` times the load do not count, so P(Q'
+    # r) may be small instead of zero: |P(Q' r)| bounds z' Q' r over all z in K of length 1.
     pull_along(law, law.left)
     project_pull(law)
     total = 0.0
@@ -148,6 +158,7 @@ def no_share(law: ContactLaw, load: Real) -> bool:
 
 def second_derivative(law: ContactLaw, k: int, j: int) -> Real:
     """Return an entry of Q P' D^-1 Q'."""
+    # Blocks of P' are those of contacts: the sum goes over contacts, and over the entries of each.
     n = law.unknowns
     row = law.order[k] * n
     other = law.order[j] * n
@@ -168,6 +179,8 @@ def second_derivative(law: ContactLaw, k: int, j: int) -> Real:
 def newton_step_of_dual(law: ContactLaw, part: Real) -> None:
     """Set law.step to the step of law.dual for law.left, by the factors L L' of the second derivative.
     To its diagonal a part of the largest entry of D^-1 is added."""
+    # The regularization of Li and Fukushima: a part of the largest entry of D^-1, in proportion to what is
+    # left.
     n = law.unknowns
     largest = 0.0
     for e in range(n):
@@ -194,6 +207,7 @@ def newton_step_of_dual(law: ContactLaw, part: Real) -> None:
         for j in range(k):
             total -= law.factor[k * n + j] * law.step[j]
         law.step[k] = total / law.factor[k * n + k]
+    # L' s = s, backwards.
     for k in range(law.rank - 1, -1, -1):
         total = law.step[k]
         for j in range(k + 1, law.rank):
@@ -204,6 +218,8 @@ def newton_step_of_dual(law: ContactLaw, part: Real) -> None:
 def set_share_metric(law: ContactLaw) -> None:
     """Set law.metric, D, which measures all forces alike along gaps of one unit. Those along gaps of other
     units are measured by the scales of their contacts."""
+    # D is the same for all contacts of one unit (their mean scale): equal contacts under a load then have
+    # equal forces, whatever W makes of their scales.
     for e in range(law.unknowns):
         unit = law.unit[law.contact[e]]
         total = 0.0
@@ -219,6 +235,7 @@ def set_share_metric(law: ContactLaw) -> None:
 def find_shares(law: ContactLaw, load: Real) -> Real:
     """Compute law.share, the smallest forces in the cones that bear the load of the block, or those that
     leave the least of it. Return the length of what they leave; 0 if that is round-off."""
+    # Begin with y = c, as z = Q' c is the shortest solution without cones.
     value = share_value(law)
     lack = load_left(law)
     for turn in range(MOST_SHARINGS):
@@ -229,6 +246,8 @@ def find_shares(law: ContactLaw, load: Real) -> Real:
         value = share_value(law)
         if ends:
             break
+        # Newton's step, damped by the part of the load that is left; 4 units in the last place keep the
+        # factor regular.
         newton_step_of_dual(law, SHARE_DAMPING * lack / load + 4.0 * SPACING)
         terms = law.share_terms
         slope = 0.0
@@ -237,6 +256,7 @@ def find_shares(law: ContactLaw, load: Real) -> Real:
                 slope += law.step[k] * law.left[k]
             law.dual_before[k] = law.dual[k]
         # The step is halved until the function falls by a part of its slope, or by round-off.
+        # Armijo's rule with the slope -step . left.
         part = 1.0
         while part > SHORTEST_STEP:
             for k in range(law.rank):
@@ -251,6 +271,7 @@ def find_shares(law: ContactLaw, load: Real) -> Real:
 def set_blocks(law: ContactLaw) -> None:
     """Set law.block, a number for the contacts that rows connect, and law.row_block."""
     n = law.unknowns
+    # Contacts that a row of Q connects get one number: union by relabelling, as there are few.
     for i in range(law.count):
         law.block[i] = i
     for k in range(law.rank):
@@ -278,6 +299,7 @@ def find_sharing(law: ContactLaw) -> bool:
     for i in range(law.count):
         law.shared[i] = 0
         law.lack[i] = 0.0
+    # Unique forces, unknown slip angles and least forces have no shares to choose from.
     if law.rank >= law.unknowns or law.turning:
         return False
     for i in range(law.count):
@@ -288,6 +310,7 @@ def find_sharing(law: ContactLaw) -> bool:
     for i in range(law.count):
         if law.block[i] != i:  # one contact of each block has its number
             continue
+        # A block has more unknowns than independent rows if its forces are open.
         law.block_now = i
         more = 0
         for e in range(law.unknowns):
@@ -311,6 +334,7 @@ def share_block(law: ContactLaw) -> None:
     """Set law.p of the block to its smallest forces in the cones. If there are none, only law.lack, the
     load that is left, and law.share are set."""
     n = law.unknowns
+    # y begins with c.
     load = 0.0
     for k in range(law.rank):
         if law.row_block[k] == law.block_now:
@@ -322,6 +346,8 @@ def share_block(law: ContactLaw) -> None:
             law.lack[i] = lack
     if lack > 0.0:
         return
+    # Where the forces are not at the tip of a cone, the residual left is added along Q', so that u = 0 to
+    # round-off.
     outside = False
     for e in range(n):
         if is_in_block(law, e):
@@ -343,6 +369,7 @@ def share_load(law: ContactLaw) -> None:
         if law.shared[i] > 0 and law.block[i] == i:
             law.block_now = i
             share_block(law)
+    # u and p of all rows follow; what was solved for is zero.
     slip_forces(law)
     relative_motion(law)
     for e in range(law.unknowns):

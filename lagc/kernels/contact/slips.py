@@ -83,6 +83,7 @@ def is_passing(n: int, push: Real, rate: Real, w: Work) -> bool:
 
 def pass_slips(w: Work) -> None:
     """Let listed contacts whose slip passes zero slip along its acceleration, which forces do not change."""
+    # The largest diagonal entry of slip rows stands for the scale that this row does not have.
     law = w.contacts.law
     largest = 0.0
     for n in range(law.count):
@@ -91,11 +92,15 @@ def pass_slips(w: Work) -> None:
             largest = law.W[k * law.rows + k]
     for n in range(law.count):
         k = law.first[n] + 1
+        # Only a slip of a two-sided contact in a plane can be at such a place.
         if law.slips[n] == 1 and law.moves[n] == 0 and contact_normals[w.contacts.touching[n]] > 0:
+            # The normal force without contacts bounds the friction: |N0|_1.
             push = 0.0
             for m in range(contact_normals[w.contacts.touching[n]]):
                 push += fabs(w.contacts.normal_given[normal_first[w.contacts.touching[n]] + m])
             seen = fabs(law.b[k]) > CONTACT_ROUNDOFF * law.terms[k]
+            # The row leaves the problem: b and W of it become 0, and its friction is a given force along the
+            # slip.
             if seen and is_passing(n, push, law.b[k], w):
                 law.moves[n] = 1
                 law.direction[2 * n] = 1.0 if law.b[k] > 0.0 else -1.0
@@ -119,6 +124,7 @@ def keep_passing(w: Work) -> None:
 def find_slips(s: State, w: Work) -> None:
     """Set the listed contacts that move along their slip rows, and those whose static friction no longer
     holds, to slip."""
+    # A slip that is more than round-off has a direction: that of its velocity.
     if NSLIP > 0:
         law = w.contacts.law
         for n in range(law.count):
@@ -129,6 +135,9 @@ def find_slips(s: State, w: Work) -> None:
                     law.moves[n] = 1
                     for k in range(law.slips[n]):
                         law.direction[2 * n + k] = w.contacts.speeds[contact_first[i] + 1 + k] / speed
+                # A contact that is pushed beyond static friction begins to slip. In space the law finds the
+                # direction, if the force falls at the same time (static above kinetic friction); else the
+                # direction is against the force that held.
                 elif is_pushed(i, w):
                     if law.slips[n] == 2 and law.static_friction[n] > law.friction[n]:
                         law.static_friction[n] = law.friction[n]  # the law finds the direction
@@ -145,6 +154,8 @@ def slides_back(w: Work) -> bool:
         law = w.contacts.law
         for n in range(law.count):
             i = w.contacts.touching[n]
+            # Acceleration along the direction in which it was set to slip; negative beyond round-off means
+            # that the contact would move with its friction, not against it.
             if law.slips[n] > 0 and is_pushed(i, w):
                 along = 0.0
                 least = 0.0
@@ -163,6 +174,8 @@ def slides_back(w: Work) -> bool:
 def let_slip(p: Params, s: State, w: Work) -> None:
     """Set the friction of the listed contacts that stop to bounce and go on slipping. To take the speed of a
     gap away at once is a pull; it takes away the friction that is too much afterwards."""
+    # Coulomb's law for impulses: it slips on if its speed exceeds mu times the change of the normal speed.
+    # All others lose their friction for this change.
     if NSLIP > 0:
         law = w.contacts.law
         set_frictions(p, s.t, s.x, w)
@@ -209,6 +222,8 @@ def keep_slip_errors(s: State, w: Work) -> None:
 def turns_fast(s: State, w: Work) -> bool:
     """Return whether a slip in space falls below half of its speed in a step and turns: its direction turns
     ever faster towards a stop, and a step that passes much of that is not accurate within."""
+    # The change of direction between the ends of the step: `aside` is the velocity across the axis at the
+    # beginning.
     for i in range(NCON):
         turns = s.slips.speeds[i] > s.slips.roundoff[i]
         if contact_slips[i] == 2 and s.x[NX - NCON + i] == 1.0 and turns:
@@ -233,12 +248,14 @@ def is_stopped(i: int, w: Work) -> bool:
 def stop_slips(p: Params, s: State, w: Work) -> Status:
     """Stop the contacts in w.contacts.touched whose slip has ended, and set w.contacts.slides of those whose
     static friction no longer holds."""
+    # Nothing has stopped or been pushed: no evaluation is needed.
     found = False
     for i in range(NCON):
         if w.settling.hit[i] == STOPS or w.settling.hit[i] == SLIDES:
             found = True
     if not found:
         return OK
+    # Forces at the event tell the direction of the push, and whether friction can stop the slip.
     status = rates_at(p, s.t, s.x, w.contacts.rates, w.contacts.lam, w)
     s.rhs += 1
     if failed(status):
@@ -247,11 +264,14 @@ def stop_slips(p: Params, s: State, w: Work) -> Status:
         keep_passing(w)
     find_touching(s.x, w)
     for i in range(NCON):
+        # Each slip that was pushed begins against its static friction.
         if NSLIP > 0:
             w.contacts.slides[2 * i] = 0.0
             w.contacts.slides[2 * i + 1] = 0.0
             if w.settling.hit[i] == SLIDES:
                 push_slip(i, w)
+        # A slip that has ended sticks: its speed across the axis, which is an error, is removed below with
+        # the gap rates.
         if w.settling.hit[i] == STOPS and is_stopped(i, w):
             w.contacts.modes[i] = 2
     list_contacts(True, w)  # a slip that begins does so at zero
@@ -265,6 +285,8 @@ def turn_slips(p: Params, s: State, w: Work) -> None:
     """Set the directions of slips in space, s.slips.axes and w.contacts.slip_axes, at (s.t, s.x). One that is
     round-off is as before."""
     if NSPACE > 0:
+        # The axis of the next step is the direction of the velocity now. A velocity below its round-off, or
+        # below the error that the last step may have made, has no direction: the axis stays.
         if find_touching(s.x, w):
             fn_contact_rows_on(p, s.t, s.x, w.modes, w.contacts.rows, w.contacts.speeds, w.contacts.bias)
             for i in range(NCON):
@@ -286,6 +308,7 @@ def time_to_stop(p: Params, s: State, t: Real, rates: Vec[NX], w: Work) -> Real:
     its rates; 0 if none does. Where a slip turns ever faster, the dense output is less accurate than the
     step."""
     found = 0.0
+    # Newton's step of the event time on the speed along the axis, at the end of the step.
     if NSPACE > 0:
         fn_indicators_on(p, t, s.x_new, w.modes, w.events.indicators)
         fn_indicator_rates_on(p, t, s.x_new, w.modes, rates, w.events.rates)

@@ -41,6 +41,8 @@ def find_touching(x: Vec[NX], w: Work) -> bool:
     Return whether any contact touches."""
     found = False
     for i in range(NCON):
+        # Modes are exactly -1, 0, 1 or 2; thresholds between them allow for perturbations of x, by which
+        # round-off is estimated.
         mode = x[NX - NCON + i]
         w.contacts.touched[i] = 1 if fabs(mode) > 0.5 else 0
         w.contacts.modes[i] = -1 if mode < 0.0 else 1
@@ -88,9 +90,13 @@ def set_slip_directions(w: Work) -> None:
     for n in range(w.contacts.law.count):
         i = w.contacts.touching[n]
         if contact_slips[i] == 2:
+            # The velocity along both slip rows, and its length.
             one = w.contacts.speeds[contact_first[i] + 1]
             other = w.contacts.speeds[contact_first[i] + 2]
             size = sqrt(one * one + other * other)
+            # Within a step the direction must be a smooth function of x, also where the velocity is round-off
+            # or beyond the stop: a right-hand side that turns by 180 degrees there would look like an error
+            # of the step.
             if w.modes_fixed:
                 if w.contacts.slips_held or size <= w.contacts.slip_roundoff[i]:
                     one = w.contacts.slip_axes[2 * i]
@@ -151,18 +157,23 @@ def set_margins_of_block(block: int, w: Work) -> None:
     """Set the margins of contacts that share a load. At the bound of a cone the margin is minus the load that
     is left; while some shares bear the load, it is the largest force."""
     law = w.contacts.law
+    # The size that forces are compared with is the largest normal force of the block.
     size = 0.0
     slides = False
     for n in range(law.count):
         if law.block[n] == block and fabs(w.contacts.force_margins[w.contacts.touching[n]]) > size:
             size = fabs(w.contacts.force_margins[w.contacts.touching[n]])
     least = AT_BOUND * size
+    # If a contact that presses is at the bound of its cone, the block begins to slide there: then contacts at
+    # zero force need not open.
     if NSLIP > 0:
         for n in range(law.count):
             i = w.contacts.touching[n]
             if law.block[n] == block and law.mode[n] == CONTACT_STICKS:
                 if w.contacts.force_margins[i] > least and w.contacts.cone_margins[i] <= least:
                     slides = True
+    # A margin that is zero because the smallest shares put it there is no event while some shares bear the
+    # load.
     for n in range(law.count):
         if law.block[n] == block:
             i = w.contacts.touching[n]
@@ -179,6 +190,7 @@ def set_margins(w: Work) -> None:
     what falls to zero where they open or slip. Contacts that share a load do so where no shares bear it;
     those of a block that are at the bounds of their cones begin."""
     law = w.contacts.law
+    # Each contact by itself: its normal force, and the friction that is left to it.
     for n in range(law.count):
         i = w.contacts.touching[n]
         w.contacts.force_margins[i] = w.contacts.forces[contact_first[i]]
@@ -193,14 +205,17 @@ def set_margins(w: Work) -> None:
 def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
     """Add the forces w.contacts.law.p to rates and multipliers, and store them in w.contacts.forces and their
     samples."""
+    # Loads of normal forces do work too: `store_rates` reads the forces of contacts.
     law = w.contacts.law
     if NPUSHED > 0:  # the power of their loads
         for r in range(law.rows):
             w.contacts.forces[w.contacts.touching_rows[r]] = law.p[r]
+    # a = a0 + X p and lam = lam0 + X_lam p. Accelerations that cancel to round-off become zero.
     add_cancelling(xdot, w)
     for i in range(NC):
         for r in range(law.rows):
             lam[i] += w.contacts.responses[r * NR + NV + i] * law.p[r]
+    # The work integral follows from the accelerations with contacts.
     if NZ > 0:
         w.a[:] = part(xdot, NQ, NQ + NV)
         w.qdot[:] = part(xdot, 0, NQ)
@@ -208,17 +223,22 @@ def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
     for r in range(law.rows):
         row = w.contacts.touching_rows[r]
         w.contacts.forces[row] = law.p[r]
+    # Where no shares bear the load, those that leave the least of it stand for the forces: their margins tell
+    # which contact gives way.
     if NBESIDE > 0:
         for e in range(law.unknowns):
             row = law.unknown[e]
             if law.lack[law.contact[e]] > 0.0:
                 w.contacts.forces[w.contacts.touching_rows[row]] = law.scale[row] * law.share[e]
     set_margins(w)
+    # Power of the contact forces themselves: p . R v, zero but for slips.
     for r in range(law.rows):
         row = w.contacts.touching_rows[r]
         if NZ > 0:
             for j in range(NV):
                 xdot[NQ + NV] += law.p[r] * w.contacts.rows[row * NV + j] * x[NQ + j]
+    # Forces are sampled at each evaluation: the range of samples takes the place of an enclosure, as a force
+    # needs a solve.
     for n in range(law.count):
         contact = w.contacts.touching[n]
         add_sample(NMODE - NCON + contact, w.contacts.force_margins[contact], w)
@@ -244,13 +264,18 @@ def solve_loaded(
     without both; `rates` and `lam` become the motion without forces of contacts. Returns PARADOX, with
     w.culprit: a contact; or, counted behind these, a constraint equation or a contact whose force loads leave
     open."""
+    # Each turn linearizes the loads at the reactions so far; loads that are linear need one turn alone.
     for turn in range(MOST_LOAD_STEPS):
         status = respond(p, t, x, w)
         if failed(status):
             return status
         begins = False
+        # Curved loads begin with the reactions that the motion without them has, so the first turn solves
+        # that motion only.
         if NCURVED > 0:
             begins = turn == 0  # with the reactions without these loads
+        # The tangent f + D (s' - s) changes the responses and the motion without contacts; then the law is
+        # solved as without loads.
         if not begins:
             set_loads(p, t, x, w)
             if not (loads_follow(w) and move_with_loads(rates, lam, w)):
@@ -261,17 +286,20 @@ def solve_loaded(
             found = set_law(w.contacts.law)
         else:
             found = LAW_FOUND if solve_frozen(w.contacts.law) else LAW_NONE
+        # A first guess without solution is no paradox: the loads may bring one. Its forces are taken as 0.
         if found > LAW_FOUND:
             if not begins:
                 w.culprit = w.contacts.touching[w.contacts.law.culprit]
                 return PARADOX
             for r in range(w.contacts.law.rows):
                 w.contacts.law.p[r] = 0.0
+        # If the normal force is one of many, the loads have no value. While modes are decided this may pass.
         if not decides:
             shared = open_push(w)
             if shared >= 0:
                 w.culprit = NCON + NC + w.contacts.touching[shared]
                 return PARADOX
+        # Newton's method ends where the reactions are those that the loads were linearized at.
         agree = reactions_agree(lam, w)
         if NCURVED > 0:
             if begins or not agree:
@@ -295,8 +323,10 @@ def moves_freely(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w:
 
 def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
     """Compute xdot and lam at (t, x) with the contacts that touch by the modes in x, and their forces."""
+    # Forces of open contacts are zero, also where this evaluation ends early.
     for r in range(NCROW):
         w.contacts.forces[r] = 0.0
+    # Without contacts these loads are solved by `motion_at`, which is cheaper.
     if NLOADED > 0:
         if not find_touching(x, w):
             return moves_freely(p, t, x, xdot, lam, w)
@@ -325,6 +355,8 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
         if not solve_touching(w):
             w.culprit = w.contacts.touching[w.contacts.law.culprit]
             return PARADOX
+    # Forces that are not unique are the smallest ones in the cones: a rule that depends on x smoothly and not
+    # on the order of the contacts.
     if NBESIDE > 0:
         bear_load(w)
     take_forces(p, t, x, xdot, lam, w)
@@ -384,6 +416,7 @@ def seat(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     shortest displacements in the metric of the mass matrix."""
     law = w.contacts.law
     set_gaps(p, t, x, w)
+    # Newton's method for the gaps. The rows at each place are their gradients.
     for n in range(MOST_SEATINGS):
         if are_seated(w):
             break

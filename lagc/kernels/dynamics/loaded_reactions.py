@@ -23,6 +23,8 @@ MOST_LOAD_STEPS = 30  # of Newton's method
 
 def update_load(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """Compute w.loads.force and w.loads.slopes at w.loads.lam."""
+    # Loads may depend on normal forces of contacts, on modes, or on neither: a model has one function for its
+    # case.
     if NPUSHED > 0:
         fn_pushed_on(p, t, x, w.modes, w.loads.lam, w.contacts.forces, w.loads.force, w.loads.slopes)
     elif NMODE > 0:
@@ -50,6 +52,8 @@ def reach_of_actuator(k: int, w: Work) -> Real:
     response is w.loads.answer, by the inequality of Cauchy and Schwarz in the metric of the inverse mass
     matrix."""
     row = NV + loading_row[k]
+    # The multiplier of the row for the force f is e^T K^-1 f; squared it is at most (f K^-1 f) (e K^-1 e)
+    # along the constraints. Its own value is added, so that a bound of zero means that it cannot follow.
     own = w.loads.answer[row]
     power = 0.0
     for i in range(NV):
@@ -62,6 +66,7 @@ def reach_of_actuator(k: int, w: Work) -> Real:
 
 def linearize_load(w: Work) -> None:
     """Compute w.loads.columns, the responses to w.loads.slopes, and w.loads.matrix, 1 - dmu/dlam."""
+    # One solve for each derivative: column k of dmu/dlam, with the sizes of terms for a test of round-off.
     for k in range(NLOADED):
         for i in range(NV):
             w.loads.force[i] = w.loads.slopes[k * NV + i]
@@ -72,6 +77,7 @@ def linearize_load(w: Work) -> None:
             own = w.loads.answer[NV + loading_row[i]]
             w.loads.matrix[i * NLOADED + k] = (1.0 if i == k else 0.0) - own
             w.loads.sizes[i * NLOADED + k] = (1.0 if i == k else 0.0) + fabs(own)
+        # A held row is mu(lam) = 0 instead of mu(lam) = lam: its 1 on the diagonal goes.
         if NHELD > 0:
             if load_held[k] > 0:
                 w.loads.matrix[k * NLOADED + k] -= 1.0
@@ -124,6 +130,8 @@ def eliminate_load(w: Work) -> Real:
 
 def load_orientation(p: Params, t: Real, x: Vec[NX], factor: Real, lam: Vec[NC], w: Work) -> Real:
     """Return the sign of the determinant of 1 - dmu/dlam at factor lam, or 0."""
+    # Determinants are compared at lam and -lam: different signs there mean that some right-hand side has no
+    # solution, or several (S. Scholtes, 2.3).
     for i in range(NC):
         w.loads.lam[i] = factor * lam[i]
     update_load(p, t, x, w)
@@ -181,6 +189,7 @@ def solve_load(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
 def is_one_of_many(p: Params, t: Real, x: Vec[NX], lam: Vec[NC], w: Work) -> bool:
     """Return whether other loads of this kind have no solution or several: the sign of the determinant
     differs between lam and -lam."""
+
     moved = False
     for k in range(NLOADED):
         if lam[loading_row[k]] != 0.0:
@@ -195,6 +204,7 @@ def is_one_of_many(p: Params, t: Real, x: Vec[NX], lam: Vec[NC], w: Work) -> boo
 def motion_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
     """Compute xdot and lam at (t, x). Returns PARADOX, with a row as the culprit, if the loads or dependent
     constraint equations leave the reactions open."""
+    # Rates and multipliers without the loads, from the right-hand side that all models have.
     status = rhs_at(p, t, x, xdot, lam, w)
     if failed(status):
         return status

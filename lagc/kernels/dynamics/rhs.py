@@ -22,6 +22,7 @@ def update_modes(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
 def hold(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """Evaluate the equations with *w in the modes of (t, x) from now on, until *w is used to integrate or
     is filled with zeros."""
+    # Evaluations by hand have neither a step nor an event: unknown signs and axes follow the state.
     fn_modes(p, t, x, w.modes)
     w.modes_fixed = True
     if NTWO > 0:
@@ -69,6 +70,7 @@ def measure_regularity(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """Compute w.rows.violation, the scaled distance of x from the constraints, and w.rows.regularity: for
     each row its change over the size of the coordinates (for angles plus 1), over the size of its terms,
     at most 1."""
+    # Reach of each row: its change if all coordinates move by their sizes; angles count as at least a radian.
     for i in range(NGROUP):
         w.rows.group_sizes[i] = 0.0
     enlarge_sizes(x, w.rows.group_sizes)
@@ -76,12 +78,15 @@ def measure_regularity(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     w.rows.violation = 0.0
     fn_scales(p, t, x, w.rows.buffer2)
     fn_reaches(p, t, x, w.rows.group_sizes, w.rows.reaches)
+    # The distance from the constraints, in the scales of the residuals. Off them, dependent rows look
+    # independent by as much.
     if NH > 0:
         fn_position(p, t, x, w.rows.buffer)
         for i in range(NH):
             miss = fabs(w.rows.buffer[i]) / (w.rows.buffer2[i] + VANISHING_ROW * w.rows.reaches[i])
             if not miss <= w.rows.violation:
                 w.rows.violation = miss
+    # A row that moves by less than its terms has a vanishing gradient, as phi = x^2 near 0.
     for i in range(NC):
         w.rows.regularity[i] = (
             w.rows.reaches[i] / w.rows.buffer2[i] if w.rows.reaches[i] < w.rows.buffer2[i] else 1.0
@@ -91,6 +96,7 @@ def measure_regularity(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
 def mark_faint_gradients(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """Reduce w.rows.regularity of rows whose gradient is much shorter than others: it may be round-off of its
     terms."""
+    # Lengths of the gradients, by sums of magnitudes.
     if NM > 0:
         for i in range(NC):
             total = 0.0
@@ -106,6 +112,8 @@ def mark_faint_gradients(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
             largest = w.rows.buffer[i]
         if w.rows.buffer[i] < smallest:
             smallest = w.rows.buffer[i]
+    # Only where lengths differ much is it worth to look at round-off: the gradient over the size of its
+    # terms.
     if not smallest < FAINT_GRADIENT * largest:
         return
     fn_gradient_sizes(p, t, x, w.rows.buffer2)
@@ -116,6 +124,7 @@ def mark_faint_gradients(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
 
 def system_fault(x: Vec[NX], w: Work) -> int:
     """Return the index of x that a value of the equations that is not finite refers to, or -1."""
+    # The first value in the order of rates, mass matrix, constraints; one of x itself explains all others.
     i = not_finite(w.qdot, NQ)
     if NM > 0:
         if i < 0:
@@ -144,6 +153,8 @@ def least_share(w: Work) -> Real:
     continues straight only if the row is left out before. The limit is higher once rows are known to be
     dependent, and off the constraints, where dependent rows have an independent share of the size of the
     violation."""
+    # Thresholds: higher while the rows are known to be dependent (hysteresis, so that the rank does not
+    # change to and fro), and by the violation off the constraints, at most a tenth.
     least = REMAINS_DEPENDENT if w.rank_deficient else DEPENDENT
     if 30.0 * w.rows.violation > least:
         least = 30.0 * w.rows.violation if 30.0 * w.rows.violation < 0.1 else 0.1
@@ -154,6 +165,8 @@ def factor_safely(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     """Factor the equations at (t, x) for any rank of G."""
     if STRAIGHT:
         w.fallbacks += 1
+    # A value that is not finite would make all factors so: it is refused first, with the state that it comes
+    # from.
     if NM > 0:
         system_at(p, t, x, w)
         fault = system_fault(x, w)
@@ -183,6 +196,7 @@ def factor_safely(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
 
 def store_rates(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
     """Store the rates of x from w.qdot, w.a and lam."""
+    # qdot and a are the rates of q and v; the work integral has the power of the non-conservative actions.
     xdot[:NQ] = w.qdot
     xdot[NQ : NQ + NV] = w.a
     if NZ > 0:
@@ -234,6 +248,7 @@ def rhs_any_rank(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w:
 
 def rhs_refined(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
     """Compute them with one step of iterative refinement."""
+    # Residual r - K s by the entries at this state, then the correction by the same factors.
     assemble_rhs(p, t, x, w)
     assemble_entries(p, t, x, w)
     if NM > 0:
@@ -250,6 +265,8 @@ def rhs_refined(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
 
 def check_rates(x: Vec[NX], xdot: Vec[NX], w: Work) -> Status:
     """Return the status of a solve without dense equations. It does not tell which speed has no inertia."""
+    # In models without constraints and mass matrix all is straight-line code: pivots tell whether it could be
+    # divided.
     w.culprit = not_finite(x, NX)
     if w.culprit < 0 and not w.health[0] >= SINGULAR:
         w.culprit = size(NV)
@@ -262,6 +279,7 @@ def check_rates(x: Vec[NX], xdot: Vec[NX], w: Work) -> Status:
 def rhs_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
     """Compute xdot and lam at (t, x): by the sparse factors if their pivots and residuals are good, else
     for any rank."""
+    # Without dependent rows the whole right-hand side is one straight-line function of the model.
     if STRAIGHT:
         if NC > 0:
             # The sparse factors have no pivoting: they serve while the rows are independent.
@@ -286,6 +304,7 @@ def rhs_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work)
                     rhs_refined(p, t, x, xdot, lam, w)
             if not_finite(xdot, NINT) < 0:
                 return OK
+    # The fallback: dense factors with pivoting, or sparse ones that drop rows.
     if NM > 0 or NC > 0:
         return rhs_any_rank(p, t, x, xdot, lam, w)
     else:

@@ -23,6 +23,8 @@ from lagc.kernels.language.vocabulary import *
 
 def take_hits(s: State, w: Work) -> bool:
     """Move contacts from w.events.crossed to w.settling.hit; return whether there are any."""
+    # A crossing is read by the mode: an open gap closes, a force of a closed contact falls to zero (or turns,
+    # of a two-sided contact), a slip stops, static friction gives way.
     found = False
     for i in range(NCON):
         k = NMODE - NCON + i
@@ -77,6 +79,8 @@ def force_roundoff(n: int, k: int, w: Work) -> Real:
 
 def set_force_slack(s: State, w: Work) -> None:
     """Set the slack of the listed contacts: of their forces, and of friction that they could still bear."""
+    # Normal force: round-off of the acceleration over W. A force that is slightly beyond gets twice that as
+    # slack. The margin of friction has the round-off of all its rows.
     for n in range(w.contacts.law.count):
         i = w.contacts.touching[n]
         least = force_roundoff(n, 0, w)
@@ -93,12 +97,15 @@ def set_force_slack(s: State, w: Work) -> None:
 def set_contact_slack(p: Params, s: State, w: Work) -> None:
     """Set the slack of contacts: of open ones by the round-off of their gaps, of those that touch by the
     round-off of their forces, w.contacts.forces at (s.t, s.x)."""
+    # Round-off of gaps for states of their largest sizes so far.
     for i in range(NQ + NV):
         w.search.x_part_middle[i] = reach_of(i, s)
     estimate_indicator_roundoff(p, s, w.search.x_part_middle, w)
     # One that leaves after an impact has no slack: its gap is watched from zero on.
     set_gaps(p, s.t, s.x, w)
     w.events.indicators[:] = w.contacts.indicators
+    # Gaps of open contacts, speeds of slips along their direction: each with its round-off, plus what it is
+    # beyond zero now.
     for i in range(NCON):
         beyond = -w.contacts.gaps[i] if w.contacts.gaps[i] < 0.0 else 0.0
         if w.settling.leaves[i] == 0:
@@ -114,6 +121,7 @@ def set_contact_slack(p: Params, s: State, w: Work) -> None:
                         speed = slip_along(i, w.events.indicators, w)
                         least += SLACK_GROWTH * w.events.roundoff[k + 1 - NTIMED]
                 s.slack[k] = least - (2.0 * speed if speed < 0.0 else 0.0)
+    # Forces of contacts that touch replace these gaps; they need the rates at this state.
     if find_touching(s.x, w):
         status = rates_at(p, s.t, s.x, w.contacts.rates, w.contacts.lam, w)
         s.rhs += 1
@@ -145,11 +153,15 @@ def find_unmoved(p: Params, s: State, w: Work) -> None:
 def settle_event(p: Params, s: State, direction: Real, jumps: bool, w: Work) -> Status:
     """Let contacts act, then find the modes of relations that they change, and let clauses `when` act.
     `jumps`: a bound has jumped."""
+    # Bounds may jump with the modes of relations, as a floor that a switch raises; then contacts act as after
+    # a jump.
     fn_indicators_on(p, s.t, s.x, w.modes, w.events.indicators_before)
     w.settling.go_on = True
     status = settle_jump(p, s, w) if jumps else settle(p, s, False, w)
     if failed(status):
         return status
+    # Relations that contacts did not move keep their modes; the others are chosen by their values. k[0] is
+    # lent to this evaluation.
     find_unmoved(p, s, w)
     w.settling.rates[:] = s.k[0]
     status = choose_modes(p, s, direction, w)
@@ -158,6 +170,7 @@ def settle_event(p: Params, s: State, direction: Real, jumps: bool, w: Work) -> 
     s.rate_place = ABSENT
     if failed(status):
         return status
+    # Contacts have acted, so no relation is left to cross; clauses may follow what contacts changed.
     for k in range(NMODE):
         w.events.crossed[k] = 0
     if NWHEN > 0:
@@ -169,6 +182,8 @@ def settle_event(p: Params, s: State, direction: Real, jumps: bool, w: Work) -> 
 def pass_hits(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Do what happens where contacts in w.settling.hit and relations in w.events.crossed cross, at (s.t,
     s.x)."""
+    # First relations that cross at the same time (their modes change the forces), then contacts, then
+    # clauses.
     if contacts_chatter(s):
         return CHATTERING
     jumps = False
@@ -205,6 +220,7 @@ def pass_event(p: Params, s: State, direction: Real, w: Work) -> Status:
     w.settling.has_acted = False
     w.settling.modes_before[:] = s.modes
     if NWHEN > 0:
+        # Clauses may fail after contacts have acted: all is restored then.
         save_state(s, w)
     status = OK
     if take_hits(s, w):
@@ -221,6 +237,8 @@ def pass_event(p: Params, s: State, direction: Real, w: Work) -> Status:
 
 def start_contacts(p: Params, s: State, direction: Real, elsewhere: bool, w: Work) -> Status:
     """Let contacts act at the beginning of a call, then find the modes of relations and the rates."""
+    # At the beginning of a trajectory contacts settle without an event; later a change by the caller is a
+    # jump.
     w.modes[:] = s.modes
     if elsewhere:
         fn_modes(p, s.t, s.x, w.modes)

@@ -26,6 +26,7 @@ def late_at(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> bool:
     s.rhs += 1
     if failed(rates_at(p, t, x, w.late.rates, w.late.lam, w)):
         return False
+    # Accelerations, multipliers and forces of contacts, in the order in which `fn_late_on` reads them.
     w.late.known[:NV] = part(w.late.rates, NQ, NQ + NV)
     for i in range(NC):
         w.late.known[NV + i] = w.late.lam[i]
@@ -52,6 +53,8 @@ def indicator_rates_at(
     """Compute the rates of the event indicators for the rates of the state, at (t, x) in w.modes. That of a
     late one is 0 before the first step, and where it has no value."""
     fn_indicator_rates_on(p, t, x, modes, rates, found)
+    # A difference quotient backwards in time along the motion: the state before is x - time x'. Forwards it
+    # might reach beyond the crossing.
     time = LATE_DIFFERENCE * s.h_old
     known = time != 0.0 and late_at(p, t, x, s, w)
     if known:
@@ -100,6 +103,7 @@ def sample_late_step(p: Params, s: State, method: int, a: Trial, w: Work) -> Non
     """Set the ranges of late indicators to those of the cubic through both ends of the step from s.x to
     s.x_new, (HNW II.6.7)."""
     forget_late_range(w)
+    # Five points of the cubic Hermite interpolant.
     for k in range(STEP_SAMPLES + 1):
         part_of = float(k) / float(STEP_SAMPLES)
         w.late.x[:] = s.x
@@ -124,6 +128,7 @@ def estimate_late_roundoff(p: Params, s: State, reach: Vec[NX], w: Work) -> None
     w.late.here[:] = w.late.values
     for j in range(NLATE):
         w.events.roundoff[late_relation(j) - NTIMED] = SPACING * fabs(w.late.here[j]) if known else 0.0
+    # All states up, then every other one: sums and differences both show their round-off.
     for turn in range(2):
         w.late.x[:] = s.x
         for i in range(NQ + NV):

@@ -67,6 +67,8 @@ def enclose_step(s: State, method: int, a: Trial, w: Work) -> None:
     """Set w.search.box to an estimate of the range of the step from s.x to s.x_new. It is the hull of the
     control points of the cubic through both ends, widened by a quarter and by |h| times the largest deviation
     of a stage from this cubic."""
+    # The cubic x(c) with x, h x' of both ends lies in the hull of its Bezier control points x0, x0 + h x0' /
+    # 3, x1 - h x1' / 3, x1.
     enclose_time(s.t, a.t_new, w)
     method_stage_deviations(method, a.h, s, w.search.x_part_middle)
     for i in range(NQ + NV):
@@ -83,6 +85,8 @@ def enclose_step(s: State, method: int, a: Trial, w: Work) -> None:
                 low = value
             if value > high:
                 high = value
+        # Two margins: a quarter of the hull, and the most by which a stage's rate deviates from the cubic's
+        # slope, over the step.
         enclose_state(
             i, low, high, ENCLOSURE_MARGIN * (high - low) + fabs(a.h) * w.search.x_part_middle[i], w
         )
@@ -92,6 +96,8 @@ def enclose_part(t: Real, h: Real, left: Real, right: Real, w: Work) -> None:
     """Set w.search.box to an estimate of the range of a part of a step: the hull of its ends and middle,
     widened by a quarter of their second difference, which is twice as wide as a parabola needs."""
     enclose_time(t + left * h, t + right * h, w)
+    # The parabola through begin, middle and end leaves the hull of these by at most an eighth of the second
+    # difference.
     for i in range(NQ + NV):
         low = w.search.x_part_begin[i]
         high = low
@@ -121,6 +127,7 @@ def enclose_dense_output(s: State, method: int, a: Trial, left: Real, right: Rea
 
 def trial_dense_output(p: Params, s: State, method: int, a: Trial, w: Work) -> Status:
     """Compute the coefficients of the dense output of the step from s.x to s.x_new."""
+    # The method may use s.x_new as workspace: the end of the step is restored.
     w.search.x_trial[:] = s.x_new
     status = method_dense_output(method, p, s.t, s.x, w.search.x_trial, a.h, s, w)
     s.x_new[:] = w.search.x_trial
@@ -150,6 +157,7 @@ def any_crossed(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> bool:
 def smallest_margin(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Real:
     """Return the smallest margin. Each is divided by its change over the part of the step,
     w.events.margin_changes, as the indicators have different units."""
+    # Margins over their change in this part: which indicator crosses first is a question of time.
     least = inf
     update_margins(p, t, x, s, w)
     for j in range(NFREE):
@@ -175,11 +183,13 @@ def within_mode(k: int, low: Real, high: Real, w: Work) -> bool:
 
 def excludes_crossings(p: Params, s: State, w: Work) -> bool:
     """Return whether no indicator crosses in w.search.box."""
+    # Interval arithmetic for indicators of time and state, samples for those that need a solve.
     fn_enclosure_on(p, w.modes, w.search.box, w.events.enclosures)
     if NLATE > 0:
         enclose_late(w)
     if NCON > 0:
         enclose_forces(s, w)
+    # An unbounded or empty enclosure says nothing, so it does not exclude.
     for j in range(NFREE):
         k = NTIMED + j
         low = w.events.enclosures[2 * j] + s.slack[k]
@@ -213,6 +223,8 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
     least = 2.0 * SPACING * (1.0 + fabs(s.t / h))
     turn = 0
     while high - low > least:
+        # Regula falsi on two of three turns, and never nearer to an end than half of the least distance: so
+        # both ends close in.
         part = 0.5
         if turn % 3 < 2 and below > 0.0:
             part = below / (below - above)
@@ -224,6 +236,7 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
         guess = low + part * (high - low)
         method_dense_at(method, guess, s, w.search.x_part_middle)
         found = smallest_margin(p, s.t + guess * h, w.search.x_part_middle, s, w)
+        # The new end replaces the one of its sign; `high` is always beyond the crossing.
         if found < 0.0:
             high = guess
             above = found
@@ -233,6 +246,7 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
             below = found
             above *= 0.5
         turn += 1
+    # All that are beyond at the end found cross together there.
     method_dense_at(method, high, s, w.search.x_part_middle)
     update_margins(p, s.t + high * h, w.search.x_part_middle, s, w)
     for i in range(NTIMED):
@@ -245,7 +259,9 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
 def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     """Return the part of the step from s.x to s.x_new after which the first indicator crosses, NO_EVENT,
     or a negative number if the dense output failed."""
+    # The cheap test on the whole step; nearly all steps end here.
     enclose_step(s, method, a, w)
+    # Indicators that need a solve are sampled on the cubic of the step.
     if NLATE > 0:
         sample_late_step(p, s, method, a, w)
     if NCON > 0:
@@ -254,6 +270,8 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
         return NO_EVENT
     if failed(trial_dense_output(p, s, method, a, w)):
         return -1.0
+    # Parts of the dense output from left to right: a part that cannot exclude a crossing is halved, one that
+    # does is followed by a longer one. So the first crossing is found, not any.
     looked = 0
     left = 0.0
     width = LONGEST_PART
@@ -261,6 +279,7 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     while left < 1.0:
         right = left + width if left + width < 1.0 else 1.0
         enclose_dense_output(s, method, a, left, right, w)
+        # Samples of this part only: ranges of longer parts would be wider than needed.
         if NLATE > 0:
             forget_late_range(w)
             add_late_range(p, s.t + left * a.h, w.search.x_part_begin, s, w)
@@ -277,6 +296,9 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
         elif width > SHORTEST_PART:
             width *= 0.5
             continue
+        # At 1/256 of the step: if an indicator is beyond at the end of the part, its crossing is located
+        # there; if not, it may have crossed twice, and the part is halved on to 1e-9, for a limited number of
+        # parts.
         elif any_crossed(p, s.t + right * a.h, w.search.x_part_end, s, w):
             return locate_crossing(p, s, method, a.h, left, right, w)
         elif looked < MOST_SHORT_PARTS:  # it may be crossed twice
@@ -293,6 +315,7 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
 
 def moves_away(k: int, direction: Real, w: Work) -> bool:
     """Return whether an indicator moves away from its crossing, by w.events.rates."""
+    # Of a stepwise relation the nearer edge counts.
     rate = w.events.rates[k] * direction
     if NEDGES > 0:
         if has_edges[k] > 0:
@@ -318,12 +341,15 @@ def crosses_by_roundoff(
     """Return whether the indicators in w.events.crossed move away from their crossings both at the beginning
     of the step and after this part. They are beyond by round-off then, and `factor` times this is added to
     their slack."""
+    # Forces of contacts have slack of their own, in `set_contact_slack`.
     if NCON > 0:
         if force_crosses(s, w):
             return False
+    # At the beginning: an indicator that is beyond, and moves back into its mode, has not crossed.
     indicator_rates_at(p, s.t, s.x, w.modes, s.k[0], w.events.rates, s, w)
     if not all_move_away(a.direction, w):
         return False
+    # And at the crossing: it must move away there too, else it came back for another crossing.
     method_dense_at(method, part, s, w.search.x_part_middle)
     s.rhs += 1
     if failed(rates_at(p, s.t + part * a.h, w.search.x_part_middle, w.xdot, w.lam, w)):
@@ -331,6 +357,8 @@ def crosses_by_roundoff(
     indicator_rates_at(p, s.t + part * a.h, w.search.x_part_middle, w.modes, w.xdot, w.events.rates, s, w)
     if not all_move_away(a.direction, w):
         return False
+    # The slack shifts the crossing by twice (then 4 times ...) the distance beyond: the next search does not
+    # find it again.
     for j in range(NFREE):
         if w.events.crossed[NTIMED + j] > 0:
             s.slack[NTIMED + j] -= factor * w.events.margins[j]
@@ -340,6 +368,8 @@ def crosses_by_roundoff(
 def estimate_indicator_roundoff(p: Params, s: State, reach: Vec[NX], w: Work) -> None:
     """Compute w.events.roundoff: the change of each indicator of the state by one unit in the last
     place of the time and of states as large as here, or as `reach`."""
+    # A box of one unit in the last place about (t, x): its enclosure is what round-off of time and states
+    # makes of each indicator.
     enclose_time(s.t - SPACING * fabs(s.t), s.t + SPACING * fabs(s.t), w)
     for i in range(NQ + NV):
         size = fabs(s.x[i]) if fabs(s.x[i]) > fabs(reach[i]) else fabs(reach[i])
@@ -360,6 +390,7 @@ def is_within_slack(k: int, s: State, w: Work) -> bool:
 def is_crossing(k: int, direction: Real, w: Work) -> bool:
     """Return whether an indicator that crosses in the dense output crosses at the end of the step, by its
     rate there. One that moves away has not reached its crossing; one that moves back has not left it."""
+    # In sliding mode (0), a crossing leaves zero on the side on which it is: the rate must point there.
     if w.modes[k] == 0.0 and has_edges[k] == 0:
         ahead = w.events.rates[k] * direction
         return ahead * w.events.indicators_before[k] >= 0.0 and (
@@ -370,6 +401,7 @@ def is_crossing(k: int, direction: Real, w: Work) -> bool:
 
 def release_slack(p: Params, s: State, w: Work) -> None:
     """Set the slack of an indicator to 0 once its margin is several times the slack."""
+    # At the state of the beginning; contacts that touch are not watched by gaps.
     indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
     if NCON > 0:
         spare_contacts(s, w)
@@ -383,6 +415,7 @@ def increase_slack(p: Params, s: State, k: int, w: Work) -> None:
     """Increase the slack of an indicator that crosses in the dense output, but not at the end of the step.
     The increase is the distance to the crossing; if the round-off of the indicator over the step is
     larger, it approaches this round-off from call to call."""
+    # Round-off by the larger of both ends in each scaling group.
     sizes = vector(NGROUP)
     for i in range(NGROUP):
         sizes[i] = 0.0
@@ -391,6 +424,8 @@ def increase_slack(p: Params, s: State, k: int, w: Work) -> None:
     for i in range(NQ + NV):
         w.search.x_part_middle[i] = sizes[scaling_group[i]]
     estimate_indicator_roundoff(p, s, w.search.x_part_middle, w)
+    # The distance between end of step and dense output, or nearer to the round-off if that is larger: it
+    # grows to it by fourth roots, so that one call does not overdo it.
     j = k - NTIMED
     off = fabs(margin(k, w.events.indicators_before[k], s.slack[k], w)) + fabs(w.events.margins[j])
     roundoff = w.events.roundoff[j]
@@ -402,6 +437,8 @@ def increase_slack(p: Params, s: State, k: int, w: Work) -> None:
 
 def confirm_crossings(p: Params, s: State, direction: Real, w: Work) -> bool:
     """Remove indicators from w.events.crossed that do not cross, and return whether any does."""
+    # Time events are exact; the others must also cross at the end of the step, where the state is that of the
+    # method and not of its dense output.
     found = False
     for k in range(NMODE):
         if w.events.crossed[k] > 0:
@@ -420,6 +457,7 @@ def crosses_within_roundoff(p: Params, s: State, direction: Real, w: Work) -> bo
     """Return whether an indicator crosses within round-off of the time, with w.events.crossed. No step gets
     nearer if the equations end at the crossing, as sqrt(x) at 0."""
     found = False
+    # The time within which a linear extrapolation reaches the crossing, by the rate at the beginning.
     time = EVENT_TIME_ULPS * SPACING * fabs(s.t)
     indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
     indicator_rates_at(p, s.t, s.x, w.modes, s.k[0], w.events.rates, s, w)
@@ -430,6 +468,7 @@ def crosses_within_roundoff(p: Params, s: State, direction: Real, w: Work) -> bo
     for j in range(NFREE):
         i = NTIMED + j
         own = margin(i, w.events.indicators[i], s.slack[i], w)
+        # It is near, and nearer at the end of that time: it moves to the crossing.
         if own < time * fabs(w.events.rates[i]):
             if own > margin(i, w.events.indicators[i] + time * direction * w.events.rates[i], s.slack[i], w):
                 w.events.crossed[i] = 1
@@ -439,6 +478,8 @@ def crosses_within_roundoff(p: Params, s: State, direction: Real, w: Work) -> bo
 
 def crossing_time(k: int, t: Real, direction: Real, w: Work) -> Real:
     """Return the time after t at which a relation of time alone changes, or infinity."""
+    # z is linear in t: z(t + d) = z + slope d. Stepwise relations have the next edge as their target, signs
+    # have 0.
     slope = w.events.slopes[k]
     ahead = slope * direction
     if NEDGES > 0:
@@ -453,6 +494,7 @@ def crossing_time(k: int, t: Real, direction: Real, w: Work) -> Real:
 def next_time_event(p: Params, s: State, t1: Real, direction: Real, w: Work) -> Real:
     """Return the next time at which a relation of time alone changes, with w.events.crossed, or t1 if that
     comes first."""
+    # Slopes and values at the present time give each relation its time.
     fn_slopes_on(p, w.modes, w.events.slopes)
     fn_indicators_on(p, s.t, s.x, w.modes, w.events.indicators)
     earliest = inf * direction
@@ -470,6 +512,7 @@ def next_time_event(p: Params, s: State, t1: Real, direction: Real, w: Work) -> 
     fn_indicators_on(p, earliest, s.x, w.modes, w.events.indicators)
     earliest = crossing_time(first, earliest, direction, w)
     near = 8.0 * SPACING * (fabs(earliest) + fabs(s.t))
+    # A time that round-off puts into the past is now; one that round-off puts beside t1 is t1.
     if (earliest - s.t) * direction < 0.0:
         earliest = s.t
     if fabs(earliest - t1) <= near:

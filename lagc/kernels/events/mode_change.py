@@ -32,9 +32,12 @@ CONTACT_MOTION = 64.0  # units in the last place: a smaller motion over the long
 def find_contacts(p: Params, s: State, w: Work) -> None:
     """Mark indicators of clauses in w.clauses.in_contact that would move by no more than round-off of the
     states over the longest step: bodies touch that do not approach each other."""
+    # Round-off of states as large as they ever were, not as they are.
     for i in range(NQ + NV):
         w.search.x_part_middle[i] = s.sizes[scaling_group[i]]
     estimate_indicator_roundoff(p, s, w.search.x_part_middle, w)
+    # How far the indicator moves over the longest step at its present rate, against its round-off: two bodies
+    # in contact keep a gap of zero that only round-off moves.
     for j in range(NFREE):
         k = NTIMED + j
         w.clauses.size_roundoff[j] = w.events.roundoff[j]
@@ -49,6 +52,7 @@ def find_contacts(p: Params, s: State, w: Work) -> None:
 def drop_contacts(p: Params, s: State, w: Work) -> bool:
     """Remove indicators in contact from w.events.crossed, and return whether any crosses."""
     find_contacts(p, s, w)
+    # They get slack instead: the next step does not find them again.
     found = False
     for k in range(NMODE):
         if k >= NTIMED and w.events.crossed[k] > 0:
@@ -63,10 +67,13 @@ def drop_contacts(p: Params, s: State, w: Work) -> bool:
 def cancel_grazing(p: Params, s: State, direction: Real, w: Work) -> bool:
     """Put back the modes of indicators that touched their crossings and are turned back there by other
     changes of modes. Return whether there are any."""
+    # Clauses that act first decide themselves what turns back.
     found = False
     if NWHEN > 0:
         if w.clauses.act_first:
             return False
+    # Only changes of other modes can have turned an indicator back. Relations that clauses alone read change
+    # no forces.
     others = 0
     for i in range(NMODE):
         others += w.events.crossed[i]
@@ -74,6 +81,7 @@ def cancel_grazing(p: Params, s: State, direction: Real, w: Work) -> bool:
             if clauses_only[i] > 0:  # it turns none back
                 others -= w.events.crossed[i]
     for j in range(NFREE):
+        # It reaches its crossing together with others and leaves it by its rate in the new modes: it touched.
         k = NTIMED + j
         touches = w.events.crossed[k] > 0 and w.events.jumped[k] == 0 and others > 1
         if NWHEN > 0:
@@ -87,6 +95,7 @@ def cancel_grazing(p: Params, s: State, direction: Real, w: Work) -> bool:
                 if clauses_only[k] > 0:
                     others += 1
             found = True
+    # Its mode is as before, and so are edges and indicators.
     if found:
         update_edges(w)
         indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
@@ -101,6 +110,8 @@ def is_first_order(time: Real, s: State) -> bool:
 def correct_state(p: Params, s: State, direction: Real, w: Work) -> None:
     """Correct the state to first order for the time since the first crossing, or until it: the rates
     differ before and after it. This residual time of the location is mostly round-off."""
+    # Where the rates differ by `apart`, the state is off by (t - t_crossing) apart: the step went on in the
+    # old modes for that time.
     for k in range(NMODE):
         if w.events.crossed[k] > 0:
             since = time_since_crossing(k, direction, w)
@@ -108,6 +119,7 @@ def correct_state(p: Params, s: State, direction: Real, w: Work) -> None:
                 for i in range(NINT):
                     apart = w.xdot[i] - w.events.old_state_rates[i]
                     s.x[i] += since * apart
+                    # Round-off of a time event reaches the state by the same difference of rates.
                     if k < NTIMED:
                         s.event_roundoff[i] += SPACING * fabs(s.t * apart)
                 indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
@@ -116,6 +128,7 @@ def correct_state(p: Params, s: State, direction: Real, w: Work) -> None:
 
 def is_chattering(s: State, w: Work) -> bool:
     """Return whether modes change each other without end at one time."""
+    # Events at exactly one time; a time that goes on sets the count to zero.
     if s.t != s.t_changed:
         s.t_changed = s.t
         s.changes_at_time = 0
@@ -130,6 +143,7 @@ def cross_edge(k: int, s: State, direction: Real, w: Work) -> None:
     """Move a stepwise relation to its next mode. If its indicator moves away from the nearest edge it
     stays, as a repeated step may lead elsewhere; at a second event at the same time it moves."""
     if NEDGES > 0:
+        # The direction of motion and the nearer edge agree, or it is a time event, or a second try.
         up = w.events.old_rates[k] * direction > 0.0
         above = (
             w.events.edges[2 * k + 1] - w.events.indicators_before[k]
@@ -142,6 +156,8 @@ def cross_edge(k: int, s: State, direction: Real, w: Work) -> None:
 def leave_modes(s: State, direction: Real, w: Work) -> None:
     """Change the modes of the relations in w.events.crossed."""
     for i in range(NMODE):
+        # A sign changes to the other one. From zero an indicator goes to the side on which it is, or, within
+        # its slack, to where it moves.
         if w.events.crossed[i] > 0:
             if has_edges[i] > 0:
                 cross_edge(i, s, direction, w)
@@ -169,6 +185,8 @@ def holds_back(direction: Real, w: Work) -> int:
 def cross_together(first: int, s: State, direction: Real, w: Work) -> None:
     """Change the modes of indicators of clauses that reach zero at the same time as this one, within the
     error of the step: a condition may be written with another expression of the same speed."""
+    # One speed may be written in two relations: those cross together if their times agree within the error of
+    # the step.
     if NFREE > 1:
         if find_simultaneous(s, first, direction, w):
             for j in range(NFREE):
@@ -182,11 +200,13 @@ def find_clauses_first(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Set w.clauses.act_first: forces drive an indicator back that crosses, and the crossing makes conditions
     of clauses `when` true. The clauses act on the crossing, before the motion is said to slide or chatter."""
     w.clauses.act_first = False
+    # Rates in the new modes: does an indicator return at once?
     status = update_indicator_rates(p, s, w)
     if failed(status):
         return status
     first = holds_back(direction, w)
     if first >= 0:
+        # If so, would conditions become true with the crossing? The modes are put back if not.
         w.events.candidate_modes[:] = w.modes
         cross_together(first, s, direction, w)
         fn_holds_on(p, s.t, s.x, w.modes, w.clauses.conditions)
@@ -203,6 +223,8 @@ def find_clauses_first(p: Params, s: State, direction: Real, w: Work) -> Status:
 def slide_along(s: State, direction: Real, w: Work) -> None:
     """Set indicators to mode zero that reach zero together with one that begins to slide, and stay there."""
     if NFREE > 1:
+        # Each that has begun to slide takes with it those that reach zero at the same time, and whose rates
+        # vanish in the new modes.
         for i in range(NFREE):
             first = NTIMED + i
             if w.events.crossed[first] > 0 and w.modes[first] == 0.0 and s.modes[first] != 0.0:
@@ -219,6 +241,7 @@ def is_driven_back(p: Params, s: State, direction: Real, w: Work) -> bool:
     if NWHEN > 0:
         if w.clauses.act_first:
             return False
+    # Each indicator that crossed by itself (not with others): its rate after points back.
     for j in range(NFREE):
         k = NTIMED + j
         rate = w.events.rates[k]
@@ -277,6 +300,8 @@ def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
             return status
     if is_driven_back(p, s, direction, w):
         return CHATTERING
+    # From here on the change is accepted: marks of what changed, the state corrected to the time of the
+    # crossing, slack of each indicator.
     if NWHEN > 0:
         slide_along(s, direction, w)
     for i in range(NMODE):

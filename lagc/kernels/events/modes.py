@@ -26,6 +26,7 @@ def sign_of(a: Real) -> Real:
 def update_edges(w: Work) -> None:
     """Compute the edges of the current modes. An outermost edge is infinite: no indicator reaches it."""
     if NEDGES > 0:
+        # Edges beyond any number are made infinite, so that no comparison with them is true.
         fn_edges_on(w.modes, w.events.edges)
         for i in range(NEDGES):
             if fabs(w.events.edges[i]) >= NO_EDGE:
@@ -41,6 +42,8 @@ def step_mode(k: int, up: bool, w: Work) -> None:
 
 def margin(k: int, indicator: Real, slack: Real, w: Work) -> Real:
     """Return the distance of an indicator from its crossing, plus its slack; negative beyond it."""
+    # Of a stepwise relation the distance from the nearer edge; of a sign mode times indicator, and in mode
+    # zero minus its magnitude: any motion leaves it.
     if NEDGES > 0:
         if has_edges[k] > 0:
             low = indicator - w.events.edges[2 * k]
@@ -53,6 +56,8 @@ def margin(k: int, indicator: Real, slack: Real, w: Work) -> Real:
 def advance_mode(k: int, direction: Real, more: Real, w: Work, t: Real) -> None:
     """If an indicator is within round-off and `more` of a crossing, change its mode to the one that it
     moves to."""
+    # Near: within round-off of the indicator's old and new value, and of its motion over the round-off of the
+    # time.
     ahead = w.events.rates[k] * direction
     near = more + 16.0 * SPACING * (
         fabs(w.events.indicators[k]) + fabs(w.events.old_indicators[k]) + fabs(t * w.events.rates[k])
@@ -74,6 +79,8 @@ def advance_mode(k: int, direction: Real, more: Real, w: Work, t: Real) -> None:
 def adopt_modes(p: Params, s: State, w: Work) -> None:
     """Give indicators that differ from w.events.indicators_before the modes of their values, and mark them in
     w.events.jumped. Repeat, since modes change other indicators."""
+    # Only indicators that jumped get new modes; those that moved on continuously keep theirs up to their
+    # crossing.
     for k in range(NMODE):
         w.events.jumped[k] = 0
     for turn in range(NMODE):
@@ -100,6 +107,8 @@ def adopt_modes(p: Params, s: State, w: Work) -> None:
 def propagate_changes(p: Params, s: State, direction: Real, rates: Vec[NX], w: Work) -> None:
     """After some modes changed, update the modes of indicators that depend on them and jump.
     w.events.indicators_before are the indicators before; `rates` are the rates of the state there."""
+    # Old indicators are kept: time since crossing is measured in the old modes. An indicator that jumped onto
+    # a crossing moves on from it.
     w.events.old_indicators[:] = w.events.indicators_before
     adopt_modes(p, s, w)
     indicator_rates_at(p, s.t, s.x, w.modes, rates, w.events.rates, s, w)
@@ -117,6 +126,8 @@ def accept_modes(s: State, w: Work) -> None:
             if k >= NMODE - NCON - NSLIP:  # their slack is set by `set_contact_slack`
                 s.modes[k] = w.modes[k]
                 continue
+        # The distance beyond its crossing, in its new mode: where the next step begins, and how far round-off
+        # may have it.
         beyond = -margin(k, w.events.indicators[k], 0.0, w)
         least = s.slack[k] if w.modes[k] == 0.0 and s.modes[k] == 0.0 else 0.0
         s.slack[k] = beyond if beyond > least else least
@@ -134,6 +145,7 @@ def leave_zero(direction: Real, w: Work) -> bool:
     """Give indicators at zero, or at the lower edge of their modes, the modes that they move to, and mark
     them in w.events.crossed. Return whether there are any."""
     found = False
+    # At exactly zero (or a lower edge) the value says nothing about the mode; the rate does.
     for k in range(NMODE):
         ahead = sign_of(w.events.rates[k] * direction)
         w.events.crossed[k] = 0
@@ -155,6 +167,8 @@ def leave_zero(direction: Real, w: Work) -> bool:
 def choose_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Find the modes of a new state, and compute its rates. An indicator at zero gets the mode that it
     moves to."""
+    # Contacts have moved the state without what `indicators_unmoved` lists: these keep modes, as their values
+    # did not change.
     if NCON > 0:
         w.events.candidate_modes[:] = w.modes
     fn_modes(p, s.t, s.x, w.modes)
@@ -162,9 +176,12 @@ def choose_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
         for k in range(NMODE):
             if w.settling.indicators_unmoved[k] > 0:
                 w.modes[k] = w.events.candidate_modes[k]
+    # Relations that need accelerations come after those that need only the state.
     if NLATE > 0:
         set_late_modes(p, s.t, s.x, s, w)
     update_edges(w)
+    # Rates in these modes tell where indicators at zero go; if one leaves, others may change with it, and the
+    # rates are evaluated again.
     status = rates_at(p, s.t, s.x, s.k[0], w.lam, w)
     s.rhs += 1
     if failed(status):

@@ -18,6 +18,8 @@ SLIDING_RATE = 1e-12  # of the rates on both sides: a smaller rate in mode zero 
 
 def turns_back(k: int, rate: Real, before: Real, direction: Real, w: Work) -> bool:
     """Return whether an indicator that has crossed returns at once, by its rates after and before."""
+    # Ahead is the direction in which it crossed; a rate against it, beyond round-off of the rate before,
+    # returns.
     ahead = rate * direction
     if has_edges[k] > 0:
         ahead *= sign_of(before * direction)
@@ -61,6 +63,7 @@ def first_crossed(w: Work) -> int:
 def find_simultaneous(s: State, first: int, direction: Real, w: Work) -> bool:
     """Mark the indicators that reach zero at the same time as this one, within the error of the step, in
     w.events.sliding_candidates. Return whether there are any."""
+    # Crossing times by value and rate in the old modes; equal within the error of the event time.
     when = time_since_crossing(first, direction, w)
     near = s.event_time_error + EVENT_TIME_ULPS * SPACING * fabs(s.t)
     found = False
@@ -77,6 +80,8 @@ def find_simultaneous(s: State, first: int, direction: Real, w: Work) -> bool:
 def set_sliding(p: Params, s: State, first: int, w: Work) -> bool:
     """Set this indicator, and those candidates whose modes change its rate, to mode zero. Return whether
     any candidates remain."""
+    # Each candidate enters the sliding set if its mode changes the rate of the first: else it only happens to
+    # be zero at the same time.
     w.modes[first] = 0.0
     if failed(update_indicator_rates(p, s, w)):
         return False
@@ -101,6 +106,8 @@ def set_sliding(p: Params, s: State, first: int, w: Work) -> bool:
 
 def is_sliding_consistent(p: Params, s: State, direction: Real, w: Work) -> bool:
     """Return whether the candidates stay at zero in mode zero, and are driven back to zero beyond it."""
+    # In mode zero all rates vanish; with each on the side that it came to, all rates point back (Filippov's
+    # condition on each surface).
     there = not failed(update_indicator_rates(p, s, w))
     for j in range(NFREE):
         k = NTIMED + j
@@ -124,6 +131,8 @@ def slide_together(p: Params, s: State, direction: Real, w: Work) -> bool:
     if NWHEN > 0:
         if w.clauses.act_first:
             return False
+    # Only a crossing of the state by itself may begin to slide, and only with others: one alone is tested in
+    # `slides`.
     first = first_crossed(w)
     if (
         first < NTIMED
@@ -134,6 +143,7 @@ def slide_together(p: Params, s: State, direction: Real, w: Work) -> bool:
         return False
     if not find_simultaneous(s, first, direction, w):
         return False
+    # The modes are put back if the set does not slide.
     w.events.candidate_modes[:] = w.modes
     if set_sliding(p, s, first, w) and is_sliding_consistent(p, s, direction, w):
         return True

@@ -49,6 +49,8 @@ def features_at(p: Params, t: Real, x: Vec[NX], values: Vec[NFEAT], w: Work) -> 
 def find_steep_quarter(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     """Return the beginning of the quarter of the step in which a feature makes nearly all of its change from
     w.guards.feature_low to w.guards.feature_high, or NO_EVENT."""
+    # Values at the ends of quarters of the dense output: one that makes 90 % of the visible change is where
+    # the step is to end.
     for k in range(NFEAT):
         w.guards.feature_bounds[k] = w.guards.feature_low[k]
     for quarter in range(4):
@@ -78,6 +80,8 @@ def features_differ(w: Work) -> bool:
 def set_feature_limits(rtol: Real, w: Work) -> None:
     """Set w.guards.feature_low and w.guards.feature_high, the values at both ends of the step, to the range
     that these show, which is half as much wider."""
+    # [low, high] is the range of both ends, wider by half of their sizes: what leaves it within the step is
+    # hidden.
     for k in range(NFEAT):
         one = w.guards.feature_low[k]
         other = w.guards.feature_high[k]
@@ -114,6 +118,7 @@ def distance_from_zero(k: int, w: Work) -> Real:
 def set_divisor_limits(p: Params, s: State, a: Trial, w: Work) -> None:
     """Set w.guards.guards_divisors if a divisor may come much nearer to zero in w.search.box than elsewhere
     there, and w.guards.divisor_limits by the values at both ends of the step."""
+    # A divisor whose enclosure stays away from zero, by a share of its size, needs no guard.
     enclose_divisors(p, w)
     w.guards.guards_divisors = False
     for k in range(NPOLE):
@@ -124,6 +129,8 @@ def set_divisor_limits(p: Params, s: State, a: Trial, w: Work) -> None:
             w.guards.guards_divisors = True
     if not w.guards.guards_divisors:
         return
+    # Limits: a sixteenth of the smaller end value. A divisor that is almost zero at one end (1e-8 of the
+    # other) shows its effect in the rates already.
     divisors_at(p, s.t, s.x, w.guards.divisor_begin, w)
     divisors_at(p, a.t_new, s.x_new, w.guards.divisor_end, w)
     for k in range(NPOLE):
@@ -147,6 +154,7 @@ def divisors_stay_clear(p: Params, w: Work) -> bool:
 def divisors_interpolate_clear(p: Params, t: Real, h: Real, left: Real, right: Real, w: Work) -> bool:
     """Return the same for a part of a step by the values at its ends and middle. A divisor may hardly
     change while the terms that it is the difference of change much, so that their enclosure is too wide."""
+    # The parabola through three values of each divisor, with twice its excess beyond their hull.
     divisors_at(p, t + left * h, w.search.x_part_begin, w.guards.divisor_begin, w)
     divisors_at(p, t + 0.5 * (left + right) * h, w.search.x_part_middle, w.guards.divisor_middle, w)
     divisors_at(p, t + right * h, w.search.x_part_end, w.guards.divisor_end, w)
@@ -188,6 +196,7 @@ def features_stay_visible(p: Params, w: Work) -> bool:
 
 def hides_nothing(p: Params, t: Real, h: Real, left: Real, right: Real, w: Work) -> bool:
     """Return whether the ends of the step show all of this part, enclosed in w.search.box."""
+    # Features by their enclosures; divisors by enclosures, on short parts by interpolation.
     if NFEAT > 0:
         if not features_stay_visible(p, w):
             return False
@@ -250,6 +259,8 @@ def first_hidden_part(p: Params, s: State, method: int, a: Trial, w: Work) -> Re
 
 def first_part_near_zero(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     """Return the part of a step after which a divisor nearly vanishes, or NO_EVENT."""
+    # Divisors that would come within 1e-8 of their limits: a singularity of the model, whose place the step
+    # should approach, not step over.
     for k in range(NPOLE):
         w.guards.divisor_limits[k] *= ZERO_SHARE
     part = first_hidden_part(p, s, method, a, w)

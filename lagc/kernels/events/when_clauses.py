@@ -24,6 +24,7 @@ MOST_PROJECTION = 1e-6  # of the sizes of states: a larger change of new values 
 def update_conditions(p: Params, s: State, w: Work) -> bool:
     """Evaluate the conditions; return whether some have become true, w.clauses.triggered."""
     found = False
+    # Edge-triggered: a condition acts when it becomes true, not while it is.
     fn_holds_on(p, s.t, s.x, w.modes, w.clauses.conditions)
     for k in range(NWHEN):
         w.clauses.triggered[k] = 1 if w.clauses.conditions[k] > s.conditions[k] else 0
@@ -45,6 +46,7 @@ def last_reinit_clause(w: Work) -> int:
 def apply_reinit(p: Params, s: State, k: int, w: Work) -> bool:
     """Assign the new values of clause k; return whether there are any."""
     found = False
+    # All new values of a clause are computed from the state before any is assigned.
     fn_reinit(p, s.t, s.x, w.clauses.reinit_values)
     for j in range(NJUMP):
         if reinit_clause[j] == k:
@@ -59,6 +61,7 @@ def meets_constraints(p: Params, s: State, w: Work) -> bool:
     """Project the new values onto the constraints; return whether that changes them by no more than
     round-off. Speeds without inertia follow the constraints: by the metric of the mass matrix they move
     alone."""
+
     w.clauses.x_reinit[:] = s.x
     if failed(project(p, s.t, s.x, s.sizes, w)):
         return False
@@ -76,6 +79,7 @@ def meets_constraints(p: Params, s: State, w: Work) -> bool:
 
 def slide_after_reinit(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Set indicators to mode zero that new values leave at zero, to which both sides drive them back."""
+    # After a jump an indicator may be exactly at zero, where both sides drive it back.
     indicator_rates_at(p, s.t, s.x, w.modes, w.xdot, w.events.rates, s, w)
     found = False
     for j in range(NFREE):
@@ -98,6 +102,7 @@ def slide_after_reinit(p: Params, s: State, direction: Real, w: Work) -> Status:
 def choose_modes_after_reinit(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Find the modes of a state that has jumped, and its rates w.xdot. w.events.indicators_before are the
     indicators before the jump."""
+    # The old values tell which indicators jumped, and how far a crossing that led here is behind.
     w.events.old_indicators[:] = w.events.indicators_before
     adopt_modes(p, s, w)
     status = rates_at(p, s.t, s.x, w.xdot, w.lam, w)
@@ -106,9 +111,13 @@ def choose_modes_after_reinit(p: Params, s: State, direction: Real, w: Work) -> 
         return status
     indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
     indicator_rates_at(p, s.t, s.x, w.modes, w.xdot, w.events.rates, s, w)
+    # Time relations do not jump with the state; those that others moved are advanced by their rates.
     for i in range(NTIMED):
         if w.events.jumped[i] > 0:
             advance_mode(i, direction, 0.0, w, s.t)
+    # Relations of the state: where new values put one at its crossing, within round-off, its rate tells the
+    # mode. The crossing that triggered a clause goes through if no clause has set its indicator anew; in
+    # contact it stays at zero.
     if NFREE > 0:
         find_contacts(p, s, w)
         estimate_indicator_roundoff(p, s, s.x, w)
@@ -124,6 +133,7 @@ def choose_modes_after_reinit(p: Params, s: State, direction: Real, w: Work) -> 
                 advance_mode(k, direction, inf if beyond else SLACK_GROWTH * w.events.roundoff[j], w, s.t)
             elif beyond:
                 w.modes[k] = 0.0
+    # The rates of these modes, in which the next clause acts or the motion goes on.
     update_edges(w)
     status = rates_at(p, s.t, s.x, w.xdot, w.lam, w)
     s.rhs += 1
@@ -155,6 +165,7 @@ def reset_conditions(p: Params, s: State, direction: Real, w: Work) -> Status:
 def reinitialize(p: Params, s: State, giver: int, direction: Real, w: Work) -> Status:
     """Assign the new values of the clauses in w.clauses.triggered up to `giver`, the last one that has any.
     The work integral gains the change of the energy."""
+    # Indicators before the jump; the energy before it, for the work integral.
     indicators_at(p, s.t, s.x, w.modes, w.events.indicators_before, s, w)
     if NZ > 0:
         fn_energies(p, s.t, s.x, w.clauses.energies)
@@ -171,6 +182,8 @@ def reinitialize(p: Params, s: State, giver: int, direction: Real, w: Work) -> S
                 status = reset_conditions(p, s, direction, w)
                 if failed(status):
                     return status
+    # Consistency is checked once, after all clauses: the first of two assignments alone may violate a
+    # constraint.
     enlarge_sizes(s.x, s.sizes)
     widen_ranges(s.x, s.lowest, s.highest)
     if NC > 0 or NQUAT > 0:
@@ -196,6 +209,8 @@ def has_left_crossing(p: Params, s: State, direction: Real, w: Work) -> bool:
     last crossing. An indicator that returns within round-off of time or state, as in ever shorter bounces,
     has not left it; nor has one that returns within round-off of the sizes of states without end."""
     is_low = False
+    # A crossing that returns within round-off of time or state since its last one has not left it: a sequence
+    # of ever shorter bounces ends here.
     if NFREE > 0:
         estimate_indicator_roundoff(p, s, s.x, w)
         for j in range(NFREE):
@@ -208,6 +223,7 @@ def has_left_crossing(p: Params, s: State, direction: Real, w: Work) -> bool:
                     k, w.events.old_rates[k], w.events.old_rates[k], direction, w
                 ):
                     return False
+    # Low bounces are counted in a row; a higher one starts anew.
     s.short_bounces = s.short_bounces + 1 if is_low else 0
     return s.short_bounces <= MOST_SHORT_BOUNCES
 
@@ -227,8 +243,11 @@ def act_in_order(p: Params, s: State, direction: Real, since: Real, w: Work) -> 
     ended = OK
     # New values may make other conditions true, which trigger their clauses in the next round.
     while update_conditions(p, s, w):
+        # Only the first round has a crossing that led to it; rounds that clauses trigger have none.
         if s.acts == 0 and not has_left_crossing(p, s, direction, w):
             return report_chattering(w)
+        # Each clause that acts is recorded, up to a limit: clauses that trigger each other without end are an
+        # error of the model.
         for k in range(NWHEN):
             if w.clauses.triggered[k] > 0:
                 if s.acts == NACTS:
@@ -238,6 +257,8 @@ def act_in_order(p: Params, s: State, direction: Real, since: Real, w: Work) -> 
                 if terminates[k] > 0 and ended == OK:
                     s.culprit = k
                     ended = TERMINATED
+        # New values belong to the time of the crossing, which is slightly before s.t: the state goes back by
+        # first order, once.
         if NJUMP > 0:
             giver = last_reinit_clause(w)
             if giver >= 0:
@@ -254,6 +275,7 @@ def act_in_order(p: Params, s: State, direction: Real, since: Real, w: Work) -> 
 def act_on_conditions(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
     """Let the clauses act whose conditions became true `since` before (s.t, s.x). They act on the state of
     that time, which then moves on to s.t. Rates are in w.xdot."""
+    # Clauses see no indicator set, no act and the time of the event, before the first of them acts.
     for j in range(NFREE):
         w.clauses.indicator_reset[j] = 0
     s.acts = 0
@@ -261,6 +283,8 @@ def act_on_conditions(p: Params, s: State, direction: Real, since: Real, w: Work
     w.clauses.at_event_time = False
     status = act_in_order(p, s, direction, since, w)
     s.t = now
+    # The state that clauses left moves on from the time of the crossing to s.t, by the rates after it, so
+    # that time never runs backwards.
     if w.clauses.at_event_time and (status == TERMINATED or not failed(status)):
         extrapolate_state(s, since, w)
         indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
@@ -298,6 +322,7 @@ def record_crossing_times(s: State, w: Work) -> None:
     """Store the times of the crossings. For crossings that follow ever faster, such as bounces, limit the
     next step to a multiple of the time between the last two."""
     for j in range(NFREE):
+        # A factor of 1e5 per bounce still lets the step grow again after few crossings.
         if w.events.crossed[NTIMED + j] > 0:
             since = fabs(s.t - s.crossing_times[j])
             if since > 0.0 and s.h > MOST_GROWTH_AFTER_EVENT * since:
@@ -307,6 +332,7 @@ def record_crossing_times(s: State, w: Work) -> None:
 
 def handle_event(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Change the modes of the relations in w.events.crossed at (s.t, s.x), then let clauses `when` act."""
+    # A failed event leaves the state as it was before it: the caller may mend what failed, and go on.
     if NWHEN > 0:
         save_state(s, w)
     status = change_modes(p, s, direction, w)
@@ -323,6 +349,8 @@ def handle_event(p: Params, s: State, direction: Real, w: Work) -> Status:
 def update_modes_for_parameters(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Find the modes of an unchanged state after a change of parameters or inputs: indicators that this
     moves get the modes of their values."""
+    # Indicators with the old parameters against those with the new: only what the caller moved changes its
+    # mode.
     w.modes[:] = s.modes
     update_edges(w)
     indicators_at(s.p, s.t, s.x, w.modes, w.events.indicators_before, s, w)
@@ -340,6 +368,7 @@ def update_modes_for_parameters(p: Params, s: State, direction: Real, w: Work) -
 def start_modes(p: Params, s: State, direction: Real, elsewhere: bool, w: Work) -> Status:
     """Find the modes at the beginning of a call, and let clauses act there. `elsewhere`: the caller changed
     the state. Conditions that are true at the beginning of a trajectory do not trigger."""
+    # Before the first step conditions have no past: those that are true then do not act.
     if NWHEN > 0:
         if not s.conditions_known:
             fn_modes(p, s.t, s.x, w.modes)
@@ -358,6 +387,7 @@ def start_modes(p: Params, s: State, direction: Real, elsewhere: bool, w: Work) 
             status = update_modes_for_parameters(p, s, direction, w)
         if status != OK:
             return status
+        # Nothing crosses at a start: clauses act by what the caller changed.
         for k in range(NMODE):
             w.events.crossed[k] = 0
         w.xdot[:] = s.k[0]
@@ -365,6 +395,7 @@ def start_modes(p: Params, s: State, direction: Real, elsewhere: bool, w: Work) 
         if failed(status) and status != TERMINATED:
             restore_state(s, w)
             return status
+        # An act at the start is an event of the trajectory.
         if s.acts > 0:
             for i in range(NMODE):
                 s.changed[i] = 0

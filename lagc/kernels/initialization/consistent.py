@@ -29,6 +29,8 @@ def find_part(first: int, end: int, stage: int, w: StartWork) -> int:
         w.reached[i] = 0
     stop = first
     changed = True
+    # Breadth-first: rows that share an unknown with the part so far move to its end, until no row does. In
+    # the first round only the first row counts (stop == first).
     while changed:
         changed = False
         begin = stop
@@ -54,6 +56,8 @@ def select_columns(stage: int, last: int, level: int, w: StartWork) -> bool:
     whether there are any of this level."""
     w.column_count = 0
     found = False
+    # Columns in the order in which equations name unknowns, so that coupled ones are neighbours and rows stay
+    # narrow.
     for k in range(NU):
         i = w.ordered[k]
         w.column_of[i] = -1
@@ -68,6 +72,8 @@ def select_columns(stage: int, last: int, level: int, w: StartWork) -> bool:
 
 def begin_at(k: int, w: StartWork) -> None:
     """Set w.y, in w.columns, to the guess, beside it for k > 0: a guess may be singular."""
+    # Deterministic points beside the guess: 1 % of the sizes first, then a quarter, a half ... of them. Seeds
+    # are fixed, so that the same model has the same start on every machine.
     state: Length = 12345 + k  # the congruential generator of rand() in the C standard, of 31 bits
     for n in range(w.column_count):
         i = w.columns[n]
@@ -86,6 +92,7 @@ def solve_part(
 ) -> bool:
     """Meet w.rows[first..end-1] by the reached unknowns of these stages that are stated no more firmly than
     `level`, from the guess and from points beside it; else leave w.y."""
+    # Equations that the values meet as they are need no value to give way.
     if level > UNSTATED:  # a part that is met by less stays as it is
         start_residual(p, t, w.y, first, end, True, w)
         if w.worst <= ACCEPTED:
@@ -117,6 +124,8 @@ def solve_part(
                 w.best[:] = w.y
             if nearest <= NEAR or level > UNSTATED:
                 break
+        # A failed attempt: equal residuals of two of them mean that they ended at the same point, so more
+        # would too.
         else:
             if k == 0:
                 w.ended[:] = w.y
@@ -126,6 +135,7 @@ def solve_part(
     if nearest == inf:
         w.y[:] = w.begun
         return False
+    # All unknowns of the part may have moved; the report names those that did.
     w.y[:] = w.best
     for n in range(w.column_count):
         w.free[w.columns[n]] = 1
@@ -135,6 +145,7 @@ def solve_part(
 def solve_stages(p: Params, t: Real, stage: int, last: int, level: int, w: StartWork) -> bool:
     """Meet the equations of these stages, each part that shares no unknown with others by itself; return
     whether all are met."""
+    # Parts are independent, so each is solved, and fails, by itself; one that fails does not hide others.
     end = w.stage_begin[last + 1]
     first = w.stage_begin[stage]
     found = True
@@ -152,10 +163,14 @@ def reach_start(p: Params, t: Real, w: StartWork) -> Status:
     w.y[:] = w.guess
     w.last[:] = w.guess
     found = False
+    # First without touching stated values (UNSTATED), then with DECLARED ones, and so on: a value gives way
+    # only if no less firm one is enough.
     for level in range(UNSTATED, FIXED):
         if not found:
             found = solve_stages(p, t, 0, 0, level, w)
     if found:
+        # Speeds need positions; speeds without inertia follow from the others. If that fails, speeds of both
+        # kinds together, then all stages together, level by level.
         found = solve_stages(p, t, 1, 1, UNSTATED, w) and solve_stages(p, t, 2, 2, UNSTATED, w)
         for level in range(UNSTATED, FIXED):
             if not found:
@@ -172,6 +187,7 @@ def order_unknowns(w: StartWork) -> None:
     for i in range(NU):
         w.reached[i] = 0
     count = 0
+    # Each equation names its unknowns; what no equation names comes last.
     named = row_begin(size(NE))  # the number of derivatives
     for k in range(named + NU):
         j = w.column[k] if k < named else k - named
@@ -184,6 +200,7 @@ def order_unknowns(w: StartWork) -> None:
 def select_equations(w: StartWork) -> None:
     """Set w.rows: the equations w.asked, by the stages of their unknowns."""
     count = 0
+    # An equation belongs to the latest stage of its unknowns: it cannot be met before.
     for stage in range(3):
         w.stage_begin[stage] = count
         for i in range(NE):
@@ -235,7 +252,7 @@ def set_levels(levels: IVec[NU], w: StartWork) -> None:
 
 
 def check_input(p: Params, t: Real, levels: IVec[NU], w: StartWork) -> bool:
-    """Whether time, parameters and levels are valid; else w.culprit tells which is not."""
+    """Return whether time, parameters and levels are valid; else w.culprit tells which is not."""
     w.culprit = bad_parameter(p) if fabs(t) < inf else BAD_TIME
     if present(levels):
         for i in range(NU):
@@ -246,6 +263,7 @@ def check_input(p: Params, t: Real, levels: IVec[NU], w: StartWork) -> bool:
 
 def prepare(p: Params, t: Real, x: Vec[NX], levels: IVec[NU], w: StartWork) -> Status:
     """Set the guess, the levels and the sizes."""
+    # Stated rates and sizes of parameters come from the model.
     rates = vector(NU)
     largest = vector(NU)
     for i in range(NU):
@@ -255,6 +273,7 @@ def prepare(p: Params, t: Real, x: Vec[NX], levels: IVec[NU], w: StartWork) -> S
         fn_measures(p, rates, largest)
     set_levels(levels, w)
     for i in range(NQ + NV):
+        # The guess is what the caller gives: states, then stated rates.
         w.guess[i] = x[i]
     for i in range(NRATE):  # `x` has no stated rates: they are computed from parameters
         w.guess[NQ + NV + i] = rates[i]
@@ -268,6 +287,7 @@ def prepare(p: Params, t: Real, x: Vec[NX], levels: IVec[NU], w: StartWork) -> S
             if square_at(w.guess, quaternion[k]) == 0.0:
                 w.culprit = NCOND + k
                 return INCONSISTENT
+    # Sizes are found at the guess, before anything moves.
     w.work = 0
     w.share = SLIGHT
     w.y[:] = w.guess

@@ -21,7 +21,7 @@ FULL_TURN = 6.283185307179586
 
 
 def inner(a: Vec[Any], b: Vec[Any], begin: int, stop: int) -> Real:
-    """The inner product of a[begin:stop] and b[begin:stop]."""
+    """Return the inner product of a[begin:stop] and b[begin:stop]."""
     total = 0.0
     for j in range(begin, stop):
         total += a[j] * b[j]
@@ -30,6 +30,7 @@ def inner(a: Vec[Any], b: Vec[Any], begin: int, stop: int) -> Real:
 
 def normalize_row(row: Vec[Any], begin: int, stop: int) -> Real:
     """Make row[begin:stop] a unit vector; return its length, 0 where it is none."""
+
     largest = 0.0
     for j in range(begin, stop):
         if not fabs(row[j]) <= largest:
@@ -47,6 +48,7 @@ def normalize_row(row: Vec[Any], begin: int, stop: int) -> Real:
 def subtract_projection(w: StartWork, i: int, along: int) -> None:
     """Subtract from row i of w.orthogonal its projection on a unit row; rows are zero outside their range."""
     values = w.orthogonal[i]
+    # Overlap of both ranges: an inner product needs no more.
     direction = w.orthogonal[along]
     low = w.first_nonzero[along]
     high = w.end_nonzero[along]
@@ -69,12 +71,13 @@ def subtract_projection(w: StartWork, i: int, along: int) -> None:
 
 
 def are_disjoint(w: StartWork, i: int, other: int) -> bool:
-    """Whether the ranges of two rows of w.orthogonal have no column in common."""
+    """Return whether the ranges of two rows of w.orthogonal have no column in common."""
     return w.first_nonzero[i] >= w.end_nonzero[other] or w.first_nonzero[other] >= w.end_nonzero[i]
 
 
 def choose_row(w: StartWork, i: int, m: int) -> bool:
     """Make row i of w.orthogonal a unit vector orthogonal to the chosen ones; return whether it is one."""
+    # A second pass of Gram-Schmidt after the row is normalized: two are enough (W. Kahan, B. N. Parlett).
     values = w.orthogonal[i]
     normalize_row(values, w.first_nonzero[i], w.end_nonzero[i])
     for k in range(m):
@@ -82,6 +85,7 @@ def choose_row(w: StartWork, i: int, m: int) -> bool:
             subtract_projection(w, i, k)  # a second time, for the round-off of the first
     if normalize_row(values, w.first_nonzero[i], w.end_nonzero[i]) == 0.0:
         return False
+    # Entries far below round-off at both ends narrow the range again.
     while fabs(values[w.first_nonzero[i]]) <= FADED:
         w.first_nonzero[i] += 1
     while fabs(values[w.end_nonzero[i] - 1]) <= FADED:
@@ -91,6 +95,8 @@ def choose_row(w: StartWork, i: int, m: int) -> bool:
 
 def step_along(w: StartWork, i: int) -> bool:
     """Move w.step along row i of w.orthogonal until equation i is met; False if that row is round-off."""
+    # The direction is orthogonal to the rows before, so a step along it leaves their equations met: its
+    # length follows from the residual of this one.
     direction = w.orthogonal[i]
     begin = w.first_nonzero[i] if w.first_column[i] < w.first_nonzero[i] else w.first_column[i]
     stop = w.end_nonzero[i] if w.end_nonzero[i] < w.end_column[i] else w.end_column[i]
@@ -130,6 +136,8 @@ def least_norm(w: StartWork, m: int, dependent: Real) -> bool:
             rest = w.orthogonal[i]
             for j in range(w.first_column[i], w.end_column[i]):
                 rest[j] = row[j]
+    # The row with the longest remainder next, in the sizes of its terms: QR with column pivoting of the
+    # transpose.
     while True:
         best = -1
         longest = 0.0
@@ -154,6 +162,7 @@ def least_norm(w: StartWork, m: int, dependent: Real) -> bool:
 
 def fill(first: int, end: int, w: StartWork) -> None:
     """Set w.matrix to the scaled Jacobian, w.right to minus the scaled residuals."""
+    # The range of columns of each row, from the unknowns that may move.
     for r in range(first, end):
         i = w.rows[r]
         begin = w.column_count
@@ -166,6 +175,8 @@ def fill(first: int, end: int, w: StartWork) -> None:
         row = w.matrix[r - first]
         for j in range(begin, stop):
             row[j] = 0.0
+        # Scaled entries: derivative times size of the unknown over the scale of the equation. Derivatives
+        # that are round-off count as zero.
         for k in range(row_begin(i), ends[i]):
             at = w.column_of[w.column[k]]
             if at >= 0 and w.J[k] != 0.0 and w.roundoff[k] == 0:  # a scale is 0 where nothing depends
@@ -188,12 +199,15 @@ def line_search(p: Params, t: Real, first: int, end: int, residual: Real, w: Sta
 
     The whole step is taken if it all but meets the equations.  Else the first fraction is the longest that
     turns no angle by more than a radian; then its half, and so on."""
+    # A full step of an angle of more than a radian is likely to lead to another branch.
     longest = 1.0
     for k in range(w.column_count):
         i = w.columns[k]
         rotation = fabs(w.step[k]) * w.step_scaling[i]
         if angle[i] == 1 and rotation * longest > 1.0:
             longest = 1.0 / rotation
+    # The whole step is tried first, and taken if it leaves a thousandth; it need not be the longest one that
+    # angles allow.
     factor = 1.0
     w.trial[:] = w.y
     while factor >= LEAST_HALVING * longest:
@@ -203,6 +217,7 @@ def line_search(p: Params, t: Real, first: int, end: int, residual: Real, w: Sta
             w.y[:] = w.trial
             scale_rows(w.y, w)
             return start_norm(first, end, w)
+        # At round-off no fraction will do better.
         if residual <= CLOSE:
             return -1.0
         factor = 0.5 * factor if factor <= longest else longest
@@ -227,6 +242,7 @@ def newton(p: Params, t: Real, first: int, end: int, w: StartWork) -> bool:
             mark = residual
         if not (EXACT < residual and residual < inf):
             break
+        # Progress is looked at every few steps: a residual that is not halved in these is stuck.
         if n > 0 and n % (STALLED_STEPS + more) == 0:
             if not residual < 0.5 * mark:
                 break
@@ -250,7 +266,7 @@ def newton(p: Params, t: Real, first: int, end: int, w: StartWork) -> bool:
 
 
 def distance(w: StartWork) -> Real:
-    """The distance of w.y from the guess, in the weights of a step."""
+    """Return the distance of w.y from the guess, in the weights of a step."""
     total = 0.0
     for k in range(w.column_count):
         i = w.columns[k]
@@ -262,6 +278,7 @@ def distance(w: StartWork) -> Real:
 def draw_back(p: Params, t: Real, first: int, end: int, steps: int, w: StartWork) -> None:
     """Move w.y, a solution, nearer to the guess: to the point of the linearized equations that is nearest to
     it, and from there to a solution, up to `steps` times, as long as that is nearer."""
+    # The nearest point of the linearized equations to the guess: J (z - guess) = -c + J (y - guess).
     for n in range(steps):
         w.before[:] = w.y
         far = distance(w)
@@ -273,6 +290,7 @@ def draw_back(p: Params, t: Real, first: int, end: int, steps: int, w: StartWork
                 w.right[r] += row[k] * (w.y[i] - w.guess[i]) / w.step_scaling[i]
         if not least_norm(w, end - first, FOLLOWING):
             return
+        # From there Newton's method again; the point before comes back unless that is nearer.
         set_step(w.y, w.guess, 1.0, w)
         if not (newton(p, t, first, end, w) and distance(w) < far):
             w.y[:] = w.before
@@ -283,6 +301,8 @@ def draw_back(p: Params, t: Real, first: int, end: int, steps: int, w: StartWork
 def tidy(p: Params, t: Real, first: int, end: int, w: StartWork) -> None:
     """Remove whole turns of angles from w.y, then moves that are round-off, each where that is a solution
     too."""
+    # Turns first (angles), then traces: moves of less than 1e-6 of a size count as none if the residual
+    # stays.
     for trace in range(2):
         w.before[:] = w.y
         residual = w.worst if w.worst > CLOSE else CLOSE
@@ -301,6 +321,8 @@ def tidy(p: Params, t: Real, first: int, end: int, w: StartWork) -> None:
 def relax(p: Params, t: Real, level: int, first: int, end: int, w: StartWork) -> None:
     """Move few of the values of a level: repeat the least-norm solution, each value scaled by its last move
     (FOCUSS: I. F. Gorodnitsky, B. D. Rao, *IEEE Trans. Signal Process.* 45, 1997)."""
+    # Values of this level are weighted by their last moves: those that moved little get dearer, so that in
+    # the end few move. Unstated ones are a thousand times cheaper.
     for n in range(ROUNDS):
         for k in range(w.column_count):
             i = w.columns[k]

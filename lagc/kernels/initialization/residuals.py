@@ -14,7 +14,7 @@ SLIGHT = 1.0 / 1024.0  # of the size of an unknown: its share in the scale of a 
 
 
 def part_begin(i: int) -> int:
-    """The index of the first partial derivative of equation i, or of a sum behind the equations."""
+    """Return the index of the first partial derivative of equation i, or of a sum behind the equations."""
     return part_ends[i - 1] if i > 0 else 0
 
 
@@ -53,12 +53,13 @@ def assemble_slopes(J: Vec[NJ]) -> None:
 
 
 def row_begin(i: int) -> int:
-    """The index in J of the first derivative of equation i."""
+    """Return the index in J of the first derivative of equation i."""
     return ends[i - 1] if i > 0 else 0
 
 
 def complete_row(i: int, y: Vec[NU], w: StartWork) -> None:
     """Complete equation i where it is that of a stated rate or of a unit quaternion."""
+    # Equations behind those of the model: rate - value, then (|e|^2 - 1) / 2 with its gradient e.
     if NRATE > 0:
         k = i - (NCOND - NRATE)
         if k >= 0 and k < NRATE:
@@ -89,6 +90,8 @@ def mark_roundoff(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
     """Set w.roundoff: the derivatives by speeds at y that are round-off, as r cos(a) at a quarter turn.  They
     change by their own magnitude where positions change by units in the last place (N. J. Higham, *Accuracy
     and Stability of Numerical Algorithms*, 2002, section 1.10)."""
+    # Positions up by four units in the last place: a derivative that changes by as much as it is has no
+    # digits.
     w.trial[:] = y
     for i in range(NQ):
         w.trial[i] *= 1.0 + FOUR_ULPS
@@ -102,6 +105,8 @@ def mark_roundoff(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
 
 def scale_rows(y: Vec[NU], w: StartWork) -> None:
     """Set w.row_scaling at y: the terms of each equation, and its change by w.share of its unknowns."""
+    # Terms as they are written, plus what a share of its unknowns' sizes would change: an equation with
+    # vanishing terms still has a scale.
     for i in range(NE):
         slight = 0.0
         for k in range(row_begin(i), ends[i]):
@@ -111,7 +116,7 @@ def scale_rows(y: Vec[NU], w: StartWork) -> None:
 
 
 def relative_residual(i: int, w: StartWork) -> Real:
-    """The residual of equation i relative to its scale; infinite where it is not a number."""
+    """Return the residual of equation i relative to its scale; infinite where it is not a number."""
     if w.c[i] == 0.0:
         return 0.0
     size = fabs(w.c[i]) / w.row_scaling[i]
@@ -119,7 +124,8 @@ def relative_residual(i: int, w: StartWork) -> Real:
 
 
 def start_norm(first: int, end: int, w: StartWork) -> Real:
-    """The norm of the relative residuals of w.rows[first..end-1]; w.worst and w.culprit: the largest."""
+    """Return the norm of the relative residuals of w.rows[first..end-1]; w.worst and w.culprit: the
+    largest."""
     w.worst = 0.0
     w.culprit = -1
     total = 0.0
@@ -143,6 +149,7 @@ def start_residual(p: Params, t: Real, y: Vec[NU], first: int, end: int, rescale
 def grow_sizes(w: StartWork) -> bool:
     """Give unknowns without a size that by which they balance the known terms of an equation, the least that
     any equation implies; return whether there were any."""
+    # The least size that any equation implies for an unknown without one: known terms over its derivative.
     for n in range(NU):
         w.trial[n] = inf
     found = False
@@ -173,6 +180,7 @@ def set_sizes(p: Params, t: Real, largest: Vec[NU], w: StartWork) -> None:
         least = 0.0 if w.levels[i] > UNSTATED else SLIGHT * largest[unit[i]]
         if fabs(w.guess[i]) > w.unit_size[unit[i]] and fabs(w.guess[i]) > least:
             w.unit_size[unit[i]] = fabs(w.guess[i])
+    # Stated values have their own size; unstated ones and zeros that of their unit.
     for i in range(NU):
         w.scaling[i] = fabs(w.guess[i])
         if w.levels[i] == UNSTATED or w.guess[i] == 0.0:
@@ -190,6 +198,7 @@ def set_sizes(p: Params, t: Real, largest: Vec[NU], w: StartWork) -> None:
             w.scaling[i] = largest[unit[i]]
         if not (LEAST_WEIGHT < w.scaling[i] and w.scaling[i] < MOST_WEIGHT):
             w.scaling[i] = 1.0
+        # An angle counts as at least a thousandth of a radian, and at most one.
         if angle[i] == 1:
             w.scaling[i] = 1.0 if w.scaling[i] > 1.0 else (w.scaling[i] if w.scaling[i] > SLIGHT else SLIGHT)
     if NQUAT > 0:

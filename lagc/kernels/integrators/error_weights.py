@@ -16,6 +16,7 @@ def extend_groups_at_rest(s: State, h: Real, w: Work, sizes: Vec[NGROUP]) -> Non
     """Raise the sizes of scaling groups that are exactly at rest to those that they would reach over the
     longest step so far. If a motion begins with a kink, its sizes after a short step are as small as its
     errors, and no step would be accepted."""
+    # The distance in this step, times the ratio of the longest step so far to it.
     longer = w.error.longest_step / fabs(h)
     for i in range(NQ + NV):
         if s.sizes[scaling_group[i]] == 0.0:
@@ -28,6 +29,7 @@ def size_alone(s: State, i: int, h: Real, of_group: Real, w: Work) -> Real:
     """Return the largest magnitude of state i so far, with the end of the step over h; at least what it would
     reach over the longest step so far if it was exactly zero. The least is LEAST_SIZE of the size of its
     group: the first traces of a motion that spreads would limit the steps."""
+    # The largest magnitude in its own range, both ends and the new one.
     size = fabs(s.x_new[i])
     if s.highest[i] > size:
         size = s.highest[i]

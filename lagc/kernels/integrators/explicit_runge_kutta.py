@@ -18,6 +18,7 @@ def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status
     own[:] = x
     if NDISC > 0:
         keep_discrete(x, s.x_new)
+    # One function evaluation for each stage; coefficients are printed as numbers, zeros left out.
     for j in static(range(1, len(C))):
         for i in range(NINT):
             s.x_new[i] = own[i] + h * combination(A[j], s.k, i)
@@ -37,6 +38,7 @@ def error(h: Real, s: State, w: Work) -> Real:
         return 0.0
     n = size(NQ) + NV
     first = 0.0
+    # Weighted sums of squares of one estimate or of two.
     if len(ERROR) == 2:
         second = 0.0
     for i in range(NQ + NV):
@@ -79,6 +81,7 @@ def error_parts(s: State, w: Work) -> None:
 def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
     """Compute the largest deviation of the rates at the stages from the slope of the cubic between the
     ends of the step from s.x to s.x_new."""
+    # Slope of the cubic Hermite interpolant at c: 6 c (1 - c) mean + (1 - c)(1 - 3 c) x0' + c (3 c - 2) x1'.
     for i in range(NQ + NV):
         mean = (s.x_new[i] - s.x[i]) / h
         far[i] = 0.0
@@ -92,6 +95,7 @@ def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
 
 def dense_output(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, w: Work) -> Status:
     """Compute the coefficients s.r of the dense output of the step from x to z (HNW II.6, II.10.4)."""
+    # Additional stages of DOP853's dense output, evaluated only where it is asked for.
     if NDISC > 0:
         keep_discrete(x, s.x_new)
         keep_discrete(x, s.r[0])
@@ -101,6 +105,7 @@ def dense_output(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, 
         status = rates_at(p, t + number(EXTRA_C[j]) * h, s.x_new, s.k[len(C) + 1 + j], w.lam, w)
         if failed(status):
             return status
+    # The first four coefficients are those of the cubic Hermite interpolant, in Horner's form of HNW II.6.
     for i in range(NINT):
         s.r[0][i] = x[i]
         s.r[1][i] = z[i] - x[i]
@@ -116,6 +121,7 @@ def dense_at(part: Real, s: State, x: Vec[NX]) -> None:
     rest = 1.0 - part
     if NDISC > 0:
         keep_discrete(s.r[0], x)
+    # x0 + c (r1 + (1 - c)(r2 + c (r3 + ...))): factors c and 1 - c by turns.
     for i in range(NINT):
         value = s.r[3 + len(DENSE)][i]
         for j in static(range(2 + len(DENSE), -1, -1)):

@@ -27,6 +27,8 @@ LARGEST = 1e12  # scaled error of a state
 
 def start_stages(h: Real, s: State) -> None:
     """Extrapolate the last step to the stages of a step over h, if it is known."""
+    # z(c) of the last step is the cubic through 0 and its three stages, in Newton's form; at 1 + c h / h_old
+    # it predicts z of this step, less its end value (HW IV.8, in divided differences).
     known = s.newton.kept_step == s.steps
     for j in static(range(len(C))):
         for i in range(NC):
@@ -41,6 +43,7 @@ def start_stages(h: Real, s: State) -> None:
                 slope /= number(C[1]) - number(C[0])
                 value = first + (there - number(C[0])) * slope
                 s.k[1 + j][i] = (there - 1.0) * (s.k[7][i] - there * value)
+            # Multipliers have no value at the beginning (index 2): a parabola through three stages.
             for i in range(NC):
                 first = (s.newton.kept_lam[1][i] - s.newton.kept_lam[0][i]) / (number(C[1]) - number(C[0]))
                 slope = (s.newton.kept_lam[2][i] - s.newton.kept_lam[1][i]) / (1.0 - number(C[1])) - first
@@ -52,6 +55,7 @@ def start_stages(h: Real, s: State) -> None:
 def newton_increments(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> None:
     """Compute the next increments of the stages in w.newton.increments."""
     if NDISC > 0:
+        # Discrete variables keep their values within a step.
         keep_discrete(x, w.newton.x_stage)
     for i in range(NX):
         w.newton.x_stage[i] = x[i]
@@ -96,6 +100,7 @@ def scaled_norm(e: Vec[NNEWTON], w: Work) -> Real:
     """Return the root mean square of the coordinates and speeds of e over their weights, each at most
     LARGEST; not a number if one is none."""
     total = 0.0
+    # Capped, so that a single state cannot overflow the sum; NaN stays NaN.
     for i in range(NQ + NV):
         own = e[i] / (w.error.weights[i] * w.newton.loosening)
         if fabs(own) > LARGEST:
@@ -155,6 +160,7 @@ def add_increments(s: State, x: Vec[NX], w: Work) -> Real:
     largest scaled size, which is no number if one of them is none."""
     for j in static(range(len(C))):
         for i in range(NQ + NV):
+            # Rates grow the sizes too: a state at rest gets its weight from what the stages reach.
             s.k[1 + j][i] += w.newton.increments[j][i]
         for i in range(NC):
             s.newton.stage_lam[j][i] += w.newton.increments[j][NQ + NV + i]
@@ -216,6 +222,8 @@ def solve_stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> 
 def add_work(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> None:
     """Integrate the work over the stages."""
     if NZ > 0:
+        # The power at each stage by the rates of the stages, not by an evaluation; then the weights A, as for
+        # any state.
         for i in range(NX):
             w.newton.x_stage[i] = x[i]
         for j in static(range(len(C))):
@@ -229,6 +237,7 @@ def add_work(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> None
                 )
             else:
                 fn_work(p, t + number(C[j]) * h, w.newton.x_stage, w.a, s.newton.stage_lam[j], w.power)
+            # z = h A power.
             w.newton.stage_power[1 + j][0] = w.power[0]
         for j in static(range(len(C))):
             s.k[1 + j][NQ + NV] = h * combination(A[j], w.newton.stage_power, 0)
@@ -241,6 +250,7 @@ def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status
         status = update_jacobian(p, t, x, s, w)
         if failed(status):
             return status
+    # Without derivatives from an earlier step they are computed first; else tried as they are.
     solved = False
     while not solved:
         # The factors belong to one step size.
@@ -260,6 +270,7 @@ def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status
             status = update_jacobian(p, t, x, s, w)
             if failed(status):
                 return status
+    # The end of a Radau IIA step is its last stage (c_3 = 1).
     add_work(p, t, x, h, s, w)
     s.x_new[:] = x
     for i in range(NINT):
@@ -269,6 +280,7 @@ def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status
 
 def filter_error(own: Vec[NX], h: Real, s: State, w: Work) -> None:
     """Solve the real system of the Newton method for w.newton.residual, with rates on the right."""
+    # Right-hand side M own for speeds, own for coordinates, 0 for constraints.
     for i in range(NQ):
         w.newton.residual[i] = own[i]
     for i in range(NV):
@@ -285,10 +297,12 @@ def error(h: Real, s: State, w: Work) -> Real:
     """Return the scaled error, filtered by the matrix of the Newton method (HW IV.8.19), and if it is above 1
     once more (HW IV.8.20, with the derivatives that are known)."""
     own = vector(NX)
+    # (HW IV.8.19): the embedded formula has the rate at the beginning and a combination of the stages.
     for i in range(NQ + NV):
         own[i] = s.k[0][i] + combination(ESTIMATE, s.k, i) / h
     filter_error(own, h, s, w)
     found = scaled_norm(w.newton.residual, w)
+    # The filter twice for first steps and rejected ones, which makes the estimate bounded for stiff parts.
     if found > 1.0:
         for i in range(NQ + NV):
             own[i] = w.newton.residual[i] * (number(SHIFT) / h)
@@ -300,13 +314,16 @@ def error(h: Real, s: State, w: Work) -> Real:
 def next_size(s: State, a: Trial) -> Real:
     """Return the size of the next step, by the predictive controller (HW IV.8.25). A size that is nearly the
     last one stays, so that the factors serve again."""
+    # 0.9 (2 k + 1) / (2 k + n): fewer iterations allow a bolder step (HW IV.8).
     safety = 0.9 * (2.0 * MOST_ITERATED + 1.0) / (2.0 * MOST_ITERATED + float(s.newton.count))
     factor = sqrt(sqrt(a.error)) / safety
+    # K. Gustafsson's predictive controller: the ratio of the last two errors over that of the sizes.
     if s.h_old != 0.0:
         predicted = fabs(s.h_old) / a.size * sqrt(a.error / sqrt(s.error_old)) / 0.9
         if predicted > factor:
             factor = predicted
     s.error_old = a.error if a.error > LEAST_ERROR else LEAST_ERROR
+    # Bounds of growth and reduction; then the dead zone, in which factors need not be computed anew.
     if factor > 1.0 / number(SHRINK):
         factor = 1.0 / number(SHRINK)
     if factor < 1.0 / number(GROW):
@@ -344,6 +361,7 @@ def restore_stages(s: State) -> None:
 def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
     """Compute the largest deviation of the rates at the stages from the slope of the cubic between the ends
     of the step from s.x to s.x_new."""
+    # Rates of the stages by A^-1 z / h against the slope of the cubic Hermite interpolant.
     for i in range(NQ + NV):
         mean = (s.x_new[i] - s.x[i]) / h
         far[i] = 0.0
@@ -360,6 +378,7 @@ def dense_output(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, 
     step."""
     if NDISC > 0:
         keep_discrete(x, s.r[0])
+    # Newton's form of the cubic through c = 0, c_1, c_2, 1.
     for i in range(NINT):
         s.r[0][i] = x[i]
         s.r[1][i] = z[i] - x[i]

@@ -32,6 +32,8 @@ def perturbation_factor(turn: Count) -> Real:
 def perturb_inputs(p: Params, s: State, x: Vec[NX], other: Params) -> Real:
     """Perturb x and the parameters by four units in the last place, with other signs in each attempt;
     return the perturbed time."""
+    # Signs from bits of a number that changes with each attempt: they are not random, but differ from state
+    # to state and attempt to attempt.
     turn = 2 * s.rejected + 3
     n = size(NQ) + NV
     x[:] = s.x
@@ -82,6 +84,7 @@ def estimate_rate_roundoff(p: Params, s: State, h: Real, w: Work) -> None:
 def norm_of_error(h: Real, parts: Mat[TWO, NX], w: Work) -> Real:
     """Return the scaled norm of an error with these two parts, |e5|^2 / sqrt(|e5|^2 + 0.01 |e3|^2) (HNW
     II.10.17)."""
+    # |e5|^2 and |e3|^2 in the weights.
     first = 0.0
     for i in range(NQ + NV):
         e = h * parts[0][i] / w.error.weights[i]
@@ -139,6 +142,8 @@ def error_along_constraints(p: Params, s: State, t: Real, h: Real, error: Real, 
     from a state perturbed by the residual of the projection. If its error changes by more than a tenth, it
     is mostly round-off of multipliers, which no shorter step reduces; then only the part of the error
     along the constraints counts, as the projection removes the rest."""
+    # The two estimates of the step as it is, then of the step from a state that is off by what a projection
+    # leaves.
     method_error_parts(method, s, w)
     for k in range(2):
         w.error.parts_before[k][:] = w.error.parts[k]
@@ -149,6 +154,7 @@ def error_along_constraints(p: Params, s: State, t: Real, h: Real, error: Real, 
         for i in range(NINT):
             w.error.parts_before[k][i] -= w.error.parts[k][i]
     change = norm_of_error(h, w.error.parts_before, w)
+    # If that changes the error by less than a tenth, it is no round-off.
     if not change > 0.1 * norm_of_error(h, w.error.parts, w):
         return error
     method_stages(method, p, s.t, s.x, h, s, w)  # restore the step
@@ -160,6 +166,7 @@ def error_along_constraints(p: Params, s: State, t: Real, h: Real, error: Real, 
 
 def fade_roundoff(s: State, w: Work) -> None:
     """Before a step: reduce the remembered round-off by the size of the step before."""
+    # Memory fades with the distance: 0.9 for a step as long as the longest so far.
     left = 1.0 - (1.0 - ROUNDOFF_FADING) * fabs(s.h_old) / s.longest_step if s.longest_step > 0.0 else 0.0
     s.roundoff_memory *= left
     if s.roundoff_memory < ROUNDOFF_FORGOTTEN:
@@ -180,6 +187,8 @@ def weighted_error(s: State, o: Options, h: Real, w: Work) -> Real:
 def error_without_roundoff(p: Params, s: State, t: Real, h: Real, o: Options, before: Real, w: Work) -> Real:
     """Return the error of a rejected step over h to t, less its round-off. Only the round-off of rates at
     the accepted state (s.t, s.x) counts: the end of a step that diverges would excuse any error."""
+    # Three sources of round-off: that of implicit stages, that of nearly dependent constraints, that of the
+    # rates.
     if NNEWTON > 0:
         if is_implicit(o.method):
             method_estimate_roundoff(o.method, p, s.t, s.x, h, s, w)
@@ -193,6 +202,7 @@ def error_without_roundoff(p: Params, s: State, t: Real, h: Real, o: Options, be
     estimate_rate_roundoff(p, s, h, w)
     if NSPACE > 0:
         w.contacts.slips_held = False
+    # It is remembered if it explains the rejection, so that the next steps ask for it at once.
     error = weighted_error(s, o, h, w)
     if error <= 1.0 or error < 0.5 * before:
         s.roundoff_memory = 1.0

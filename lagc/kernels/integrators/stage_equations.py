@@ -17,6 +17,7 @@ def residual_at(p: Params, t: Real, lam: Vec[NC], w: Work) -> None:
         fn_residual_on(p, t, w.newton.x_stage, w.modes, w.a, lam, w.qdot, w.newton.residual_rows)
     else:
         fn_residual(p, t, w.newton.x_stage, w.a, lam, w.qdot, w.newton.residual_rows)
+    # q' - N v - n, then (M v' - f - G^T lam, psi).
     for i in range(NQ):
         w.newton.residual[i] = w.newton.rates_stage[i] - w.qdot[i]
     for i in range(NR):
@@ -26,6 +27,8 @@ def residual_at(p: Params, t: Real, lam: Vec[NC], w: Work) -> None:
 def derive_columns(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
     """Compute the derivatives of the equations column by column, by (q, v, lam) and then by the
     accelerations."""
+    # Column j is the derivative along unit vector j: forward mode, for models whose Jacobian has no
+    # straight-line code.
     for j in range(NDIRECTION):
         w.newton.direction[j] = 0.0
     for j in range(NDIRECTION):
@@ -51,6 +54,7 @@ def update_jacobian(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Status
         for i in range(NC):
             w.redundant[i] = 0
         status = motion_at(p, t, x, w.xdot, w.lam, w)
+        # The motion at (t, x) has its own record of redundant rows, which this call must not lose.
         for i in range(NC):
             s.newton.dependent[i] = w.redundant[i] if status == REDUNDANT else 0
             if w.rows.redundant_before[i] == 1:
@@ -126,6 +130,7 @@ def solve_shifted(real: Real, s: State, r: Vec[NNEWTON], w: Work) -> None:
         for i in range(NNEWTON):
             r[i] = w.newton.linear[i]
     else:
+        # (J + real B)(dq, dv, dlam) = r with qdot = v: dq = (dv + r_q) / real goes into the other equations.
         inverse = 1.0 / real
         for i in range(NR):
             total = r[NQ + i]

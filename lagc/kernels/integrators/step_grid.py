@@ -33,6 +33,8 @@ def is_grid_point(s: State, index: Count, t: Real) -> bool:
 def begin_grid(s: State, t1: Real, o: Options) -> None:
     """Begin a call to t1: find the point of the grid where it ends, s.grid.goal.  The grid begins anew if
     the caller changed the step, the direction or the state."""
+    # Same step and unchanged state: the grid goes on. It is counted from its beginning, so that ten calls of
+    # 0.1 s are one of 1 s.
     forward = t1 > s.t or (t1 == s.t and s.grid.step >= 0.0)
     step = o.step if forward else -o.step
     if s.grid.step != step:
@@ -43,6 +45,8 @@ def begin_grid(s: State, t1: Real, o: Options) -> None:
         s.grid.index = 0
         s.grid.rest = o.step
     s.grid.goal = s.grid.index
+    # A call of the same number of points as the last one, then the nearest point to t1; else the call ends
+    # between points.
     if is_grid_point(s, s.grid.index + s.grid.stride, t1):
         s.grid.goal += s.grid.stride
         return
@@ -63,16 +67,21 @@ def plan_fixed_step(s: State, target: Real, t1: Real, a: Trial) -> None:
     """Set the end of a fixed step: the next point of the grid, or `target`, the end of the call or an event
     time, if that comes first."""
     following = grid_time(s, s.grid.index + 1)
+    # The call ends on a point: steps are those of the grid, whatever round-off says about times.
     if target == t1 and s.grid.goal > s.grid.index:
         a.ends_on_grid = True
         a.ends_on_target = s.grid.index + 1 == s.grid.goal
     else:
+        # Else the target counts if it comes before the next point, or so little behind it that a step of that
+        # rest would be round-off.
         beyond = (target - following) * a.direction
         near = grid_roundoff(s, target)
         a.ends_on_target = beyond <= near or (
             target == t1 and beyond <= near + LENGTHENED * fabs(s.grid.step)
         )
         a.ends_on_grid = beyond >= -near and (beyond <= near or not a.ends_on_target)
+    # The rest of a step that an event has split, or the way to the target; the time is that of the grid, not
+    # a sum.
     a.size = s.grid.rest if a.ends_on_grid else fabs(target - s.t)
     a.h = a.size * a.direction
     a.t_new = following
@@ -89,6 +98,7 @@ def fixed_step_underflows(s: State, t1: Real, a: Trial) -> bool:
 
 def pass_grid(s: State, t1: Real, a: Trial) -> None:
     """Count an accepted step."""
+    # A point of the grid; the end of a call between points, where a grid begins anew; an event within a step.
     if a.ends_on_grid:
         s.grid.index += 1
         s.grid.rest = fabs(s.grid.step)

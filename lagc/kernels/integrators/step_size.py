@@ -13,6 +13,7 @@ from lagc.kernels.language.vocabulary import *
 def rational_power(a: Real, exponent: Real) -> Real:
     """Return a^exponent, for an exponent below 1 that is a sum of few powers of 1/2. Square roots and
     products have the same bits on every machine."""
+    # Binary digits of the exponent, largest first: a^(1/2) is one root, a^(1/4) two, and so on.
     value = 1.0
     rest = exponent
     base = a
@@ -51,6 +52,7 @@ def shrink_step(a: Trial, o: Options) -> None:
             if o.method == m.NUMBER:
                 a.size = m.reduced_size(a)
                 return
+    # 0.9 (1 / err)^exponent, at most by the method's factor.
     most = largest_reduction(o.method)
     factor = rational_power(a.error, error_exponent(o.method)) / 0.9
     a.size /= factor if factor < most else most
@@ -64,6 +66,8 @@ def next_size(s: State, a: Trial, o: Options) -> Real:
                 return m.next_size(s, a)
     most = largest_reduction(o.method)
     least = largest_growth(o.method)
+    # PI controller, (HNW II.4, IV.2): err_n^exponent err_(n-1)^-beta; errors below 1e-4 do not make the
+    # next step bolder.
     factor = rational_power(a.error, error_exponent(o.method))
     if beta(o.method) > 0.0:
         factor /= rational_power(s.error_old, beta(o.method))
@@ -80,6 +84,8 @@ def set_next_step(s: State, a: Trial, o: Options) -> None:
     """Set the size of the next step. A step that was shortened to end at a time or an event does not shorten
     it."""
     following = next_size(s, a, o)
+    # After a rejection the size does not grow (HNW II.4). A step that was cut by an event or a target leaves
+    # the size that was planned for it.
     if a.rejected > 0 and following > a.size:
         following = a.size
     if NMODE > 0:

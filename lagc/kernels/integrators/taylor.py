@@ -20,6 +20,7 @@ DIFFERENT = 0.1  # of the error weights: a series that does not follow the right
 
 def natural_log(a: Real) -> Real:
     """Return ln(a) to about 1e-5 of it, for 0 < a < inf, by square roots and the series of artanh."""
+    # ln a = 2^k ln(a^(1/2^k)), and ln a = 2 artanh((a - 1) / (a + 1)).
     scale = 2.0
     own = a
     while own > 2.0 or own < 0.5:
@@ -33,6 +34,7 @@ def natural_log(a: Real) -> Real:
 def exponential(y: Real) -> Real:
     """Return e^y to about 1e-5 of it, by its series and squares."""
     halved = 0
+    # e^y = (e^(y / 2^k))^(2^k).
     own = y
     while fabs(own) > 0.25:
         own *= 0.5
@@ -48,9 +50,11 @@ def set_order(tolerance: Real, s: State) -> None:
     step of order p over e^-c of the radius of convergence meets a tolerance of e^-L for p = L / c, about. The
     least work is at c = 2 if it grows as p^2 (JZ 3.2.1) and at 1 if it grows as p: sums of products are the
     smaller part of it here."""
+    # The order is chosen again only if the tolerance changes.
     if tolerance == s.series.tolerance:
         return
     s.series.tolerance = tolerance
+    # p = 1 + L / 1.3, within the terms that there is room for.
     digits = -natural_log(tolerance)
     order = 1.0 + digits / FALL
     if order < LEAST_ORDER:
@@ -58,6 +62,8 @@ def set_order(tolerance: Real, s: State) -> None:
     if order > float(size(NTERM)) - 1.0:
         order = float(size(NTERM)) - 1.0
     s.series.order = whole(order)
+    # The ratio of successive terms at the end of the step, and its power for the first of the orders that are
+    # looked at.
     fall = digits / (float(s.series.order) - 1.0)
     s.series.ratio = exponential(fall if fall > 1.0 else 1.0)
     s.series.fall = 1.0
@@ -195,6 +201,7 @@ def begin_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
 def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
     """Evaluate the polynomial from x and its slope at the end of the step, s.x_new and
     w.series.end_slopes."""
+    # Horner's rule for the value and, beside it, for the derivative.
     part = h / s.series.scale
     s.x_new[:] = x
     for i in range(NINT):
@@ -238,6 +245,7 @@ def keep_series(s: State) -> None:
 
 def restore_series(s: State, w: Work) -> Status:
     """Compute the coefficients of the last step again, if a later attempt has overwritten them."""
+    # A failed attempt has overwritten the coefficients: the same order and scale give the same bits.
     if s.series.step == s.steps:
         return OK
     s.series.order = s.series.kept_order

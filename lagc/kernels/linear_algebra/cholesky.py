@@ -7,6 +7,7 @@ from lagc.kernels.language.vocabulary import *
 
 def mass_entry(w: Work, i: int, j: int) -> Real:
     """Return an entry of M, or of M + penalty G^T G."""
+    # Row i of the lower triangle begins at i (i + 1) / 2.
     value = w.M[i * (i + 1) // 2 + j]
     if NC > 0:
         if w.factors.penalty > 0.0:
@@ -40,6 +41,9 @@ def cholesky(w: Work) -> bool:
                 w.pivot_column[i] = 0.0
                 continue
             row = i * (i + 1) // 2
+            # Column k of L: M_ik / L_kk, after the columns before it were subtracted. Where the row begins
+            # behind k its entry is zero and stays so: no fill-in to the left of the first entry (A. George,
+            # J. W. Liu, Computer Solution of Large Sparse Positive Definite Systems, 1981, chapter 4).
             factor = w.cholesky[row + k] / pivot
             w.cholesky[row + k] = factor
             w.pivot_column[i] = factor
@@ -58,6 +62,7 @@ def row_begin_of(w: Work, i: int) -> int:
 
 def solve_lower(w: Work, z: Vec[NV]) -> None:
     """Solve z = L^-1 z."""
+    # Forward substitution, row by row, from the first entry that is not zero.
     for i in range(NV):
         start = i * (i + 1) // 2
         value = z[i]
@@ -68,6 +73,7 @@ def solve_lower(w: Work, z: Vec[NV]) -> None:
 
 def solve_upper(w: Work, z: Vec[NV]) -> None:
     """Solve z = L^-T z."""
+    # Back substitution: L^T is used by columns, which are the rows of L.
     for i in range(NV - 1, -1, -1):
         start = i * (i + 1) // 2
         value = z[i] / w.cholesky[start + i]

@@ -10,6 +10,8 @@ from lagc.kernels.language.vocabulary import *
 
 def factor_real(a: Vec[NFACTORS], pivots: IVec[NLINEAR]) -> bool:
     """Replace a by its factors L and U; return whether it is regular."""
+    # Column k: the largest entry on or below the diagonal comes first; whole rows are exchanged, with their
+    # factors.
     for k in range(NLINEAR):
         best = k
         for i in range(k + 1, NLINEAR):
@@ -23,6 +25,7 @@ def factor_real(a: Vec[NFACTORS], pivots: IVec[NLINEAR]) -> bool:
                 a[best * NLINEAR + j] = other
         if not fabs(a[k * NLINEAR + k]) > 0.0:
             return False
+        # Gaussian elimination of the rows below. Zero factors, as in block structures, are skipped.
         for i in range(k + 1, NLINEAR):
             factor = a[i * NLINEAR + k] / a[k * NLINEAR + k]
             a[i * NLINEAR + k] = factor
@@ -34,6 +37,7 @@ def factor_real(a: Vec[NFACTORS], pivots: IVec[NLINEAR]) -> bool:
 
 def solve_real(a: Vec[NFACTORS], pivots: IVec[NLINEAR], r: Vec[NLINEAR]) -> None:
     """Replace r by the solution of L U s = r."""
+    # All exchanges first, then L (unit diagonal), then U.
     for k in range(NLINEAR):
         other = r[pivots[k]]
         r[pivots[k]] = r[k]
@@ -98,6 +102,7 @@ def solve_complex(
     s: Vec[NLINEAR],
 ) -> None:  # fmt: skip
     """Replace r + i s by the solution."""
+    # The same order as for real factors; the diagonal of U is inverted already.
     for k in range(NLINEAR):
         own = r[pivots[k]]
         turned = s[pivots[k]]

@@ -15,6 +15,8 @@ def orthogonalise_row(w: Work, i: int, along: int) -> Real:
     """Remove from row i of Q^T its part along another row; return this part."""
     v = w.factors.q_rows[i]
     q = w.factors.q_rows[along]
+    # Entries of q outside of its range are zero, so products skip them; the remainder is not zero where
+    # either row is.
     begin = w.factors.q_begin[along]
     stop = w.factors.q_end[along]
     share = 0.0
@@ -51,6 +53,7 @@ def normalise_row(w: Work, i: int) -> None:
     """Set row i of Q^T to row i of G as a unit vector in the metric of M, and store its length."""
     row = w.factors.q_rows[i]
     for j in range(NV):
+        # L^-1 g has the length of the gradient g in the metric of M^-1.
         row[j] = w.G[i * NV + j]
     solve_lower(w, row)
     w.factors.q_begin[i] = 0
@@ -61,6 +64,8 @@ def normalise_row(w: Work, i: int) -> None:
                 w.factors.q_begin[i] = j
             w.factors.q_end[i] = j + 1
     length = sqrt(squared_length(w, i))
+    # A degenerate row, whose gradient nearly vanishes, counts as shorter: its remainder then falls below
+    # `dependent` only if it depends on others beyond its own round-off.
     if length > 0.0:
         length = length / w.rows.regularity[i]
     w.factors.lengths[i] = length
@@ -82,6 +87,8 @@ def next_row(w: Work, k: int, longest: Real) -> int:
     gradient, other rows say the same with less round-off."""
     steadiest = inf
     for j in range(k, NC):
+        # The steadiest of the long rows: least terms of gamma over the length. Then the first in the order of
+        # the model, of those that are nearly as steady.
         i = w.factors.order[j]
         if w.rows.buffer[i] >= 0.1 * longest and gamma_ratio(w, i) < steadiest:
             steadiest = gamma_ratio(w, i)
@@ -133,6 +140,7 @@ def factor_rank_revealing(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) 
     """Factor M and G. A row is dependent if its independent share is below `least`; a degenerate row
     counts by its regularity. If M is singular or very uneven, M + penalty G^T G takes its place, which has
     the same solution as G a is given."""
+    # Sizes of gamma decide about the order of rows; none are known before the first attempt.
     w.factors.penalty = 0.0
     for i in range(NC):
         w.rows.gamma_sizes[i] = 0.0
@@ -166,6 +174,7 @@ def factor_rank_revealing(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) 
 def solve_triangle(w: Work, c: Vec[NC]) -> None:
     """Solve c = diag(1/row_lengths) F^-1 c over the independent rows."""
     rank = w.factors.rank
+    # Backwards over F, whose columns are in pivot order, then by the lengths of the rows.
     for k in range(rank - 1, -1, -1):
         value = c[k]
         for j in range(k + 1, rank):

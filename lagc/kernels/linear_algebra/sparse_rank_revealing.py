@@ -55,6 +55,8 @@ def factor_with_damping(share: Real, w: Work) -> int:
 def factor_independent_rows(least: Real, w: Work) -> int:
     """Factor without damping, with the rows whose independent share is above `least`. A degenerate row
     counts by its regularity."""
+    # `fn_factor` leaves a row out if its squared independent share is below the limit of the row. A
+    # degenerate row has a higher limit.
     for i in range(NC):
         limit = least / w.rows.regularity[i]
         w.kkt_entries[NWORK - 2 - NC + i] = limit * limit
@@ -73,6 +75,7 @@ def least_independent_part(w: Work) -> Real:
 
 def factor_all_rows(w: Work) -> bool:
     """Factor with all rows; return whether the factors are accurate."""
+    # Rows that are independent need no regularity: their shares tell whether the factors serve.
     for i in range(NC):
         w.rows.regularity[i] = 1.0
     kept = factor_independent_rows(DEPENDENT, w)
@@ -91,6 +94,8 @@ def are_well_separated(w: Work) -> bool:
 def factor_sparse(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) -> Status:
     """Factor w.kkt_entries for any rank. Of dependent rows, keep those that are separated as much as their
     number allows."""
+    # First the rank at the least share. If a kept row is barely independent, its multipliers are large and
+    # inaccurate: the highest limit that keeps as many rows is taken, in steps of 10.
     rank = factor_independent_rows(least, w)
     if rank < NC and not are_well_separated(w):
         apart = WELL_SEPARATED
@@ -101,6 +106,8 @@ def factor_sparse(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) -> Statu
     if not w.health[0] > SINGULAR:
         w.culprit = size(NV)
         return SINGULAR_MASS
+    # Rows that are left out are told, and their right-hand sides compared with those of the others in the
+    # solve.
     fn_gamma_sizes(p, t, x, w.rows.gamma_sizes)
     status = OK
     for i in range(NC):
@@ -113,6 +120,7 @@ def factor_sparse(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) -> Statu
 
 def refine_solution(r: Vec[NR], s: Vec[NR], w: Work) -> None:
     """Do one step of iterative refinement."""
+    # s + K^-1 (r - K s): the residual is computed from the entries, not from the factors.
     fn_rest(w.kkt_entries, r, s, w.rows.residual)
     fn_solve(w.kkt_entries, w.rows.residual, w.rows.correction)
     for i in range(NR):
@@ -123,6 +131,8 @@ def find_contradiction(r: Vec[NR], s: Vec[NR], w: Work) -> Status:
     """Return INCONSISTENT, with the culprit, if a row that is left out contradicts others: if its residual
     is more than a share of the terms of r2: of accelerations and forces, and of the terms of gamma, which
     alone remain where its gradient vanishes."""
+    # The residual of a row that is left out against the terms that its right-hand side would have: its length
+    # times sqrt(a M a), and that of the forces.
     power = 0.0  # a M a
     forces = 0.0
     for j in range(NV):
@@ -147,6 +157,7 @@ def find_contradiction(r: Vec[NR], s: Vec[NR], w: Work) -> Status:
 
 def factor_all_damped(w: Work) -> None:
     """Factor with all rows, damped, except those whose gradient is round-off."""
+    # A negative limit keeps a row in any case; only round-off gradients stay out.
     for i in range(NC):
         w.kkt_entries[NWORK - 2 - NC + i] = -1.0 if w.rows.regularity[i] > DEPENDENT else NEVER_KEPT
     factor_with_damping(DAMPED, w)
@@ -163,6 +174,8 @@ def size_of_forces(lam: Vec[NC], w: Work) -> Real:
 def project_to_null_space(reduction: Real, lam: Vec[NC], w: Work) -> Real:
     """Replace lam by its part without forces; return its squared size, or 0 if it is round-off. Each
     iteration reduces the part with forces by `reduction`."""
+    # lam := (G M^-1 G^T + share D)^-1 share D lam. Its part with forces shrinks by `reduction` in each turn;
+    # what it may still be is `left`.
     whole = size_of_forces(lam, w)
     left = whole
     spare = whole
@@ -185,8 +198,12 @@ def project_to_null_space(reduction: Real, lam: Vec[NC], w: Work) -> Real:
 def shorten_multipliers(s: Vec[NR], w: Work) -> None:
     """Replace s2 by the shortest multipliers with the same forces: conjugate gradients in the null space,
     in the measure of the sizes."""
+    # A kept row has an independent share of at least this, so each projection reduces forces by this factor.
     reduction = DAMPED / (DAMPED + least_independent_part(w))
     factor_all_damped(w)
+    # Conjugate gradients for min lam^T D lam in the null space of the forces: the gradient D^-1 lam is
+    # projected on it, and each direction is conjugate to those before (M. R. Hestenes, E. Stiefel, J. Res.
+    # Nat. Bur. Stand. 49 (1952) 409-436).
     before = 1.0
     for n in range(MOST_CG_STEPS):
         for i in range(NC):
@@ -206,6 +223,7 @@ def shorten_multipliers(s: Vec[NR], w: Work) -> None:
 
 def solve_sparse(r: Vec[NR], s: Vec[NR], w: Work) -> Status:
     """Solve M s1 - G^T s2 = r1, G s1 = r2."""
+    # Two steps of refinement: the fixed order without pivoting loses some digits in the first solve.
     fn_solve(w.kkt_entries, r, s)
     refine_solution(r, s, w)
     refine_solution(r, s, w)

@@ -68,6 +68,7 @@ def tangent_error(h: Real, v: TangentWork) -> Real:
     """Return the scaled error of S in one direction, with the rates v.k, as that of the motion."""
     if len(ERROR) == 0:
         return 0.0
+    # States without weight, as discrete ones, do not count.
     n = 0.0
     first = 0.0
     if len(ERROR) == 2:
@@ -95,6 +96,7 @@ def tangent_extra(
     noise: Rows[NGROUP], w: Work, v: TangentWork,
 ) -> Status:  # fmt: skip
     """Compute the rates of S at the additional stages of the dense output, which the motion has already."""
+    # The motion has its extra stages already: S follows at the same points.
     for j in static(range(len(EXTRA_C))):
         for i in range(NX):
             v.x[i] = s.x_old[i] + s.h_old * combination(EXTRA_A[j], s.k, i)
@@ -122,6 +124,7 @@ def tangent_dense(
 ) -> None:  # fmt: skip
     """Evaluate the dense output of S in direction k at a share of the step."""
     load_rows(table, k * NK, len(C) + 1 + len(EXTRA_C), v)
+    # As the motion's dense output: Hermite's cubic and its corrections, from S, its change and its rates.
     rest = 1.0 - share
     for i in range(NX):
         change = after[k][i] - now[k][i]

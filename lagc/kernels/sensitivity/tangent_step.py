@@ -57,6 +57,7 @@ def rates_near(
     v: TangentWork,
 ) -> Status:
     """Compute the rates of S = v.own in direction k at perturbed time, states and accelerations."""
+
     t = s.t_old * perturbation_factor(turn)
     for i in range(NQ + NV):
         v.x[i] *= perturbation_factor((i + 1) * turn)
@@ -82,6 +83,7 @@ def estimate_noise(
     # The factors of the perturbation differ from step to step, and from number to number.
     turn = 2 * s.steps + 3
     other = params()
+    # Parameters are perturbed once for all directions, and what `bind` computes from them follows.
     other[:] = p
     for j in range(NP):
         other[j] *= perturbation_factor((NQ + NV + j + 1) * turn)
@@ -90,6 +92,8 @@ def estimate_noise(
     v.x[:] = s.x_old
     status = look_at(p, s.t_old, v.x, w, v)
     rates = vector(NX)
+    # Each direction: its rates as they are, then with all inputs perturbed; k + 1 needs the factors at the
+    # unperturbed state again.
     for k in range(m):
         seed(columns, k, 1.0, v)
         if not failed(status):
@@ -117,6 +121,7 @@ def project_tangents(
 ) -> None:
     """Project S at the end of the last step onto the tangents of the constraints; `blur` is the round-off of
     that, by a projection of S that is perturbed by four units in the last place."""
+    # A projection, and one of a perturbed S: their difference is the round-off of the projection.
     v.own[:] = after[k]
     stay_on_constraints(p, s.t, v.x, v.own, w, v)
     after[k][:] = v.own
@@ -136,6 +141,7 @@ def finish_tangents(
     noise: Rows[NGROUP], blur: Rows[NGROUP], w: Work, v: TangentWork,
 ) -> Status:  # fmt: skip
     """Project S at the end of the last step, and compute its rates there."""
+    # At an event S belongs to the state before clauses changed it; the caller applies the jump.
     last = end_rate_row(s.method)
     if NWHEN > 0:
         v.x[:] = s.x_before_event
@@ -149,6 +155,8 @@ def finish_tangents(
         status = factor_tangents(p, s.t, v.x, w, v)
     if failed(status):
         return status
+    # In each direction: S on the tangents of the constraints, and its rate there, which the error estimate
+    # and the dense output need.
     for k in range(m):
         for g in range(NGROUP):
             blur[k][g] = 0.0
@@ -171,6 +179,8 @@ def add_blur(
     """Add the round-off of the rates over the step to blur[k], and set v.terms: the perturbation by four
     units in the last place tells how large the terms are that cancel. Round-off of one group reaches others
     by the rates at the end of the step, where K is factored."""
+    # Round-off of rates over the step, and of the projection, taken as a perturbation of S: its own rates
+    # tell how it spreads between scaling groups.
     h = fabs(s.h_old)
     for i in range(NQ + NV):
         v.own[i] = h * noise[k][scaling_group[i]] + blur[k][scaling_group[i]]
@@ -194,6 +204,7 @@ def set_tangent_weights(
     round-off. The largest is the value so far, the new one, or that of terms that cancel in its change. The
     value of a group that was zero is that over the longest step so far, as for the motion
     (`extend_groups_at_rest`)."""
+    # Sizes: value so far, new value, or terms that cancel.
     h = fabs(s.h_old)
     largest = vector(NGROUP)
     for g in range(NGROUP):
@@ -276,6 +287,7 @@ def tangents_there(
     table: Rows[NX], noise: Rows[NGROUP], first: Length, found: Rows[NX], w: Work, v: TangentWork,
 ) -> Status:  # fmt: skip
     """Evaluate S at a time t within the last step, in found[first] and on."""
+    # The extra stages of dense output are made once for a step, at the first time that asks for them.
     status = interpolate_at(s, t, o, v.there, w)
     if not failed(status) and not v.extra_known:
         v.extra_known = True
@@ -285,6 +297,7 @@ def tangents_there(
             status = factor_tangents(p, t, v.there, w, v)
     if failed(status):
         return status
+    # Dense output of S in each direction, then onto the tangents at the interpolated state.
     share = (t - s.t_old) / s.h_old
     for k in range(m):
         method_tangent_dense(s.method, share, s.h_old, k, now, after, table, v.own, v)
@@ -298,8 +311,11 @@ def tangents_there(
 
 def set_pace(status: Status, t1: Real, s: State, o: Options, v: TangentWork) -> bool:
     """Set v.pace, the longest next step, by the error of S in this one; return whether S is accepted."""
+    # The controller of the method with a factor of growth of 5 and of reduction of 10.
     h = s.t - s.t_old
     factor = 10.0
+    # Accepted: the next step of the motion may be as long as S allows. Rejected: shorter, or given up with a
+    # reason if the step is round-off of the run.
     if not failed(status):
         if v.error <= 1.0:
             v.pace = 0.0
@@ -328,19 +344,23 @@ def follow_once(
     v.reason = 0
     repeated = False
     while True:
+        # The option max_step carries the limit of S to the motion's own controller.
         o.max_step = v.pace if v.pace > 0.0 and not (longest > 0.0 and longest < v.pace) else longest
         status = step(p, s, t1, o, w)
         v.stepped = s.steps > kept.steps
         if s.longest_step > v.longest:
             v.longest = s.longest_step
+        # The motion ended or failed by itself.
         if (status != OK and status != TERMINATED) or not v.stepped:
             return status
+        # S runs in the modes of the step, also where the state is behind its event already.
         begin_following(s, w)
         found = follow_step(p, s, o, m, columns, repeated, now, after, table, sizes, noise, blur, w, v)
         if set_pace(found, t1, s, o, v):
             accept_tangents(m, after, sizes, blur, rounding)
             v.steps += 1
             return status
+        # Rejected: the state before the step comes back, and the step is made again, shorter.
         end_following(w)
         if v.reason > 0:
             return NOT_FINITE
@@ -356,6 +376,7 @@ def record_tangents(
 ) -> Status:  # fmt: skip
     """Write S at the times within the last step to `found`, m rows for each time, and make it the present
     one."""
+    # Times within the step by dense output, before S moves on; times at its end are S itself.
     status = OK
     while not failed(status) and done[0] < n and times[done[0]] < s.t:
         status = tangents_there(

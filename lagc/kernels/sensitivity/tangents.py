@@ -18,6 +18,7 @@ SAME_LIMIT = 1e-13  # relative difference of the limits of a derivative from bot
 
 def factor_tangents(p: Params, t: Real, x: Vec[NX], w: Work, v: TangentWork) -> Status:
     """Factor K at (t, x)."""
+    # The same factors as for accelerations; the tangents of a linear system have its matrix.
     v.dense = False
     if NC > 0:
         return assemble_at(p, t, x, w)
@@ -34,6 +35,7 @@ def factor_tangents(p: Params, t: Real, x: Vec[NX], w: Work, v: TangentWork) -> 
 
 def solve_tangents(w: Work, v: TangentWork) -> None:
     """Solve K v.solution = v.dr, with one step of refinement if there are constraints."""
+    # Factors come from one state for many right-hand sides, so one step of refinement pays.
     if NC > 0:
         solve_at(v.dr, v.solution, w)
         if STRAIGHT:
@@ -61,6 +63,7 @@ def rates_beside(
     p: Params, t: Real, x: Vec[NX], own: Vec[NX], offset: Real, rates: Vec[NX], w: Work, v: TangentWork
 ) -> None:
     """Compute the rates of S, with the derivatives of the equations at a small offset from x."""
+    # Derivatives at an offset are defined where those at x may be 0/0.
     for i in range(NX):
         v.xdot[i] = x[i] + offset
     if NMODE > 0:
@@ -79,6 +82,7 @@ def tangent_rates(
 ) -> Status:
     """Compute the rates of S = own in the direction v.seeds, at the accelerations v.a and multipliers v.lam.
     A derivative without a value, such as that of norm(v) v at rest, is its limit from both sides."""
+    # Where a rate is not finite, both limits are taken; if they agree, that is the derivative.
     rates_beside(p, t, x, own, 0.0, rates, w, v)
     if not_finite(rates, NX) < 0:
         return OK
@@ -101,6 +105,8 @@ def direction_rates(
 ) -> Status:
     """Compute the rates of S = own. While S is zero, rates that are round-off, as those by a mass on which
     the motion does not depend, are zero."""
+    # Zero S and rates below ten times their round-off: they stay zero, so that S of a state that does not
+    # depend on the parameter is exactly zero.
     status = tangent_rates(p, t, x, own, rates, w, v)
     for i in range(NQ + NV):
         if own[i] != 0.0 or not fabs(rates[i]) <= CLEAR * noise[scaling_group[i]]:

@@ -43,7 +43,7 @@ class ArticulatedBody:
 
 
 def plain(equations: EquationsOfMotion) -> ArticulatedBody:
-    """Nothing is lifted: [M G^T; G 0], and tau - h."""
+    """Return the system without shared velocities: [M G^T; G 0], and tau - h."""
     found = {at: node for at, node in equations.mass_matrix.items() if not node.is_zero}
     n = len(equations.v)
     for k, row in enumerate(equations.rows):
@@ -54,7 +54,7 @@ def plain(equations: EquationsOfMotion) -> ArticulatedBody:
 
 
 def together(equations: EquationsOfMotion, system: ArticulatedBody) -> ArticulatedBody:
-    """The plain `system` with given forces and those of inertia taken to the speeds in one sweep."""
+    """Return the plain `system` with given forces and those of inertia carried to the speeds in one sweep."""
     weights = gradient(equations.graph, equations.loads, equations.v)
     r = [weights.get(v, equations.graph.zero) for v in equations.v]
     return replace(system, right=[*r, *_gammas(equations)])
@@ -65,7 +65,7 @@ def _gammas(equations: EquationsOfMotion) -> list[Node]:
 
 
 def articulated_body(equations: EquationsOfMotion) -> ArticulatedBody | None:
-    """The lifted form; None where no velocity is shared."""
+    """Return the articulated-body form; None if no velocity is shared."""
     sums = _Sums(equations)
     return sums.system() if sums.definitions else None
 
@@ -76,12 +76,15 @@ class _Sums:
     def __init__(self, equations: EquationsOfMotion):
         self.equations = equations
         self.rates = [row.rate for row in equations.rows]
+        # Velocities of bodies and rows, as far as they depend on speeds; those that are affine in them; and
+        # how often each is used.
         carried = [x for part in equations.inertias for x in part.velocity]
         self.moving, self.linear, _ = _affine([*carried, *self.rates, *equations.loads], equations.v)
         _, _, users = _affine([*carried, *self.rates], equations.v)  # loads alone are worth no unknown
         self.number = {v: j for j, v in enumerate(equations.v)}
         self.definitions: dict[int, _Slopes] = {}
         first = len(equations.v) + len(equations.rows)
+        # Numbered in the order of the graph: each definition uses speeds and earlier velocities only.
         for node in self._choose(users):
             slopes = self._slopes(dict.fromkeys(node.args, equations.graph.one))
             if slopes:  # else its terms cancel
@@ -91,6 +94,7 @@ class _Sums:
     def _choose(self, users: Mapping[Node, int]) -> list[Node]:
         """Return the sums of two moving terms that bodies and rows use more than once and that combine more
         than one vector. Sums of the components of one vector, as in w x r, stay."""
+        # `made_of`: the vectors that a node combines, one of them or more (two stand for any number).
         group = _groups(self.equations)
         made_of: dict[Node, frozenset[object]] = {v: frozenset([group.get(v, v)]) for v in self.equations.v}
         found: list[Node] = []
@@ -99,6 +103,8 @@ class _Sums:
                 continue
             below = [made_of[a] for a in node.args if a in self.linear]
             made_of[node] = frozenset(islice(frozenset().union(*below), 2))  # one, or more than that
+            # A sum of two that several bodies or rows share becomes an unknown. From there on it is a vector
+            # of its own.
             if node.op == "add" and len(below) == 2 and users.get(node, 0) > 1 and len(made_of[node]) > 1:
                 found.append(node)
                 made_of[node] = frozenset([group.get(node, node)])
@@ -106,6 +112,8 @@ class _Sums:
 
     def system(self) -> ArticulatedBody:
         n, graph = len(self.equations.v), self.equations.graph
+        # A: mass of each body in the unknowns of its velocity; further inertia; the gradients of rows. Then
+        # the right-hand side, by one sweep over all loads.
         entries = _Entries(graph)
         for (i, j), node in self.equations.further_inertia.items():
             entries.add(i, j, node)
@@ -126,7 +134,10 @@ class _Sums:
         return ArticulatedBody(structure, kept, coefficients, right, tuple(heavy))
 
     def _heavy(self) -> set[int]:
-        """Unknowns that masses move with, which are positive, with parameters as they are given."""
+        """Return the shared velocities that a body moves with whose mass is positive for the stated values of
+        its parameters."""
+        # A mass is positive by its value or by the parameters as they are stated. Only then may a velocity be
+        # kept: its mass is the pivot.
         model = self.equations.model
         given = {p.symbol: p.value for p in model.parameters if p.value is not None}
         masses = dict.fromkeys(part.mass for part in self.equations.inertias if isinstance(part.mass, Node))
@@ -140,10 +151,12 @@ class _Sums:
         return found & self.definitions.keys()
 
     def _inertias(self, entries: _Entries) -> dict[int, int]:
-        """Puts them into A.  A set of bodies, as bits, for each unknown that a velocity is written in."""
+        """Add the inertias to A. Return, for each unknown, the set of bodies whose velocities contain it, as
+        bits of a number."""
         one = self.equations.graph.one
         moved: dict[int, int] = {}
         bodies: dict[str, int] = {}
+        # Bodies as bits: the number of bodies that an unknown moves decides the order of elimination.
         for part in self.equations.inertias:
             bit = 1 << bodies.setdefault(part.body.name, len(bodies))
             slopes = [self._slopes({x: one}) for x in part.velocity]
@@ -156,6 +169,8 @@ class _Sums:
     def _slopes(self, seeds: Mapping[Node, Node]) -> _Slopes:
         """Return the derivatives of sum of seeds[node] * node by the unknowns: a reverse sweep that ends at
         unknowns."""
+        # Reverse accumulation: weights are summed per node from the roots down (users before arguments) and
+        # stop at unknowns, which keeps the gradient as short as the definitions.
         graph = self.equations.graph
         found: _Slopes = {}
         weights = dict(seeds)
@@ -173,7 +188,7 @@ class _Sums:
         return dict(sorted(found.items()))
 
     def _below(self, nodes: Iterable[Node]) -> list[Node]:
-        """The moving nodes below `nodes`, down to unknowns, arguments before users."""
+        """Return the moving nodes below `nodes`, down to unknowns, arguments before users."""
         seen = {node for node in nodes if node in self.moving}
         stack = [node for node in seen if node not in self.number]
         while stack:
@@ -200,8 +215,9 @@ class _Entries:
 
 
 def _add_inertia(entries: _Entries, part: Moving, slopes: Sequence[_Slopes]) -> None:
-    """sum over axes of slopes^T mass slopes."""
+    """Add slopes^T mass slopes, summed over the axes."""
     for i, j, mass in _masses(part):
+        # The upper triangle is the mirror of the lower one: each pair counts once.
         for u, c in slopes[i].items():
             for w, d in slopes[j].items():
                 if u >= w:
@@ -209,7 +225,7 @@ def _add_inertia(entries: _Entries, part: Moving, slopes: Sequence[_Slopes]) -> 
 
 
 def _masses(part: Moving) -> Iterator[tuple[int, int, Node]]:
-    """The entries of its inertia that are not zero."""
+    """Yield the entries of a part's inertia that are not zero."""
     for i in range(3):
         if not isinstance(part.mass, tuple):
             yield i, i, part.mass
@@ -224,6 +240,7 @@ def _affine(
 ) -> tuple[dict[Node, None], set[Node], dict[Node, int]]:
     """Return the nodes below `outputs` that depend on speeds, arguments first; those that are affine in the
     speeds; and the number of uses of each, outputs included."""
+    # Depth first in the order of the graph. A product is affine if one factor, in the first power, moves.
     linear, moving = set(speeds), dict.fromkeys(speeds)
     users = dict.fromkeys(speeds, 0)
     for node in reachable(outputs):
@@ -267,6 +284,8 @@ def _in_speeds(equations: EquationsOfMotion, nodes: Sequence[Node]) -> Sequence[
 def _influence(definitions: Mapping[int, Sequence[int]], moved: Mapping[int, int]) -> dict[int, int]:
     """Return the number of bodies that a speed moves. A shared velocity has the smallest number of the speeds
     in it."""
+    # Backwards over definitions: bodies that move with a shared velocity move with its parts. Then its own
+    # number is that of the part that moves fewest.
     reached = dict(moved)
     for k in sorted(definitions, reverse=True):
         for u in definitions[k]:

@@ -47,12 +47,12 @@ class Structure:
 
     @property
     def size(self) -> int:
-        """Of a right-hand side."""
+        """The length of a right-hand side."""
         return self.speeds + self.multipliers
 
     @property
     def moving(self) -> int:
-        """Speeds, multipliers and lifted velocities."""
+        """The number of speeds, multipliers and shared velocities."""
         return self.size + len(self.definitions)
 
     @property
@@ -82,8 +82,12 @@ class Step:
     def flops(self) -> int:
         """Operations of its part in the factorisation and in one solve, about."""
         d, c = len(self.near), len(self.definition)
+        # A substitution: c d products into the neighbours, c (c + 1) / 2 pairs within the definition, each a
+        # product or two and a sum, and c for the right-hand side twice.
         if c:
             return 2 * c * d + 3 * c * (c + 1) // 2 + (2 * c if self.massive else 0) + 4 * c
+        # A pivot: d (d + 1) / 2 products and sums for the rest of the matrix, d products for L, and 4 d for a
+        # solve.
         return d * (d + 1) + 5 * d + 2
 
 
@@ -130,11 +134,12 @@ def eliminate(structure: Structure, most: float = inf) -> Elimination | None:
 
 
 class _Search:
-    """The matrix that is left, as structure."""
+    """The search of an order: the structure of the matrix that remains after the steps so far."""
 
     def __init__(self, structure: Structure):
         self.structure = structure
         count = structure.unknowns
+        # The graph of the matrix: a pivot makes a clique of its neighbours.
         self.near: list[set[int]] = [set() for _ in range(count)]
         self.massive = [False] * count
         for i, j in structure.entries:
@@ -143,6 +148,7 @@ class _Search:
             else:
                 self.near[i].add(j)
                 self.near[j].add(i)
+        # An unknown waits until all of a definition, or all that a row needs, is eliminated.
         self.frees = _frees(structure, self.near, self.massive)
         self.definitions = dict(structure.definitions)
         for k, row in structure.ties:
@@ -154,8 +160,11 @@ class _Search:
         self.gone = [False] * count
 
     def steps(self, most: float) -> Sequence[Step]:
-        """Those of the first `most` operations."""
+        """Return the steps that the first `most` operations are enough for."""
         found: list[Step] = []
+        # Minimum degree with a lazy heap: ranks change with each step, so an unknown may stand in the heap
+        # more than once. Only the entry with its present rank counts (J. A. George, J. W. H. Liu, SIAM Rev.
+        # 31 (1989) 1-19).
         heap = [rank for k in range(len(self.near)) if (rank := self._rank(k)) is not None]
         heapify(heap)
         while heap:
@@ -176,18 +185,24 @@ class _Search:
         return found
 
     def _rank(self, k: int) -> tuple[int, int, int] | None:
-        """How soon unknown k is eliminated; None where it cannot be now."""
+        """Return the rank of unknown k, the lowest is eliminated next; None if it cannot be eliminated
+        now."""
         if self.gone[k] or self.waits[k]:
             return None
+        # A row may be a pivot only after the speeds that it holds: then its pivot is -G M^-1 G^T, of definite
+        # sign (R. Vanderbei 1995).
         near, structure = self.near[k], self.structure
         if structure.is_row(k):
             holds = self._is_defined if k >= structure.moving else self._holds
             if not self.massive[k] or any(not structure.is_row(j) and holds(j) for j in near):
                 return None
             return 1 if structure.kept else 0, len(near) * (len(near) + 1) // 2, -k
+        # A speed that is plain: by the number of its neighbours' pairs, the fill it may make.
         definition = self.definitions.get(k)
         if definition is None:
             return (1, len(near) * (len(near) + 1) // 2, -k) if self.massive[k] else None
+        # A shared velocity waits for neighbours that move fewer bodies: from the leaves of a tree to its
+        # root.
         influence = structure.influence
         for j in near:  # from the leaves to the root
             if not structure.is_row(j) and influence[j] < influence[k] and self._goes_before(j):
@@ -196,18 +211,21 @@ class _Search:
         return 1, c * (c + 1) // 2 + c * len(near), -k
 
     def _holds(self, j: int) -> bool:
-        """Whether a row waits for j: for all but speeds that only rows can give a pivot."""
+        """Return whether a row waits for j. It does not wait for speeds that only rows can give a pivot."""
         return j in self.definitions or self.waits[j] > 0 or self.massive[j]
 
     def _is_defined(self, j: int) -> bool:
-        """Whether a row that defines what is kept waits for j: speeds in it have their pivots from it."""
+        """Return whether the definition of a kept velocity waits for j. Its speeds have their pivots from
+        it."""
         return j >= self.structure.size
 
     def _goes_before(self, j: int) -> bool:
         return j in self.definitions or (self.waits[j] == 0 and self.massive[j])
 
     def _without(self, step: Step) -> set[int]:
-        """Takes an unknown out; those whose rank may be another then."""
+        """Remove the unknown of a step from the graph; return the unknowns whose rank may change."""
+        # Neighbours of a pivot become a clique. A substitution couples those in the definition to the
+        # neighbours of k, and among themselves if k has a mass.
         k, near, freed = step.unknown, step.near, self.frees.get(step.unknown, ())
         changed = {*near, *step.definition}
         for j in near:
@@ -225,6 +243,7 @@ class _Search:
         else:
             for i in near:
                 self._tie(i, changed)
+        # Rows next to what has changed may be ready now.
         rows = {i for j in changed if not self.structure.is_row(j) for i in self.near[j]}
         return {*changed, *freed} | {i for i in rows if self.structure.is_row(i)}
 
@@ -244,10 +263,12 @@ def _frees(
 
     A velocity waits for the definitions that use it, unless these are rows. A constraint on a kept velocity
     waits for the massive speeds in its definitions: before that, all rows but these speeds are dependent."""
+    # A definition frees its parts: these wait until the velocity is substituted.
     found = dict(structure.definitions)
     rows: dict[int, list[int]] = {}
     for k, row in structure.ties:
         found[row] = tuple([u for u in found.pop(k) if u < structure.speeds])
+    # A row on a kept velocity waits for the massive speeds below it.
     if structure.kept:
         moving = _moving_mass(structure, massive)
         for i in range(structure.speeds, structure.size):
@@ -257,9 +278,11 @@ def _frees(
 
 
 def _nearest_speeds(structure: Structure, unknowns: Iterable[int]) -> set[int]:
-    """Of `unknowns`, each itself or those of the first definitions below it that have any."""
+    """Return the speeds among `unknowns`, and of each velocity the speeds of the first level of definitions
+    below it that has any."""
     found: set[int] = set()
     for unknown in unknowns:
+        # Down the definitions until a level contains speeds.
         left, own = {unknown}, set[int]()
         while left and not own:
             own = {u for u in left if u < structure.speeds}
@@ -269,7 +292,8 @@ def _nearest_speeds(structure: Structure, unknowns: Iterable[int]) -> set[int]:
 
 
 def _moving_mass(structure: Structure, massive: Sequence[bool]) -> set[int]:
-    """Speeds and lifted velocities that have a mass of their own, or one moves with."""
+    """Return the speeds and shared velocities that have a mass, or that a velocity with a mass contains."""
+    # Mass of a velocity is mass of the parts of its definition, down to the speeds.
     left = [k for k in range(structure.speeds) if massive[k]]
     left += [k for k in structure.definitions if massive[k]]
     found = set(left)

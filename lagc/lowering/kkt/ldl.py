@@ -47,21 +47,22 @@ class Matrix:
 
 class _Factoring:
     """The matrix during elimination, and the sizes of the diagonal terms that have the sign of the pivot: the
-    mass of a speed and -sum of L_j^2 d_j over the rows j; for a row that sum over the speeds."""
+    mass of a speed and -sum of L_j^2 d_j over the rows j; for a row that sum over the speeds. `lessened` has
+    the unknowns whose diagonal entry something was subtracted from."""
 
     def __init__(self, block: Block, plan: Elimination, matrix: Matrix, guard: Guard | None):
         self.block, self.structure, self.matrix, self.guard = block, plan.structure, matrix, guard
         self.current = {**matrix.entries, **_tie_rows(block, plan.structure, matrix)}
         rows = plan.structure.is_row
         self.sizes = {i: value for (i, j), value in matrix.entries.items() if i == j and not rows(i)}
-        self.lessened: set[int] = set()  # what something was subtracted from
+        self.lessened: set[int] = set()
         self.lower: dict[Entry, int] = {}
         self.inverse: dict[int, int] = {}
         self.own: dict[int, int] = {}
         self.health = block.one
 
     def at(self, i: int, j: int) -> int:
-        """An entry; zero where terms cancelled that the structure knows to be there."""
+        """Return an entry; zero if terms cancelled that the structure counts as present."""
         return self.current.get(entry(i, j), self.block.zero)
 
     def add(self, i: int, j: int, value: int) -> None:
@@ -81,6 +82,7 @@ class _Factoring:
             self.pivot(step)
 
     def pivot(self, step: Step) -> None:
+        # 1/D_k once: a division is as long as four products, and all rows of the column share it.
         block, k = self.block, step.unknown
         pivot = self.at(k, k)
         if self.guard is not None and k in self.guard.limits:
@@ -88,10 +90,15 @@ class _Factoring:
         else:
             self.inverse[k] = block.div(block.one, pivot)
             self._watch(k, pivot)
+        # L_ik = A_ik / D_k, and the rest of the matrix loses L_ik D_k L_jk. Only neighbours of k in the graph
+        # of the matrix are touched.
         scaled = {i: self.at(i, k) for i in step.near}  # L D of this column
         for i in step.near:
             self.lower[(i, k)] = block.mul(scaled[i], self.inverse[k])
         row = self.structure.is_row
+        # The diagonal of a row against a speed (and of a speed against a row) grows by such terms, which have
+        # its sign; within the same kind they are subtracted. The pivot ratio d / (sum of its own terms)
+        # measures how much was cancelled.
         for n, i in enumerate(step.near):
             for j in step.near[: n + 1]:
                 share = ~block.mul(self.lower[(i, k)], scaled[j])
@@ -102,13 +109,18 @@ class _Factoring:
                     self.lessened.add(i)
 
     def _guarded(self, guard: Guard, step: Step, own: int) -> int:
-        """The inverse pivot of a row."""
+        """Return the inverse pivot of a row; `own` is minus its pivot."""
         block, k = self.block, step.unknown
+        # The size of a row is the sum of its terms before others were subtracted; `own` is what is
+        # independent of the rows before.
         size = ~self.sizes.get(k, block.zero)
+        # Speeds without inertia get their pivot from this row: it must stay, damped by the least share.
         if any(not self.structure.is_row(j) and block.is_zero(self.at(j, j)) for j in step.near):
             damped = block.add(own, block.mul(guard.least, size))
             self.own[k] = block.div(damped, size)
             return ~block.div(block.one, damped)
+        # The decision is arithmetic, without branches: `lt` and `select` choose between 1/D and 0, and a
+        # divisor that is not used is 1.
         kept = block.apply("lt", block.mul(guard.limits[k], size), own)
         part = block.div(own, block.apply("select", kept, size, block.one))
         self.own[k] = block.apply("select", kept, part, block.zero)
@@ -117,8 +129,10 @@ class _Factoring:
         return ~block.apply("select", kept, whole, block.zero)
 
     def _watch(self, k: int, pivot: int) -> None:
-        """Return the ratio of a pivot to its size: near zero for a speed without inertia and a redundant row,
-        of the wrong sign if the matrix is indefinite."""
+        """Lower the health to the ratio of this pivot to its size: near zero for a speed without inertia and
+        a redundant row, of the wrong sign if the matrix is indefinite."""
+        # A pivot can have lost digits only if something was subtracted from it; the smallest ratio of all is
+        # `health`.
         size = self.sizes.get(k)
         if size == pivot or k not in self.lessened:
             return
@@ -127,7 +141,7 @@ class _Factoring:
         self.health = ratio if first else self.block.apply("min", self.health, ratio)
 
     def substitution(self, step: Step) -> None:
-        """Eliminate a lifted velocity by its definition."""
+        """Eliminate a shared velocity w_k = sum of c_u u by its definition."""
         # The unknown k is sum of c_u u. Its row and column go to the unknowns u of its definition:
         # x^T A x with x_k = c . u adds c_u a_kj to A_uj, and c_u c_w a_kk to A_uw.
         block, k = self.block, step.unknown
@@ -205,6 +219,7 @@ def _padded(block: Block, plan: Elimination, right: Sequence[int]) -> list[int]:
 
 def _forward(block: Block, step: Step, lower: Mapping[Entry, int], matrix: Matrix, x: list[int]) -> None:
     """Apply a step of the elimination to a right-hand side."""
+    # A definition w_k = c . u passes a force on w_k to the u; a pivot is the usual forward substitution.
     k = step.unknown
     for u in step.definition:
         x[u] = block.add(x[u], block.mul(matrix.coefficients[(k, u)], x[k]))
@@ -214,6 +229,8 @@ def _forward(block: Block, step: Step, lower: Mapping[Entry, int], matrix: Matri
 
 
 def _backward(block: Block, plan: Elimination, factors: Factors, matrix: Matrix, x: list[int]) -> list[int]:
+    # Backwards each velocity by its definition, each pivot by D^-1 and L^T. Operands that are known last are
+    # subtracted last, so that the chain of operations stays short.
     when = {step.unknown: n for n, step in enumerate(plan.steps)}
     for step in reversed(plan.steps):
         k = step.unknown
@@ -254,6 +271,7 @@ def residual(
         products[i].append(block.mul(value, y[j]))
         if i != j:
             products[j].append(block.mul(value, y[i]))
+    # From the last definition to the first: forces on a shared velocity are forces on its parts.
     for k in sorted(structure.definitions, reverse=True):  # a force on it is one on what it is made of
         if k in ties:
             force = x[ties[k]]
@@ -268,6 +286,7 @@ def residual(
     right = [*right, *[block.zero] * (structure.unknowns - len(right))]
     watched = {*range(plan.size), *ties, *ties.values()}
     rest = {k: _remainder(block, right[k], products[k]) for k in watched}
+    # r^T |D|^-1 r over the pivots: the energy that an impulse r would give. A row has a negative pivot.
     left = total = block.zero
     for step in plan.pivots:
         k = step.unknown
@@ -277,6 +296,7 @@ def residual(
         weight = ~factors.inverse[k] if row else factors.inverse[k]
         left = block.add(left, block.mul(_square(block, rest[k]), weight))
         size = _square(block, right[k])
+        # M_kk a_k counts for the right side.
         if k in factors.sizes and not row:
             size = block.add(size, _square(block, block.mul(factors.sizes[k], x[k])))
         total = block.add(total, block.mul(size, weight))
@@ -312,6 +332,7 @@ def _square(block: Block, a: int) -> int:
 def pair(block: Block, entries: Mapping[Entry, int], right: Sequence[int]) -> tuple[list[int], int]:
     """Return the unknowns of a positive definite 2 x 2 system and its pivot ratio by Cramer's rule, with one
     division instead of two dependent ones."""
+    # [m k; k n] by Cramer's rule; the pivot ratio is det / (m n).
     m, k, n = entries[(0, 0)], entries[(1, 0)], entries[(1, 1)]
     whole = block.mul(m, n)
     determinant = block.sub(whole, block.mul(k, k))

@@ -1,4 +1,4 @@
-"""Parts of a system that nothing asked for depends on.
+"""The removal of parts of a system that the outputs and results of a run do not depend on.
 
 Speeds that the mass matrix, constraints or contacts couple are one component.  A component reads what its
 forces, inertia, constraints and events contain.  Components that are not read from what is asked for are left
@@ -30,15 +30,19 @@ class Components:
     def __init__(self, equations: EquationsOfMotion) -> None:
         self.leader: dict[Node, Node] = {}
         self.read: list[tuple[Node, Sequence[Node]]] = []
+        # Union-find over symbols: each term that couples symbols makes them one component, and `read` stores
+        # what the component depends on. Accelerations belong to their speeds.
         v = equations.v
         known = {*equations.q, *v, *(x.symbol for x in equations.model.discretes)}
         self.tie([(v[j], equations.a[j]) for j in range(len(v))])
+        # Inertia couples both speeds; rates couple a coordinate with its speeds; a quaternion is one.
         for (i, j), m in equations.mass_matrix.items():
             self.add([v[i], v[j]], [m])
         for q, qdot in zip(equations.q, equations.qdot):
             self.add([q, *(symbols([qdot]) & set(v))], [qdot])
         for k in equations.quaternions:
             self.add(equations.q[k : k + 4], [])
+        # Forces, constraints and contacts: a row couples all speeds that it acts on, with its multiplier.
         for j, forces in enumerate(zip(equations.bias_forces, equations.given_forces)):
             self.add([v[j]], forces)
         for row in equations.rows:
@@ -46,6 +50,7 @@ class Components:
         for contact in equations.contacts:
             touched = [v[j] for own in contact.jacobians for j in own]
             self.add([*contact.forces, contact.contact.state, *touched], contact.nodes)
+        # Equations of the start and new values of clauses.
         for residual, _ in equations.initial_conditions:
             self.add([s for s in symbols([residual]) if s in known], [])
         for when in equations.whens:
@@ -57,7 +62,7 @@ class Components:
             self.leader[self.find(a)] = self.find(b)
 
     def add(self, together: Sequence[Node], reads: Sequence[Node]) -> None:
-        """Tie symbols, which read these nodes."""
+        """Join symbols to one component, which reads these nodes."""
         self.tie([(together[0], other) for other in together] if together else [])
         self.read += [(together[0], reads)] if together else []
 
@@ -67,7 +72,8 @@ class Components:
         return symbol
 
     def reached(self, symbols_: set[Node]) -> set[Node]:
-        """The leaders of all components that these symbols depend on."""
+        """Return the leaders of all components that these symbols depend on."""
+        # Transitive closure: a component that is reached reaches what it reads.
         reads: dict[Node, set[Node]] = {}
         for symbol, nodes in self.read:
             reads.setdefault(self.find(symbol), set()).update(symbols(nodes))
@@ -89,6 +95,7 @@ def _is_asked(when: WhenEquations) -> bool:
 def leave_out(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[list[int], list[int]]]:
     """Return `equations` without what `model.asked` and the outputs do not depend on, with the old columns,
     and the q and v that stay.  Clauses that end the run or give no new values are asked for."""
+    # The roots: outputs, what was asked for by name, conditions of clauses that end the run.
     model = equations.model
     components = Components(equations)
     wanted = symbols([o.expression for o in equations.outputs])
@@ -104,6 +111,7 @@ def leave_out(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[li
     def stays(symbol: Node) -> bool:
         return components.find(symbol) in reached
 
+    # Components that no root reaches act on nothing that stays, so they can go.
     q = [i for i, s in enumerate(equations.q) if stays(s)]
     v = [j for j, s in enumerate(equations.v) if stays(s)]
     if not v or (len(q) == len(equations.q) and len(v) == len(equations.v)):
@@ -112,7 +120,8 @@ def leave_out(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[li
 
 
 def _without(equations: EquationsOfMotion, components: Components, reached: set[Node]) -> EquationsOfMotion:
-    graph, model, v = equations.graph, equations.model, equations.v
+    """Return `equations` with the components that are not `reached` at rest, in the old columns."""
+    graph, model, v, inertias = equations.graph, equations.model, equations.v, equations.inertias
 
     def gone(symbol: Node) -> bool:
         return symbol in components.leader and components.find(symbol) not in reached
@@ -121,60 +130,50 @@ def _without(equations: EquationsOfMotion, components: Components, reached: set[
     rest = {s: start.value for s, start in zip(equations.q, equations.starts_q) if gone(s)}
     rest.update((s, graph.zero) for s in (*equations.v, *equations.a, *equations.lam) if gone(s))
     rest.update((x.symbol, x.start) for x in model.discretes if gone(x.symbol))
-    lost = set(rest)
 
     def at_rest(nodes: Sequence[Node]) -> list[Node]:
         return substitute(graph, nodes, rest)
 
     def own(node: Node) -> Node:
-        """A sum without the terms of what is left out alone."""
+        """Return a sum without the terms that consist of symbols that are left out."""
         if node.op == "add":
             return graph.add(*[own(term) for term in node.args])
         if node.op == "scale":
             return graph.scale(node.value, own(node.args[0]))
         found = symbols([node])
-        if found & lost and not found & (known - lost):
+        if found & rest.keys() and not found & (known - rest.keys()):
             return graph.zero
         return at_rest([node])[0]
 
     # Bodies that rest without what is left out, and did not before, carry no energy any more.
     known = {*equations.q, *equations.v, *equations.a, *equations.lam, *(x.symbol for x in model.discretes)}
-    parts = [_at_rest(part, at_rest) for part in equations.inertias]
-    idle = {id(part.body) for part in equations.inertias} - {
-        id(part.body) for part, old in zip(parts, equations.inertias)
+    parts = [_at_rest(part, at_rest) for part in inertias]
+    idle = {id(part.body) for part in inertias} - {
+        id(part.body) for part, old in zip(parts, inertias)
         if not all(x.is_zero for x in part.velocity) or all(x.is_zero for x in old.velocity)
     }  # fmt: skip
     sums = [own(x) for x in (equations.kinetic, equations.potential, equations.energy, equations.power)]
     whens = [replace(w, changes=tuple([(s, x) for s, x in w.changes if not gone(s)]))
              for w in equations.whens if _is_asked(w) or not all(gone(s) for s, _ in w.changes)]  # fmt: skip
-    # Loads on velocities that are constant now do nothing; those on one velocity add.
-    velocities = at_rest([*equations.loads, *equations.loads.values()])
-    loads: dict[Node, Node] = {}
-    for velocity, weight in zip(velocities, velocities[len(equations.loads) :]):
-        if not velocity.is_const:
-            loads[velocity] = graph.add(loads.get(velocity, graph.zero), weight)
     contacts = tuple([c for c in equations.contacts if not gone(c.multiplier)])
+    model = replace(
+        model,
+        bodies=tuple([b for b in model.bodies if id(b) not in idle]),
+        contacts=tuple([c.contact for c in contacts]),
+        discretes=tuple([x for x in model.discretes if not gone(x.symbol)]),
+        whens=tuple([w.clause for w in whens if w.clause in model.whens]),
+    )
     return replace(
         equations,
-        model=replace(
-            model,
-            bodies=tuple([b for b in model.bodies if id(b) not in idle]),
-            contacts=tuple([c.contact for c in contacts]),
-            discretes=tuple([x for x in model.discretes if not gone(x.symbol)]),
-            whens=tuple([w.clause for w in whens if w.clause in model.whens]),
-        ),
+        model=model,
         inertias=tuple([part for part in parts if id(part.body) not in idle]),
-        further_inertia={
-            at: m for at, m in equations.further_inertia.items() if not gone(equations.v[at[0]])
-        },
-        loads=loads,
-        rows=tuple([row for row in equations.rows if not gone(row.multiplier)]),
-        contacts=contacts,
-        whens=tuple(whens),
-        initial_conditions=tuple(
-            [given for given in equations.initial_conditions if not any(map(gone, symbols([given[0]])))]
-        ),
+        further_inertia={at: m for at, m in equations.further_inertia.items() if not gone(v[at[0]])},
+        rows=tuple([row for row in equations.rows if not gone(row.multiplier)]), contacts=contacts,
+        loads=_loads(equations, at_rest), whens=tuple(whens),
         kinetic=sums[0], potential=sums[1], energy=sums[2], power=sums[3],
+        initial_conditions=tuple([
+            given for given in equations.initial_conditions if not any(map(gone, symbols(given[:1])))
+        ]),
         contributions=tuple([
             replace(c, power=own(c.power), forces={j: x for j, x in c.forces.items() if not gone(v[j])})
             for c in equations.contributions
@@ -182,11 +181,24 @@ def _without(equations: EquationsOfMotion, components: Components, reached: set[
     )  # fmt: skip
 
 
+def _loads(equations: EquationsOfMotion, at_rest: Callable[[Sequence[Node]], list[Node]]) -> dict[Node, Node]:
+    """Return the loads on velocities where some symbols are at rest: those on a constant velocity do nothing,
+    those on one velocity add."""
+    graph, count = equations.graph, len(equations.loads)
+    velocities = at_rest([*equations.loads, *equations.loads.values()])
+    found: dict[Node, Node] = {}
+    for velocity, weight in zip(velocities, velocities[count:]):
+        if not velocity.is_const:
+            found[velocity] = graph.add(found.get(velocity, graph.zero), weight)
+    return found
+
+
 def _at_rest(part: Moving, at_rest: Callable[[Sequence[Node]], list[Node]]) -> Moving:
-    """A moving part whose left out coordinates rest at their initial values."""
+    """Return a moving part with the coordinates that are left out at rest at their initial values."""
     velocity, drive, explicit = (at_rest(x) for x in (part.velocity, part.at_rest, part.explicit))
     return replace(
         part,
+        # Rest means the velocity is a function of what stays: the parts of `Moving` with zeros for the rest.
         velocity=(velocity[0], velocity[1], velocity[2]),
         at_rest=(drive[0], drive[1], drive[2]),
         explicit=(explicit[0], explicit[1], explicit[2]),
@@ -201,6 +213,7 @@ def prune(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[str, .
     condition contains, and their names; where outputs are asked for, also without those that these do not
     depend on. If that would remove all of them, none is removed."""
     model = equations.model
+    # First what is asked for, if anything is; then what nothing uses.
     if model.asked is not None:
         equations, (q, v) = leave_out(equations)
         equations = _restricted(equations, q, v) if len(v) < len(equations.v) else equations
@@ -214,7 +227,9 @@ def prune(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[str, .
 
 
 def _in_use(equations: EquationsOfMotion) -> tuple[list[int], list[int]]:
-    """Indices of the q and v that stay."""
+    """Return the indices of the coordinates and speeds that stay."""
+    # Speeds stay if mass moves with them, a row or contact acts on them, a force is not zero, or something
+    # reads them or their accelerations.
     reached = symbols(sources(equations))
     moving = set(equations.massive) | {j for at in equations.further_inertia for j in at}
     moving.update(j for row in equations.rows for j in row.jacobian)
@@ -245,14 +260,14 @@ def _in_use(equations: EquationsOfMotion) -> tuple[list[int], list[int]]:
 
 
 def _groups(equations: EquationsOfMotion) -> list[tuple[int, ...]]:
-    """Indices of q that stay or go together: the four of a quaternion, else one."""
+    """Return the sets of coordinates that stay or go together: the four of a quaternion, else one."""
     inside = {k + i for k in equations.quaternions for i in range(4)}
     return [tuple(range(k, k + 4)) if k in inside else (k,)
             for k in range(len(equations.q)) if k not in inside or k in equations.quaternions]  # fmt: skip
 
 
 def sources(equations: EquationsOfMotion) -> list[Node]:
-    """All that a coordinate can matter for, its own rate aside."""
+    """Return all nodes in which a coordinate may have an effect, except its own rate."""
     found = [
         *_inertial(equations), *equations.bias_forces, *equations.given_forces,
         equations.kinetic, equations.potential, equations.energy, equations.power,
@@ -260,6 +275,7 @@ def sources(equations: EquationsOfMotion) -> list[Node]:
         *(node for when in equations.whens for node in (when.condition, *chain(*when.changes))),
         *(o.expression for o in equations.outputs),
     ]  # fmt: skip
+    # Constraints and contacts read all that they are made of.
     for row in equations.rows:
         found += [row.residual, row.rate, row.gamma]
     for contact in equations.contacts:
@@ -268,7 +284,7 @@ def sources(equations: EquationsOfMotion) -> list[Node]:
 
 
 def _inertial(equations: EquationsOfMotion) -> list[Node]:
-    """All that M is made of."""
+    """Return the nodes that the mass matrix is made of."""
     found = list(equations.further_inertia.values())
     for part in equations.inertias:
         found += part.carried
@@ -279,9 +295,12 @@ def _inertial(equations: EquationsOfMotion) -> list[Node]:
 def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]) -> EquationsOfMotion:
     new_q = {old: new for new, old in enumerate(q)}
     new_v = {old: new for new, old in enumerate(v)}
+    # New places of coordinates and speeds; what stays keeps its order.
     gone = {s for i, s in enumerate(equations.q) if i not in new_q}
     gone |= {s for j, s in enumerate(equations.v) if j not in new_v}
 
+    # Gradients are sparse in the speeds: their places move with them. Those of rows, of contacts and of
+    # forces share sums, so each set is renumbered at once.
     jacobians = with_places([row.jacobian for row in equations.rows], new_v, len(v))
     rows = [row for contact in equations.contacts for row in contact.jacobians]
     gradients = with_places(rows, new_v, len(v))
@@ -339,6 +358,7 @@ def independent(equations: EquationsOfMotion, system: ArticulatedBody) -> tuple[
         for state, value in when.changes:
             if state in number:
                 _tie_to(parts, number[state], [when.condition, value], number)
+    # More than a few parts are a swarm of equal bodies, which nobody wants listed.
     groups = parts.groups(len(equations.v))
     if len(groups) < 2 or len(groups) > _MOST_NAMED:
         return ()
@@ -382,6 +402,8 @@ def with_pivots(equations: EquationsOfMotion) -> EquationsOfMotion:
     """Return `equations` with pivots for all speeds. A massless speed without force that has a row of its
     own, `der(y) = ...`, gets a unit inertia and the force gamma, so that the multiplier is 0 in any units.
     Raises Refused, LAG0501 for each speed that neither inertia nor rows determine."""
+    # Straight elimination has no pivot for a speed that neither mass nor rows determine. A row of its own,
+    # der(y) = ..., gives one.
     bare = [j for j in range(len(equations.v)) if j not in equations.massive]
     if not bare or eliminate(plain(equations).structure) is not None:
         return equations
@@ -397,6 +419,8 @@ def with_pivots(equations: EquationsOfMotion) -> EquationsOfMotion:
 def _with_units(equations: EquationsOfMotion, free: Sequence[int]) -> EquationsOfMotion:
     matrix, given = dict(equations.further_inertia), list(equations.given_forces)
     loads, pivots = dict(equations.loads), set[int]()
+    # A unit inertia on such a speed with the force gamma: then a = gamma, whatever the unit, and the
+    # multiplier is 0.
     forces, one = equations.applied_forces, equations.graph.one
     for j in free:
         rows = [row for row in equations.rows if j in row.jacobian]
@@ -413,7 +437,8 @@ def _with_units(equations: EquationsOfMotion, free: Sequence[int]) -> EquationsO
 
 
 def _tied(equations: EquationsOfMotion, massive: list[int]) -> set[int]:
-    """The speeds that rows tie, one to the next, to a speed with inertia."""
+    """Return the speeds that constraints connect, directly or through others, to a speed with inertia."""
+    # Rows that share a speed with inertia determine the others, one row after the next.
     found = set(massive)
     left = [set(row.jacobian) for row in equations.rows]
     while True:
@@ -426,6 +451,7 @@ def _tied(equations: EquationsOfMotion, massive: list[int]) -> set[int]:
 
 
 def _fault(equations: EquationsOfMotion, j: int) -> Fault:
+    # The message names the coordinate as it is written, and what would give it a pivot.
     name = equations.v_names[j]
     span: Span | None = None
     line = "give it an inertia"

@@ -44,7 +44,7 @@ class Solver:
         return [*self.system.entries.values(), *self.system.coefficients.values()]
 
     def matrix(self, values: Sequence[int]) -> Matrix:
-        """`values`: references to those of `nodes`."""
+        """Return the matrix for `values`, references to those of `nodes`."""
         n = len(self.system.entries)
         return Matrix(dict(zip(self.system.entries, values)), dict(zip(self.system.coefficients, values[n:])))
 
@@ -63,9 +63,12 @@ def _rhs(places: Places, solver: Solver, nodes: Sequence[Node], power: Sequence[
     lowering, values = lower(places, block, nodes)
     first, last = len(solver.nodes), len(solver.nodes) + len(solver.system.right)
     matrix, b, qdot = solver.matrix(values[:first]), values[first:last], values[last:]
+    # One unknown, or two speeds: closed forms, without loops over steps. Else factorization and solve at
+    # once.
     if plan.structure.unknowns == 1:
         mass = matrix.entries[0, 0]
         x, left, health = [block.div(b[0], mass)], None, block.one
+        # A force of zero divides by nothing: the pivot is still to be checked.
         if block.is_zero(x[0]):
             health = _with_inertia(block, plan, {0: block.div(block.one, mass)}, (), health)
     elif plan.structure.unknowns == plan.speeds == 2 and len(matrix.entries) == 3:
@@ -74,6 +77,7 @@ def _rhs(places: Places, solver: Solver, nodes: Sequence[Node], power: Sequence[
         factors, x = factor_and_substitute(block, plan, matrix, b)
         left = residual(block, plan, factors, matrix, b, x)[1] if plan.multipliers else None
         health = _with_inertia(block, plan, factors.inverse, x[: plan.size], factors.health)
+    # Accelerations and multipliers are known to what follows: power, work, comments of the rows.
     found = _signed(plan, x)
     a, lam = found[: plan.speeds], found[plan.speeds :]
     lowering.known.update(zip(equations.a, a))
@@ -106,6 +110,7 @@ def _with_inertia(
 ) -> int:
     """Return `health`, not positive if the pivot of a speed is not, even if nothing was divided by it: a
     speed needs inertia without forces too."""
+    # A pivot that the solve does not use is not computed there: its sign joins the health.
     used = block.below([*found, health])
     for step in plan.pivots:
         inverse = block.unsigned(inverses[step.unknown])
@@ -138,7 +143,9 @@ def assemble(places: Places, solver: Solver, guarded: bool) -> Function:
 
 
 def factorize(solver: Solver, guarded: bool) -> Function:
-    """w: entries -> entries, L, 1/D."""
+    """Return `factor`: it reads the entries in w and adds L and 1/D behind them."""
+    # w holds, from its beginning: entries, L, 1/D; from its end backwards: damping shares, limits, shares and
+    # sizes of rows.
     block, plan, length = Block(), solver.plan, work_size(solver, guarded)
     rows, behind = range(plan.speeds, plan.size), length - 2 - 3 * plan.multipliers
     guard = None
@@ -162,7 +169,7 @@ def factorize(solver: Solver, guarded: bool) -> Function:
 
 
 def solve(solver: Solver) -> Function:
-    """M s1 - G^T s2 = r1, G s1 = r2 with the factors in w."""
+    """Return `solve`: M s1 - G^T s2 = r1, G s1 = r2 with the factors in w."""
     block, plan = Block(), solver.plan
     right = [block.load("r", k) for k in range(plan.size)]
     x = substitute(block, plan, _stored_factors(block, solver), _assembled(block, solver), right)
@@ -181,7 +188,7 @@ def remainder(solver: Solver) -> Function:
 
 
 def refiner(solver: Solver) -> Function:
-    """s: a solution that `solve` gave -> the same with one step of iterative refinement."""
+    """Return `refine`: one step of iterative refinement of s, a solution that `solve` gave."""
     block, plan = Block(), solver.plan
     right = [block.load("r", k) for k in range(plan.size)]
     x = _signed(plan, [block.load("s", k) for k in range(plan.size)])
@@ -192,7 +199,7 @@ def refiner(solver: Solver) -> Function:
 
 
 def _assembled(block: Block, solver: Solver) -> Matrix:
-    """The matrix that `assemble` left in w; numbers are known as they are."""
+    """Return the matrix that `assemble` left in w; its constants are numbers, not loads."""
     return solver.matrix([
         block.const(node.value) if node.is_const else block.load("w", k)
         for k, node in enumerate(solver.nodes)
@@ -200,7 +207,7 @@ def _assembled(block: Block, solver: Solver) -> Matrix:
 
 
 def _stored_factors(block: Block, solver: Solver) -> Factors:
-    """The factors that `factor` left in w."""
+    """Return the factors that `factor` left in w."""
     plan, first = solver.plan, len(solver.nodes)
     lower_part = {at: block.load("w", first + k) for k, at in enumerate(plan.lower)}
     first += len(lower_part)
@@ -209,7 +216,7 @@ def _stored_factors(block: Block, solver: Solver) -> Factors:
 
 
 def _signed(plan: Elimination, x: Sequence[int]) -> list[int]:
-    """The multipliers for the unknowns that stand for them, or the other way round."""
+    """Return `x` with the multipliers in place of the unknowns -lam, or the other way round."""
     return [*x[: plan.speeds], *(~value for value in x[plan.speeds : plan.size])]
 
 
@@ -234,14 +241,14 @@ _WORTH = 0.8  # of the operations, at most, where bodies keep their velocities
 
 
 def forms_matrix(equations: EquationsOfMotion) -> bool:
-    """Whether the mass matrix is formed though the equations may be solved without."""
+    """Return whether the mass matrix is formed although the equations may be solved without it."""
     if equations.rows:
         return len(equations.v) + len(equations.rows) <= _MOST_UNKNOWNS
     return len(equations.v) <= _MOST_SPEEDS
 
 
 def solvers(equations: EquationsOfMotion) -> Iterator[Solver]:
-    """Those that straight-line code is made of."""
+    """Yield the forms of the equations that straight-line code can solve, each with its elimination."""
     for system in _forms(equations):
         plan = _plan(system)
         if plan is not None:
@@ -253,6 +260,8 @@ def solvers(equations: EquationsOfMotion) -> Iterator[Solver]:
 def _plan(system: ArticulatedBody) -> Elimination | None:
     """Return the elimination with all shared velocities substituted, which loses no digits, or with those of
     bodies kept if that is much cheaper, as with many loops."""
+    # Kept velocities of bodies keep the graph of the bodies, which pays with many loops. They lose digits, so
+    # they are taken only where they save a fifth of the operations.
     structure, kept = system.structure, None
     most: float = _most(structure)
     if system.heavy and structure.multipliers:
@@ -262,7 +271,8 @@ def _plan(system: ArticulatedBody) -> Elimination | None:
 
 
 def _most(structure: Structure) -> int:
-    """Operations of a straight solve; a dense one, of n^3/3, is a loop, of little code."""
+    """Return the largest number of operations of a straight solve. A dense solve of n^3/3 operations is a
+    loop of little code."""
     if structure.definitions:
         return LARGEST_GROWING
     dense = structure.size**3 // 3
@@ -270,6 +280,8 @@ def _most(structure: Structure) -> int:
 
 
 def _forms(equations: EquationsOfMotion) -> Iterator[ArticulatedBody]:
+    # Three forms: shared velocities as unknowns; the mass matrix with forces one by one; the same with forces
+    # in one sweep. The shortest code wins.
     known = symbols(sources(equations))
     raised = articulated_body(equations)
     if raised is not None and _is_made_of(known, raised):

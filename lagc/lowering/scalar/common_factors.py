@@ -19,8 +19,10 @@ _NONE: frozenset[Node] = frozenset()
 
 
 def factored(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
-    """`nodes` with a*b + a*c written a*(b + c) where that saves a product. Sums are flattened through
+    """Return `nodes` with a*b + a*c written a*(b + c) where that saves a product. Sums are flattened through
     additions that have one user only."""
+    # Sums with one user are opened into it; each sum is then rewritten as a whole, from the leaves of the
+    # graph up.
     below = reachable(nodes)
     users = _users(below, nodes)
     inner = {a for node in below if node.op == "add" for a in node.args if a.op == "add" and users[a] == 1}
@@ -48,7 +50,7 @@ def _users(below: Sequence[Node], roots: Sequence[Node]) -> dict[Node, int]:
 
 
 def _partners(below: Sequence[Node], roots: Sequence[Node], users: dict[Node, int]) -> Partners:
-    """Of each factor of products of two that are there anyway the others."""
+    """Return for each node the nodes whose product with it is computed in any case."""
     asked = set(roots)
     found: Partners = {}
     for node in below:
@@ -67,7 +69,8 @@ def _sum(
     new: dict[Node, Node],
     partners: Partners,
 ) -> Node:
-    """The addition `root` and those inside it, rewritten."""
+    """Return the sum `root`, with the sums inside it, after common factors are taken out."""
+    # Terms of the sum, from left to right.
     leaves: list[Node] = []
     stack = list(reversed(root.args))
     while stack:
@@ -76,6 +79,7 @@ def _sum(
             stack.extend(reversed(node.args))
         else:
             leaves.append(node)
+    # A product with other users exists anyway, so taking it apart would save nothing.
     free: list[Term] = []  # terms that are not used elsewhere: their product can be taken apart
     rest: list[Node] = []
     for leaf in leaves:
@@ -104,6 +108,9 @@ def _term(node: Node) -> Term:
 def _collect(graph: Graph, terms: list[Term], partners: Partners) -> Node:
     """Return the sum of `terms` with the most common factor taken out, recursively. The recursion is as deep
     as a monomial has factors."""
+    # Horner's scheme in many variables: the factor that most terms share is taken out, and the same is done
+    # inside (M. Ceberio, V. Kreinovich, Greedy algorithms for optimizing multivariate Horner schemes, SIGSAM
+    # Bull. 38 (2004) 8-15).
     total = graph.zero
     shared = _Shared(terms, partners)
     while (key := shared.most_common()) is not None:
@@ -129,6 +136,8 @@ class _Shared:
 
     def __init__(self, terms: list[Term], partners: Partners) -> None:
         self.left = dict(enumerate(terms))
+        # Each term counts for each of its factors; `saves` is whether taking it out of that term saves a
+        # product.
         self.keys = [_keys(term, partners) for term in terms]
         self.counts: dict[Key, int] = {}
         self.holders: dict[Key, list[int]] = {}
@@ -141,7 +150,7 @@ class _Shared:
         heapify(self.heap)
 
     def most_common(self) -> Key | None:
-        """The factor that the most terms share, where taking it out of them saves an operation."""
+        """Return the factor that most terms share if taking it out saves an operation; else None."""
         while self.heap:
             rank, key = self.heap[0]
             count = self.counts[key]
@@ -154,7 +163,7 @@ class _Shared:
         return None
 
     def take(self, key: Key) -> list[Term]:
-        """The terms that hold `key`, which are left no more."""
+        """Remove the terms with the factor `key` from those that are left, and return them."""
         numbers = [number for number in self.holders[key] if number in self.left]
         for number in numbers:
             for other, saves in self.keys[number]:
@@ -163,7 +172,9 @@ class _Shared:
 
 
 def _keys(term: Term, partners: Partners) -> list[tuple[Key, bool]]:
-    """The factors of a term, and whether taking each out of it can save an operation."""
+    """Return the factors of a term, each with whether taking it out can save an operation."""
+    # c x y z -> x (c y z) saves one product if the term has at least two; a pair of factors that exists
+    # anyway as a product of another term does not count.
     c, powers = term
     scaled = abs(c) != 1.0 and isfinite(c)
     several = sum(map(abs, powers.values())) + scaled > 1
@@ -184,6 +195,7 @@ def _rank(key: Key, count: int) -> tuple[int, int, float]:
 
 
 def _without(c: float, powers: dict[Node, int], key: Key) -> Term:
+    # The factor leaves the term: its exponent falls by one in magnitude.
     base, sign = key
     if isinstance(base, float):
         return c / base, powers
@@ -197,6 +209,8 @@ def plan(nodes: Sequence[Node]) -> dict[Product, tuple[Product, Product]]:
     Greedy: the pair of factors that most products contain becomes a factor, as long as two products share one
     (M. Breuer, *Generation of optimal code for expressions via factorization*, CACM 12 (1969)). A divisor is
     one more factor. Products have at most `MOST_FACTORS` factors, so the work is linear in their number."""
+    # All products with their factors as numbers; a divisor is one more factor, and its product exists as
+    # well.
     products: dict[Product, Row] = {}
     atoms: list[Product] = []  # what each factor number stands for
     numbers: dict[Node | Product, int] = {}
@@ -208,6 +222,7 @@ def plan(nodes: Sequence[Node]) -> dict[Product, tuple[Product, Product]]:
             if divisor and (under := inverse(divisor)) not in products:
                 products[under] = _numbered(under, (), atoms, numbers)
     made: dict[Product, tuple[Product, Product]] = {}
+    # Pairs that most products share become factors of their own, until no pair is in two.
     pairs = _Pairs(list(products.values()))
     while (pair := pairs.most_common()) is not None:
         one, other = sorted([atoms[k] for k in pair], key=is_divisor)
@@ -215,6 +230,7 @@ def plan(nodes: Sequence[Node]) -> dict[Product, tuple[Product, Product]]:
         made[whole] = (one, other)
         atoms.append(whole)
         pairs.replace(pair, len(atoms) - 1)
+    # Factors that are left are multiplied one by one, divisors last.
     for product, row in products.items():
         factors = sorted([atoms[k] for k, power in row.items() for _ in range(power)], key=is_divisor)
         whole, *others = factors
@@ -261,8 +277,10 @@ class _Pairs:
         for number, row in enumerate(rows):
             self._count(number, 1, row)
 
+    # Counts in the heap may be too large, as replacing pairs only lowers them: the top is corrected until it
+    # is true.
     def most_common(self) -> tuple[int, int] | None:
-        """The pair that most rows hold (or one row twice), at least two."""
+        """Return the pair that most rows contain, counted twice if one row has it twice; None below two."""
         for pair in self.new:
             if self.counts[pair] > 1:
                 heappush(self.heap, (-self.counts[pair], pair))
@@ -280,6 +298,7 @@ class _Pairs:
 
     def replace(self, pair: tuple[int, int], by: int) -> None:
         i, j = pair
+        # As often as the row contains the pair: x^3 y^2 contains (x, y) twice.
         for number in sorted(self.holders[pair]):
             row = self.rows[number]
             times = row.get(i, 0) // 2 if i == j else min(row.get(i, 0), row.get(j, 0))
@@ -294,6 +313,8 @@ class _Pairs:
 
     def _count(self, number: int, sign: int, changing: Iterable[int]) -> None:
         """Count the pairs of a row that hold any of `changing`, each once."""
+        # Pairs that contain a factor: powers of it with itself by twos, and with each other factor by the
+        # smaller power.
         left = dict(self.rows[number])
         for i in changing:
             power = left.pop(i, 0)

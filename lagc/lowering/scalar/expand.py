@@ -33,7 +33,7 @@ class Lowering:
         self._products: dict[Product, int] = {(): block.one}
 
     def __call__(self, nodes: Sequence[Node]) -> list[int]:
-        """References to the values of `nodes`.  KeyError for a symbol that is not known."""
+        """Return references to the values of `nodes`. Raises KeyError for a symbol that is not known."""
         known = self.known
         for node in reachable(nodes):
             if node not in known:
@@ -92,7 +92,7 @@ class Lowering:
 
 
 def is_divisor(product: Product) -> bool:
-    """Whether it is one over a product."""
+    """Return whether a factor is one over a product."""
     return bool(product) and product[0][1] < 0 and max([exponent for _, exponent in product]) < 0
 
 
@@ -101,13 +101,14 @@ def inverse(product: Product) -> Product:
 
 
 def split(product: Product) -> tuple[Product, Product]:
-    """The factors above the line, and one over those below it."""
+    """Return the factors of the numerator, and one over those of the denominator."""
     over = tuple([(b, e) for b, e in product if e > 0])
     return (product, ()) if len(over) == len(product) else (over, tuple([x for x in product if x[1] < 0]))
 
 
 def halves(product: Product) -> tuple[Product, Product]:
-    """The two parts of a product that no plan speaks of: divided last; squares first, then left to right."""
+    """Return the two parts of a product that no plan divides: division last; squares first, then from left to
+    right."""
     over, divisor = split(product)
     if divisor:
         return over, divisor
@@ -155,7 +156,7 @@ class Coefficients:
         return graph.mul(self._coefficient(coefficient), rest)
 
     def _scaled(self, c: float, node: Node) -> Node:
-        """A number times a product: it goes into the coefficient."""
+        """Return a number times a product: the number goes into the coefficient."""
         graph = self.graph
         for base, exponent in zip(node.args, node.value) if node.op == "mul" else ():
             if exponent == 1 and (base in self.meaning or base in self._fixed):
@@ -164,7 +165,7 @@ class Coefficients:
         return graph.scale(c, node)
 
     def _coefficient(self, node: Node) -> Node:
-        """The symbol of a constant; of what needs no operation, that itself."""
+        """Return the symbol of a constant; a constant that needs no operation is returned itself."""
         if node.op in ("const", "symbol") or node.op in TRUTHS:
             return node
         if node.op == "scale" and node.value < 0.0:
@@ -181,7 +182,7 @@ _MOST_TERMS = 48  # of one sum; beyond, products stay as they are
 
 
 def expanded(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
-    """`nodes`, each multiplied out where that is sound and leaves fewer nodes."""
+    """Return `nodes`, each multiplied out if that is sound and leaves fewer nodes."""
     forms: dict[Node, Polynomial] = {}
     for node in reachable(nodes):
         form = _form(node, forms)
@@ -212,7 +213,7 @@ def _form(node: Node, forms: Mapping[Node, Polynomial]) -> Polynomial:
 
 
 def _in_range(form: Polynomial) -> bool:
-    """Whether no product of numbers became infinite or 0."""
+    """Return whether no product of numbers became infinite or 0."""
     return all(0.0 < abs(c) < inf for c in form.values())
 
 
@@ -259,7 +260,7 @@ def _count(total: Polynomial, monomial: Monomial, c: float) -> None:
 
 
 def _squares_met(form: Polynomial) -> Polynomial:
-    """c*x*sin(u)^2 + c*x*cos(u)^2 = c*x, as often as it occurs."""
+    """Return a sum after c*x*sin(u)^2 + c*x*cos(u)^2 = c*x is applied as often as it occurs."""
     left = dict(form)
     pending = list(form)
     while pending:

@@ -18,7 +18,8 @@ NUMBER, FIXED, MOVING = range(3)  # what a value is made of
 
 
 def dependence(function: Function, parameters: int) -> list[int]:
-    """Of each value: whether it is made of numbers alone, of parameters and numbers, or of more."""
+    """Return for each value whether it is made of numbers alone, of parameters and numbers, or of more."""
+    # The most that one of its operands depends on: number < parameter < anything that moves.
     found: list[int] = []
     for o in function.operations:
         if o.op == "load":
@@ -42,7 +43,7 @@ class Preparation:
         self._numbers: list[bool] = []
 
     def is_number(self, a: int) -> bool:
-        """Whether value number `a` of the block is made of numbers alone."""
+        """Return whether value number `a` of the block is made of numbers alone."""
         known = self._numbers
         for number in range(len(known), a + 1):
             op, operands, _ = self.block.row(number)
@@ -50,7 +51,8 @@ class Preparation:
         return known[a]
 
     def separated(self, function: Function) -> Function:
-        """`function` with what is prepared as entries of PREPARED, by their value numbers in the block."""
+        """Return `function` with the prepared values as entries of PREPARED, by their value numbers in the
+        block."""
         if "p" not in function.inputs or len(function.inputs) == 1:  # one of p alone is called as rare
             return function
         return _Separation(self, function).run()
@@ -130,7 +132,7 @@ class _Separation:
         return self.moving[k] if number else self.block.mul(self._entry(coefficient), rest)
 
     def _factors(self, k: int) -> tuple[int, int]:
-        """Coefficient and rest of value k."""
+        """Return the coefficient and the remaining factor of value k."""
         if k in self.kept:
             return self.kept[k], self.block.one
         if k in self.products and self.uses[k] == 1:
@@ -138,7 +140,7 @@ class _Separation:
         return self.shared.one, self.moving[k]
 
     def _own(self, k: int) -> int:
-        """Value k in the function's own block."""
+        """Return value k in the function's own block."""
         if k not in self.moving:
             o = self.function.operations[k]
             if o.op in TRUTHS:  # no number that could be kept

@@ -41,6 +41,8 @@ class _Balance:
 
     def run(self) -> Function:
         function, block = self.function, self.block
+        # Inner sums and products are part of their root, which is rebuilt in the order in which its parts are
+        # ready.
         for k, o in enumerate(function.operations):
             if self.inner[k]:
                 self.references.append(block.zero)
@@ -56,6 +58,7 @@ class _Balance:
         about = function.description
         return block.function(function.name, function.inputs, function.outputs, about, schedule)
 
+    # A result is ready its own time after the last of its operands.
     def _plain(self, o: Operation) -> int:
         operands = [self.references[k] for k in o.operands]
         return self._timed(self.block.again(o, operands), operands, _CYCLES[o.op])
@@ -71,6 +74,8 @@ class _Balance:
     def _combined(self, root: int) -> int:
         """Return the sum or product at `root`: the two parts that are ready first are combined, again and
         again (D. A. Huffman, Proc. IRE 40, 1952)."""
+        # The two parts that are ready first are combined, again and again: Huffman's tree for ready times.
+        # Ties keep the order of the text, so that the result does not depend on hashes.
         block, product = self.block, _KIND[self.function.operations[root].op] == "product"
         parts = self._parts(root)
         heap = [(self._when(a), n, a) for n, a in enumerate(parts)]
@@ -86,8 +91,9 @@ class _Balance:
         return heap[0][2]
 
     def _parts(self, root: int) -> list[int]:
-        """The references that the sum or product at `root` is of, from left to right."""
+        """Return the references of the terms or factors of the sum or product at `root`, left to right."""
         operations, found = self.function.operations, []
+        # Signs go to the parts: a - (b - c) has the parts a, -b, c.
         stack = [(root, False)]
         while stack:
             k, negative = stack.pop()
@@ -102,7 +108,8 @@ class _Balance:
 
 
 def _inner(function: Function) -> list[bool]:
-    """Which operations are parts of a sum or product that is alike, and of nothing else."""
+    """Return, for each operation, whether its only user is a sum (or product) and it is one itself."""
+    # Only a value with one user of the same kind is inside: others need it by itself.
     operations = function.operations
     uses = [0] * len(operations)
     by = [-1] * len(operations)
@@ -122,6 +129,8 @@ def _inner(function: Function) -> list[bool]:
 def by_height(rows: Sequence[Row], roots: Sequence[int]) -> list[int]:
     """Return the operations that `roots` need: of all that could come next, the one with the longest chain to
     an end. Loads and constants stand before their first use."""
+    # Height: cycles from an operation to the end of the function. List scheduling by height (T. C. Hu, Oper.
+    # Res. 9 (1961) 841-848): the longest chain first.
     needed = _needed(rows, roots)
     height = [0] * len(rows)  # cycles from the start of an operation to the end of the function
     users: dict[int, list[int]] = {v: [] for v in needed}
@@ -130,6 +139,8 @@ def by_height(rows: Sequence[Row], roots: Sequence[int]) -> list[int]:
         for operand in rows[v][1]:
             height[operand] = max(height[operand], height[v])
             users[operand].append(v)
+    # An operation comes when its operands have come; leaves come just before their first use, so that they
+    # need no register before.
     missing = {v: len(rows[v][1]) for v in needed}
     order: list[int] = []
     late = {v for v in needed if not rows[v][1]}

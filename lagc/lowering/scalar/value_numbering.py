@@ -40,6 +40,8 @@ class Block:
     # -- values ---------------------------------------------------------------
 
     def _value(self, op: str, operands: tuple[int, ...], payload: _Payload = None) -> int:
+        # Equal operations on equal operands are one value (value numbering, J. Cocke, J. T. Schwartz 1970).
+        # Results of two numbers are numbers.
         row = (op, operands, payload)
         number = self._numbers.get(row)
         if number is None:
@@ -68,33 +70,35 @@ class Block:
         return self._value("load", (), (array, index))
 
     def const(self, value: float) -> int:
-        """Raises Refused where it is infinite."""
+        """Return the reference to a number. Raises Refused if it is infinite."""
         if double(value) < 0.0:
             return ~self._value("const", (), -value)
         return self._value("const", (), value + 0.0)
 
     def unsigned(self, a: int) -> int:
-        """The value number of `a` or of its negative."""
+        """Return the value number of a reference, whatever its sign."""
         return a if a >= 0 else ~a
 
     def plain(self, a: int) -> int:
-        """The value number that holds `a`, sign and all."""
+        """Return the value number that holds `a` with its sign."""
         return a if a >= 0 else self._value("neg", (~a,))
 
     def apply(self, op: str, *operands: int) -> int:
-        """A function or comparison of the language: `op` of `Operation`."""
+        """Return a function or comparison of the language, `op` of `Operation`, of these operands."""
         plain = tuple([a if a >= 0 else self._value("neg", (~a,)) for a in operands])
         if op in ("min", "max") and plain[0] == plain[1]:
             return plain[0]
         return self._value(op, plain)
 
     def look_up(self, op: str, table: Table, a: int) -> int:
-        """`piece` or `entry` of a table."""
+        """Return `piece` or `entry` of a table at `a`."""
         return self._value(op, (self.plain(a),), table)
 
     # -- arithmetic -----------------------------------------------------------
 
     def add(self, a: int, b: int) -> int:
+        # Zero disappears, equal values of opposite sign cancel, signs go outside: so a + b and b + a, and a -
+        # b and -(b - a), are one value.
         zero = self.zero
         if a == zero or a == ~zero:
             return b
@@ -107,7 +111,7 @@ class Block:
         return self._value("add", (a, b) if a <= b else (b, a))
 
     def _difference(self, a: int, b: int) -> int:
-        """a - b, or minus b - a where that is known already."""
+        """Return a - b, or -(b - a) if b - a is a value already."""
         turned = self._numbers.get(("sub", (b, a), None))
         return self._value("sub", (a, b)) if turned is None else ~turned
 
@@ -115,6 +119,7 @@ class Block:
         return self.add(a, ~b)
 
     def mul(self, a: int, b: int) -> int:
+        # The sign of a product is that of its factors: they are multiplied without theirs.
         if (a < 0) != (b < 0):
             return ~self.mul(a if a >= 0 else ~a, b if b >= 0 else ~b)
         if a < 0:
@@ -143,7 +148,7 @@ class Block:
         return a == self.zero or a == ~self.zero
 
     def again(self, o: Operation, operands: Sequence[int]) -> int:
-        """The same operation on other operands."""
+        """Return the operation `o` on other operands."""
         arithmetic = _ARITHMETIC.get(o.op)
         if arithmetic:
             return arithmetic(self, *operands)
@@ -160,16 +165,18 @@ class Block:
         return self.apply(o.op, *operands)
 
     def row(self, a: int) -> Row:
-        """The operation that makes value number `a`."""
+        """Return the operation that makes value number `a`."""
         return self._rows[a]
 
     def below(self, roots: Sequence[int]) -> set[int]:
-        """The value numbers that `roots` are made of."""
+        """Return the value numbers that `roots` are made of."""
         return set(_schedule(self._rows, [self.unsigned(a) for a in roots]))
 
     def beside(self, wanted: int, array: str, first: int, parameters: int) -> tuple[Block, int]:
         """Return another block that computes `wanted` and the reference to it there. It reads `parameters`
         and the values that the stores of this block need, which are stored from array[first] on."""
+        # Two kinds of values are computed again in the other block: those of parameters alone, and those that
+        # nothing here needs. All others are stored here and loaded there.
         here = self.below([store.value for store in self.stores])
         again: list[bool] = []  # what is made of parameters alone, or nobody else needs
         fixed: list[bool] = []
@@ -177,6 +184,7 @@ class Block:
             given = payload[0] == "p" and payload[1] < parameters if isinstance(payload, tuple) else True
             fixed.append(given and all([fixed[i] for i in operands]))
             again.append(fixed[k] or k not in here or op in TRUTHS)
+        # Down from the root, as far as values are computed again.
         root = self.unsigned(wanted)
         needed, asked = {root}, [root]
         while asked:
@@ -212,6 +220,8 @@ class Block:
         """Return the operations that the stores need, each close before its first use, or in the order that
         `schedule` gives: (operations and operands, roots) -> value numbers. A long function keeps the order
         in which it was made, leaves first."""
+        # Long functions stay in the order in which they were made, which loops need; short ones have each
+        # value close to its first use.
         roots = [s.value for s in self.stores]
         order = _as_made(self._rows, roots) if len(self._rows) + len(roots) > STRAIGHT else []
         if len(order) + len(roots) <= STRAIGHT:
@@ -232,7 +242,8 @@ _ARITHMETIC: dict[str, Callable[..., int]] = {
 
 
 def _as_made(rows: Sequence[Row], roots: Sequence[int]) -> list[int]:
-    """The value numbers that `roots` need, in their order, leaves first."""
+    """Return the value numbers that `roots` need, in their order, leaves first."""
+    # Needed values, by marks from the last to the first; leaves before all others.
     needed = bytearray(len(rows))
     for root in roots:
         needed[root] = 1
@@ -248,7 +259,8 @@ def _as_made(rows: Sequence[Row], roots: Sequence[int]) -> list[int]:
 
 
 def _schedule(rows: Sequence[Row], roots: Sequence[int]) -> list[int]:
-    """Value numbers in depth-first postorder from `roots`."""
+    """Return the value numbers in depth-first postorder from `roots`."""
+    # Depth-first postorder without recursion: a value is placed when all of its operands are.
     order: list[int] = []
     state = bytearray(len(rows))  # 1: operands asked for, 2: placed
     for root in roots:
@@ -269,13 +281,13 @@ def _schedule(rows: Sequence[Row], roots: Sequence[int]) -> list[int]:
 
 
 def ordered(function: Function) -> Function:
-    """The same with each operation close before its first use."""
+    """Return the function with each operation close before its first use."""
     rows = [(o.op, o.operands, o.payload) for o in function.operations]
     return reordered(function, _schedule(rows, [s.value for s in function.stores]))
 
 
 def reordered(function: Function, order: Sequence[int]) -> Function:
-    """The operations that `order` names, in this order; the others are not used."""
+    """Return the function with the operations that `order` names, in this order; the others are not used."""
     number = {old: new for new, old in enumerate(order)}
     operations = [function.operations[k] for k in order]
     behind = len(order) - len(function.operations)

@@ -97,7 +97,8 @@ class Analysis:
 
 
 def analyse(equations: EquationsOfMotion) -> Analysis:
-    """Counts, kinds, cyclic coordinates and conserved quantities of a system."""
+    """Return the counts, the kinds of constraints, the cyclic coordinates and the conserved quantities of a
+    system."""
     states = build_states(equations.model)
     rows = equations.rows
     # Ranks are asked for on the rows, where closed loops lose some that they have elsewhere.
@@ -188,7 +189,8 @@ def _kinetic_parts(equations: EquationsOfMotion) -> tuple[Node, Node, Node] | No
 
 
 def _cyclic(states: States) -> dict[str, bool]:
-    """The scalar coordinates that the Lagrangian does not depend on, and whether that is proved."""
+    """Return the scalar coordinates that the Lagrangian does not depend on, each with whether that is
+    proved."""
     lagrangian = _lagrangian(states)
     scalars = [c for c in states.model.coordinates if isinstance(c, Coordinate)]
     slopes = gradient(states.graph, {lagrangian: states.graph.one}, [c.symbol for c in scalars])
@@ -198,7 +200,7 @@ def _cyclic(states: States) -> dict[str, bool]:
 
 
 def _lagrangian(states: States) -> Node:
-    """L in rates, with the potentials that inputs or jumps in time change too."""
+    """Return L in rates, with the potentials that inputs or jumps in time change too."""
     actions = states.model.actions
     kinetic = [body.kinetic_energy for body in states.model.bodies]
     free = [x.function for x in actions if isinstance(x, Lagrangian)]
@@ -264,7 +266,8 @@ def _conserved(
 
 
 def _with_cuts(states: States, c: Conserved, at_rows: ZeroTest) -> Conserved:
-    """Its slopes do not show that an angle jumps by a full turn where `atan2` has its cut."""
+    """Return a conserved quantity with a remark if it jumps where an `atan2` passes its cut. The slopes do
+    not show such a jump by a full turn."""
     graph, node = states.graph, c.expression
     moving = depends([node], states.q)
     for angle in [x for x in moving if x.op == "atan2"]:
@@ -275,7 +278,8 @@ def _with_cuts(states: States, c: Conserved, at_rows: ZeroTest) -> Conserved:
 
 
 def _tries(states: States, rows: Sequence[Row], met: Consistent, small: bool) -> list[dict[Node, float]]:
-    """Consistent states with the default parameters, near the start and farther, and with others."""
+    """Return consistent states: with the default parameters, near the start and farther away, then with other
+    parameters."""
     count = _STATES if small else 1
     drawn = list(samples(states.model, count))
     if len(rows) <= _FEW and not any(row.holonomic for row in rows):
@@ -286,7 +290,7 @@ def _tries(states: States, rows: Sequence[Row], met: Consistent, small: bool) ->
 
 
 def _along_rates(equations: EquationsOfMotion, states: States) -> dict[Node, list[Node]]:
-    """By rate: the forces along it that no potential gives, one an action, and those of multipliers."""
+    """Return, by rate, the forces along it: of each action without a potential, and of each multiplier."""
     forces = [c.forces for c in equations.contributions if not c.conservative]
     found: dict[Node, list[Node]] = {}
     for table in chain(forces, [row.jacobian for row in equations.rows]):
@@ -298,7 +302,7 @@ def _along_rates(equations: EquationsOfMotion, states: States) -> dict[Node, lis
 def _totals(
     states: States, quantities: Quantities, motion: ZeroTest, at_rows: ZeroTest, sure: bool
 ) -> list[Conserved]:
-    """Components of the total momenta that are constant along the motion, where they are not zero."""
+    """Return the components of the total momenta that are constant along the motion and not zero."""
     found: list[Conserved] = []
     for kind, reason in (
         ("momentum", "no net force acts along it"),

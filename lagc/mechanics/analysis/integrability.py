@@ -77,6 +77,8 @@ def rate_coefficients(states: States, forces: Mapping[int, Node]) -> dict[Node, 
 def _velocity_form(states: States, row: Row) -> Form:
     """Return the form of an affine velocity row in dq and dt."""
     graph = states.graph
+    # The row as a differential form in positions and time: weights on rates become weights on dq; body rates
+    # of a quaternion by w = 2 conj(e) e'.
     weights = rate_coefficients(states, row.jacobian)
     found: dict[Node, Node] = {}
     for c in states.model.coordinates:
@@ -88,6 +90,7 @@ def _velocity_form(states: States, row: Row) -> Form:
     found[states.model.time] = substitute(graph, [row.rate], states.rest)[0]
     coefficients = {x: node for x, node in found.items() if not node.is_zero}
     slopes: dict[tuple[Node, Node], Node] = {}
+    # Derivatives of the coefficients, for dw.
     for x, node in coefficients.items():
         leaves = [s for s in symbols([node]) if s.record.kind in ("coordinate", "time")]
         for y in sorted(leaves, key=lambda s: s.index):
@@ -114,6 +117,8 @@ def integrable_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping
     """Return the affine velocity rows among `rows` that restrict positions: those that do on every branch.
     The holonomic rows are independent; `tries` meet all rows."""
     graph = states.graph
+    # Rows that are linear in the speeds are forms; unit quaternions and holonomic rows are exact forms beside
+    # them.
     forms = {row.label: _velocity_form(states, row) for row in rows if not row.holonomic and row.linear}
     if not forms:
         return Integrable()
@@ -123,6 +128,7 @@ def integrable_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping
     test = _Test(graph, forms, units, holonomic)
     verdicts: list[_Verdict] = []
     exact = True
+    # A few points on each branch: a rank at a random point is the generic one.
     points = ZeroTest(on_rows(states, [row for row in rows if row.linear], tries)).points(test.nodes)
     for placed, truths in points:
         tried = 0
@@ -137,6 +143,7 @@ def integrable_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping
                 break
         if not tried:
             return Integrable(open=tuple(forms))
+    # A row is integrable if it is at every point.
     common = set(forms).intersection(*(v.reasons for v in verdicts))
     doubtful = set().union(*(v.doubtful for v in verdicts)) if exact else set(forms)
     relations = min(v.relations for v in verdicts)
@@ -167,17 +174,20 @@ class _Test:
 
     def at(self, point: Point, truths: Mapping[Node, int]) -> _Verdict:
         """Return the verdict of a point. Raises Undefined."""
+        # Largest set of forms that are closed along each other: those that are not leave, until none does.
         every = [*self.exact, *self.forms.values()]
         self._values = {id(f): self._entries(f.coefficients, point, truths) for f in every}
         inside = alike = self._closed(self.forms, point, truths)
         while len(closed := self._closed(inside, point, truths)) < len(inside):
             inside = closed
+        # Relations that they give: the rank that they add to the exact forms.
         exact = self._echelon(self.exact).rank
         relations = self._echelon([*self.exact, *inside.values()]).rank - exact
         rows, taken = Echelon(), list[Form]()
         for form in every:
             if rows.grows(self._values[id(form)]):
                 taken.append(form)
+        # The first derived system bounds them from above; if both agree, no bracket is needed.
         most = self._derived(rows, taken, point, truths) - exact
         if relations < most:
             reach, whole = self._reach(rows, taken, point, truths)
@@ -190,6 +200,7 @@ class _Test:
 
     def _derived(self, rows: Echelon, taken: Sequence[Form], point: Point, truths: Mapping[Node, int]) -> int:
         """Return the dimension of the first derived system of the independent forms `taken`."""
+        # c . dw(a, b) = 0 for all allowed a, b: each random pair gives one equation for c.
         vanishing = Echelon()  # of c with sum of c_i dw_i(a, b) = 0, drawn pairs a, b in turn
         for _ in taken:
             motions = self._motions(rows, point)
@@ -250,6 +261,7 @@ class _Test:
 
     def _motions(self, rows: Echelon, point: Point) -> tuple[Entries, Entries]:
         """Return two motions that `rows` annul, drawn: what vanishes for them does for all such pairs."""
+        # Any vector that the rows annul, with its free entries drawn.
         one, two = (rows.solution(range(len(self._column)), point.draw) for _ in range(2))
         return one, two
 

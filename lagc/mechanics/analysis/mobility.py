@@ -42,7 +42,7 @@ class Mobility:
 
 
 def mobility(states: States, rows: Sequence[Row], met: Consistent) -> Mobility:
-    """Rank and redundant rows among `rows`, at the states that meet all rows of the system."""
+    """Return the rank of `rows` and the redundant ones, at the states that meet all rows of the system."""
     found, best = _mobility(states, rows, met)
     return replace(found, entangled=best.entangled()) if best is not None and found.spare else found
 
@@ -50,23 +50,28 @@ def mobility(states: States, rows: Sequence[Row], met: Consistent) -> Mobility:
 def _mobility(states: States, rows: Sequence[Row], met: Consistent) -> tuple[Mobility, Span | None]:
     if not rows:
         return Mobility(frozenset(), 0, 0, True, True), None
+    # Ranks at states beside the start, and at the start itself, which may be singular.
     tried = [*(met.beside or met.far), *([] if met.start is None else [met.start])]
     spans = [_span(states, rows, state) for state in tried or samples(states.model, 2, vary=False)]
     if not spans:
         return Mobility(frozenset(), min(len(rows), len(states.v)), None, False, False), None
+    # The largest rank is that of nearly all states.
     best = max(spans, key=lambda span: span.rank)
     spare = frozenset(range(len(rows))) - set(best.independent())
     at_start = None if met.start is None else spans[-1].rank
+    # Where surfaces touch, the motions that steps found count: rank = speeds - motions.
     if met.freedom is not None:
         holonomic = [row for row in rows if row.holonomic]
         places = max(_span(states, holonomic, state).rank for state in tried)
         rank = best.rank - places + len(states.v) - met.freedom
         return Mobility(spare, rank, at_start, False, True), best
+    # The rank is proved if it is the number of rows, or the rank at random points of the field.
     moved = [row for row in rows if row.holonomic] if _depend_on_places(states, rows) else []
     if tried and (
         best.rank == len(rows) or best.rank == _largest(states, rows, on_rows(states, moved, met.all))
     ):
         return Mobility(spare, best.rank, at_start, True, True), best
+    # In the field a rank may be larger than in double precision: rows that differ by less than round-off.
     kept = _exactly(states, rows, at_defaults(states, moved, met.all))
     if kept is None or len(kept) < best.rank:
         return Mobility(spare, best.rank, at_start, False, bool(tried)), best
@@ -83,13 +88,15 @@ def _depend_on_places(states: States, rows: Sequence[Row]) -> bool:
 
 
 def _largest(states: States, rows: Sequence[Row], ground: Ground) -> int | None:
-    """The rank at random points of the field, the same on all branches: none is larger."""
+    """Return the rank at random points of the field, which bounds the rank from above; None if branches
+    differ in it."""
     ranks = {len(kept) for _, kept in _in_field(states, rows, ground)}
     return ranks.pop() if len(ranks) == 1 else None
 
 
 def _exactly(states: States, rows: Sequence[Row], ground: Ground) -> frozenset[int] | None:
-    """The first rows that span all, where no number is rounded and the rows are met; None elsewhere."""
+    """Return the first rows that span all rows, if no number was rounded and all points meet the rows; else
+    None."""
     found = list(_in_field(states, rows, ground))
     sure = all(placed.met and placed.point.exact for placed, _ in found)
     kept = {k for _, k in found}
@@ -97,7 +104,7 @@ def _exactly(states: States, rows: Sequence[Row], ground: Ground) -> frozenset[i
 
 
 def _in_field(states: States, rows: Sequence[Row], ground: Ground) -> Iterator[tuple[Placed, frozenset[int]]]:
-    """Points of the field on all branches, and the first rows that span all there."""
+    """Yield points of the field on all branches, each with the first rows that span all rows there."""
     flat = spelt_out(states.graph, [node for row in rows for node in row.jacobian.values()])
     for placed, truths in ZeroTest(ground).points(flat):
         for x in placed:

@@ -46,7 +46,9 @@ class Acting:
 
 
 def act(states: States) -> list[Acting]:
-    """Every action of the model, in its order."""
+    """Return the contribution of every action of the model, in its order."""
+    # Potentials by gradients, loads by the velocities that they act on; free terms have their share in M and
+    # h.
     zero, actions = states.graph.zero, states.model.actions
     stored = {k: x for k, action in enumerate(actions) if (x := _stored(states, action)) is not None}
     actuators = _actuators(states)
@@ -74,7 +76,7 @@ def force_along(states: States, action: Action, coordinate: Coordinate) -> Node:
 
 
 def _stored(states: States, action: Action) -> Node | None:
-    """The energy of a potential, which an L free of rates is too: -L."""
+    """Return the energy of a potential, or -L of a Lagrangian without rates, which is one too; else None."""
     if isinstance(action, Potential):
         return action.energy
     if not isinstance(action, Lagrangian) or action.is_kinetic:
@@ -84,6 +86,8 @@ def _stored(states: States, action: Action) -> Node | None:
 
 def _potentials(states: States, actions: Sequence[Action], energies: Sequence[Node]) -> list[Acting]:
     graph, model = states.graph, states.model
+    # Power of a potential: -dV/dt along the motion. It is no stored energy if an input or a jump in time
+    # changes it.
     powers = [-x for x in tangent(graph, energies, states.motion)]
     driven = depends(energies, [given.symbol for given in model.inputs])
     timed = depends(energies, [model.time])
@@ -129,8 +133,8 @@ def _actuators(states: States) -> dict[str, Node]:
 
 
 def _load(states: States, action: Action, actuators: Mapping[str, Node]) -> _Load | None:
-    """F on u, T on w, -dD/d(rate_i) on rates; None of what has a potential or is a free term. An actuator
-    acts its multiplier times."""
+    """Return the load of an action: F on u, T on w, -dD/d(rate_i) on rates; None for a potential or a free
+    term. The load of an actuator is multiplied by its multiplier."""
     load = _load_of_one(states, action)
     factor = actuators.get(action.name)
     if load is None or factor is None:
@@ -141,6 +145,7 @@ def _load(states: States, action: Action, actuators: Mapping[str, Node]) -> _Loa
 def _load_of_one(states: States, action: Action) -> _Load | None:
     if isinstance(action, Force):
         return _Load(action, "force", list(action.velocity), states.in_speeds(action.vector))
+    # A torque acts on the spin of its frame and, with the opposite sign, on that of the frame it reacts on.
     if isinstance(action, Torque):
         pairs = [(action.frame.spin, action.vector)]
         if action.reaction is not None:
@@ -149,6 +154,7 @@ def _load_of_one(states: States, action: Action) -> _Load | None:
         return _Load(action, "torque", [x for spin, _ in pairs for x in spin], weights)
     if not isinstance(action, Dissipation):
         return None
+    # -dD/d(rate) on each rate, and on each declared speed that D contains.
     leaves = [*states.rates, *(speed.symbol for speed in states.model.speeds)]
     slopes = gradient(states.graph, {action.function: states.graph.one}, leaves)
     weights = [-x for x in states.in_speeds(list(slopes.values()))]
@@ -157,6 +163,7 @@ def _load_of_one(states: States, action: Action) -> _Load | None:
 
 def _working(states: States, loads: Sequence[_Load]) -> list[Acting]:
     graph = states.graph
+    # The velocities in speeds, and at rest: drives move them without any speed.
     velocities = [x for load in loads for x in load.velocities]
     moving, drives_at_rest = iter(states.in_speeds(velocities)), iter(states.at_rest(velocities))
     moved = [[next(moving) for _ in load.velocities] for load in loads]
@@ -192,7 +199,7 @@ def energies(
     free: FreeTerms,
     rows: Sequence[Classified],
 ) -> Energies:
-    """K, V, E and dE/dt of the whole system, in t, q, v (and the multipliers in the power)."""
+    """Return K, V, E and dE/dt of the whole system, in t, q, v (and the multipliers in the power)."""
     graph = states.graph
     momenta = [part.momentum(part.velocity) for part in parts]
     kinetic = graph.sum(0.5 * dot(part.velocity, p) for part, p in zip(parts, momenta))

@@ -81,7 +81,7 @@ def _equation(output: Output, node: Node) -> OutputEquation:
 
 
 def _accelerations(states: States, asked: Sequence[Node]) -> dict[Node, Node]:
-    """d(rate)/dt -> its expression in a (and v), for rates that are no speeds themselves."""
+    """Return d(rate)/dt in a (and v) for the rates that are no speeds themselves."""
     known = {rate.record.derivative: expression for rate, expression in states.rates.items()}
     wanted = [s for s in asked if s.record.kind == "acceleration" and s not in states.a]
     rates = [known[s.record] for s in wanted]
@@ -104,7 +104,7 @@ class Quantities:
         self.known = {"energy": kinetic + potential, "kinetic": kinetic, "potential": potential}
 
     def value(self, asked: Symbol) -> Node:
-        """The node of a quantity of `Model`."""
+        """Return the node of a quantity of `Model`."""
         if asked.kind in self.known:
             return self.known[asked.kind]
         if asked.kind == "power":
@@ -120,14 +120,14 @@ class Quantities:
         return total[_AXES.index(asked.component)]
 
     def _generalized(self, asked: Symbol) -> Node:
-        """dL/d(rate) of a scalar coordinate, or along one axis of an orientation."""
+        """Return dL/d(rate) of a scalar coordinate, or along one axis of an orientation."""
         where = (asked.owner, asked.component)
         rates = [rate for c in self.states.model.coordinates for rate in rate_symbols(c)]
         rate = next(x for x in rates if (x.record.owner, x.record.component) == where)
         return momenta(self.states, self.parts, self.free, [rate])[rate]
 
     def _linear(self) -> Vector:
-        """sum of m v over the bodies, world axes."""
+        """Return the sum of m v over the bodies, in world axes."""
         total = self._nothing()
         for part in self.parts:
             if not isinstance(part.mass, tuple):
@@ -135,7 +135,7 @@ class Quantities:
         return total
 
     def _angular(self) -> Vector:
-        """sum of r x m v + R I w over the bodies: about the origin, world axes."""
+        """Return the sum of r x m v + R I w over the bodies, about the origin, in world axes."""
         total = self._nothing()
         for part in self.parts:
             p = part.momentum(part.velocity)
@@ -158,7 +158,7 @@ def _axes(body: Body) -> Matrix:
 def momenta(
     states: States, parts: Sequence[Moving], free: FreeTerms, rates: Sequence[Node]
 ) -> dict[Node, Node]:
-    """dL/d(rate), in v, for each of `rates`."""
+    """Return dL/d(rate), in v, for each of `rates`."""
     graph = states.graph
     raw = [x for part in parts for x in _velocity(part)]
     weights = [x for part in parts for x in part.momentum(part.velocity)]
@@ -170,7 +170,7 @@ def momenta(
 
 
 def _velocity(part: Moving) -> Vector:
-    """In rates, as the model gives it."""
+    """Return a velocity in rates, as the model gives it."""
     if isinstance(part.mass, tuple) and part.body.frame is not None:
         return part.body.frame.angular_velocity
     return part.body.velocity
@@ -234,7 +234,8 @@ def _held(states: States, rates: Sequence[Node]) -> tuple[dict[Node, Node], dict
 
 
 def _check(model: Model) -> None:
-    """The virtual power of a body whose inertia changes is not known: what moves inside is not said."""
+    """Raise Refused for the virtual power of a body whose inertia changes: the motion inside the body is not
+    known."""
     own = [rate.record.owner for release in model.releases if not release.values for rate in release.rates]
     symbols = {p.symbol: p.name for p in model.parameters if p.name in own}
     faults = []

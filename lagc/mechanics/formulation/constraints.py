@@ -80,6 +80,8 @@ def classify(states: States) -> list[Classified]:
 def _drive(states: States, row: Row, raw: Node) -> Node:
     """Return sum of rate_i d(rate of row)/d(rate_i) less the rate of the row, which is zero. For an affine
     row that is minus its value at rest: the speed that the drive imposes."""
+    # For an affine row r(v) = A v + b this is -b. In general the homogeneous part of degree 1 less the row:
+    # Euler's theorem, sum of rate_i dr/d(rate_i) - r.
     graph = states.graph
     if row.holonomic:
         moved = row.time_dependent
@@ -93,6 +95,7 @@ def _drive(states: States, row: Row, raw: Node) -> Node:
 
 
 def _check(states: States, labels: Sequence[tuple[Constraint, int]], raw: Sequence[Node]) -> None:
+    # An input has no known derivative, so a row that depends on one has no rate.
     inputs = {given.symbol: given.name for given in states.model.inputs}
     driven = depends(raw, inputs)
     faults: list[Fault] = []

@@ -55,9 +55,11 @@ def along_surface(states: States, contact: Contact, normal: Gradient) -> tuple[l
     the gap: the slip as it is given, and 1; of a velocity in space its parts across the normal. `normal` is
     the gradient of the rate of the gap. Virtual releases change neither. Raises Refused if the normal is not
     found."""
+    # One or two components are given along the surface already.
     given = states.in_speeds(contact.slip)
     if len(given) < 3:
         return given, states.graph.one
+    # Without the rates of virtual releases, which are no motions of the model.
     released = [rate for release in states.model.releases for rate in release.rates]
     freed = {states.place_of_v[rate] for rate in released}
     parts = [_without(row, freed) for row in gradients(states.graph, given, states.place_of_v)]
@@ -70,11 +72,14 @@ def along_surface(states: States, contact: Contact, normal: Gradient) -> tuple[l
         )
         raise Refused([Fault("LAG0235", message, contact.span, remedy=remedy)])
     velocity = (given[0], given[1], given[2])
+    # The world's axes are split into two directions across the normal; a component that no motion has is left
+    # out.
     n, state = found
     directions = _across(states, n, state)
     rates = [dot(direction, velocity) for direction in directions]
     held = substitute(states.graph, rates, dict.fromkeys(released, states.graph.zero))
     slips = [k for k in range(2) if not held[k].is_zero]
+    # Of one direction the sign is the first component that is not zero.
     if len(slips) == 1 and _is_backward(states, directions[slips[0]], state):
         rates[slips[0]] = -rates[slips[0]]
     return [rates[k] for k in slips], norm(n)
@@ -96,12 +101,14 @@ def _normal(
 ) -> tuple[Vector, _State | None] | None:
     """Return n with normal = n . parts, an axis of the world or the shortest one, and the state of its signs;
     None if there is no n."""
+    # The simplest answers first: a surface across an axis of the world is frequent, and its rows stay short.
     zero, start = states.graph.zero, _initial(states)
     for k in range(3):
         for sign in (1.0, -1.0):
             x, y, z = (states.graph.const(sign) if i == k else zero for i in range(3))
             if _fits(states, (x, y, z), normal, parts):
                 return (x, y, z), start
+    # Else the shortest n, with signs of the initial state or, if that is singular, of a random one.
     for state in (start, next(samples(states.model, 1), None)):
         n = _shortest(states, normal, parts, state)
         if any(not x.is_zero for x in n) and _fits(states, n, normal, parts):
@@ -115,9 +122,11 @@ def _shortest(states: States, normal: Gradient, parts: Sequence[Gradient], state
     rate of the gap along it."""
     zero = states.graph.zero
     n: Vector = (zero, zero, zero)
+    # Columns with more constant entries first: their vectors need no division.
     columns = sorted({*normal, *(j for part in parts for j in part)})
     columns.sort(key=lambda j: sum(j in part and not part[j].is_const for part in parts))
     basis: list[tuple[Vector, Node]] = []
+    # Gram-Schmidt: n = sum over the orthogonal velocities e of (rate along e) e / e^2.
     for j in columns:
         x, y, z = (part.get(j, zero) for part in parts)
         move, rate = (x, y, z), normal.get(j, zero)
@@ -140,6 +149,7 @@ def _initial(states: States) -> _State | None:
 def _fits(states: States, n: Sequence[Node], normal: Gradient, parts: Sequence[Gradient]) -> bool:
     """Return whether normal = n . parts."""
     graph = states.graph
+    # normal - n . parts, column by column; what is not zero by structure is tested in the field.
     left = []
     for j in {*normal, *(j for part in parts for j in part)}:
         total = graph.sum([x * part[j] for x, part in zip(n, parts) if j in part])
@@ -158,12 +168,15 @@ def _fits(states: States, n: Sequence[Node], normal: Gradient, parts: Sequence[G
 def _across(states: States, n: Vector, state: _State | None) -> tuple[Vector, Vector]:
     """Return two unit vectors across n and each other: one is an axis of the world if n is across one."""
     graph, length = states.graph, norm(n)
+    # An axis across n, if n has a zero component, gives short expressions.
     zero, one = graph.zero, graph.one
     for k in (2, 1, 0):
         if n[k].is_zero:
             axis = (one if k == 0 else zero, one if k == 1 else zero, one if k == 2 else zero)
             other = cross(n, axis)
             return (other[0] / length, other[1] / length, other[2] / length), axis
+    # Duff et al.: an orthonormal basis without a root, singular only at one pole, so the pole opposite to the
+    # initial n is taken.
     x, y, z = n[0] / length, n[1] / length, n[2] / length
     if state is not None and evaluate(states.in_speeds([n[2]]), state)[0] < 0.0:
         x, y, z = -x, -y, -z
@@ -177,6 +190,8 @@ def contact_rows(states: States) -> tuple[ContactRow, ...]:
     contacts, graph = states.model.contacts, states.graph
     if not contacts:
         return ()
+    # Rates and biases by d/dt with the speeds held, as for constraints; a bound of velocities is a rate
+    # already.
     gaps = states.in_speeds([c.gap for c in contacts])
     rates = tangent(graph, gaps, states.drift)
     rates = [gap if c.bounds_rate else rate for c, gap, rate in zip(contacts, gaps, rates)]
@@ -233,6 +248,7 @@ def _friction(
     none without. `normal` is the gradient of its normal row. Raises Refused if a slip is not linear in v."""
     if contact.friction is None:
         return (), ()
+    # Slips need the normal to know the surface; their rows are differentiated as those of gaps.
     rates, factor = along_surface(states, contact, normal)
     biases = tangent(states.graph, rates, states.drift)
     jacobians = gradients(states.graph, rates, states.place_of_v)
@@ -241,6 +257,7 @@ def _friction(
             message = f"the slip of `{contact.label}` is not a velocity: it is not linear in the speeds"
             remedy = "write the velocity with which it slides: `slip = der(x)`"
             raise Refused([Fault("LAG0235", message, contact.span, remedy=remedy)])
+    # Coefficients of the force along the gap: mu times |force| over the row of the gap.
     given = states.in_speeds([contact.friction, contact.static or contact.friction])
     symbol = states.graph.symbol
     forces = [symbol("multiplier", contact.label, f"slip{k + 1}") for k in range(len(rates))]
@@ -259,14 +276,17 @@ def hold_contacts(model: Model, modes: Sequence[int]) -> Model:
         if contact.normals:
             message = f"linear models do not follow {contact.title} yet"
             raise Refused([Fault("LAG0623", message, contact.span, remedy=contact.otherwise)])
+    # Slips need the kinematics of the free model.
     states = build_states(model)
     constraints, loads = list(model.constraints), _without_pushes(model, modes)
     for contact, mode in zip(model.contacts, modes):
+        # Closed: gap = 0, and slips = 0 while it sticks; sliding friction is a load on the push.
         if mode:
             slips, factor = _slips(states, contact)
             constraints.append(_closed(contact, slips if mode == MODE_STICKS else []))
             if slips and mode != MODE_STICKS:
                 loads.append(_sliding(model, contact, mode, slips, factor))
+    # The modes of contacts are no states any more.
     own = {contact.state for contact in model.contacts}
     return replace(
         model,
@@ -321,6 +341,7 @@ def _closed(contact: Contact, slips: Sequence[Node]) -> Constraint:
 def _sliding(model: Model, contact: Contact, mode: int, slips: Sequence[Node], factor: Node) -> Force:
     """Return the friction of a contact that slides, as a load of its push on the slip."""
     graph, zero = model.graph, model.graph.zero
+    # One slip: the mode is its direction. Two: against the velocity, which has no value at a stop.
     assert contact.friction is not None
     force = -contact.friction * factor * graph.symbol("multiplier", contact.label)
     if len(slips) == 1:

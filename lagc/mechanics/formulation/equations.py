@@ -243,7 +243,7 @@ class EquationsOfMotion:
         return {at: node for at, node in found.items() if not node.is_zero}
 
     def mass_rows(self, which: Sequence[int]) -> list[dict[int, Node]]:
-        """Whole rows of M, by column, zeros left out; M is not made for them."""
+        """Return whole rows of M, by column, without zeros; M itself is not formed."""
         inertia, others = Inertia(self.graph, self.v, self.inertias), set(range(len(self.v))) - set(which)
         rows = {i: inertia.row(i, others.union(k for k in which if k <= i)) for i in which}
         for i in which:
@@ -296,7 +296,7 @@ class EquationsOfMotion:
 
     @property
     def v_names(self) -> tuple[str, ...]:
-        """As `der(theta)`, `u1`, `o.rate.x`."""
+        """The names of the speeds: `der(theta)`, `u1`, `o.rate.x`."""
         return tuple([x.record.name for x in self.v])
 
     @property
@@ -305,7 +305,7 @@ class EquationsOfMotion:
 
     @property
     def starts(self) -> tuple[StartValue, ...]:
-        """Of q, of v, and of the stated rates."""
+        """The start values of q, of v, and of the stated rates."""
         return (*self.starts_q, *self.starts_v, *(s.start for s in self.stated_rates))
 
 
@@ -320,7 +320,7 @@ class Moving:
     mass: Node | Matrix
 
     def momentum(self, velocity: Vector) -> Vector:
-        """The linear or angular momentum that goes with `velocity`."""
+        """Return the linear or angular momentum that goes with `velocity`."""
         if isinstance(self.mass, tuple):
             return matvec(self.mass, velocity)
         return scale(self.mass, velocity)
@@ -334,7 +334,7 @@ class Moving:
 
 
 def triples(flat: Sequence[Node]) -> list[Vector]:
-    """The vectors whose components stand one after the other."""
+    """Return the vectors whose components follow each other in `flat`."""
     return [(flat[k], flat[k + 1], flat[k + 2]) for k in range(0, len(flat), 3)]
 
 
@@ -367,7 +367,7 @@ class Inertia:
         self._index = {v: i for i, v in enumerate(speeds)}
 
     def row(self, i: int, columns: Collection[int]) -> dict[int, Node]:
-        """M_ij with j in columns, zeros left out."""
+        """Return the entries M_ij of row i for j in `columns`, without zeros."""
         graph, speed, index = self._graph, self._speeds[i], self._index
         changed = linked([speed], self._users) if speed in self._users else []
         driven = [self._parts[k] for k in sorted({k for x in changed for k in self._carried.get(x, ())})]

@@ -35,7 +35,7 @@ class FreeTerms:
 
 
 def with_rates(states: States) -> list[Lagrangian]:
-    """The free terms of the model that hold rates: the others are mere potentials."""
+    """Return the free terms of the model that hold rates: the others are mere potentials."""
     terms = [x for x in states.model.actions if isinstance(x, Lagrangian)]
     functions = states.in_rates([x.function for x in terms])
     moving = depends(functions, list(states.rates))
@@ -43,17 +43,22 @@ def with_rates(states: States) -> list[Lagrangian]:
 
 
 def free_terms(states: States, terms: Sequence[Lagrangian]) -> FreeTerms:
-    """Raises Refused: LAG0406 a free term that depends on an input."""
+    """Return the contributions of the free terms `terms`. Raises Refused: LAG0406 a free term that depends on
+    an input."""
     graph, rates = states.graph, list(states.rates)
     _check(states.model, terms)
+    # Lagrangians and kinetic terms differ in the energy alone: of a Lagrangian, what is not kinetic counts as
+    # potential.
     functions = states.in_rates([term.function for term in terms])
     pure = graph.sum(x for x, term in zip(functions, terms) if not term.is_kinetic)
     kinetic = graph.sum(x for x, term in zip(functions, terms) if term.is_kinetic)
     total = pure + kinetic
+    # p_i = dL/d(rate_i), and dL/dt with positions and rates held.
     momenta = gradient(graph, {total: graph.one}, rates)
     explicit = tangent(graph, [total], {states.model.time: graph.one})[0]
     matrix, bias = _equations(states, total, momenta)
     potential = -states.at_rest([pure])[0]
+    # All of it in terms of the speeds.
     moved = states.in_speeds(
         [kinetic, _jacobi(graph, pure, rates), _jacobi(graph, kinetic, rates), explicit, *momenta.values()]
     )
@@ -70,7 +75,7 @@ def free_terms(states: States, terms: Sequence[Lagrangian]) -> FreeTerms:
 
 
 def _jacobi(graph: Graph, function: Node, rates: Sequence[Node]) -> Node:
-    """sum of rate_i dL/d(rate_i) - L."""
+    """Return the sum of rate_i dL/d(rate_i) - L."""
     slopes = gradient(graph, {function: graph.one}, rates)
     return graph.sum(rate * p for rate, p in slopes.items()) - function
 
@@ -81,10 +86,12 @@ def _equations(
     graph, model = states.graph, states.model
     rates = list(states.rates)
     moved = [states.rates[r] for r in rates]
+    # dL/dq along each rate; d(p)/dt with the accelerations zero: that is the bias.
     slopes = _displacement_slopes(graph, model, total)
     in_v = dict(zip(momenta, states.in_speeds(list(momenta.values()))))
     changes = dict(zip(in_v, tangent(graph, list(in_v.values()), states.drift)))
     left = {rate: changes.get(rate, graph.zero) - slopes.get(rate, graph.zero) for rate in rates}
+    # Body rates of an orientation: + w x p (Euler-Poincare).
     for c in model.coordinates:
         if not isinstance(c, Coordinate):
             p = (in_v.get(c.rate_symbols[0], graph.zero), in_v.get(c.rate_symbols[1], graph.zero),
@@ -93,6 +100,8 @@ def _equations(
                  states.rates[c.rate_symbols[2]])  # fmt: skip
             for rate, x in zip(c.rate_symbols, cross(w, p)):
                 left[rate] = left[rate] + x
+    # By virtual power from rates to speeds; the mass matrix is the Hessian by the speeds: d(p)/d(v) carried
+    # over in the same way.
     forces = states.in_speeds([left[r] for r in rates])
     weights = seeds(graph, zip(moved, forces))
     matrix: dict[tuple[int, int], Node] = {}
@@ -107,7 +116,7 @@ def _equations(
 
 
 def _displacement_slopes(graph: Graph, model: Model, total: Node) -> dict[Node, Node]:
-    """dL along the displacement that each rate makes, the rates held: rate -> slope, in rates."""
+    """Return, for each rate, dL along the displacement that it makes with all rates held, in rates."""
     places = [x for c in model.coordinates for x in position_symbols(c)]
     slopes = gradient(graph, {total: graph.one}, places)
     found: dict[Node, Node] = {}

@@ -30,6 +30,7 @@ def moving_parts(states: States) -> list[Moving]:
     with the motion."""
     bodies = states.model.bodies
     _check(states, bodies)
+    # A point mass and a rotating frame each carry inertia; massless points and frames carry none.
     raw: list[Vector] = []
     masses: list[tuple[Body, Node | Matrix]] = []
     for body in bodies:
@@ -40,6 +41,7 @@ def moving_parts(states: States) -> list[Moving]:
             raw.append(body.frame.angular_velocity)
             masses.append((body, body.inertia))
     flat = [x for vector in raw for x in vector]
+    # Velocities: in speeds, their change with time alone, and at rest (which drives impose).
     by_time = tangent(states.graph, flat, {states.model.time: states.graph.one})
     moved = triples(states.in_speeds([*flat, *by_time]))
     at_rest = triples(states.at_rest(flat))
@@ -54,11 +56,13 @@ def inertial_loads(states: States, parts: Sequence[Moving]) -> dict[Node, Node]:
     0."""
     graph = states.graph
     flat = [x for part in parts for x in part.velocity]
+    # Accelerations with v' = 0: d(velocity)/dt with the speeds held.
     accelerations = triples(tangent(graph, flat, states.drift))
     pairs: list[tuple[Node, Node]] = []
     for part, acceleration in zip(parts, accelerations):
         weight = part.momentum(acceleration)
         if isinstance(part.mass, tuple):
+            # Euler's equation in body axes: I w' + w x I w.
             weight = add(weight, cross(part.velocity, part.momentum(part.velocity)))
         pairs.extend(zip(part.velocity, weight))
     return seeds(graph, pairs)

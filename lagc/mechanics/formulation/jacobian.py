@@ -46,7 +46,7 @@ def gradients(graph: Graph, nodes: Sequence[Node], places: Mapping[Node, int]) -
 def weighted(
     graph: Graph, sums: Sequence[Mapping[Node, Node]], places: Mapping[Node, int]
 ) -> list[Mapping[int, Node]]:
-    """The same of sums of expressions, each given with its weights."""
+    """Return the derivatives of weighted sums of expressions, as `gradients` does."""
     nodes = list(dict.fromkeys(x for own in sums for x in own))
     found = by_sums(graph, nodes, places, len(places), _FEW)
     if found is None:
@@ -56,7 +56,7 @@ def weighted(
 
 
 def opposite(graph: Graph, rows: Sequence[Mapping[int, Node]]) -> list[Mapping[int, Node]]:
-    """`rows` times -1."""
+    """Return `rows` times -1."""
     less = graph.const(-1.0)
     new = {id(x): x.weighted([{k: less} for k in range(len(x.rows))]) for x in _by_sums(rows)}
     return [
@@ -66,7 +66,7 @@ def opposite(graph: Graph, rows: Sequence[Mapping[int, Node]]) -> list[Mapping[i
 
 
 def added(graph: Graph, rows: Sequence[Mapping[int, Node]]) -> dict[int, Node]:
-    """The sum of `rows`, zeros left out."""
+    """Return the sum of `rows` without zeros."""
     total: dict[int, Node] = {}
     plain = [row for row in rows if not isinstance(row, Entries)]
     for row in (*plain, *(shared.total(_numbers(rows, shared)) for shared in _by_sums(rows))):
@@ -76,7 +76,7 @@ def added(graph: Graph, rows: Sequence[Mapping[int, Node]]) -> dict[int, Node]:
 
 
 def formed_of(rows: Iterable[Mapping[int, Node]]) -> list[Node]:
-    """All that the entries of `rows` are made of."""
+    """Return all nodes that the entries of `rows` are made of."""
     found: list[Node] = []
     for row in rows:
         found += () if isinstance(row, Entries) else row.values()
@@ -88,7 +88,7 @@ def formed_of(rows: Iterable[Mapping[int, Node]]) -> list[Node]:
 def with_values(
     rows: Sequence[Mapping[int, Node]], values: Callable[[Sequence[Node]], Sequence[Node]]
 ) -> list[Mapping[int, Node]]:
-    """`rows` with other values for all that their entries are made of."""
+    """Return `rows` with all nodes that their entries are made of replaced by `values` of them."""
     new = {id(shared): shared.mapped(values) for shared in _by_sums(rows)}
     return [
         Entries(new[id(row.slopes)], row.k)
@@ -101,7 +101,7 @@ def with_values(
 def with_places(
     rows: Sequence[Mapping[int, Node]], places: Mapping[int, int], size: int
 ) -> list[Mapping[int, Node]]:
-    """`rows` with the speeds at other places of `size`; those without a place have no entries."""
+    """Return `rows` with the speeds at other places of `size`; speeds without a place have no entries."""
     new = {id(shared): shared.placed(places, size) for shared in _by_sums(rows)}
     return [
         Entries(new[id(row.slopes)], row.k)
@@ -116,7 +116,7 @@ def _entries(found: Slopes) -> list[Mapping[int, Node]]:
 
 
 def _numbers(rows: Iterable[Mapping[int, Node]], shared: Slopes) -> list[int]:
-    """Of those that are put together from it."""
+    """Return the numbers of the rows that are formed of `shared`."""
     return [row.k for row in rows if isinstance(row, Entries) and row.slopes is shared]
 
 

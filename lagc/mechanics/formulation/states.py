@@ -40,6 +40,7 @@ def choose_speeds(model: Model, rates: Sequence[Node]) -> ChosenSpeeds:
     declared = model.speeds
     if not declared:
         return ChosenSpeeds({}, {})
+    # u = A rates + b: slopes by the rates must contain neither rates nor speeds.
     graph = model.graph
     if len(declared) > len(rates):
         raise Refused([_too_many(declared, len(rates))])
@@ -52,6 +53,7 @@ def choose_speeds(model: Model, rates: Sequence[Node]) -> ChosenSpeeds:
     ]
     if faults:
         raise Refused(faults)
+    # b is the value at rest; the rates that stay speeds are known on the right-hand side.
     at_rest = dict.fromkeys(rates, graph.zero)
     offsets = substitute(graph, [s.expression for s in declared], at_rest)
     pivots = _pivots(model, rows)
@@ -67,7 +69,10 @@ def choose_speeds(model: Model, rates: Sequence[Node]) -> ChosenSpeeds:
 
 
 def _pivots(model: Model, rows: Sequence[Mapping[int, Node]]) -> list[int]:
-    """The rate that each speed replaces: independent on every sampled state, simplest first."""
+    """Return the rate that each speed replaces: independent of the others on every sampled state, the
+    simplest one first."""
+    # Numerical elimination on four random states tells which choice stays solvable; the tables are reduced
+    # along with each choice.
     flat = [node for row in rows for node in row.values()]
     tables: list[list[dict[int, float]]] = []
     for sample in samples(model, 4):
@@ -83,6 +88,7 @@ def _pivots(model: Model, rows: Sequence[Mapping[int, Node]]) -> list[int]:
         ]
         if not candidates:
             raise Refused([_dependent(model.speeds[k], model.speeds[:k])])
+        # A constant coefficient before others, then a rate that few speeds use, then the first.
         best = min(candidates, key=lambda i: (not _constant(row.get(i)), users.get(i, 0), i))
         pivots.append(best)
         for table in tables:
@@ -103,6 +109,7 @@ def _eliminate(table: list[dict[int, float]], k: int, pivot: int) -> None:
     for row in table[k + 1 :]:
         if pivot in row:
             size = max(abs(x) for x in row.values())
+            # Entries that cancel are removed, so that structure does not see round-off.
             factor = row[pivot] / table[k][pivot]
             for i, x in table[k].items():
                 row[i] = row.get(i, 0.0) - factor * x
@@ -116,6 +123,7 @@ def solve_rows(
     """Solve rows x = right for the unknowns `pivots` (row k for pivots[k] after the rows before), ignoring
     other entries, block by block of rows that share none."""
     solution: dict[int, Node] = {}
+    # Blocks of rows that share unknowns are solved apart.
     for block in _blocks(rows, pivots):
         columns = [pivots[k] for k in block]
         matrix = [[rows[k].get(i, graph.zero) for i in columns] for k in block]
@@ -126,6 +134,7 @@ def solve_rows(
 
 
 def _blocks(rows: Sequence[Mapping[int, Node]], pivots: Sequence[int]) -> list[list[int]]:
+    # Union of rows that use a column of each other.
     owner = {i: k for k, i in enumerate(pivots)}
     group = list(range(len(rows)))
     for k, row in enumerate(rows):
@@ -138,6 +147,7 @@ def _blocks(rows: Sequence[Mapping[int, Node]], pivots: Sequence[int]) -> list[l
 
 def _cramer(graph: Graph, matrix: list[list[Node]], right: list[Node]) -> list[Node]:
     size = len(right)
+    # x_j = sum of cofactor_ij r_i / det. Divided term by term: common factors cancel in the graph.
     whole = determinant(graph, matrix)
     found: list[Node] = []
     for j in range(size):
@@ -149,7 +159,7 @@ def _cramer(graph: Graph, matrix: list[list[Node]], right: list[Node]) -> list[N
 
 
 def determinant(graph: Graph, matrix: list[list[Node]]) -> Node:
-    """By expansion along the first row; for sizes up to 4."""
+    """Return the determinant, by expansion along the first row; for sizes up to 4."""
     if not matrix:
         return graph.one
     return graph.sum(
@@ -164,7 +174,7 @@ def _minor(matrix: list[list[Node]], i: int, j: int) -> list[list[Node]]:
 
 
 def _gauss(graph: Graph, matrix: list[list[Node]], right: list[Node]) -> list[Node]:
-    """Elimination along the diagonal, which `_pivots` has found to be free of zeros."""
+    """Solve by elimination along the diagonal, which `_pivots` has found to be free of zeros."""
     size = len(right)
     for k in range(size):
         for i in range(k + 1, size):
@@ -269,7 +279,7 @@ class States:
 
     @cached_property
     def scattered(self) -> tuple[dict[Node, float], ...]:
-        """States at random, near the start, farther and far away."""
+        """Random states: near the start, farther and far away."""
         from lagc.mechanics.identities.samples import samples  # for what is asked of some models only
 
         return tuple([x for spread in (0.3, 3.0, 30.0) for x in samples(self.model, 3, spread=spread)])
@@ -280,7 +290,8 @@ class States:
 
     @cached_property
     def rest(self) -> dict[Node, Node]:
-        """Every rate and declared speed -> 0, in expressions that still hold rates."""
+        """Every rate and declared speed -> 0, for expressions that still contain rates."""
+        # A speed may be declared by speeds before it, so each is replaced in turn.
         at_rest: dict[Node, Node] = dict.fromkeys(self.rates, self.graph.zero)
         for speed in self.model.speeds:  # one may be declared in terms of those before it
             at_rest[speed.symbol] = substitute(self.graph, [speed.expression], at_rest)[0]
@@ -295,24 +306,25 @@ class States:
         return found
 
     def in_rates(self, nodes: Sequence[Node]) -> list[Node]:
-        """Declared speeds replaced by their expressions in rates."""
+        """Return `nodes` with declared speeds replaced by their expressions in rates."""
         return list(nodes) if self.plain else substitute(self.graph, nodes, self.spelt)
 
     def in_speeds(self, nodes: Sequence[Node]) -> list[Node]:
-        """Rates replaced by their expressions in v."""
+        """Return `nodes` with rates replaced by their expressions in v."""
         return list(nodes) if self.plain else substitute(self.graph, nodes, self.rates)
 
     def at_rest(self, nodes: Sequence[Node]) -> list[Node]:
-        """`nodes` (in rates) where every rate is zero: the part that drives bring."""
+        """Return `nodes` (in rates) with every rate zero: the part that drives impose."""
         return substitute(self.graph, nodes, self.rest)
 
     def to_speeds(self, weights: dict[Node, Node]) -> dict[int, Node]:
-        """Generalized forces on v of the virtual power sum of weights[x] * x, x affine in v."""
+        """Return the generalized forces on v of the virtual power sum of weights[x] * x, with x affine in
+        v."""
         found = gradient(self.graph, weights, self.place_of_v)
         return {self.place_of_v[v]: node for v, node in found.items()}
 
     def force_of(self, slopes: dict[Node, Node]) -> dict[int, Node]:
-        """Generalized forces on v of the forces slopes[q_i] on the q_i, in their order: N^T slopes."""
+        """Return the generalized forces on v of the forces slopes[q_i] on the q_i: N^T slopes."""
         pairs = [(self.qdot[self.place_of_q[q]], slope) for q, slope in slopes.items()]
         return self.to_speeds(seeds(self.graph, pairs))
 
@@ -363,7 +375,8 @@ def build_states(model: Model) -> States:
 
 
 def quaternion_rate(e: Sequence[Node], w: Sequence[Node]) -> list[Node]:
-    """q' = 1/2 q * (0, w) with w in body axes."""
+    """Return q' = 1/2 q * (0, w) with w in body axes."""
+    # Hamilton product; the first component is the scalar.
     ew, ex, ey, ez = e
     return [
         -0.5 * (ex * w[0] + ey * w[1] + ez * w[2]),
@@ -374,12 +387,12 @@ def quaternion_rate(e: Sequence[Node], w: Sequence[Node]) -> list[Node]:
 
 
 def position_symbols(c: Coordinate | Orientation) -> tuple[Node, ...]:
-    """The q that `c` brings."""
+    """Return the coordinates q of `c`."""
     return (c.symbol,) if isinstance(c, Coordinate) else c.symbols
 
 
 def rate_symbols(c: Coordinate | Orientation) -> tuple[Node, ...]:
-    """The rates that `c` brings."""
+    """Return the rates of `c`."""
     return (c.rate_symbol,) if isinstance(c, Coordinate) else c.rate_symbols
 
 
@@ -408,7 +421,10 @@ def _rate_starts(model: Model) -> dict[Node, StartValue]:
 
 
 def _speed_starts(model: Model, v: Sequence[Node]) -> list[StartValue]:
-    """A rate's own start; a declared speed's, or what those of its rates make it (t = 0)."""
+    """Return the start of each speed: that of its rate; of a declared speed its own, or the value that the
+    starts of its rates give at t = 0."""
+    # Values at the start, in the order in which they build on each other: positions, rates, then declared
+    # speeds.
     found = _rate_starts(model)
     at_start: dict[Node, Node] = {model.time: model.graph.zero}
     for c in model.coordinates:
@@ -425,7 +441,7 @@ def _speed_starts(model: Model, v: Sequence[Node]) -> list[StartValue]:
 def _stated_rates(
     model: Model, order: Sequence[Node], units: Sequence[str], rates: dict[Node, Node], v: Sequence[Node]
 ) -> list[StatedRate]:
-    """Those of the rates (`order`, with their `units`) that are stated and no speeds."""
+    """Return the stated rates among `order`, which have these `units`, that are not speeds."""
     starts, speeds = _rate_starts(model), set(v)
     return [
         StatedRate(rate, unit, rates[rate], starts[rate])

@@ -58,25 +58,29 @@ class Consistent:
 
 
 def walk(states: States, rows: Sequence[Row]) -> Consistent:
-    """Consistent states, by steps along random motions that the rows allow."""
+    """Return consistent states, found by steps along random motions that the rows allow."""
+    # The initial state first, with its own speeds.
     manifold = _Manifold(states, rows)
     for given in samples(states.model, 1, vary=False, spread=0.0):
         start = manifold.start({**given, states.model.time: 0.0})
         if start is None:
             break
+        # Near states show whether the initial state is special; far ones are the least special.
         few = len(rows) > _MANY
         beside = list(manifold.steps(start, _NEAR, 1 if few else 2, restart=True))
         turning = any(manifold.turns(state) for state in (start, *beside))
         freedom = None
+        # Where surfaces touch or a gradient turns, ranks say too little: motions are counted.
         if manifold.tangential or turning:
             freedom = _Manifold(states, [row for row in rows if row.holonomic]).freedom(start)
         return Consistent(start, beside, list(manifold.steps(start, _FAR, 1 if few else _STEPS)), freedom)
+    # Without an initial state on the rows: random states moved onto them.
     found = (manifold.met(s) for s in samples(states.model, _STEPS, vary=False))
     return Consistent(None, [], [s for s in found if s is not None])
 
 
 def scales(states: States) -> dict[Node, float]:
-    """Sizes of q and v; of rates, what goes through the coordinate's size in a second."""
+    """Return the sizes of q and v; the size of a rate is that of its coordinate per second."""
     sizes = unit_sizes(states.model)
     found: dict[Node, float] = {}
     for symbols, units in ((states.q, states.q_units), (states.v, states.v_units)):
@@ -87,13 +91,14 @@ def scales(states: States) -> dict[Node, float]:
 def jacobian(
     rows: Sequence[Row | SlipRow], sizes: Sequence[float], state: Mapping[Node, float]
 ) -> list[list[float]]:
-    """The Jacobian of `rows` in units of the `sizes` of the speeds."""
+    """Return the Jacobian of `rows` in units of the `sizes` of the speeds."""
     values = iter(magnitudes([node for row in rows for node in row.jacobian.values()], state))
     return [dense({j: next(values) for j in row.jacobian}, sizes) for row in rows]
 
 
 def dense(entries: Mapping[int, tuple[float, float]], sizes: Sequence[float]) -> list[float]:
-    """A row of values that come with the sizes of their terms; zero where the terms cancel."""
+    """Return a row of values without the sizes of their terms; zero if all entries cancel to round-off."""
+    # A row that cancels as a whole to round-off counts as zero, not as a direction of round-off.
     found = [0.0] * len(sizes)
     reach = max((size * sizes[j] for j, (_, size) in entries.items()), default=0.0)
     if any(abs(x) * sizes[j] > VANISHES * reach for j, (x, _) in entries.items()):
@@ -111,6 +116,7 @@ class _Manifold:
         self.scales = scales(states)
         self.chance = Chance(4096)
         norms = [graph.sum(states.q[i + k] ** 2 for k in range(4)) - 1.0 for i in states.quaternions]
+        # The unit quaternions are conditions too.
         self.positions = [*(row.residual for row in rows if row.holonomic), *norms]
         self.slopes = [gradient(graph, {x: graph.one}, states.q) for x in self.positions]
         self.tangential = False  # positions were met so slowly as those of surfaces that touch
@@ -120,6 +126,8 @@ class _Manifold:
         from points beside them. A point that is reached only linearly, as where surfaces touch, is not
         accepted."""
         states = self.states
+        # First the unstated coordinates alone, from points farther and farther from the guess; then all
+        # coordinates.
         free = [x for x, s in zip(states.q, states.starts_q) if s.stated.level == UNSTATED]
         slowly: State | None = None
         for moving in (free, list(states.q)):
@@ -134,15 +142,18 @@ class _Manifold:
         return slowly
 
     def met(self, given: Mapping[Node, float], free: Sequence[Node] | None = None) -> State | None:
-        """`given` moved onto the rows, by the coordinates `loose` or all."""
+        """Return `given` moved onto the rows by the coordinates `free`, or by all; None if that fails."""
         state, moving = dict(given), free or self.states.q
+        # Positions by phi = 0, then speeds by rate = 0 at these positions.
         if len(self.rows) > LARGEST or not self._solve(self.positions, self.slopes, moving, state):
             return None
         slopes = [{self.states.v[j]: node for j, node in row.jacobian.items()} for row in self.rows]
         return state if self._solve([row.rate for row in self.rows], slopes, self.states.v, state) else None
 
     def turns(self, state: State) -> bool:
-        """Whether a row's gradient turns within next to nothing, as that of a norm does where it is zero."""
+        """Return whether the gradient of a row turns within a tiny step, as that of a norm does where it is
+        zero."""
+        # The Jacobian at the state and a tiny step beside it.
         sizes = [self.scales[x] for x in self.states.v]
         near = {**state, **{q: state[q] + _TINY * self.scales[q] * self.chance.draw() for q in self.states.q}}
         for here, beside in zip(jacobian(self.rows, sizes, state), jacobian(self.rows, sizes, near)):
@@ -153,7 +164,10 @@ class _Manifold:
         return False
 
     def freedom(self, start: State) -> int:
-        """The dimension of what short steps from the start meet, in all directions that the rows allow."""
+        """Return the dimension of the positions that short steps from the start reach in all directions that
+        the rows allow."""
+        # Each step leaves along another random direction; those that come back onto the rows span the motions
+        # that there are.
         found: list[list[float]] = []
         for _ in range(min(len(self.states.q), _MANY) + 1):
             moved = self._displaced(start, _SHORT)
@@ -163,8 +177,10 @@ class _Manifold:
         return dimension(found, _AWAY)
 
     def steps(self, start: State, size: float, count: int, restart: bool = False) -> Iterator[State]:
-        """States met by `count` steps of `size`, one after another or each from the start."""
+        """Yield the states on the rows that `count` steps of `size` reach, one after another or each from the
+        start."""
         state = start
+        # A step that leads to no state is tried again with a tenth of its size.
         for _ in range(count):
             moved = self.met(self._displaced(state, size))
             if moved is None:
@@ -174,14 +190,18 @@ class _Manifold:
                 state = start if restart else moved
 
     def _displaced(self, state: State, size: float) -> State:
-        """Along a random motion that the rows allow; with other speeds and another time."""
+        """Return a state displaced along a random motion that the rows allow, with other speeds and another
+        time."""
         states = self.states
         sizes = [self.scales[x] for x in states.v]
         pushed = {x: self.chance.draw() * s for x, s in zip(states.v, sizes)}
         table = jacobian(self.rows, sizes, state)
+        # A random vector less its part along the rows, in the sizes of the speeds: a velocity that the rows
+        # allow.
         drawn = [self.chance.draw() for _ in sizes]
         direction = Span(table).remainder(drawn)
         longest = max(map(abs, direction), default=0.0) or 1.0
+        # The step of the coordinates is that of qdot, without the motion that drives impose.
         rest = evaluate(states.qdot, {**state, **dict.fromkeys(states.v, 0.0)})
         speeds = {x: size * d / longest * s for x, d, s in zip(states.v, direction, sizes)}
         moved = evaluate(states.qdot, {**state, **speeds})

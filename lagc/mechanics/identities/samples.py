@@ -129,7 +129,7 @@ def magnitudes(
 def _perturbed(
     order: Sequence[Node], state: Mapping[Node, float], value: Mapping[Node, float], chance: Random
 ) -> dict[Node, float]:
-    """The values, where each is off; what has none there is as it is."""
+    """Return the values with each operation perturbed; a value that does not exist is not changed."""
     moved: dict[Node, float] = {}
     for node in order:
         own = value[node]

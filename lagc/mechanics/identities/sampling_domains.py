@@ -39,25 +39,26 @@ LARGEST = 160  # accelerations and multipliers that are solved for
 
 
 def anywhere(states: States) -> Ground:
-    """Positions, rates, speeds and time are free."""
+    """Return the domain of all states: positions, rates, speeds and time are free."""
     return on_rows(states, (), [*samples(states.model, _STATES), *far_away(states)])
 
 
 def far_away(states: States) -> list[dict[Node, float]]:
-    """States many sizes of the coordinates away, and later: where roots that are |u| have another sign."""
+    """Return states many sizes of the coordinates away, and later, where roots that are |u| have another
+    sign."""
     time = states.model.time
     drawn = [(spread, s) for spread in _FAR_AWAY for s in samples(states.model, 2, spread=spread)]
     return [{**s, time: spread * s[time]} for spread, s in drawn]
 
 
 def on_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping[Node, float]]) -> Ground:
-    """Positions and speeds meet the rows; `tries` are such states."""
+    """Return the domain in which positions and speeds meet the rows; `tries` are such states."""
     placing = _Placing(states, rows, tries)
     return Ground(states.graph, defaults(states.model), placing.support, placing.place, lambda truths: tries)
 
 
 def at_defaults(states: States, rows: Sequence[Row], tries: Sequence[Mapping[Node, float]]) -> Ground:
-    """As `on_rows`, with parameters and inputs as their defaults are written."""
+    """Return the domain of `on_rows` with parameters and inputs at their defaults, as these are written."""
     model = states.model
     values = {p.symbol: p.value for p in model.parameters if p.value is not None}
     values.update((u.symbol, u.default) for u in model.inputs)
@@ -71,7 +72,8 @@ def on_motion(
     rows: Sequence[tuple[int, Row]],
     tries: Sequence[Mapping[Node, float]],
 ) -> Ground:
-    """With the accelerations and multipliers of the motion, for the independent `rows`, by index."""
+    """Return the domain of the motion: `on_rows` with the accelerations and multipliers of the independent
+    `rows`, by index."""
     motion = _Motion(equations, states, rows, tries)
 
     def numbers(truths: Truths | None) -> Sequence[Mapping[Node, float]]:
@@ -82,7 +84,7 @@ def on_motion(
 
 
 def _turn(states: States, point: Point) -> None:
-    """Unit quaternions: r r/|r|^2 for a random r."""
+    """Give the point unit quaternions: r r/|r|^2 for a random r."""
     for i in states.quaternions:
         w, x, y, z = (point.draw() for _ in range(4))
         n = power(w * w + x * x + y * y + z * z, -1)
@@ -101,6 +103,8 @@ class _Placing:
         values: Mapping[Node, float] | None = None,
     ):
         self.states, self._values = states, values or {}
+        # Rows that are linear in some unknowns together are solved as linear equations; of the others, those
+        # that are quadratic in one unknown by a root.
         graph = states.graph
         residuals = [row.residual for row in rows if row.holonomic]
         scalars = [x for x in _scalars(states) if x not in self._values]
@@ -108,11 +112,13 @@ class _Placing:
         holonomic = _solved(residuals, unknowns, tries[0]) if tries and unknowns else []
         left = [x for x in residuals if x not in holonomic]
         squares = _squares(scalars, left, holonomic, tries[0]) if tries else []
+        # The domain is complete if all rows are met this way: only then does a value that is not zero refute.
         known = len(holonomic) + len(squares) == len(residuals)
         self.complete = all(row.linear for row in rows) and known
         slopes = [gradient(graph, {x: graph.one}, unknowns) for x in holonomic]
         rates = [row.rate for row in rows if row.linear]
         jacobians = [row.jacobian for row in rows if row.linear]
+        # All expressions that are evaluated at a point, with their comparisons spelt out together.
         flat = [
             *holonomic,
             *rates,
@@ -130,6 +136,7 @@ class _Placing:
         self._unknowns = unknowns
 
     def place(self, point: Point, truths: Truths) -> bool:
+        # Quaternions, values that are kept, linear unknowns, squares, then speeds: each uses the ones before.
         _turn(self.states, point)
         point.keep(self._values)
         met = self._meet(point, truths, self._unknowns, self._residuals, self._slopes)
@@ -149,6 +156,7 @@ class _Placing:
         """Solve rows that are linear in the unknowns for them; False where they cannot all hold."""
         if not residuals:
             return True
+        # At zero unknowns the residuals are the offsets of the linear equations.
         random = dict(zip(unknowns, point.values(unknowns)))
         point.place(dict.fromkeys(unknowns, 0))
         offsets = point.values(residuals, truths)
@@ -170,6 +178,8 @@ class _Square:
 
     def place(self, point: Point, truths: Truths) -> None:
         """Solve it, with one sign or the other.  Raises Undefined."""
+        # a u^2 / 2 + b u + c = 0: c, b, a at u = 0. The discriminant must be a square, else other unknowns
+        # are drawn again.
         for _ in range(_DRAWS):
             point.place({self.unknown: 0})
             c, b, a = point.values(self.nodes, truths)
@@ -189,6 +199,7 @@ def _squares(
     solved at `state`; residuals without one are left out."""
     fixed = symbols(solved)
     found: list[_Square] = []
+    # A residual whose symbols are fixed by earlier ones cannot be met by these.
     for residual in residuals[:_MOST_ROWS]:
         held = symbols([residual]) - fixed
         polynomial = held - symbols(a for y in reachable([residual]) if not _adds_up(y) for a in y.args)
@@ -209,23 +220,24 @@ def _squares(
 
 
 def _adds_up(node: Node) -> bool:
-    """Whether it is a polynomial in its arguments."""
+    """Return whether a node is a polynomial in its arguments."""
     return node.op in ("add", "scale") or (node.op == "mul" and min(node.value) > 0)
 
 
 def _scalars(states: States) -> list[Node]:
-    """Coordinates that are no parts of quaternions, and parameters."""
+    """Return the coordinates that are no parts of quaternions, and the parameters."""
     quaternions = {states.q[i + k] for i in states.quaternions for k in range(4)}
     return [x for x in (*states.q, *(p.symbol for p in states.model.parameters)) if x not in quaternions]
 
 
 def _solvable(asked: Sequence[Node], residuals: Sequence[Node]) -> list[Node]:
-    """Those `asked` in which all residuals together are linear."""
+    """Return symbols of `asked` in which all residuals together are linear."""
     if not residuals or len(residuals) > _MOST_ROWS:
         return []
     graph = residuals[0].graph
     slopes = [gradient(graph, {x: graph.one}, asked) for x in residuals]
     found: list[Node] = []
+    # One unknown after the other joins if the slopes by those before stay free of it, and its own of them.
     inside: set[Node] = set()  # symbols of the slopes by those found
     for x in asked:
         own = symbols([table[x] for table in slopes if x in table])
@@ -236,8 +248,9 @@ def _solvable(asked: Sequence[Node], residuals: Sequence[Node]) -> list[Node]:
 
 
 def _solved(residuals: Sequence[Node], unknowns: Sequence[Node], state: Mapping[Node, float]) -> list[Node]:
-    """The residuals that can be solved for the unknowns together at `state`."""
+    """Return the residuals that can be solved for the unknowns together at `state`."""
     graph = unknowns[0].graph
+    # Rows that are independent in these unknowns at a state of the motion.
     sizes = [abs(state[x]) or 1.0 for x in unknowns]
     place = {x: k for k, x in enumerate(unknowns)}
     slopes = [gradient(graph, {x: graph.one}, unknowns) for x in residuals]
@@ -283,7 +296,7 @@ class _Motion(_Placing):
         return met
 
     def with_motion(self, state: Mapping[Node, float]) -> dict[Node, float] | None:
-        """`state` with a and lam of its motion; None where the system is singular there."""
+        """Return `state` with the a and lam of its motion; None if the system is singular there."""
         matrix, right = self._system(evaluate(self._flat, state))
         dense = [[row.get(j, 0.0) for j in range(len(right))] for row in matrix]
         solution = solve(dense, right) if all(map(math.isfinite, chain(right, *dense))) else None
@@ -292,7 +305,7 @@ class _Motion(_Placing):
         return {**state, **dict.fromkeys(self._others, 0.0), **dict(zip(self._unknown, solution))}
 
     def _system(self, values: Sequence[Number]) -> tuple[list[dict[int, Number]], list[Number]]:
-        """M a - G^T lam = tau - h, G a = gamma."""
+        """Return the matrix and the right-hand side of M a - G^T lam = tau - h, G a = gamma."""
         entry = iter(values)
         n, p = len(self.states.v), len(self._columns)
         matrix: list[dict[int, Number]] = [{} for _ in range(n + p)]

@@ -35,7 +35,9 @@ _MOST_PAIRED = 12  # differences whose pairs are
 
 
 def spelt_out(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
-    """`nodes` with comparisons in the place of abs, sign, min, max and roots of squares."""
+    """Return `nodes` with comparisons in the place of abs, sign, min, max and roots of squares."""
+    # abs, sign, min, max and sqrt(u^2) become choices by a comparison; a field has no order, but a comparison
+    # can be true or false.
     kinks = [node for node in reachable(nodes) if node.op in _SIDES or _is_root_of_square(node)]
     if not kinks:
         return list(nodes)
@@ -75,7 +77,7 @@ class Comparison:
         return self.node.op != "eq" and sign * self.factor < 0
 
     def share(self, below: int) -> int:
-        """The number for it, where that of `difference < 0` is `below`."""
+        """Return the number that stands for the comparison if `below` stands for `difference < 0`."""
         return 0 if self.node.op == "eq" else below if self.factor > 0 else (1 - below) % P
 
 
@@ -89,6 +91,7 @@ class Branches:
         self.differences = list(dict.fromkeys(c.difference for c in free))
 
     def _comparison(self, node: Node) -> Comparison:
+        # Both sides of a comparison, and the comparison in the other direction, ask for one difference.
         difference = self._graph.sub(*node.args)
         if difference.op == "scale":
             return Comparison(node, difference.args[0], difference.value)
@@ -99,13 +102,14 @@ class Branches:
 
     @property
     def complete(self) -> bool:
-        """`all` gives all of them."""
+        """Whether `all` gives all branches."""
         return len(self.differences) <= _MOST
 
     def all(self) -> Iterator[Signs]:
         """Return the combinations of signs: all of them, or if they are many, those that differ from equal
         signs in one or two."""
         count = len(self.differences)
+        # 2^n combinations of signs up to n = 8; else equal signs, with one or two turned.
         if self.complete:
             for signs in product((1, -1), repeat=count):
                 yield dict(zip(self.differences, signs))
@@ -120,7 +124,9 @@ class Branches:
         return dict.fromkeys(self.differences, 0)
 
     def truths(self, signs: Signs) -> dict[Node, int]:
-        """Of every comparison, where the differences have these signs."""
+        """Return the value of every comparison if the differences have these signs."""
+        # A blended difference has a random share for `< 0`; others are true or false by their sign;
+        # comparisons of parameters by their values.
         found: dict[Node, int] = {}
         chance = Point(_SEED)
         blended = sorted([d for d, sign in signs.items() if not sign], key=lambda d: d.index)
@@ -174,20 +180,24 @@ class ZeroTest:
         self._points: dict[frozenset[tuple[Node, int]], list[Placed]] = {}
 
     def vanish(self, nodes: Sequence[Node]) -> bool | None:
-        """True: all of `nodes` are proved to vanish; False: they seem to; None: they do not."""
+        """Return True if all of `nodes` are proved to vanish, False if they seem to, None if they do not."""
         ground = self._ground
         asked = [node for node in spelt_out(ground.graph, nodes) if not node.is_zero]
         if not asked:
             return True
         branches = Branches(ground.graph, [*ground.support, *asked], ground.values)
         proved, rooted = self._on_branches(asked, branches)
+        # A zero that depends on the signs of roots, or that numbers alone support, must also hold at states
+        # as they are.
         if proved is not None and (not proved or rooted):
             plain = cancels(asked, ground.states(None), strict=False)
             return proved if plain else None
         return proved
 
     def vanish_each(self, asked: Sequence[Sequence[Node]]) -> list[bool | None]:
-        """`vanish` of each; of those that clearly do not at a state, nothing else is asked."""
+        """Return `vanish` of each. One that is clearly not zero at a state is not tested further."""
+        # A value of more than a thousandth of its terms is no round-off: most expressions are settled by one
+        # evaluation.
         nodes = [node for each in asked for node in each]
         sizes = [
             (x, *size) for s in self._ground.states(None)[:1] for x, size in zip(nodes, magnitudes(nodes, s))
@@ -196,12 +206,16 @@ class ZeroTest:
         return [self.vanish(each) if clear.isdisjoint(each) else None for each in asked]
 
     def _on_branches(self, asked: Sequence[Node], branches: Branches) -> tuple[bool | None, bool]:
-        """The answer of the field, and of numbers branch by branch; and whether roots were met."""
+        """Return the verdict of the field, or of numbers on branches where it has none, and whether roots
+        occurred."""
+        # First all branches at once. A zero there is a zero on each.
         if len(branches.differences) > 1:
             blended = branches.blended()
             verdict, rooted = self._in_field(asked, blended, branches.truths(blended))
             if verdict or (verdict is False and not branches.complete):
                 return verdict or None, rooted
+        # Else branch by branch; numbers take over where the field cannot tell. One branch that does not
+        # vanish settles it.
         proved, rooted = branches.complete, False
         for signs in branches.all():
             truths = branches.truths(signs)
@@ -224,9 +238,11 @@ class ZeroTest:
             yield self._placed(signs, truths), truths
 
     def _in_field(self, nodes: Sequence[Node], signs: Signs, truths: Truths) -> tuple[bool | None, bool]:
-        """Whether they vanish (None: not settled), and whether roots were met."""
+        """Return whether `nodes` vanish on this branch (None: not decided), and whether roots occurred."""
         zero: list[bool] = []
         exact, rooted = True, False
+        # Zero at all points: a proof up to the probability degree / P. Not zero: a refutation if every value
+        # was exact.
         for placed in self._placed(signs, truths):
             try:
                 zero.append(not any(placed.point.values(nodes, truths)))
@@ -247,6 +263,8 @@ class ZeroTest:
         return self._points[key]
 
     def _place(self, truths: Truths) -> Iterator[Placed]:
+        # With roots there are points only where all squares have roots; if none is found, roots become
+        # functions without relations.
         found = 0
         under = [node.args[0] for node in reachable(self._ground.support) if has_root(node)]
         for roots, tries in ((True, _TRIES), (False, _POINTS)):
@@ -270,6 +288,7 @@ class ZeroTest:
 def cancels(nodes: Sequence[Node], states: Sequence[State], strict: bool = True) -> bool:
     """Return whether all of `nodes` vanish on every state where they have values; with `strict`, on at least
     one state, by cancellation of nonzero terms."""
+    # Values against the sizes of their terms, at states where both exist.
     seen = [False] * len(nodes)
     for state in states:
         for k, (value, size) in enumerate(magnitudes(nodes, state)):
@@ -281,5 +300,5 @@ def cancels(nodes: Sequence[Node], states: Sequence[State], strict: bool = True)
 
 
 def defaults(model: Model) -> dict[Node, float]:
-    """The parameters' values, 1 where the run must give one."""
+    """Return the values of the parameters, 1 for those that the run must give."""
     return {p.symbol: 1.0 if p.value is None else p.value for p in model.parameters}

@@ -31,17 +31,21 @@ _KINKED = ("max", "min", "abs")  # no constraints by themselves
 def refuse_degenerate(states: States, classified: Sequence[Classified]) -> tuple[Fault, ...]:
     """Return warnings LAG0413 of products whose gradient vanishes with one factor. Raises Refused: LAG0413
     for a constraint whose gradient vanishes wherever it holds, unless others imply it."""
+    # Affine velocity rows have a gradient without speeds: it cannot vanish with the row.
     asked = [x for x in classified if x.row.holonomic or not x.row.linear]
     residuals = [x.row.residual for x in asked]
     moving = depends(residuals, symbols(residuals) - {p.symbol for p in states.model.parameters})
     warnings: list[Fault] = []
     everywhere: list[Classified] = []
+    # A residual is a product of factors: it vanishes with any of them, and its gradient with those that touch
+    # zero.
     for x in asked:
         factors, flat = _flat_factors(states, x.row.residual, moving)
         if flat and all(f in flat or _is_never_zero(states, f) for f in factors):
             everywhere.append(x)
         elif flat:
             warnings.append(_of_factor(x, flat[0]))
+    # Rows that others imply need no force, so a vanishing gradient does no harm.
     if everywhere:
         others = [x.row for x in classified if x not in everywhere]
         faults = [_of_all(x) for x in everywhere if not _is_implied(states, x.row, others)]
@@ -72,6 +76,7 @@ def _touches(states: States, node: Node, moving: set[Node]) -> bool:
     if 0.0 not in intervals([node], states.bounds)[node]:
         return False
     pending = [node]
+    # Terms of a sum: numbers, cosines and squares; the interval has told that zero is its end.
     while pending:
         term = pending.pop()
         bare = _bare(term)
@@ -146,7 +151,7 @@ def _listed(rows: Sequence[str]) -> str:
 
 
 def _rows_meant(left: tree.Expression, right: tree.Expression) -> list[str] | None:
-    """The rows in the place of `left = right`; None where these are not plain to see."""
+    """Return the rows to write in the place of `left = right`; None if they are not obvious."""
     if _is_number(right, 0.0):
         return _parts(left)
     if _is_number(left, 0.0):
@@ -158,7 +163,7 @@ def _rows_meant(left: tree.Expression, right: tree.Expression) -> list[str] | No
 
 
 def _parts(e: tree.Expression) -> list[str] | None:
-    """The rows that hold where `e`, which is of one sign, is zero."""
+    """Return the rows that hold where `e`, which has one sign, is zero; None if they are not obvious."""
     if isinstance(e, tree.Unary):
         return _parts(e.operand)
     if isinstance(e, tree.Call):
@@ -189,7 +194,7 @@ def _called(e: tree.Call) -> list[str] | None:
 
 
 def _of_product(e: tree.Expression) -> list[str] | None:
-    """Of the one factor that touches zero, or of one that is written twice."""
+    """Return the rows of the one factor that touches zero, or of a factor that is written twice."""
     factors = _factors(e)
     words = [_words(x) for x in factors]
     twice = [x for x, word in zip(factors, words) if words.count(word) > 1]

@@ -63,6 +63,7 @@ class _State:
 def active_loads(states: States, rows: Sequence[Row]) -> Iterator[Fault]:
     """Yield LAG0412 of loads that oppose a velocity that they are written with, and act on another one, on
     which their power can be positive."""
+    # Only loads that mention a velocity can oppose it.
     loads = [x for x in _of_rates(states)[:_MOST] if x.mentioned]
     if not loads or len(states.v) + len(rows) > LARGEST:
         return
@@ -70,10 +71,12 @@ def active_loads(states: States, rows: Sequence[Row]) -> Iterator[Fault]:
     acted = _together(loads)
     free, bound = _states(states, ()), _states(states, rows)
     asked = [(x, own) for x, own in acted if not _is_plain(x) and forms.brings([(x, own)], free)]
+    # Free of constraints first: a load that brings no energy there brings none with them.
     if not asked or not forms.brings(asked, bound):
         return
     for load, own in asked:
         written = [_Velocity(((1.0, vector),), span.text, span) for vector, span in load.mentioned]
+        # Velocities that were written, and differences of two: the load may oppose the relative velocity.
         candidates = [*written, *(a.plus(b, -1.0) for a, b in permutations(written, 2))]
         if forms.brings([(load, own)], bound):
             opposed = next((c for c in candidates if forms.takes(load, c, bound)), None)
@@ -151,6 +154,7 @@ class _Forms:
 
     def brings(self, loads: Sequence[tuple[Load, _Velocity]], at: Sequence[_State]) -> bool:
         """Return whether the sum of the forms is negative in some direction."""
+        # v . form v is minus the power for a velocity v: negative means that energy comes in.
         forms = [np.sum([self._form(x, u, state) for x, u in loads], axis=0) for state in at]
         return not all(map(_is_nowhere_negative, forms))
 
@@ -160,10 +164,13 @@ class _Forms:
         return all(map(_is_nowhere_negative, forms)) and any(form.any() for form in forms)
 
     def _form(self, load: Load, velocity: _Velocity, state: _State) -> Array:
+        # The load and the velocity as matrices on the allowed directions: power = u^T f, its symmetric part
+        # counts.
         force = self._map(load.vector, state)
         terms = [sign * self._map(vector, state) for sign, vector in velocity.terms]
         moved, largest = np.sum(terms, axis=0), np.sum(np.abs(terms), axis=0)
         power, size = moved.T @ force, largest.T @ np.abs(force)
+        # Products below the round-off of their terms are zero.
         power[np.abs(power) <= VANISHES * size] = 0.0
         form: Array = -0.5 * (power + power.T)
         return form
@@ -177,6 +184,7 @@ class _Forms:
                 gradient(states.graph, {x: one}, states.place_of_v) for x in states.in_speeds(vector)
             ]
         slopes = self._slopes[vector]
+        # Round-off of an entry is that of its terms, or of the largest of all.
         entries = magnitudes([x for row in slopes for x in row.values()], state.values)
         most = max((size for _, size in entries if math.isfinite(size)), default=0.0)
         found, matrix = iter(entries), np.zeros((len(slopes), len(states.v)))
@@ -191,6 +199,7 @@ class _Forms:
 
 def _is_nowhere_negative(form: Array) -> bool:
     """Return whether v . form v >= 0: the least eigenvalue of the form with diagonal entries 1."""
+    # Scaled to diagonal entries of 1, so that small masses and lengths count as large ones.
     diagonal = np.diag(form)
     sizes = np.where(diagonal == 0.0, np.max(np.abs(form), axis=1, initial=0.0), np.sqrt(np.abs(diagonal)))
     sizes[sizes == 0.0] = 1.0
@@ -219,6 +228,7 @@ def slips_held(states: States, rows: Sequence[Row], contacts: Sequence[ContactRo
     columns = {j for row in rows for j in row.jacobian}
     if any(row.time_dependent for row in rows):  # they may move what they hold
         return
+    # A slip row that lies in the span of the constraints has no remainder there.
     sizes = [scales(states)[v] for v in states.v]
     for contact in contacts:
         touching = rows if contact.normals else [*rows, touching_row(contact)]

@@ -47,42 +47,49 @@ class Cuts(NamedTuple):
     whens: tuple[WhenEquations, ...]
 
 
+class _Place(NamedTuple):
+    """Expressions that may not jump in the leaves, nor have a kink if `slopes`; the warning if they do."""
+
+    nodes: Sequence[Node]
+    leaves: Sequence[Node]
+    slopes: bool
+    code: str
+    what: str
+    remedy: str
+    span: Span
+
+
 def find_cuts(states: States, relations: Collection[Node]) -> Cuts:
     """Return warnings LAG0421 of constraints and LAG0422 of places with a jump or kink, LAG0423 of energies
     and LAG0424 of declared speeds with a jump; `relations` are the candidates."""
-    model = states.model
     # Expressions above no relation are smooth, and are not looked at.
     above = set(relations)
     for node in states.graph.nodes:
         if not above.isdisjoint(node.args):
             above.add(node)
     all_smooth = above.isdisjoint([] if states.plain else states.spelt.values())
-    positions = list(states.q)
-    place = [*positions, model.time]
-    rates = [*states.rates, *(speed.symbol for speed in model.speeds)]
     warnings: list[Fault] = []
-    stopping: list[tuple[Fault, Break]] = []
-
-    def look(
-        nodes: Sequence[Node],
-        leaves: Sequence[Node],
-        slopes: bool,
-        code: str,
-        what: str,
-        remedy: str,
-        span: Span,
-    ) -> None:
+    whens: list[WhenEquations] = []
+    for nodes, leaves, slopes, code, what, remedy, span in _places(states):
         if all_smooth and above.isdisjoint(nodes):
-            return
+            continue
         found = find_break(states, nodes, leaves, slopes, rows=code == "LAG0421")
         if found is None:
-            return
+            continue
         message = f"{what} has a {found.kind} where {found.where}; a run that gets there stops"
         fault = Fault(code, message, span, remedy=remedy, severity="warning")
         if fault not in warnings:
             warnings.append(fault)
-        stopping.append((fault, found))
+        whens += _stops(fault, found)
+    return Cuts(tuple(warnings), tuple(whens))
 
+
+def _places(states: States) -> Iterator[_Place]:
+    """Yield constraints, places of bodies, energies and declared speeds."""
+    model = states.model
+    positions = list(states.q)
+    place = [*positions, model.time]
+    rates = [*states.rates, *(speed.symbol for speed in model.speeds)]
     # Rows of positions may have neither jump nor kink, as their gradients are forces. Rows of speeds
     # may have kinks.
     remedy = f"{_ROUND}, or let a force act in its place"
@@ -91,30 +98,30 @@ def find_cuts(states: States, relations: Collection[Node]) -> Cuts:
         for nonholonomic in (False, True):  # a kink is a jump of the forces
             rows = [x for x in c.residuals if (x in in_rates) == nonholonomic]
             leaves = [*place, *rates] if nonholonomic else place
-            look(rows, leaves, not nonholonomic, "LAG0421", f"the constraint `{c.name}`", remedy, c.span)
+            what = f"the constraint `{c.name}`"
+            yield _Place(rows, leaves, not nonholonomic, "LAG0421", what, remedy, c.span)
     for body in model.bodies:
         axes = [x for row in body.frame.axes for x in row] if body.frame is not None else []
         what = f"the place of `{body.name}`"
-        look([*body.position, *axes], place, True, "LAG0422", what, _ROUND, body.span)
+        yield _Place([*body.position, *axes], place, True, "LAG0422", what, _ROUND, body.span)
     # Energies may have kinks in the coordinates, where forces jump, but none in the rates, where momenta
     # would.
     remedy = "let it change over a distance, or write the forces that are meant with `force`"
     for action in model.actions:
         what = f"the energy `{action.name}`"
         if isinstance(action, Potential):
-            look([action.energy], positions, False, "LAG0423", what, remedy, action.span)
+            yield _Place([action.energy], positions, False, "LAG0423", what, remedy, action.span)
         elif isinstance(action, Lagrangian):
-            look([action.function], place, False, "LAG0423", what, remedy, action.span)
-            look([action.function], rates, True, "LAG0423", what, remedy, action.span)
+            yield _Place([action.function], place, False, "LAG0423", what, remedy, action.span)
+            yield _Place([action.function], rates, True, "LAG0423", what, remedy, action.span)
     remedy = "declare a speed that changes with the motion alone"
     for speed in model.speeds:
         what = f"the speed `{speed.name}`"
-        look([speed.expression], place, False, "LAG0424", what, remedy, speed.span)
-    return Cuts(tuple(warnings), tuple(w for fault, found in stopping for w in _stops(fault, found)))
+        yield _Place([speed.expression], place, False, "LAG0424", what, remedy, speed.span)
 
 
 def _stops(fault: Fault, found: Break) -> list[WhenEquations]:
-    """Clauses that end a run as failed where the relation changes."""
+    """Return clauses that end a run as failed where the relation changes."""
     assert fault.span is not None
     words, reason = found.where.replace("`", ""), fault.message.partition(";")[0]
     clauses = [When(words, c, (), reason, (), fault.span, fails=True) for c in found.conditions]
@@ -146,7 +153,7 @@ class Break:
 
     @property
     def conditions(self) -> tuple[Node, Node]:
-        """Two conditions.  Whenever the relation changes one of them becomes true."""
+        """Two conditions: whenever the relation changes, one of them becomes true."""
         node, graph = self.relation, self.relation.graph
         if node.op in _COUNTING:
             half = graph.const(0.5)
@@ -162,14 +169,18 @@ def find_break(
     """Return the first jump of `nodes` along `leaves`, or else the first kink (not with `slopes` off).
     `rows`: `nodes` vanish along the motion, so a relation counts only if they vanish at its zero."""
     everything = states.in_rates(nodes)
+    # Relations below the expressions that the leaves move, whose indicators can be zero for some values of
+    # the parameters.
     moving = depends(everything, leaves)
     ops = _RELATIONS if slopes else _STEPS
     found = [node for node in reachable(everything) if node.op in ops and node in moving]
     kept = intervals([_indicator(node) for node in found], states.bounds) if found else {}
     found = [node for node in found if not _is_constant(node, kept[_indicator(node)])]
+    # A row vanishes along the motion: its value where the indicator is zero must contain zero.
     if rows:
         found = [node for node in found if not _is_never_met(states, everything, node)]
     kink: Break | None = None
+    # Up to twelve zeros of each indicator: the first jump settles it, a kink is remembered.
     for relation in found:
         for point in islice(_zeros(states, relation, everything, leaves), _POINTS):
             kind = _kind(states.graph, everything, leaves if slopes and kink is None else (), point)
@@ -227,10 +238,14 @@ def _zeros(states: States, relation: Node, nodes: Sequence[Node], leaves: Sequen
     indicator, graph = _indicator(relation), states.graph
     slopes = gradient(graph, {indicator: graph.one}, leaves)
     needed = symbols([*nodes, indicator])
+    # From random states, near and far.
     for sample in states.scattered if slopes else ():
         given = {x: sample[x] for x in needed}
+        # Each level at which the relation changes: 0, or the two whole numbers or the knots beside.
         for level in _levels(relation, evaluate([indicator], given)[0]):
             state = dict(given)
+            # Newton's method for one equation: the shortest step in the sizes of the leaves, along the
+            # gradient.
             for _ in range(_NEWTON):
                 value, *slope = evaluate([indicator, *slopes.values()], state)
                 sizes = [abs(given[x]) or 1.0 for x in slopes]
@@ -240,6 +255,7 @@ def _zeros(states: States, relation: Node, nodes: Sequence[Node], leaves: Sequen
                 before = dict(state)
                 for x, g, s in zip(slopes, slope, sizes):
                     state[x] -= (value - level) * g * s * s / square
+                # The leaf that moved most counts as the direction across the zero.
                 leaf = max(zip(slopes, slope, sizes), key=lambda each: abs(each[1] * each[2]))[0]
                 if abs(state[leaf] - before[leaf]) <= 1e-15 * max(abs(state[leaf]), 1e-3 * abs(given[leaf])):
                     reach = max(abs(state[leaf]), abs(given[leaf])) or 1.0
@@ -248,7 +264,7 @@ def _zeros(states: States, relation: Node, nodes: Sequence[Node], leaves: Sequen
 
 
 def _levels(relation: Node, value: float) -> Sequence[float]:
-    """Values of the indicator at which the relation changes, near `value`."""
+    """Return the values of the indicator, near `value`, at which the relation changes."""
     if relation.op == "floor":
         return [math.floor(value) + k for k in (0.0, 1.0)] if math.isfinite(value) else []
     if relation.op == "piece":
@@ -257,7 +273,8 @@ def _levels(relation: Node, value: float) -> Sequence[float]:
 
 
 def _knots(piece: Node, value: float) -> list[float]:
-    """Those beside `value`, the first, the last, and those where the numbers looked up change most."""
+    """Return the knots beside `value`, the first, the last, and those where the entries of tables change
+    most."""
     table = piece.value
     place = int(table.piece(value))
     found = {1, len(table) - 1, place, place + 1}
@@ -273,6 +290,7 @@ def _knots(piece: Node, value: float) -> list[float]:
 
 def _kind(graph: Graph, nodes: Sequence[Node], leaves: Sequence[Node], point: _Point) -> str:
     """Return "jump" where values on both sides differ, "kink" where slopes along `leaves` do, or ""."""
+    # Both sides with all relations held: two analytic expressions, compared at the zero itself.
     before, at, after = (point.displaced(d) for d in (-point.step, 0.0, point.step))
     kind = ""
     for a, b in zip(_branch(graph, nodes, before), _branch(graph, nodes, after)):
@@ -280,6 +298,7 @@ def _kind(graph: Graph, nodes: Sequence[Node], leaves: Sequence[Node], point: _P
             continue
         if _differ([a], [b], at, after):
             return "jump"
+        # Equal values: their slopes along the leaves.
         ahead, behind = (gradient(graph, {x: graph.one}, leaves) for x in (a, b))
         moved = list({**ahead, **behind})
         pairs = [[slopes.get(leaf, graph.zero) for leaf in moved] for slopes in (ahead, behind)]
@@ -292,6 +311,7 @@ def _differ(left: Sequence[Node], right: Sequence[Node], at: State, after: State
     """Return whether any two differ at `at`, by more than the round-off of their terms and arguments."""
     nodes = [*left, *right]
     found = magnitudes(nodes, at)
+    # A difference counts against the size of the terms, and against what moving a little would change.
     size = [p + abs(x - a) / _BESIDE for (a, p), x in zip(found, evaluate(nodes, after))]
     for (a, _), (b, _), p, q in zip(found, found[len(left) :], size, size[len(left) :]):
         if abs(a - b) > _ALIKE * (p + q):

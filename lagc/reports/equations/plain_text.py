@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from decimal import Context
+from decimal import MAX_EMAX, MIN_EMIN, Context
 from fractions import Fraction
 
 from lagc.reports.algebra.expansion import HALF, TABLE
@@ -31,7 +31,7 @@ TERMS = 30  # of a sum that is cut
 
 _LONGEST = 10**17  # of an integer with all its digits
 _CLEARLY = 5  # characters that a quotient is shorter than the decimal number that it stands for
-_DIGITS = Context(prec=17, Emin=-(10**9), Emax=10**9)
+_DIGITS = Context(prec=17, Emin=MIN_EMIN, Emax=MAX_EMAX)
 
 
 class TextWriter:

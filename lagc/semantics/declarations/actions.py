@@ -261,6 +261,7 @@ def declare_load(context: Context, entry: Entry) -> Value:
             entry.path, vector, frame, opposite, entry.span, entry.effect, source.target.span, mentioned
         )
         entry.objects.append(torque)
+    # The load of this name can be referred to, as by an actuator.
     return Reference(entry)
 
 

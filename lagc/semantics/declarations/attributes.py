@@ -42,6 +42,7 @@ def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[
     outer = [Modifier(a, m.environment, m.index) for m in entry.modifiers for a in m.argument.arguments]
     attributes: dict[str, Modifier] = {}
     first: dict[str | None, Span] = {}
+    # A name that is given twice in one place is a fault; from outside it replaces.
     for modifier in own:
         argument = modifier.argument
         if argument.name in first:
@@ -50,6 +51,7 @@ def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[
                 Wrong("LAG0209", f"`{argument.name}` is given twice", argument.span, related=related)
             )
         first.setdefault(argument.name, argument.span)
+    # The first of each name wins; every one is checked.
     for modifier in [*outer, *own]:
         argument = modifier.argument
         if argument.name is None:

@@ -44,7 +44,8 @@ STANDARD = 9.81  # m/s2, the default
 
 _SAME = 12  # decimal digits that equal directions share
 _DIMENSIONS = {"mass": KG, "at": M, "com": M, "inertia": INERTIA, "frame": NONE}
-_PARAMETERS = {"Particle": (("mass", "at"), 2), "Solid": (("mass", "inertia", "frame", "com", "at"), 2)}
+PARAMETERS = {"Particle": (("mass", "at"), 2), "Solid": (("mass", "inertia", "frame", "com", "at"), 2)}
+GRAVITY_PARAMETERS = ("g", "direction")
 
 
 def declare_body(context: Context, entry: Entry) -> Value:
@@ -52,9 +53,9 @@ def declare_body(context: Context, entry: Entry) -> Value:
     no_modifiers(entry)
     call = _call_of(entry)
     name = call.function.name if isinstance(call.function, tree.Name) else ""
-    if name not in _PARAMETERS:
+    if name not in PARAMETERS:
         look_at_arguments(context, call, entry.environment)
-        remedy = did_you_mean(name, _PARAMETERS) or remedy_of_word("models", name)
+        remedy = did_you_mean(name, PARAMETERS) or remedy_of_word("models", name)
         raise Wrong("LAG0221", NO_BODY, call.function.span, remedy)
     given = _arguments(context, entry, call, name)
     if name == "Solid" and "frame" not in given:
@@ -141,7 +142,7 @@ def _call_of(entry: Entry) -> tree.Call:
 
 def _arguments(context: Context, entry: Entry, call: tree.Call, name: str) -> dict[str, Argument]:
     """Return the arguments by parameter name; the faults of all of them are reported."""
-    parameters, required = _PARAMETERS[name]
+    parameters, required = PARAMETERS[name]
     written = dict(zip(parameters, match(context, call, parameters, required, f"`{name}`")))
 
     def argument_of(parameter: str) -> tuple[str, Argument]:
@@ -246,11 +247,12 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
     bodies of the instance and of nested instances.  Its strength is the parameter `field.g`."""
     source = entry.source
     assert isinstance(source, tree.Declarator)
+    # `Gravity` has its data in parentheses, as a call; it may be changed by a run, not by modifiers.
     call = tree.Call(tree.Name("Gravity", source.name_span), source.arguments, source.span)
     if source.value is not None:
         remedy = f"write `Gravity {entry.name}(g = {source.value.span.text});`"
         raise Wrong("LAG0209", f"`{entry.name}` takes its data in parentheses", source.value.span, remedy)
-    strength, written_direction = match(context, call, ("g", "direction"), 0, "`Gravity`")
+    strength, written_direction = match(context, call, GRAVITY_PARAMETERS, 0, "`Gravity`")
     if entry.modifiers:
         raise Wrong(
             "LAG0209", f"`{entry.name}` cannot be changed from outside", entry.modifiers[0].argument.span

@@ -40,7 +40,7 @@ from lagc.syntax import tree
 
 _BY = ("by",)
 _ROUGH = ("friction", "static", "slip", "at", "on", "against")
-_ARGUMENTS = ("restitution", "friction", "static", "slip", "at", "on", "against", "law")
+ARGUMENTS = ("restitution", "friction", "static", "slip", "at", "on", "against", "law")
 SECOND = dimension(s=1)
 _PLACES = (
     "the place where it touches: `at = P`, for that of a body that turns with `on = body`, beside a body "
@@ -57,7 +57,7 @@ def declare_contact(context: Context, entry: Entry) -> Value:
     source = entry.source
     assert isinstance(source, tree.Constraint)
     no_modifiers(entry)
-    written = _arguments(source, _ARGUMENTS, "a one-sided constraint")
+    written = _arguments(source, ARGUMENTS, "a one-sided constraint")
     left, right = all_values(context, [source.left, source.right], entry.environment)
     differences = residuals(left, right, source)
     entry.size = None if isinstance(left, Scalar) else len(differences)
@@ -279,7 +279,7 @@ def _arguments(source: tree.Constraint, known: tuple[str, ...], what: str) -> di
         name, span = argument.name, argument.name_span or argument.span
         if name not in known:
             remedy = (name and did_you_mean(name, known)) or f"the arguments are {', '.join(known)}"
-            if name in _ARGUMENTS:
+            if name in ARGUMENTS:
                 remedy = f"write `>=` or `<=` for a bound that may be hit: only this has a `{name}`"
             elif name in _BY:
                 remedy = "write `=`: an actuator holds what is equal"

@@ -247,10 +247,10 @@ def _action(statement: tree.Statement) -> Action:
             remedy = f"write `reinit({action.span.text}, {value})`"
         raise Wrong("LAG0227", "a `when` clause contains actions, not equations", statement.span, remedy)
     name = action.function.name if isinstance(action.function, tree.Name) else action.function.span.text
-    if name not in _ACTIONS:
-        remedy = remedy_of_word("actions", name) or did_you_mean(name, _ACTIONS) or f"the actions are {_USES}"
+    if name not in ACTIONS:
+        remedy = remedy_of_word("actions", name) or did_you_mean(name, ACTIONS) or f"the actions are {_USES}"
         raise Wrong("LAG0227", f"`{name}` is not an action of `when`", action.function.span, remedy)
-    return _ACTIONS[name]
+    return ACTIONS[name]
 
 
 def _arguments(statement: tree.Statement, count: int, usage: str) -> list[tree.Expression]:
@@ -327,4 +327,4 @@ def _not_a_state(target: tree.Expression, states: list[Scalar]) -> str:
     return "write `reinit(x, ...)` or `reinit(der(x), ...)`"
 
 
-_ACTIONS: dict[str, Action] = {"reinit": _reinit, "terminate": _terminate, "mark": _mark}
+ACTIONS: dict[str, Action] = {"reinit": _reinit, "terminate": _terminate, "mark": _mark}

@@ -21,7 +21,7 @@ from lagc.symbolic.vectors import Vector
 from lagc.syntax import tree
 
 _SIZES = {"radius": 1, "length": 1, "size": 3}  # numbers of each argument
-_PARAMETERS = {
+PARAMETERS = {
     "Ball": ("on", "radius"),
     "Box": ("on", "size"),
     "Cylinder": ("on", "axis", "radius", "length"),
@@ -39,11 +39,11 @@ def declare_figure(context: Context, entry: Entry) -> Value:
     assert isinstance(entry.source, tree.Construct)
     call = entry.source.value
     name = call.function.span.text if isinstance(call, tree.Call) else ""
-    if not isinstance(call, tree.Call) or name not in _PARAMETERS:
-        remedy = did_you_mean(name, _PARAMETERS)
-        message = f"a figure is one of {', '.join(f'`{each}`' for each in _PARAMETERS)}"
+    if not isinstance(call, tree.Call) or name not in PARAMETERS:
+        remedy = did_you_mean(name, PARAMETERS)
+        message = f"a figure is one of {', '.join(f'`{each}`' for each in PARAMETERS)}"
         raise Wrong("LAG0221", message, entry.source.value.span, remedy)
-    parameters = _PARAMETERS[name]
+    parameters = PARAMETERS[name]
     written = match(context, call, parameters, len(parameters), f"`{name}`")
 
     def argument_of(k: int) -> Argument:

@@ -57,6 +57,8 @@ def declare_joint(context: Context, entry: Entry) -> Value:
             b = release_far_side(context, entry, b, joint.point("at"))
         rows = _ROWS.get(joint.name, _pair)(context, joint, a, b)
         rough = _friction(context, joint, a, b, True)
+    # Single equations keep the name of the joint; several have subscripts, also where one of them always
+    # holds.
     entry.size = None if joint.name in _SINGLE else len(rows)
     labels = [entry.path if entry.size is None else f"{entry.path}[{k + 1}]" for k in range(len(rows))]
     kept = [(label, *row) for label, row in zip(labels, rows) if not row[0].is_zero]

@@ -55,7 +55,7 @@ from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import derived
 from lagc.syntax import tree
 
-_ATTRIBUTES = {
+ATTRIBUTES = {
     "constant": (), "parameter": ("min", "max", "displayUnit"), "structural": ("min", "max"),
     "input": ("min", "max", "displayUnit"),
     "coordinate": ("start", "guess", "rate", "fixed", "startFixed", "rateFixed", "displayUnit", "scale"),
@@ -98,9 +98,10 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
         message = "a structural parameter must be an `Integer`"
         remedy = "write `structural Integer`, or `parameter` for a quantity"
         raise Wrong("LAG0221", message, declaration.type.span, remedy)
+    # Sizes need the values of structural parameters only, so they are known before the quantity is.
     sizes = [integer(context, size, entry.environment, "a size") for size in source.dimensions]
     # The kinds share sizes, attributes and units; after a fault a symbol stands for the value.
-    attributes = attributes_of(context, entry, _ATTRIBUTES[entry.kind])
+    attributes = attributes_of(context, entry, ATTRIBUTES[entry.kind])
     try:
         if meant is not None:
             display = _display(context, meant, attributes)
@@ -109,6 +110,7 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
         context.report(wrong)
     except Poisoned:
         pass
+    # Attributes of a quantity that could not be declared are still evaluated, for their own faults.
     look_at_all(context, entry, attributes)
     return _stand_in(context, entry, sizes, None if meant is None else meant.dimension)
 
@@ -400,6 +402,8 @@ def _numbers(
     names: list[str],
 ) -> tuple[list[Node], list[Statement]]:
     """Return the initial value of each of `names`, and its statement.  Raises Wrong."""
+    # Priority from weak to strong: default, the declaration, a guess instead, the scene as a whole, single
+    # components.
     what = f"the {attribute} of `{entry.path}`"
     modifier = attributes.get(attribute)
     components, stated = list(default), [statement_of(entry, modifier)] * len(default)

@@ -426,7 +426,7 @@ class Uses:
         return not self.named.isdisjoint(keys(path))
 
     def has_beside(self, place: str, name: str) -> bool:
-        """Whether the effect `name` of the instance at `place`, or of all instances, is in use."""
+        """Return whether the effect `name` of the instance at `place`, or of all instances, is in use."""
         return self.has(place + name) or ("." in name and self.has(name))
 
 

@@ -112,6 +112,8 @@ DEEPEST_TYPES = 32  # chain of type definitions
 
 def type_of(name: tree.TypeName | None, space: Namespace, depth: int = 0) -> QuantityType:
     """Return the quantity type of a declaration; a number if it has none.  Raises Wrong."""
+    # Types are looked up by scope: a unit in brackets, a built-in quantity, a type of the file or of an
+    # import.
     if name is None:
         return TYPES["Real"]
     if name.unit is not None:
@@ -125,6 +127,7 @@ def type_of(name: tree.TypeName | None, space: Namespace, depth: int = 0) -> Qua
         known = [*TYPES, *space.known()]
         remedy = remedy_of_word("types", name.path[0]) or did_you_mean(name.path[0], known)
         raise Wrong("LAG0203", f"there is no type `{name.path[0]}`", name.span, remedy)
+    # A built-in type in the spelling of another language is named in the remedy.
     built_in = foreign("types").get(name.path[-1], name.path[-1])
     if declared is None and built_in in TYPES:
         message = f"there is no type `{'.'.join(name.path)}`"
@@ -294,6 +297,7 @@ def _declared_function(
     path = dotted_path(function)
     if path is None:
         raise Wrong("LAG0201", "this is not a function", function.span)
+    # A plain name: a function of the model, of the file or of an import; else a built-in one.
     if len(path) == 1:
         entry = environment.instance.entries.get(path[0])
         if entry is not None:
@@ -307,6 +311,7 @@ def _declared_function(
             return None
     elif path[0] in environment.instance.entries or path[0] in environment.bindings:
         raise Wrong("LAG0221", f"`{'.'.join(path)}` is not a function", function.span)
+    # A path that leads nowhere: perhaps a built-in function, written as in a library of another language.
     if len(path) > 1 and environment.space.lookup(path[0]) is None:
         texts = [argument.span.text for argument in e.arguments]
         remedy = f"write `{path[-1]}`" if path[-1] in BUILTINS else foreign_call(path[-1], texts)
@@ -338,6 +343,7 @@ def _inline(
     scope: Environment,
     arguments: list[tree.Expression | None],
 ) -> Value:
+    # Arguments are evaluated where the call is, the body where the function is declared.
     names = _parameters(function)
     types = [type_of(t, scope.space) for t, _, _ in function.parameters]
     written = [a for a in arguments if a is not None]  # all, since none is optional
@@ -391,6 +397,7 @@ def look_at_uncalled(context: Context, entries: Iterable[Entry]) -> None:
 
 def _enter(context: Context, e: tree.Call, function: tree.FunctionDeclaration) -> None:
     """Count one more nested call.  Raises Wrong if there are too many."""
+    # Endless recursion would never return: calls are counted, and their nesting is limited.
     if context.all_calls > MOST_CALLS:
         raise Poisoned
     context.all_calls += 1

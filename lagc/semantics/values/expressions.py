@@ -292,12 +292,12 @@ def _quantity(
 
 
 def _is_number(e: tree.Quantity, environment: Environment) -> bool:
-    """Whether the brackets after a vector contain a subscript instead of a unit."""
+    """Return whether the brackets after a vector contain a subscript instead of a unit."""
     return isinstance(e.value, tree.Vector | tree.Family) and _is_subscript(e.unit.text.strip(), environment)
 
 
 def _is_subscript(text: str, environment: Environment) -> bool:
-    """Whether a text is a number or a known name, even if it is also a unit."""
+    """Return whether a text is a number or a known name, even if it is also a unit."""
     return text.isdigit() or text in environment.bindings or text in environment.instance.entries
 
 

@@ -25,7 +25,7 @@ Row: TypeAlias = tuple[list[float], Node]  # coefficients and right-hand side
 
 
 def is_constant(context: Context, nodes: Sequence[Node]) -> bool:
-    """Whether all nodes keep their values in every motion."""
+    """Return whether all nodes keep their values in every motion."""
     return not any([context.clock.mask(node) & (MOVING | LATE) for node in nodes])
 
 

@@ -27,7 +27,9 @@ _MOTION = (
     "velocity", "acceleration", "angular_velocity", "kinetic", "momentum", "angular_momentum", "position",
 )  # fmt: skip
 _SHORT = {"v": "velocity", "r": "position", "r_0": "position", "a": "acceleration", "w": "angular_velocity"}
-_AXES = ("x", "y", "z")
+AXES = ("x", "y", "z")
+OF_ORIENTATION = ("w", *AXES, "rate")
+OF_BODY = ("mass", "position", "frame", *AXES)
 
 
 def member(context: Context, value: Value, e: tree.Member) -> Value:
@@ -42,7 +44,7 @@ def member(context: Context, value: Value, e: tree.Member) -> Value:
         remedy = _call_remedy(value, e) or did_you_mean(e.name, known) or listed
         raise Wrong("LAG0206", f"{kind(value)} has no `{e.name}`", e.name_span, remedy)
     if isinstance(value, Frame):
-        axis = _AXES.index(e.name)
+        axis = AXES.index(e.name)
         return vector_value((value.axes[0][axis], value.axes[1][axis], value.axes[2][axis]), NONE)
     if isinstance(value, Orientation):
         if e.name == "rate":
@@ -53,7 +55,7 @@ def member(context: Context, value: Value, e: tree.Member) -> Value:
     if isinstance(value, Wrench):
         return value.force if e.name == "force" else value.moment
     assert isinstance(value, Array)
-    return value.elements[_AXES.index(e.name)]
+    return value.elements[AXES.index(e.name)]
 
 
 def _call_remedy(value: Value, e: tree.Member) -> str | None:
@@ -70,14 +72,13 @@ def _call_remedy(value: Value, e: tree.Member) -> str | None:
 
 def _members(value: Value) -> tuple[str, ...]:
     if isinstance(value, Frame):
-        return _AXES
+        return AXES
     if isinstance(value, Orientation):
-        return ("w", "x", "y", "z", "rate")
+        return OF_ORIENTATION
     if isinstance(value, Body):
-        own = ("mass", "position") if value.frame is None else ("mass", "position", "frame")
-        return (*own, *_AXES)
+        return tuple(name for name in OF_BODY if name != "frame" or value.frame is not None)
     if isinstance(value, Array) and len(value.elements) == 3:
-        return _AXES
+        return AXES
     if isinstance(value, Wrench):
         return ("force", "moment")
     return tuple(value.entry.parts) if isinstance(value, Reference) else ()
@@ -89,8 +90,8 @@ def _of_body(body: Body, name: str) -> Value:
     if name == "frame":
         assert body.frame is not None
         return body.frame
-    if name in _AXES:
-        return Scalar(body.position[_AXES.index(name)], M)
+    if name in AXES:
+        return Scalar(body.position[AXES.index(name)], M)
     return vector_value(body.position, M)
 
 

@@ -16,7 +16,7 @@ from lagc.syntax import tree
 
 
 def is_bare(expression: tree.Expression, units: bool = False) -> bool:
-    """Whether an expression consists of numbers without units, `-2`, `{1, 0}`, `2/5`; `units`: or with
+    """Return whether an expression consists of numbers without units, `-2`, `{1, 0}`, `2/5`; `units`: or with
     them."""
     stack = [expression]
     while stack:
@@ -215,19 +215,24 @@ _LONGEST = 40
 
 
 def spelling_remedy(text: str, wanted: Dimension | None = None) -> str | None:
-    """Return the remedy for a text that is not a unit, or None."""
+    """Return the remedy for a text that is not a unit, or None. A guess has the dimension `wanted` of its
+    place."""
     if BROKEN.search(text):
         return "raise a pure number to that power: `k*(x/(1 [m]))^1.5`, with k in newtons"
     value = foreign("unit_values").get(text.strip())
     if value is not None:
         known = f"write it in a unit of the language: 1 {text.strip()} is `{value}`"
         return value if "`" in value else known
-    for needed in dict.fromkeys((wanted, None)):
-        if (meant := meant_unit(text, needed)) is not None:
-            return f"write `[{meant}]`"
-        if (close := meant_unit(text, needed, _close)) is not None:
+    if (meant := meant_unit(text, wanted)) is not None:
+        return f"write `[{meant}]`"
+    for guesses in (_close, _any) if wanted is not None else ():
+        if (close := meant_unit(text, wanted, guesses)) is not None:
             return f"did you mean `[{close}]`?"
-    return None
+    if (meant := meant_unit(text)) is not None:
+        return f"write `[{meant}]`"
+    if wanted is not None:
+        return f"write a unit of {name_of(wanted)}, such as `[{si_text(wanted) or '1'}]`"
+    return None if (close := meant_unit(text, None, _close)) is None else f"did you mean `[{close}]`?"
 
 
 def meant_unit(
@@ -276,6 +281,11 @@ def _close(word: str) -> Iterator[str]:
     if _is_unit(word):
         yield word
     yield from difflib.get_close_matches(word, [*_COMMON, *SYMBOLS], n=6, cutoff=0.5)
+
+
+def _any(word: str) -> Iterator[str]:
+    """Yield the common units for a word that is none."""
+    yield from (word,) if _is_unit(word) else _PIECES
 
 
 @lru_cache(maxsize=64)

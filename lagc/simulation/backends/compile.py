@@ -71,10 +71,13 @@ def cached_library(sources: Mapping[str, str]) -> bool:
     return cache.holds("library", library_key(sources))
 
 
-def build_library(sources: Mapping[str, str], more: Sequence[str] = ()) -> bytes:
-    """Compile the shared library of `sources` (file name -> text), with `more` flags behind the usual ones.
+def build_library(
+    sources: Mapping[str, str], more: Sequence[str] = (), words: Sequence[str] | None = None
+) -> bytes:
+    """Compile the shared library of `sources` (file name -> text), with `more` flags behind the usual ones,
+    by the compiler of this machine, or by the command `words`. C files that others include do not count.
     Raises CannotCompile."""
-    words = compiler()
+    words = words or compiler()
     if words is None:
         raise CannotCompile("no C compiler was found (cc, gcc, clang, or the package `ziglang`)")
     try:
@@ -108,13 +111,14 @@ def _is_whole(library: bytes) -> bool:
     return all(offset + length <= len(library) for offset, length in segments)
 
 
-def _compile(words: tuple[str, ...], sources: Mapping[str, str], folder: str, more: Sequence[str]) -> str:
+def _compile(words: Sequence[str], sources: Mapping[str, str], folder: str, more: Sequence[str]) -> str:
     import subprocess
 
     for name, text in sources.items():
         with open(os.path.join(folder, name), "w", encoding="utf-8", newline="\n") as file:
             file.write(text)
-    units = [name for name in sources if name.endswith(".c")]
+    texts = "".join(sources.values())
+    units = [name for name in sources if name.endswith(".c") and f'#include "{name}"' not in texts]
     target = os.path.join(folder, "model" + SUFFIX)
     command = [*words, *FLAGS, "-o", target, *units, *more, "-lm"]
     try:

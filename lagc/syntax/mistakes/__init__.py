@@ -69,7 +69,7 @@ class Where:
         return self.signs[text]
 
     def new_line(self) -> bool:
-        """Whether the token begins a new line."""
+        """Return whether the token begins a new line."""
         return "\n" in self.source.text[self.before.end : self.token.start] or self.token.kind == END
 
     def last_of_declaration(self) -> int:

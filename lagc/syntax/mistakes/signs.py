@@ -208,10 +208,10 @@ def _two_bounds(w: Where, first: Token) -> str | None:
     )
 
 
-_CLOSING = {"(": ")", "[": "]", "{": "}"}
+CLOSING = {"(": ")", "[": "]", "{": "}"}
 _FACTOR = re.compile(r"((?:[/.*]| )?)([A-Za-zµ°]+)((?:\^[-+]?)?\d*)")  # of a unit that is written bare
 _LISTED = re.compile(r"\s*[-\w.]+(\s+[-\w.]+)+\s*$")  # `1 0 -2`, numbers or names with blanks between
-_OPENING = {closing: opening for opening, closing in _CLOSING.items()}
+_OPENING = {closing: opening for opening, closing in CLOSING.items()}
 _OPERATORS = frozenset(("<=", ">=", "==", "<>", *"=+-*/^<>,:({["))
 
 
@@ -273,7 +273,7 @@ def bare_unit(w: Where) -> Explained | None:
 
 
 def _is_declared(w: Where, name: str) -> bool:
-    """Whether a quantity of this name is declared: `Length l`, `Real[m] l`, `k = 1, l = 2`."""
+    """Return whether a quantity of this name is declared: `Length l`, `Real[m] l`, `k = 1, l = 2`."""
     near = zip(w.tokens, w.tokens[1:], w.tokens[2:])
     return any(
         here.text == name
@@ -379,10 +379,10 @@ def brackets(w: Where) -> Explained | None:
             return explained("LAG0114", message, w.span(w.token), remedy, w.replace())
         # A closing bracket of another kind: that of an outer bracket means that the inner one is open.
         opening = w.brackets[-1]
-        if _CLOSING[opening.text] != text and w.accepts(w.sign(_CLOSING[opening.text])):
-            right = _CLOSING[opening.text]
+        if CLOSING[opening.text] != text and w.accepts(w.sign(CLOSING[opening.text])):
+            right = CLOSING[opening.text]
             message = f"this `{text}` does not match the `{opening.text}`"
-            outer = any(_CLOSING[bracket.text] == text for bracket in w.brackets[:-1])
+            outer = any(CLOSING[bracket.text] == text for bracket in w.brackets[:-1])
             repair = w.insert(right) if outer else w.replace(right)
             remedy = f"write `{right}{text}`" if outer else f"write `{right}`"
             related = ((w.span(opening), "opened here"),)
@@ -392,7 +392,7 @@ def brackets(w: Where) -> Explained | None:
     ends = w.token.kind == END or text == ";" or (w.token.kind == WORD and w.new_line())
     if w.brackets:
         opening = w.brackets[-1]
-        right = _CLOSING[opening.text]
+        right = CLOSING[opening.text]
         # `m(min = 0 = 1 [kg]`: the token could follow the bracket.
         follows = text in w.signs and w.accepts(w.sign(right), w.sign(text))
         if not w.accepts(w.sign(right)) or not (ends or follows):
@@ -439,6 +439,8 @@ def comma_in_list(w: Where) -> Explained | None:
     if not w.inside or at < 1 or w.tokens[at].kind != WORD or (w.first.kind != WORD and w.first.text != "+"):
         return None
     joined = w.first.text in ("+", "and")
+    if w.first.text in w.keywords and not joined:  # of the body of the scene
+        return None
     while at > 0 and (w.tokens[at].kind == WORD or w.tokens[at].text == ","):
         if w.tokens[at].text == "uses":
             before, after = w.tokens[w.begin - 1], w.tokens[w.begin + joined]

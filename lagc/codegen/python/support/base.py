@@ -113,6 +113,7 @@ class Trajectory:
         corners: Sequence[tuple[float, list[float], list[float]]] = (),
         changes: int = 0,
     ):
+        # The slots of a trajectory; counters and estimates are those of the run's state.
         self.times, self.states = times, states
         self.t, self.x = t, x
         self.status, self.culprit = status, culprit
@@ -125,6 +126,7 @@ class Trajectory:
         self.lowest, self.highest = lowest, highest
         self.corners = corners
         self.changes = changes
+        # A clause may end the run between two recorded times: its state is added.
         if status == TERMINATED and (not times or times[-1] != t):
             self.times, self.states = [*times, t], [*states, list(x)]
 

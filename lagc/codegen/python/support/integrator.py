@@ -91,6 +91,28 @@ class Integrator(State):
         return status
 
 
+class EventLog:
+    """The events of a run, in order: with numbers, times of jumps, states on both sides, and others."""
+
+    def __init__(self) -> None:
+        self.events: list[tuple[float, int]] = []
+        self.jumps: list[float] = []
+        self.corners: list[Any] = []
+        self.others: list[Any] = []
+
+    def add(self, run: Integrator, is_other: bool) -> None:
+        """Store the events that `run` has just been through."""
+        self.events.extend((run.t, k) for k in NOTED if run.changed[k])
+        if len(self.corners) < MOST_CORNERS:
+            jumped = (NWHEN and run.jumps > len(self.jumps)) or is_other
+            self.corners.append((run.t, run.x_before_event[:] if jumped else run.x[:], run.x[:]))
+        if NWHEN:
+            self.events.extend((run.t, NMODE + k) for k in run.acted[: run.acts])
+            self.jumps.extend([run.t] * (run.jumps - len(self.jumps)))
+        if is_other:
+            self.others.extend(other_events(run))
+
+
 def _integrate(
     problem: Equations,
     options: Options,
@@ -107,14 +129,12 @@ def _integrate(
     KeyboardInterrupt ends the run with status INTERRUPTED.  Raises ValueError if an option, a time or a
     parameter is not valid.
     """
+    # Records of the run beside the state: events with their times, jumps, and the corners of the motion.
     run = Integrator(problem, options, t0, x0)
     kernel_options, done = run._kernel_options(times[-1] if times else t0), [0]
     states = [[0.0] * NX for _ in times]
     work, fallbacks = problem.work, problem.work.fallbacks
-    events: list[tuple[float, int]] = []
-    jumps: list[float] = []
-    corners: list[Any] = []
-    others: list[Any] = []
+    log = EventLog()
 
     # Each slice calls the kernel `record`, then stores the events that it ended at: a slice ends at the first
     # one with `report`.
@@ -128,16 +148,8 @@ def _integrate(
             before_others = others_so_far(run)
             status: int = record(problem.p, run, kernel_options, times, len(times), states, done, steps, work)
             if NMODE and kernel_options.report and run.changes > seen:
-                events.extend((run.t, k) for k in NOTED if run.changed[k])
-                if len(corners) < MOST_CORNERS:
-                    jumped = (NWHEN and run.jumps > len(jumps)) or others_so_far(run) > before_others
-                    corners.append((run.t, run.x_before_event[:] if jumped else run.x[:], run.x[:]))
-                if NWHEN:
-                    events.extend((run.t, NMODE + k) for k in run.acted[: run.acts])
-                    jumps.extend([run.t] * (run.jumps - len(jumps)))
-                if others_so_far(run) > before_others:
-                    others.extend(other_events(run))
-                kernel_options.report = max(len(events), len(others)) < MOST_EVENTS
+                log.add(run, others_so_far(run) > before_others)
+                kernel_options.report = max(len(log.events), len(log.others)) < MOST_EVENTS
             return status
         except BaseException:
             for name, value in zip(names, before):
@@ -147,15 +159,15 @@ def _integrate(
 
     def result(status: int) -> Trajectory:
         return trajectory(
-            run, others,
+            run, log.others,
             times=list(times[: done[0]]), states=states[: done[0]], t=run.t, x=run.x[:], status=status,
             culprit=-1 if status == OK else run.culprit, steps=run.steps, rejected=run.rejected, rhs=run.rhs,
             stiff=run.stiff, step=run.t - run.t_old, fallbacks=work.fallbacks - fallbacks,
             redundant_rows=problem.redundant_rows, position_drift=run.position_drift,
             velocity_drift=run.velocity_drift, sizes=run.sizes[:],
             lowest=run.lowest[:], highest=run.highest[:],
-            event_roundoff=run.event_roundoff[:] if NMODE else (), events=events,
-            jumps=jumps, corners=corners, changes=run.changes if NMODE else 0,
+            event_roundoff=run.event_roundoff[:] if NMODE else (), events=log.events,
+            jumps=log.jumps, corners=log.corners, changes=run.changes if NMODE else 0,
         )  # fmt: skip
 
     return record_in_slices(run, options, record_steps, result, progress, clock)
