@@ -1,5 +1,5 @@
-"""What lets a caller use any model without knowing it: functions that have nothing to do in this one, and a
-table of the members of the structs, for other languages."""
+"""Functions and tables with which a caller uses any model without knowing it: functions that have nothing to
+do in this one, and the members of the structs for other languages."""
 
 from __future__ import annotations
 

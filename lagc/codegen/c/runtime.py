@@ -175,7 +175,7 @@ class Runtime:
         return [part for part in found if part]
 
     def _sized(self) -> list[str]:
-        """Return the records of which the caller may ask the size."""
+        """Return the records whose size the caller may ask."""
         named = {"work": "Work", "state": "State", "tangent_work": "TangentWork"}
         records = {part.name for part in self.use.records}
         return [name for name, record in named.items() if record in records]
