@@ -56,7 +56,7 @@ def functions_without_work(interface: Interface) -> list[PublicFunction]:
             "dq[NQ] = d[NV]: the speeds are the rates of the coordinates.",
             f"void lagc_displace({POINT}, const lagc_real *d, lagc_real *dq)",
             "    int i;\n    (void)p;\n    (void)t;\n    (void)x;\n"
-            "    for (i = 0; i < LAGC_NQ; i++)\n        dq[i] = d[i];\n"))  # fmt: skip
+            "    for (i = 0; i < LAGC_NQ; i++) {\n        dq[i] = d[i];\n    }\n"))  # fmt: skip
     return found
 
 

@@ -112,7 +112,7 @@ _DIRECT = {
     ),
 }
 
-_HOLD = "    int i;\n    for (i = LAGC_NINT; i < LAGC_NX; i++)\n        xdot[i] = 0;\n"
+_HOLD = "    int i;\n    for (i = LAGC_NINT; i < LAGC_NX; i++) {\n        xdot[i] = 0;\n    }\n"
 _FORGET = "    w->rank_deficient = 0; /* forget earlier evaluations */\n"
 
 
@@ -131,7 +131,8 @@ def _default_params(interface: Interface, real: Arithmetic) -> PublicFunction:
     fields = [*interface.parameters, *interface.inputs]
     text = "    lagc_params p;\n"
     if interface.prepared:
-        text += f"    int i;\n    for (i = 0; i < LAGC_NPREPARED; i++)\n        p.prepared[i] = {real.nan};\n"
+        text += "    int i;\n    for (i = 0; i < LAGC_NPREPARED; i++) {\n"
+        text += f"        p.prepared[i] = {real.nan};\n    }}\n"
     for name, field in zip(members(interface), fields):
         there = field.value is not None and not math.isnan(field.value)
         value = real.literal(double(field.value or 0.0)) if there else real.nan
@@ -152,7 +153,8 @@ def _rhs(interface: Interface) -> PublicFunction:
         + ("  Rates of discrete variables\n * are 0." if interface.discretes else ""),
         f"lagc_status lagc_rhs({POINT}, lagc_real *xdot, lagc_real *lambda, lagc_work *w)",
         (_HOLD if interface.discretes else "") + _forget(interface)
-        + f"    return lagc_{rates(interface)}(p, t, x, xdot, lambda ? lambda : w->lam, w);\n")  # fmt: skip
+        + f"    return lagc_{rates(interface)}(p, t, x, xdot, "
+        "(lambda != NULL) ? lambda : w->lam, w);\n")  # fmt: skip
 
 
 def _forget(interface: Interface) -> str:
@@ -166,29 +168,34 @@ def _system(interface: Interface) -> list[PublicFunction]:
             "M[NV*NV]: the full mass matrix.",
             f"void lagc_mass_matrix({POINT}, lagc_real *M, lagc_work *w)",
             "    int i, j;\n" + call
-            + "    for (i = 0; i < LAGC_NV; i++)\n        for (j = 0; j <= i; j++) {\n"
-            "            M[i * LAGC_NV + j] = w->M[i * (i + 1) / 2 + j];\n"
-            "            M[j * LAGC_NV + i] = w->M[i * (i + 1) / 2 + j];\n        }\n"),
+            + "    for (i = 0; i < LAGC_NV; i++) {\n        for (j = 0; j <= i; j++) {\n"
+            "            M[(i * LAGC_NV) + j] = w->M[(i * (i + 1) / 2) + j];\n"
+            "            M[(j * LAGC_NV) + i] = w->M[(i * (i + 1) / 2) + j];\n        }\n    }\n"),
         PublicFunction(
             "r[NV] = tau - h: applied forces minus velocity terms, M a = r + G^T lambda.",
             f"void lagc_forces({POINT}, lagc_real *r, lagc_work *w)",
-            "    int i;\n" + call + "    for (i = 0; i < LAGC_NV; i++)\n        r[i] = w->force[i];\n"),
+            "    int i;\n" + call + _each("i < LAGC_NV", "r[i] = w->force[i]")),
     ]  # fmt: skip
     if interface.nc:
         body = "    int i;\n" + call
         if interface.nh:
-            body += "    if (phi)\n        lagc_fn_position(p, t, x, phi);\n"
+            body += "    if (phi != NULL) {\n        lagc_fn_position(p, t, x, phi);\n    }\n"
         else:
             body += "    (void)phi;\n"
-        body += "    if (psi)\n        lagc_fn_velocity(p, t, x, psi);\n"
-        body += "    for (i = 0; G && i < LAGC_NC * LAGC_NV; i++)\n        G[i] = w->G[i];\n"
-        body += "    for (i = 0; gamma && i < LAGC_NC; i++)\n        gamma[i] = w->gamma[i];\n"
+        body += "    if (psi != NULL) {\n        lagc_fn_velocity(p, t, x, psi);\n    }\n"
+        body += _each("(G != NULL) && (i < (LAGC_NC * LAGC_NV))", "G[i] = w->G[i]")
+        body += _each("(gamma != NULL) && (i < LAGC_NC)", "gamma[i] = w->gamma[i]")
         found.append(PublicFunction(
             "Constraints: phi[NH], psi[NC], G[NC*NV] by rows, and gamma[NC] with G a = gamma.  Each output\n"
             " * may be NULL.",
             f"void lagc_constraints({POINT}, lagc_real *phi, lagc_real *psi, "
             "lagc_real *G, lagc_real *gamma, lagc_work *w)", body))  # fmt: skip
     return found
+
+
+def _each(test: str, statement: str) -> str:
+    """Return a loop over i."""
+    return f"    for (i = 0; {test}; i++) {{\n        {statement};\n    }}\n"
 
 
 def _outputs(program: Program) -> PublicFunction:

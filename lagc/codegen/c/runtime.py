@@ -340,6 +340,6 @@ def _status_text(texts: Sequence[str]) -> str:
     return (
         "const char *lagc_status_text(int status)\n{\n    static const char *const texts[] = {\n"
         f"        {meanings}\n    }};\n"
-        f"    return status >= 0 && status < {len(texts)} "
+        f"    return ((status >= 0) && (status < {len(texts)})) "
         '? texts[status] : "No such status.";\n}\n'
     )
