@@ -150,10 +150,10 @@ def add_run_options(parser: argparse.ArgumentParser, *names: str) -> None:
 
 
 def run_numbers(options: argparse.Namespace) -> dict[str, Any]:
-    """Return the numbers that control a run, by name.  Raises Usage if a word is none."""
+    """Return the numbers that control a run, by name; None if not given.  Raises Usage if a word is none."""
     found: dict[str, Any] = {}
     for name, option in RUN_OPTIONS.items():
-        word = getattr(options, name)
+        word = getattr(options, name, None)
         if option.whole and word is not None:
             found[name] = whole(word)
             if found[name] is None:

@@ -23,9 +23,9 @@ def robot_of(path: str, root: Element, free: bool) -> Robot:
         mujoco: Any = import_module("mujoco")
     except ImportError:
         message = "an MJCF file is read by MuJoCo, which is not installed"
-        raise Refused([Fault("LAG0708", message, remedy="pip install mujoco")]) from None
+        raise Refused([Fault("LAG0709", message, remedy="pip install mujoco")]) from None
     if free:
-        raise Refused([Fault("LAG0708", "--free is for a URDF; in MJCF write <freejoint/>", root.span)])
+        raise Refused([Fault("LAG0709", "--free is for a URDF; in MJCF write <freejoint/>", root.span)])
     try:
         if path == "-":
             model = mujoco.MjModel.from_xml_string(root.source.text)

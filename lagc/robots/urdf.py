@@ -162,7 +162,7 @@ class _Reader:
             shown = ", ".join(f"{moment:.4g}" for moment in moments)
             message = (f"no body has the inertia of link `{link.get('name')}`, whose principal moments are "
                        f"{shown} kg.m2; the nearest ones that a body has are written")  # fmt: skip
-            self.robot.warnings.append(Fault("LAG0707", message, own.span, severity="warning"))
+            self.robot.warnings.append(Fault("LAG0708", message, own.span, severity="warning"))
         parts.append((mass, at, axes @ inertia @ axes.T))
 
     def _add_body(self, name: str, parts: list[tuple[float, Vector, Matrix]]) -> None:

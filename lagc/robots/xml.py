@@ -62,7 +62,7 @@ class Element:
 
     def wrong(self, message: str, remedy: str | None = None) -> Refused:
         """Return the error for this element."""
-        return Refused([Fault("LAG0706", message, self.span, remedy=remedy)])
+        return Refused([Fault("LAG0707", message, self.span, remedy=remedy)])
 
 
 def parse(source: Source) -> Element:
@@ -90,7 +90,7 @@ def parse(source: Source) -> Element:
         start = place(parser.CurrentByteIndex)
         span = Span(source, start, min(start + len("<!DOCTYPE"), len(source.text)))
         message = "a document type is not read, since its entities could grow without bound"
-        raise Refused([Fault("LAG0706", message, span, remedy="remove the declaration <!DOCTYPE ...>")])
+        raise Refused([Fault("LAG0707", message, span, remedy="remove the declaration <!DOCTYPE ...>")])
 
     parser.StartElementHandler = begin
     parser.EndElementHandler = lambda _: stack.pop()
@@ -101,5 +101,5 @@ def parse(source: Source) -> Element:
         start = place(parser.ErrorByteIndex)
         span = Span(source, start, min(start + 1, len(source.text)))
         message = f"this is no XML: {expat.ErrorString(error.code)}"
-        raise Refused([Fault("LAG0706", message, span)]) from None
+        raise Refused([Fault("LAG0707", message, span)]) from None
     return roots[0]

@@ -174,7 +174,7 @@ def test_an_inertia_that_no_body_has() -> None:
     """It is named, and the nearest one that a body has is written."""
     robot, text = imported(GEARS.replace('iyz="0" izz="0.3"', 'iyz="0" izz="0.9"'))
     (fault,) = robot.warnings
-    assert fault.code == "LAG0707" and "0.2, 0.2, 0.9" in fault.message and fault.line == 4
+    assert fault.code == "LAG0708" and "0.2, 0.2, 0.9" in fault.message and fault.line == 4
     assert "inertia = {0.2, 0.2, 0.4}" in text
 
 
@@ -220,7 +220,7 @@ def test_files_that_are_refused(name: str, tmp_path: Path, capsys: pytest.Captur
     file.write_text(text)
     assert main(["import", str(file), "-o", str(made)]) == 1
     error = capsys.readouterr().err
-    assert "LAG0706" in error and said in error and "robot.urdf:" in error and not made.exists()
+    assert "LAG0707" in error and said in error and "robot.urdf:" in error and not made.exists()
 
 
 def test_a_file_that_is_not_there(capsys: pytest.CaptureFixture[str]) -> None:
@@ -233,7 +233,7 @@ def test_every_beginning_of_a_file_is_refused() -> None:
         for end in range(0, len(text) - 12, 7):
             with pytest.raises(Refused) as found:
                 imported(text[:end])
-            assert found.value.code == "LAG0706"
+            assert found.value.code == "LAG0707"
 
 
 def test_a_long_chain() -> None:
