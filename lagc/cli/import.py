@@ -2,7 +2,7 @@
 
 Links become solids, joints become joints, each joint that moves gets a motor, which is an input.  Axes and
 places are rounded to nine digits, and angles that are written for multiples of 15 deg are taken as these;
---exact keeps every digit.  What is not imported is named.
+--exact keeps every digit.  The command names all that it does not import.
 """
 
 from __future__ import annotations

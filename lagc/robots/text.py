@@ -51,7 +51,7 @@ class Names:
 
 
 def model(robot: Robot, exact: bool) -> str:
-    """Return the text, formatted.  What was rounded is added to `robot.notes`."""
+    """Return the text, formatted.  The changes by rounding are added to `robot.notes`."""
     from lagc.syntax.formatter import format_source
 
     return format_source(Source("robot.lag", _Writer(robot, exact).text()))
@@ -211,12 +211,12 @@ class _Writer:
             if joint.stiffness and joint.kind in UNITS:
                 found = True
                 rest = self.rounding.number(joint.rest)
-                bent = self._coordinate(joint)
+                turned = self._coordinate(joint)
                 if rest:
-                    bent = f"({bent} - {_number(rest)} [{UNITS[joint.kind][1]}])".replace("- -", "+ ")
+                    turned = f"({turned} - {_number(rest)} [{UNITS[joint.kind][1]}])".replace("- -", "+ ")
                 own = self.names.fresh(f"spring_{name}")
                 value = f"{_number(self.rounding.number(joint.stiffness))} [{stiffness}]"
-                yield f"potential {own} = 1/2*{value}*{bent}^2;"
+                yield f"potential {own} = 1/2*{value}*{turned}^2;"
         if found:
             yield ""
 
