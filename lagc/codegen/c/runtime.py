@@ -23,7 +23,7 @@ from lagc.lowering.program import Interface, Program
 
 # Public kernels of every model; a run of lagc does the last ones itself.
 ROOTS = ("begin", "step", "dense", "advance", "record", "verified", "check")
-EMBEDDED = ("verified", "check")  # of these the kernels that a run of lagc does itself
+EMBEDDED = ("check",)  # of these the kernels that a run of lagc does itself
 CALLED = ("system_at", "assemble_at", "solve_at", "assemble_slopes")  # by public functions, as the rates
 ALWAYS = ("default_params", "bind")  # functions of code that evaluates only
 READ = ("Options", "State", "Work")  # structs whose members callers read
@@ -176,7 +176,8 @@ class Runtime:
 
     def _sized(self) -> list[str]:
         """Return the records whose size the caller may ask."""
-        named = {"work": "Work", "state": "State", "tangent_work": "TangentWork"}
+        named = {"work": "Work", "state": "State", "verification": "Verification",
+                 "tangent_work": "TangentWork"}  # fmt: skip
         records = {part.name for part in self.use.records}
         return [name for name, record in named.items() if record in records]
 
