@@ -167,7 +167,7 @@ class Server(LanguageServer):
         """Publish the faults that are found quickly, then all."""
         await asyncio.sleep(pause)
         document = self.document(uri)
-        if document.syntax_faults or document.resolved.complete:  # else the faults of before stay
+        if document.settled:  # else the faults of before stay
             self.publish(uri, document, as_json(document.faults))
         if document.syntax_faults:
             return
