@@ -50,8 +50,7 @@ class Sweepable(Parametrized):
         """Run the model at many points and return a row of results for each.
 
         axes: values by the name of a parameter, an input, or an initial value `start(theta)`: numbers in SI,
-        a
-            pair of numbers and a unit, or a text as on the command line: "0.5:1.5:100", "10:80:8[deg]",
+            a pair of numbers and a unit, or a text as on the command line: "0.5:1.5:100", "10:80:8[deg]",
             "normal(1, 0.05)".  The points are all combinations, the last axis fastest.
         zip: the n-th point has the n-th value of each axis instead; a DataFrame of points is given so.
         samples, seed: the number of random points of axes that are distributions.
@@ -67,6 +66,8 @@ class Sweepable(Parametrized):
         lagc, ImportError, OSError if the journal cannot be written."""
         from lagc.study.sweep.plan import plan_of
 
+        # All that can be wrong is refused before the first of perhaps a million runs: the request, each axis,
+        # and then how they combine.
         request = self.sweep_request(options, starts, guesses, scales)
         found = {name: _axis(name, value) for name, value in axes.items()}
         plan = plan_of(found, self.axis_values, zip, samples, seed)
