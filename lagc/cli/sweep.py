@@ -114,6 +114,7 @@ def run(options: argparse.Namespace) -> int:
         check_path(options.output)
     except CannotSave as error:
         raise Usage(str(error)) from None
+    check_dask(options)
     axes = axes_of(options)
     samples, seed = _whole(options.monte_carlo, "--monte-carlo"), _whole(options.seed, "--seed")
     choice = replace(choice_of(options), until=options.until)
@@ -183,6 +184,16 @@ def read_table(path: str) -> dict[str, Values | Distribution]:
     return found
 
 
+def check_dask(options: argparse.Namespace) -> None:
+    """Raise Usage if the cluster of `--dask` cannot be used."""
+    from lagc.host.packages import is_installed
+
+    if options.dask is not None and options.workers is not None:
+        raise Usage("`--workers` and `--dask` both say where runs are computed: leave one out")
+    if options.dask is not None and not is_installed("distributed"):
+        raise Usage("`--dask` needs the package distributed: pip install distributed")
+
+
 @contextmanager
 def workers_of(options: argparse.Namespace) -> Iterator[Any]:
     """Yield the executor of a command: a number of processes, or a client of Dask.  Raises Usage."""
@@ -191,12 +202,6 @@ def workers_of(options: argparse.Namespace) -> Iterator[Any]:
         processors = getattr(os, "sched_getaffinity", _all_processors)(0)
         yield len(processors) if workers is None else max(workers, 1)
         return
-    from lagc.host.packages import is_installed
-
-    if options.workers is not None:
-        raise Usage("`--workers` and `--dask` both say where runs are computed: leave one out")
-    if not is_installed("distributed"):
-        raise Usage("`--dask` needs the package distributed: pip install distributed")
     from importlib import import_module
 
     try:

@@ -42,11 +42,13 @@ class Hover:
 
 @dataclass
 class Resolved:
-    """The models of a text by model and scene, the values of its expressions, and the faults of both."""
+    """The models of a text by model and scene, the values of its expressions, and the faults; `complete`: all
+    scenes were looked at."""
 
     models: dict[tuple[str | None, str | None], Model]
     values: Values
     faults: list[Fault]
+    complete: bool = False
 
 
 class Document:
@@ -82,7 +84,7 @@ class Document:
 
     @cached_property
     def resolved(self) -> Resolved:
-        """The models, if the syntax has no faults; within `QUICK`, or else without the faults."""
+        """The models, if the syntax has no faults; those that are found within `QUICK`."""
         found = Resolved({}, {}, [])
         evaluators = {kind: _recording(f, self.source, found.values) for kind, f in EVALUATORS.items()}
 
@@ -99,6 +101,7 @@ class Document:
         if not self.syntax_faults:
             with suppress(Refused), Limits(time=QUICK):
                 found.faults = faults_in_scenes(self.tree, Choice(), self.roots, faults_of)
+                found.complete = True
         return found
 
     @property

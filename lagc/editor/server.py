@@ -139,9 +139,10 @@ class Server(LanguageServer):
             if place["file"] == source.name
         ]
         error = fault["severity"] == "error"
+        elsewhere = f"{fault['file']}: " if fault["file"] not in (None, source.name) else ""
         return lsp.Diagnostic(
             range_of(fault),
-            fault["message"] + (f"\nhelp: {fault['remedy']}" if fault["remedy"] else ""),
+            elsewhere + fault["message"] + (f"\nhelp: {fault['remedy']}" if fault["remedy"] else ""),
             lsp.DiagnosticSeverity.Error if error else lsp.DiagnosticSeverity.Warning,
             code=fault["code"],
             source="lagc",
@@ -157,7 +158,8 @@ class Server(LanguageServer):
         """Publish the faults that are found quickly, then all."""
         await asyncio.sleep(pause)
         document = self.document(uri)
-        self.publish(uri, document, as_json(document.faults))
+        if document.syntax_faults or document.resolved.complete:  # else the faults of before stay
+            self.publish(uri, document, as_json(document.faults))
         if document.syntax_faults:
             return
         await asyncio.sleep(REST)

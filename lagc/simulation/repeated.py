@@ -33,7 +33,10 @@ def repeated(system: System, request: Request, names: Sequence[str], last: bool)
     plain = request.by_hand and request.step is None and not (request.guesses or request.sensitivity)
     own = not interface.methods or (request.method or DEFAULT_METHOD) in interface.methods
     searched = interface.needs_consistency or interface.contacts or interface.limits or interface.doubtful
-    if not (plain and own and isinstance(model, CModel)) or searched:
+    ended = any(
+        clause.reason is not None for clause in interface.whens
+    )  # by a clause: usually, if there is one
+    if not (plain and own and isinstance(model, CModel)) or searched or ended:
         return None
     return Repeated(model, request, names, last)
 

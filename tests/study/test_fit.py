@@ -13,6 +13,7 @@ import lagc
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
 from lagc.reports.fit import rounded, text
+from lagc.simulation.request import Request
 from lagc.study.fit import Fit, Measured, NotEvaluated, Parameter, fit
 
 pytest.importorskip("scipy")
@@ -223,3 +224,10 @@ def test_few_values_have_no_interval() -> None:
     found = fit(parameters, [y], straight(y.times), 1e-9)
     assert found.freedom == 0 and all(np.isnan(half) for half in found.intervals.values())
     assert isinstance(found, Fit) and any("more measured values" in note for note in found.notes)
+
+
+def test_recorded_times_are_those_of_the_data() -> None:
+    found = Request(times=(0.3, 0.1, 0.3)).completed({"stop": 5.0, "points": 7.0})
+    assert found.grid() == [0.0, 0.1, 0.3] and found.stop == 0.3 and found.points is None
+    with pytest.raises(Refused, match="not negative"):
+        Request(times=(-1.0, 1.0)).completed({})

@@ -47,8 +47,9 @@ from lagc.semantics.units import (
     times,
 )
 from lagc.semantics.units import unit as unit_of
+from lagc.semantics.values.evaluate import Argument
 from lagc.semantics.values.frame_vectors import direction, in_frame, is_constant, known_in_frame
-from lagc.semantics.values.functions import Argument, Table, angle_of_turn
+from lagc.semantics.values.functions import Table, angle_of_turn
 from lagc.symbolic import vectors
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix, Vector, add, cross, matmul, matvec, scale, transpose

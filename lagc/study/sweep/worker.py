@@ -211,8 +211,8 @@ def root_mean_square(times: Sequence[float], values: Sequence[float]) -> float:
     if not span > 0.0:
         return abs(values[-1])
     squares = [value * value for value in values]
-    parts = [(b - a) * (x + y) for a, b, x, y in zip(times, times[1:], squares, squares[1:])]
-    return sqrt(0.5 * fsum(parts) / span) if fsum(parts) < inf else inf
+    parts = [0.5 * (b - a) / span * (x + y) for a, b, x, y in zip(times, times[1:], squares, squares[1:])]
+    return inf if inf in parts else sqrt(fsum(parts))
 
 
 def _short(message: str) -> str:
