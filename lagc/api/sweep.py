@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import pickle
-from array import array
+import os
 from collections.abc import Callable, Mapping, Sequence
 from math import inf, nan
 from typing import TYPE_CHECKING, Any
 
+from lagc.api.columns import name_and_unit, read_columns, reading
 from lagc.api.values import Parametrized, quantities, real, seconds, words
 from lagc.base.run_options import RUN_OPTIONS
 from lagc.base.text import Quantity
@@ -32,7 +32,7 @@ class Sweepable(Parametrized):
 
     def sweep(
         self,
-        axes: Mapping[str, Any],
+        axes: str | os.PathLike[str] | Mapping[str, Any],
         *,
         zip: bool = False,
         samples: int | None = None,
@@ -52,7 +52,8 @@ class Sweepable(Parametrized):
         axes: values by the name of a parameter, an input, or an initial value `start(theta)`: numbers in SI,
             a pair of numbers and a unit, or a text as on the command line: "0.5:1.5:100", "10:80:8[deg]",
             "normal(1, 0.05)".  The points are all combinations, the last axis fastest.
-        zip: the n-th point has the n-th value of each axis instead; a DataFrame of points is given so.
+        zip: the n-th point has the n-th value of each axis instead; so a DataFrame, or the path of a CSV file
+            with names and units in its header, are points.
         samples, seed: the number of random points of axes that are distributions.
         keep: what a row has of each quantity: "final", "max", "min", "rms", or several of these.
         executor: None for this process, a number of worker processes, an `Executor` of
@@ -69,7 +70,10 @@ class Sweepable(Parametrized):
         # All that can be wrong is refused before the first of perhaps a million runs: the request, each axis,
         # and then how they combine.
         request = self.sweep_request(options, starts, guesses, scales)
-        found = {name: _axis(name, value) for name, value in axes.items()}
+        if isinstance(axes, str | os.PathLike):
+            found = axes_in(os.fspath(axes))
+        else:
+            found = {name: _axis(name, value) for name, value in axes.items()}
         plan = plan_of(found, self.axis_values, zip, samples, seed)
         return self.run_sweep(plan, request, words("keep", keep), executor, journal, progress, parameters)
 
@@ -80,6 +84,9 @@ class Sweepable(Parametrized):
     ) -> Sweep:  # fmt: skip
         """Run the points of a plan.  `most_time` is the longest time of a run in s: one that would take more
         is refused."""
+        import pickle
+        from array import array
+
         from lagc.study.sweep.journal import Journal
         from lagc.study.sweep.sweep import Running
         from lagc.study.sweep.worker import Task, version
@@ -198,6 +205,17 @@ class Sweepable(Parametrized):
             guesses=bound_guesses(self.interface, quantities("guesses", guesses), given),
             scales=bound_scales(self.interface, quantities("scales", scales)),
         )  # fmt: skip
+
+
+def axes_in(path: str) -> dict[str, Values | Distribution]:
+    """Return the columns of a CSV file as axes.  Raises Refused (LAG0602, LAG0702)."""
+    from lagc.study.sweep.plan import Values
+
+    found: dict[str, Values | Distribution] = {}
+    for head, column in read_columns(path).items():
+        name, unit = name_and_unit(head)
+        found[name] = Values([reading(name, value) for value in column], unit)
+    return found
 
 
 def _axis(name: str, value: Any) -> Values | Distribution:

@@ -20,7 +20,7 @@ from lagc.lowering.program import Program
 
 # Public kernels of every model; a run of lagc does the last ones itself.
 ROOTS = ("begin", "step", "dense", "advance", "record", "verified", "check")
-EMBEDDED = ("verified", "check")  # of these the kernels that a run of lagc does itself
+EMBEDDED = ("check",)  # of these the kernels that a run of lagc does itself
 CALLED = ("rhs_at", "system_at", "assemble_at", "solve_at")  # called by `public_functions`
 NUMBERS = ("int", "Real", "Reals")  # kinds of constants that are not in the header
 IMPORTED = ("hold_modes", "indicators", "event", "next_event", "project_state")  # with `events`
@@ -83,7 +83,7 @@ class Runtime:
             _codes(self.kernels.constants("language/records", "Code")),
             records["State"],
         ]
-        found += [records[name] for name in ("Goal", "Report", "Verification") if self.complete]
+        found += [records[name] for name in ("Goal", "Report", "Verification")]
         found += [records["TangentWork"]] if self.program.interface.follows else []
         if self.searches:
             found += [
@@ -95,7 +95,8 @@ class Runtime:
     def declarations(self) -> str:
         """Return the declarations of the functions that integrate, for the header."""
         found = ["lagc_options lagc_default_options(void);\n"
-                 "size_t lagc_work_size(void);\nsize_t lagc_state_size(void);\n"]  # fmt: skip
+                 "size_t lagc_work_size(void);\nsize_t lagc_state_size(void);\n"
+                 "size_t lagc_verification_size(void);\n"]  # fmt: skip
         if self.program.interface.follows:
             found.append("size_t lagc_tangent_work_size(void);\n")
         if self.complete:
@@ -129,7 +130,8 @@ class Runtime:
         # Not in the subset of kernels: structs by value, their sizes, texts.
         (options,) = [part for part in self.use.records if part.name == "Options"]
         found.append(_default_options(options.members, self.real, methods_of(self.program.interface)))
-        sized = ("work", "state", *(("tangent_work",) if self.program.interface.follows else ()))
+        follows = ("tangent_work",) if self.program.interface.follows else ()
+        sized = ("work", "state", "verification", *follows)
         found += [f"size_t lagc_{n}_size(void) {{ return sizeof(lagc_{n}); }}\n" for n in sized]
         texts = status_texts(self.kernels, self.program.interface)
         found += [_status_text(texts)] if self.complete else []
