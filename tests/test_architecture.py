@@ -139,3 +139,22 @@ def test_documents_name_members_of_the_interface() -> None:
     text = "".join(page.read_text(encoding="utf-8") for page in (ROOT / "docs").rglob("*.md"))
     named = set(re.findall(r"\.interface\.(\w+)", text))
     assert named and named <= {*Interface.__annotations__, *dir(Interface)}
+
+
+LONGEST_FUNCTION, LONGEST_FILE = 60, 600  # lines
+LONGER = {
+    "verified.py",
+    "_verified",
+    "integrate",
+}  # of runs by hand and of verified ones, which are written anew
+
+
+def test_functions_and_files_are_short() -> None:
+    long = list[str]()
+    for path in (ROOT / "lagc").rglob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        long += [path.name] if text.count("\n") > LONGEST_FILE else []
+        functions = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.FunctionDef)]
+        sizes = [((node.end_lineno or 0) - node.lineno + 1, node.name) for node in functions]
+        long += [name for size, name in sizes if size > LONGEST_FUNCTION]
+    assert not set(long) - LONGER
