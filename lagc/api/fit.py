@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable, Mapping, Sequence
 from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
 
-from lagc.api.values import Parametrized, quantities, real, words
+from lagc.api.columns import parted, read_columns, reading
+from lagc.api.values import Parametrized, quantities, words
 from lagc.base.records import replace
-from lagc.base.text import Quantity, number
+from lagc.base.text import Quantity
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.host.budgets import Exhausted, reached
 from lagc.simulation.request import Request, bound_starts, si, unknown
@@ -169,19 +169,19 @@ def measured_values(
     from lagc.study.fit import Measured
 
     table = read_columns(os.fspath(data)) if isinstance(data, str | os.PathLike) else dict(data)
-    heads = {_parted(str(name))[0]: (str(name), _parted(str(name))[1]) for name in table}
+    heads = {parted(str(name))[0]: (str(name), parted(str(name))[1]) for name in table}
     asked = dict(columns)
     clock = asked.pop("time", None) or next((name for name in TIMES if name in heads), next(iter(heads), ""))
     if not asked:
         raise Refused([Fault("LAG0601", "a fit needs measured quantities, such as `theta=angle`")])
 
     def column(quantity: str, word: str, own: str) -> tuple[str, Any]:
-        name, unit = _parted(word)
+        name, unit = parted(word)
         if name not in heads:
             raise Refused([unknown(name, heads, "column", "LAG0601")])
         head, written = heads[name]
         unit, faults = unit or written, list[Fault]()
-        numbers = [_reading(name, value) for value in table[head]]
+        numbers = [reading(name, value) for value in table[head]]
         found = [si(quantity, Quantity(v, unit), own, faults) if isfinite(v) else nan for v in numbers]
         if faults:
             raise Refused(faults[:1])
@@ -198,37 +198,3 @@ def measured_values(
             raise Refused([Fault("LAG0602", f"the column `{name}` has no numbers")])
         result.append(Measured(quantity, name, own, times[kept][order], values[kept][order]))
     return tuple(result)
-
-
-def _reading(name: str, value: Any) -> float:
-    """A measured value; NaN for one that is missing.  Raises Refused (LAG0602)."""
-    if value is None or (isinstance(value, str) and not value.strip()):
-        return nan
-    found = number(value.strip()) if isinstance(value, str) else real(name, value)
-    if found is None:
-        raise Refused([Fault("LAG0602", f"the column `{name}` has {value!r}, which is not a number")])
-    return found
-
-
-def read_columns(path: str) -> dict[str, list[str]]:
-    """Return the columns of a CSV file with a header.  Raises Refused (LAG0702)."""
-    import csv
-
-    try:
-        with open(path, encoding="utf-8-sig", newline="") as file:
-            head, *lines = [line for line in csv.reader(file) if line]
-    except (OSError, ValueError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or "it is no table with a header"
-        raise Refused([Fault("LAG0702", f"`{path}` cannot be read: {reason}")]) from None
-    for k, line in enumerate(lines, 2):
-        if len(line) != len(head):
-            raise Refused(
-                [Fault("LAG0602", f"`{path}`, line {k}: {len(line)} values for {len(head)} columns")]
-            )
-    return {name.strip(): [line[k] for line in lines] for k, name in enumerate(head)}
-
-
-def _parted(word: str) -> tuple[str, str | None]:
-    """Return the name and the unit of `angle[deg]` or `angle [deg]`."""
-    found = re.fullmatch(r"\s*(.*?)\s*\[([^\[\]]*)\]\s*", word)
-    return (found[1], found[2].strip()) if found else (word.strip(), None)

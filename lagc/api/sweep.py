@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from array import array
+import os
 from collections.abc import Callable, Mapping, Sequence
 from math import inf, nan
 from typing import TYPE_CHECKING, Any
 
+from lagc.api.columns import parted, read_columns, reading
 from lagc.api.values import Parametrized, quantities, real, seconds, words
+from lagc.base.records import replace
 from lagc.base.run_options import RUN_OPTIONS
 from lagc.base.text import Quantity
 from lagc.compiler.loaded import Loaded
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     from lagc.study.sweep.table import Sweep
 
 NUMBER = 8.0  # bytes
+FINAL_POINTS = 13  # recorded points where final values alone are kept: those of the energy balance
 
 
 class Sweepable(Parametrized):
@@ -31,7 +34,7 @@ class Sweepable(Parametrized):
 
     def sweep(
         self,
-        axes: Mapping[str, Any],
+        axes: str | os.PathLike[str] | Mapping[str, Any],
         *,
         zip: bool = False,
         samples: int | None = None,
@@ -52,7 +55,8 @@ class Sweepable(Parametrized):
         a
             pair of numbers and a unit, or a text as on the command line: "0.5:1.5:100", "10:80:8[deg]",
             "normal(1, 0.05)".  The points are all combinations, the last axis fastest.
-        zip: the n-th point has the n-th value of each axis instead; a DataFrame of points is given so.
+        zip: the n-th point has the n-th value of each axis instead; so a DataFrame, or the path of a CSV file
+            with names and units in its header, are points.
         samples, seed: the number of random points of axes that are distributions.
         keep: what a row has of each quantity: "final", "max", "min", "rms", or several of these.
         executor: None for this process, a number of worker processes, an `Executor` of
@@ -67,7 +71,10 @@ class Sweepable(Parametrized):
         from lagc.study.sweep.plan import plan_of
 
         request = self.sweep_request(options, starts, guesses, scales)
-        found = {name: _axis(name, value) for name, value in axes.items()}
+        if isinstance(axes, str | os.PathLike):
+            found = axes_in(os.fspath(axes))
+        else:
+            found = {name: _axis(name, value) for name, value in axes.items()}
         plan = plan_of(found, self.axis_values, zip, samples, seed)
         return self.run_sweep(plan, request, words("keep", keep), executor, journal, progress, parameters)
 
@@ -79,11 +86,14 @@ class Sweepable(Parametrized):
         """Run the points of a plan.  `most_time` is the longest time of a run in s: one that would take more
         is refused."""
         import pickle
+        from array import array
 
         from lagc.study.sweep.journal import Journal
         from lagc.study.sweep.sweep import Running
         from lagc.study.sweep.worker import Task, version
 
+        if tuple(keep) == ("final",) and request.every is request.points is None:
+            request = replace(request, points=FINAL_POINTS)
         request = request.completed(self.interface.simulate)
         loaded, backend = self._chosen(request)
         table = self._table(plan, request, keep, backend)
@@ -198,6 +208,17 @@ class Sweepable(Parametrized):
             guesses=bound_guesses(self.interface, quantities("guesses", guesses), given),
             scales=bound_scales(self.interface, quantities("scales", scales)),
         )  # fmt: skip
+
+
+def axes_in(path: str) -> dict[str, Values | Distribution]:
+    """Return the columns of a CSV file as axes.  Raises Refused (LAG0602, LAG0702)."""
+    from lagc.study.sweep.plan import Values
+
+    found: dict[str, Values | Distribution] = {}
+    for head, column in read_columns(path).items():
+        name, unit = parted(head)
+        found[name] = Values([reading(name, value) for value in column], unit)
+    return found
 
 
 def _axis(name: str, value: Any) -> Values | Distribution:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import re
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from math import inf
@@ -141,9 +140,10 @@ def run(options: argparse.Namespace) -> int:
 
 def axes_of(options: argparse.Namespace) -> dict[str, Values | Distribution]:
     """Return the axes of a command, and those of its table.  Raises Usage or Refused."""
+    from lagc.api.sweep import axes_in
     from lagc.study.sweep.plan import parse
 
-    found: dict[str, Values | Distribution] = read_table(options.table) if options.table else {}
+    found = axes_in(options.table) if options.table else {}
     for word in options.axes:
         name, equals, text = word.partition("=")
         name = name.strip()
@@ -152,33 +152,6 @@ def axes_of(options: argparse.Namespace) -> dict[str, Values | Distribution]:
         if name in found:
             raise Usage(f"`{name}` is given twice")
         found[name] = parse(name, text)
-    return found
-
-
-def read_table(path: str) -> dict[str, Values | Distribution]:
-    """Return the columns of a CSV file of points, whose header has names and may have units, `l [cm]`.
-    Raises Usage."""
-    import csv
-
-    from lagc.base.text import number
-    from lagc.study.sweep.plan import Values
-
-    try:
-        with open(path, encoding="utf-8-sig", newline="") as file:
-            head, *lines = [line for line in csv.reader(file) if line]
-    except (OSError, ValueError, csv.Error) as error:
-        raise Usage(f"`{path}` is no table of points: {getattr(error, 'strerror', None) or error}") from None
-    columns: list[list[float]] = [[] for _ in head]
-    for k, line in enumerate(lines, 2):
-        numbers = [number(word.strip()) for word in line]
-        if len(line) != len(head) or None in numbers:
-            raise Usage(f"`{path}`, line {k}: {','.join(line)[:40]!r} is not {len(head)} numbers")
-        for column, value in zip(columns, numbers):
-            column.append(value or 0.0)
-    found: dict[str, Values | Distribution] = {}
-    for name, column in zip(head, columns):
-        parts = re.fullmatch(r"\s*(.*?)\s*(?:\[([^\[\]]*)\])?\s*", name)
-        found[parts[1] if parts else name] = Values(column, parts[2] if parts else None)
     return found
 
 

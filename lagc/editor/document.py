@@ -105,6 +105,11 @@ class Document:
         return found
 
     @property
+    def settled(self) -> bool:
+        """Whether `faults` are all that it can tell: the syntax has some, or all scenes were looked at."""
+        return bool(self.syntax_faults) or self.resolved.complete
+
+    @property
     def faults(self) -> list[Fault]:
         """The faults of syntax, or else of names and dimensions."""
         return self.syntax_faults or self.resolved.faults
@@ -119,7 +124,7 @@ class Document:
         """Return what is known of the name, the unit or the expression at an offset."""
         use = self.names.at(offset)
         if use is not None and offset < use.span.end:
-            return Hover(self._about(use.target), use.span.start, use.span.end)
+            return Hover(self.about(use.target), use.span.start, use.span.end)
         for node in around(self.tree.declarations, offset):
             at = node.span.start, node.span.end
             text = _of_word(node) or said(self.resolved.values.get(at), self._known)
@@ -133,7 +138,7 @@ class Document:
         models = self.resolved.models.values()
         return {p.symbol: p.value for m in models for p in m.parameters if p.value is not None}
 
-    def _about(self, declared: Declared) -> str:
+    def about(self, declared: Declared) -> str:
         first, *more = declared.span.text.splitlines()
         parts = [f"```lag\n{first.strip()}{' ...' if more else ''}\n```"]
         if declared.description:

@@ -11,7 +11,7 @@ import json
 import os
 import sys
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, TypeAlias
 
 from lsprotocol import types as lsp
 from pygls.exceptions import JsonRpcInvalidParams
@@ -20,6 +20,7 @@ from pygls.uris import from_fs_path, to_fs_path
 
 from lagc.diagnostics.catalogue import entries
 from lagc.diagnostics.faults import Edit, Refused, Source, Span, as_json
+from lagc.editor.completion import Offer
 from lagc.editor.document import Document
 from lagc.editor.fixes import fix
 from lagc.editor.names import Declared, Names
@@ -41,6 +42,9 @@ SYMBOLS = {
     "constant": lsp.SymbolKind.Constant, "type": lsp.SymbolKind.TypeParameter, "body": lsp.SymbolKind.Object,
     "instance": lsp.SymbolKind.Object,
 }  # fmt: skip
+Asked: TypeAlias = (
+    lsp.HoverParams | lsp.DefinitionParams | lsp.ReferenceParams | lsp.RenameParams | lsp.CompletionParams
+)
 
 
 class Worker:
@@ -94,6 +98,11 @@ class Server(LanguageServer):
             found = Document(path, text, (os.path.dirname(path),) if os.path.isabs(path) else ())
             self.documents[uri] = found
         return found
+
+    def place(self, params: Asked) -> tuple[Document, int]:
+        """Return the document and the offset of a question."""
+        document = self.document(params.text_document.uri)
+        return document, self.offset(document.source, params.position)
 
     # -- places: of the protocol in lines and units of UTF-16, or others that the client prefers ----------
 
@@ -158,7 +167,7 @@ class Server(LanguageServer):
         """Publish the faults that are found quickly, then all."""
         await asyncio.sleep(pause)
         document = self.document(uri)
-        if document.syntax_faults or document.resolved.complete:  # else the faults of before stay
+        if document.settled:  # else the faults of before stay
             self.publish(uri, document, as_json(document.faults))
         if document.syntax_faults:
             return
@@ -184,7 +193,8 @@ server = Server()
 
 @server.feature(lsp.INITIALIZED)
 async def begin(ls: Server, params: lsp.InitializedParams) -> None:
-    await ls.worker.ready()
+    async with ls.worker.lock:
+        await ls.worker.ready()
 
 
 @server.feature(lsp.TEXT_DOCUMENT_DID_OPEN)
@@ -207,8 +217,8 @@ def closed(ls: Server, params: lsp.DidCloseTextDocumentParams) -> None:
 
 @server.feature(lsp.TEXT_DOCUMENT_HOVER)
 def hover(ls: Server, params: lsp.HoverParams) -> lsp.Hover | None:
-    document = ls.document(params.text_document.uri)
-    found = document.hover(ls.offset(document.source, params.position))
+    document, offset = ls.place(params)
+    found = document.hover(offset)
     if found is None:
         return None
     text = lsp.MarkupContent(lsp.MarkupKind.Markdown, found.text)
@@ -217,23 +227,22 @@ def hover(ls: Server, params: lsp.HoverParams) -> lsp.Hover | None:
 
 @server.feature(lsp.TEXT_DOCUMENT_DEFINITION)
 def definition(ls: Server, params: lsp.DefinitionParams) -> lsp.Location | None:
-    document = ls.document(params.text_document.uri)
-    use = document.names.at(ls.offset(document.source, params.position))
+    document, offset = ls.place(params)
+    use = document.names.at(offset)
     return None if use is None else ls.location(use.target.place)
 
 
 @server.feature(lsp.TEXT_DOCUMENT_REFERENCES)
 def references(ls: Server, params: lsp.ReferenceParams) -> list[lsp.Location]:
-    document = ls.document(params.text_document.uri)
-    use = document.names.at(ls.offset(document.source, params.position))
+    document, offset = ls.place(params)
+    use = document.names.at(offset)
     return [] if use is None else [ls.location(span) for span in document.names.references(use.target)]
 
 
 @server.feature(lsp.TEXT_DOCUMENT_RENAME)
 def rename(ls: Server, params: lsp.RenameParams) -> lsp.WorkspaceEdit | None:
-    uri = params.text_document.uri
-    document = ls.document(uri)
-    use = document.names.at(ls.offset(document.source, params.position))
+    document, offset = ls.place(params)
+    use = document.names.at(offset)
     if use is None:
         return None
     try:
@@ -242,22 +251,19 @@ def rename(ls: Server, params: lsp.RenameParams) -> lsp.WorkspaceEdit | None:
         raise JsonRpcInvalidParams(
             f"`{params.new_name}` cannot be used: {refused.faults[0].message}"
         ) from None
-    return lsp.WorkspaceEdit({uri: ls.edits(document, edits)})
+    return lsp.WorkspaceEdit({params.text_document.uri: ls.edits(document, edits)})
 
 
 @server.feature(lsp.TEXT_DOCUMENT_COMPLETION, lsp.CompletionOptions(trigger_characters=[".", "[", "("]))
 def complete(ls: Server, params: lsp.CompletionParams) -> list[lsp.CompletionItem]:
-    document = ls.document(params.text_document.uri)
-    offers = document.completions(ls.offset(document.source, params.position))
-    return [
-        lsp.CompletionItem(
-            offer.label,
-            kind=COMPLETIONS.get(offer.kind, lsp.CompletionItemKind.Variable),
-            detail=offer.detail or offer.kind,
-            sort_text=f"{number:04}",
-        )
-        for number, offer in enumerate(offers)
-    ]
+    document, offset = ls.place(params)
+
+    def item(number: int, offer: Offer) -> lsp.CompletionItem:
+        kind = COMPLETIONS.get(offer.kind, lsp.CompletionItemKind.Variable)
+        detail = offer.detail or offer.kind
+        return lsp.CompletionItem(offer.label, kind=kind, detail=detail, sort_text=f"{number:04}")
+
+    return [item(number, offer) for number, offer in enumerate(document.completions(offset))]
 
 
 @server.feature(lsp.TEXT_DOCUMENT_DOCUMENT_SYMBOL)
@@ -287,24 +293,18 @@ def layout(ls: Server, params: lsp.DocumentFormattingParams) -> list[lsp.TextEdi
 
 
 @server.feature(lsp.TEXT_DOCUMENT_CODE_ACTION, lsp.CodeActionOptions([lsp.CodeActionKind.QuickFix]))
-async def quick_fixes(ls: Server, params: lsp.CodeActionParams) -> list[lsp.CodeAction]:
+def quick_fixes(ls: Server, params: lsp.CodeActionParams) -> list[lsp.CodeAction]:
     uri = params.text_document.uri
-    document, found = ls.document(uri), list[lsp.CodeAction]()
+    document, actions = ls.document(uri), list[lsp.CodeAction]()
     for diagnostic in params.context.diagnostics:
-        message = diagnostic.message.partition("\nhelp: ")[0]
-        own = [f for f in document.faults if f.code == diagnostic.code and f.message == message]
-        if own:
-            tried = fix(document, own[0], lambda text: text.faults)
-            title, edits = (tried.title, tried.edits) if tried is not None else ("", ())
-        else:  # of a later stage
-            answer = await ls.worker.ask("fix", document, code=diagnostic.code, message=message)
-            title = answer.get("title", "")
-            edits = tuple(Edit(*edit) for edit in answer.get("edits", ()))
-        if edits:
-            edit = lsp.WorkspaceEdit({uri: ls.edits(document, edits)})
+        said = diagnostic.code, diagnostic.message.partition("\nhelp: ")[0]
+        faults = [fault for fault in document.faults if (fault.code, fault.message) == said]
+        found = fix(document, faults[0], lambda text: text.faults) if faults else None
+        if found is not None:
+            edit = lsp.WorkspaceEdit({uri: ls.edits(document, found.edits)})
             kind = lsp.CodeActionKind.QuickFix
-            found.append(lsp.CodeAction(title, kind, [diagnostic], is_preferred=True, edit=edit))
-    return found
+            actions.append(lsp.CodeAction(found.title, kind, [diagnostic], is_preferred=True, edit=edit))
+    return actions
 
 
 @server.command("lagc.equations")

@@ -106,7 +106,7 @@ def test_names_of_other_files_are_found(tmp_path: Path) -> None:
     document = Document(str(tmp_path / "a.lag"), text, (str(tmp_path),))
     use = document.names.at(text.index("far"))
     assert use is not None and use.target.place.source.name.endswith("lib.lag") and use.target.place.line == 2
-    assert "far away" in document._about(use.target)
+    assert "far away" in document.about(use.target)
 
 
 def rename(text: str, place: str, name: str) -> str:
