@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import ast
 import re
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from itertools import pairwise
 from pathlib import Path
@@ -14,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from lagc.lowering.program import Interface
+from tests.test_words import functions
 
 ROOT = Path(__file__).resolve().parent.parent
 IMPORT_LINTER = """
@@ -146,22 +146,10 @@ LONGEST_FUNCTION, LONGEST_FILE = 60, 600  # lines
 LONGER = {"_verified"}  # of sensitivities
 
 
-def functions(body: Iterable[ast.stmt]) -> Iterator[ast.FunctionDef]:
-    """Yield the functions in statements, in classes, and in functions."""
-    for node in body:
-        if isinstance(node, ast.FunctionDef):
-            yield node
-        yield from functions(getattr(node, "body", ()))
-
-
-@pytest.mark.full
 def test_functions_and_files_are_short() -> None:
     long = list[str]()
     for path in (ROOT / "lagc").rglob("*.py"):
-        text = path.read_text(encoding="utf-8")
-        long += [path.name] if text.count("\n") > LONGEST_FILE else []
-        sizes = [
-            ((node.end_lineno or 0) - node.lineno + 1, node.name) for node in functions(ast.parse(text).body)
-        ]
-        long += [name for size, name in sizes if size > LONGEST_FUNCTION]
+        lines = path.read_text(encoding="utf-8").split("\n")
+        long += [path.name] if len(lines) > LONGEST_FILE + 1 else []
+        long += [name for name, first, last in functions(lines) if last - first >= LONGEST_FUNCTION]
     assert not set(long) - LONGER
