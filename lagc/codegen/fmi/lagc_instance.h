@@ -120,13 +120,13 @@ static void bind(Instance *i)
     i->c.is_bound = 1;
 }
 
-/* Let what is due at the importer's time and state happen; `error` is that of the time. */
-static fmi3Status pass_event(Instance *i, double error, int *ends)
+/* Let what is due at the importer's time and state happen.  A root finder may stop so much before a root. */
+static fmi3Status pass_event(Instance *i, double time_error, int *ends)
 {
     Store *c = &i->c;
     M(status) status;
     bind(i);
-    status = M(event)(&c->p, &c->s, c->t, c->x, error, &i->w);
+    status = M(event)(&c->p, &c->s, c->t, c->x, time_error, i->is_co ? 0.0 : c->tolerance, &i->w);
     i->is_evaluated = 0;
     *ends = status == K(TERMINATED);
     return good(status) || *ends ? fmi3OK : fail(i, fmi3Error, status, c->s.culprit, "event");
@@ -214,7 +214,7 @@ static int has_drifted(Instance *i)
     double x[K(NX)];
     int k;
     memcpy(x, c->x, sizeof x);
-    if (IS_CONSTRAINED && good(M(project_state)(&c->p, &c->s, c->t, x, &i->w)))
+    if (good(M(project_state)(&c->p, &c->s, c->t, x, &i->w)))
         for (k = 0; k < NS; k++)
             if (fabs(x[k] - c->x[k]) > 0.1 * c->tolerance * c->s.sizes[scaling_groups[k]])
                 return 1;

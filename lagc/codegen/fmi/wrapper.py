@@ -39,7 +39,7 @@ def model_header(made: Unit) -> str:
     absent += [] if i.outputs else [f"#define {name}_outputs(p, t, x, y, w) {upper}_OK"]
     numbers = {
         "NPARAMETERS": len(i.parameters), "NRELATIONS": len(i.relations),
-        "IS_CONSTRAINED": bool(i.nc or i.quaternions or i.contacts), "HAS_CONSISTENT": i.needs_consistency,
+        "HAS_CONSISTENT": i.needs_consistency,
         "HAS_DIRECTIONAL": made.directional, "HAS_SOLVE": i.nc,
     }  # fmt: skip
     fields = (*i.parameters, *i.inputs)
