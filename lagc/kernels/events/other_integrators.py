@@ -153,9 +153,9 @@ def leave_roots(p: Params, s: State, rtol: Real, w: Work) -> Status:
     for j in range(NFREE):
         least = SLACK_GROWTH * w.events.roundoff[j] + TINY
         if NCON > 0:
-            i = j - (NFREE - NCON)
-            if i >= 0 and s.settlements > 0:
-                if s.contact_kinds[i] == OPENS:
+            contact = j - (NFREE - NCON)
+            if contact >= 0 and s.settlements > 0:
+                if s.contact_kinds[contact] == OPENS:
                     least += LEFT_ERROR * rtol / SPACING * w.events.roundoff[j]
         if w.events.margins[j] < least:
             s.slack[NTIMED + j] += least - w.events.margins[j]
