@@ -39,7 +39,9 @@ def test_roots_are_passed_in_any_way(model: str, stop: float, step: float, tmp_p
     own = [event.t for event in run.events if event.t < stop]
     scale = [max(abs(run[name]).max() for name in names) for names in grouped(system)]
     for habit in range(3):
-        done = subprocess.run([path, str(habit), str(stop), str(step)], capture_output=True, text=True, timeout=60)
+        done = subprocess.run(
+            [path, str(habit), str(stop), str(step)], capture_output=True, text=True, timeout=60
+        )
         assert done.returncode == 0, done.stderr
         rows = [line.split() for line in done.stdout.splitlines()]
         times = [float(row[1]) for row in rows if row[0] == "event"]

@@ -18,12 +18,10 @@ from lagc.simulation.backends.cross import Platform
 
 
 @cache
-def archive(
-    model: str, version: int = 3, platforms: tuple[Platform, ...] | None = (), parameters: tuple[tuple[str, float], ...] = ()
-) -> bytes:
+def archive(model: str, version: int = 3, platforms: tuple[Platform, ...] | None = ()) -> bytes:
     """The FMU of a library model or of a text, without libraries by default."""
     source = Source("model.lag", model) if "\n" in model else model_library.read(model)
-    compilation = Compilation(source, Choice(parameters=dict(parameters)))
+    compilation = Compilation(source, Choice())
     _, files = fmu(compilation, version, ("dop853",), platforms)
     ((_, data),) = files.items()
     return data
@@ -47,7 +45,19 @@ def program(data: bytes, main: str, folder: Path) -> Path:
     build = ET.fromstring(found["sources/buildDescription.xml"])
     files = [file.attrib["name"] for file in build.iter("SourceFile")]
     (folder / main).write_bytes((Path(__file__).parent / main).read_bytes())
-    command = ["gcc", "-std=c99", "-Wall", "-Werror", "-O0", "-ffp-contract=off", *files, main, "-o", "main", "-lm"]
+    command = [
+        "gcc",
+        "-std=c99",
+        "-Wall",
+        "-Werror",
+        "-O0",
+        "-ffp-contract=off",
+        *files,
+        main,
+        "-o",
+        "main",
+        "-lm",
+    ]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return folder / "main"
