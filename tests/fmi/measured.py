@@ -30,7 +30,7 @@ class Result(NamedTuple):
 
 
 def errors(model: str, folder: Path, versions: Sequence[int] = (3, 2), horizon: float = inf) -> list[Result]:
-    """Build, validate and simulate the FMUs of a library model, as long as its scene says, or to the horizon."""
+    """Build, validate and simulate the FMUs of a library model, as long as its scene or the horizon."""
     import fmpy
     from fmpy.validation import validate_fmu
 

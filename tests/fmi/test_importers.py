@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -9,8 +10,11 @@ from pathlib import Path
 import pytest
 
 import lagc
+from lagc.cli.main import main
 from tests.fmi.units import archive, program
 
+PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "embed-the-c.md"
+STRICT = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"]
 HABITS = ("before", "on", "behind")
 # Model, end, step: the error of the classical method at these steps is below 1e-9.
 RUNS = [
@@ -59,3 +63,21 @@ def grouped(system: lagc.api.CompiledModel) -> list[list[str]]:
         [name for name, other in zip(interface.state_names, interface.kinds) if other == kind]
         for kind in interface.kinds
     ]
+
+
+@pytest.mark.full
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
+def test_the_program_of_the_page(tmp_path: Path) -> None:
+    """The block moves with the belt until k vb t = fs, at 1 s; then it slips and sticks in turn."""
+    (text,) = re.findall(r"```c\n(#include \"stick_slip_belt.h\".*?)```", PAGE.read_text("utf-8"), re.S)
+    assert main(["build", "stick_slip_belt", "--events", "-o", str(tmp_path), "-q"]) == 0
+    (tmp_path / "main.c").write_text(text)
+    command = ["gcc", *STRICT, "main.c", "stick_slip_belt.c", "-lm", "-o", "main"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    done = subprocess.run(["./main"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    run = lagc.load("stick_slip_belt").compile().simulate(stop=5.0, accuracy=1e-10)
+    printed = [line.split() for line in done.stdout.splitlines()]
+    own = [event for event in run.events if event.name in ("slips", "sticks")]
+    assert [word for _, word in printed] == [event.name for event in own]
+    assert [float(t) for t, _ in printed] == pytest.approx([event.t for event in own], abs=1e-8)
+    assert float(printed[0][0]) == pytest.approx(1.0, abs=1e-8)
