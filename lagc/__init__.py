@@ -38,5 +38,12 @@ def __getattr__(name: str) -> object:
     return getattr(api, name)
 
 
+def load_ipython_extension(shell: object) -> None:
+    """`%load_ext lagc` in a notebook."""
+    from lagc.api.notebook import load as load_notebook
+
+    load_notebook(shell)
+
+
 def __dir__() -> list[str]:
     return list(__all__)

@@ -87,7 +87,7 @@ def _(equations: EquationsOfMotion) -> None:
 def verify_leaves(equations: EquationsOfMotion) -> None:
     """Check on which symbols the expressions depend."""
     parameters = {p.symbol for p in equations.model.parameters}
-    given = parameters | {*equations.model.given} | {equations.time}
+    given = parameters | {*equations.model.undetermined} | {equations.time}
     position = given | set(equations.q)
     state = position | set(equations.v)
     late = state | set(equations.a) | set(equations.lam)

@@ -11,13 +11,15 @@ Numbers are in SI units; a pair such as (70, "cm") is a number with a unit.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from lagc.api.cost import Measurable
 from lagc.api.derivatives import Differentiable
 from lagc.api.effects import Comparable, without
+from lagc.api.fit import Fittable
 from lagc.api.run import Run
-from lagc.api.values import Input, Value, condition, parted, quantities, real, reals, seconds, word, words
+from lagc.api.sweep import Sweepable
+from lagc.api.values import Input, Value, condition, quantities, real, reals, seconds, separate, word, words
 from lagc.base.records import dataclass, names, replace
 from lagc.base.text import Quantity
 from lagc.compiler.loaded import Loaded
@@ -104,7 +106,7 @@ class ModelFile:
         if backend not in ("auto", "c", "numpy"):
             raise ValueError(f"there is no backend {backend!r}: auto, c or numpy")
         given = quantities("parameters", parameters)
-        numbers, courses = parted(inputs)
+        numbers, courses = separate(inputs)
         choice = Choice(
             word("model", model), word("scene", scene), words("use", use), words("without", without),
             {**given, **numbers}, courses, condition(until),
@@ -129,7 +131,7 @@ class ModelFile:
         return self.compile()._repr_latex_()
 
 
-class CompiledModel(Differentiable, Measurable, Comparable):
+class CompiledModel(Differentiable, Measurable, Comparable, Sweepable, Fittable):
     """A compiled scene of a model: its equations, its code, and the methods that simulate and linearize it.
 
     Compiled code comes from the cache if it is there; other stages run only if they are needed.  An
@@ -263,13 +265,11 @@ class CompiledModel(Differentiable, Measurable, Comparable):
         method: str | None = None, rtol: float | None = None, atol: float | None = None,
         step: Value | None = None, max_step: Value | None = None,
         every: Value | None = None, points: int | None = None,
-        parameters: Mapping[str, Value] | None = None, inputs: Mapping[str, Input] | None = None,
-        until: str | None = None,
+        parameters: Mapping[str, Value] | None = None,
+        inputs: Mapping[str, Input] | None = None, until: str | None = None,
         starts: Mapping[str, Value] | None = None, guesses: Mapping[str, Value] | None = None,
-        scales: Mapping[str, Value] | None = None,
-        sensitivity: str | Sequence[str] = (),
-        progress: Progress | None = None,
-    ) -> Run:  # fmt: skip
+        scales: Mapping[str, Value] | None = None, sensitivity: str | Sequence[str] = (),
+        progress: Progress | None = None) -> Run:  # fmt: skip
         """Simulate from t = 0 to `stop` and return the motion.
 
         stop: the end time in s.
@@ -288,17 +288,15 @@ class CompiledModel(Differentiable, Measurable, Comparable):
             model states them.
         scales: what the accuracy is relative to, by name of a coordinate, speed or output.  The default is
             the range of its values over the motion.
-        sensitivity: names of parameters, inputs and initial values (`start(theta)`); the motion is
-            differentiated by each of them.
+        sensitivity: names of parameters, inputs and initial values (`start(theta)`) to differentiate by.
         progress: a function that is called with the time reached.
 
-        An argument that is not given has the value of the scene, or else its default.  A failed run keeps
-        the results so far, and says why it failed in `status` and `message`.  Raises Refused if an argument
-        is invalid or there is no consistent initial state."""
-        # Courses of inputs and a condition `until` are part of the code: another model is compiled for them,
-        # and runs with the other arguments.
+        Arguments that are not given have the values of the scene, or else their defaults.  A failed run keeps
+        the results so far, and says why in `status` and `message`.  Raises Refused if an argument is invalid
+        or there is no consistent initial state."""
+        # Courses of inputs and a condition `until` are part of the code: another model runs with them.
         if inputs is not None or until is not None:
-            numbers, courses = parted(inputs)
+            numbers, courses = separate(inputs)
             return self._with_courses(numbers, courses, condition(until)).simulate(
                 stop, accuracy=accuracy, method=method, rtol=rtol, atol=atol, step=step, max_step=max_step,
                 every=every, points=points, parameters={**quantities("parameters", parameters), **numbers},
@@ -306,14 +304,15 @@ class CompiledModel(Differentiable, Measurable, Comparable):
             )  # fmt: skip
         # All other arguments make a request, which the scene completes, then the defaults.
         given = quantities("starts", starts)
-        times = {"stop": stop, "step": step, "max_step": max_step, "every": every}
+        lengths = {"stop": stop, "step": step, "max_step": max_step, "every": every}
+        in_seconds: dict[str, Any] = {name: seconds(name, value) for name, value in lengths.items()}
         request = Request(
             accuracy=accuracy, method=method, rtol=rtol, atol=atol, points=points,
             starts=bound_starts(self.interface, given),
             guesses=bound_guesses(self.interface, quantities("guesses", guesses), given),
             scales=bound_scales(self.interface, quantities("scales", scales)),
             sensitivity=words("sensitivity", sensitivity),
-            **{name: seconds(name, value) for name, value in times.items()},
+            **in_seconds,
         )  # fmt: skip
         # Points that would not fit into memory are refused before the run.
         complete = request.completed(self.interface.simulate)
@@ -343,14 +342,14 @@ class CompiledModel(Differentiable, Measurable, Comparable):
         """Simulate a `Request` with the array p of all parameters, then inputs, in SI units."""
         parameters = [float(value) for value in parameters]
         if request.sensitivity:
-            from lagc.compiler.followed import directions_of, follow
+            from lagc.compiler.run_sensitivities import add_sensitivities, directions_of
 
             directions_of(self._loaded, request.sensitivity)
         found = self._loaded.simulate(request, parameters, progress)
         run = Run(**{name: getattr(found, name) for name in names(Solution)})
         run.loaded, run.request = self._loaded, request
         if request.sensitivity:
-            follow(self._loaded, run, request, parameters, running(progress))
+            add_sensitivities(self._loaded, run, request, parameters, running(progress))
         return run
 
     def check_expressions(self, expressions: Sequence[str]) -> None:

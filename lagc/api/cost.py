@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from random import Random
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
@@ -102,6 +101,8 @@ class _Bench:
     def nearby(self, k: int) -> Probe | None:
         """Return the probe with parameters of up to 1 % more or less; None where that has no initial
         state.  Motions nearby tell how much of an error is chaos and how much is the method."""
+        from random import Random
+
         from lagc.study.probe import Probe
 
         dice = Random(k)

@@ -40,7 +40,7 @@ class Differentiable(Parametrized):
         if own.contacts and x is not None:
             from lagc.simulation.linearization.contact_modes import modes_of
 
-            model = self._loaded.held(modes_of(own, x)).model
+            model = self._loaded.in_contact_modes(modes_of(own, x)).model
         else:
             model = self._loaded.differentiated.model
         if own.discretes:

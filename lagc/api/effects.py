@@ -31,15 +31,12 @@ class Comparable(Parametrized):
         self,
         stop: float | None = None,
         *,
-        accuracies: Sequence[float] = ACCURACIES,
-        points: int = POINTS,
-        of: Sequence[str] = (),
+        accuracies: Sequence[float] = ACCURACIES, points: int = POINTS, of: Sequence[str] = (),
         parameters: Mapping[str, Any] | None = None,
-        starts: Mapping[str, Any] | None = None,
-        guesses: Mapping[str, Any] | None = None,
+        starts: Mapping[str, Any] | None = None, guesses: Mapping[str, Any] | None = None,
         also: Mapping[str, Mapping[str, Any]] | None = None,
         progress: Callable[[float, str], None] = lambda part, doing: None,
-    ) -> Effects:
+    ) -> Effects:  # fmt: skip
         """Measure what each effect of the scene changes and costs, and find the cheapest scene for each
         accuracy.
 
@@ -77,8 +74,7 @@ class Comparable(Parametrized):
         request = Request(stop=seconds("stop", stop), points=points, starts=bound_starts(interface, asked))
         times = request.completed({**interface.simulate, "accuracy": 1e-6}).grid()
         scenes = _Scenes(self._loaded.compilation, given, guessed, times)
-        # The full scene comes first, then sets without effects, one after the other; recommended sets are
-        # verified with other initial values.
+        # The full scene, then sets without effects; recommended sets are verified with other initial values.
         begun = Effects(model.scene, times[-1], names)
         elsewhere = {name: scenes.starting(own) for name, own in begin.items()}
         coarsest_first = sorted(accuracies, reverse=True)

@@ -21,7 +21,7 @@ Value: TypeAlias = float | tuple[float, str] | Quantity
 Input: TypeAlias = "Value | str | tuple[Sequence[float], Sequence[float]] | Points"
 
 
-def parted(
+def separate(
     given: Mapping[str, Input] | None,
 ) -> tuple[dict[str, float | Quantity], dict[str, Source | Points]]:
     """Separate inputs that are numbers from all others."""

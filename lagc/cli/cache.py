@@ -41,12 +41,12 @@ def facts_of(options: argparse.Namespace) -> dict[str, Any]:
         return facts
     try:
         with place:
-            return facts | _done(place, options)
+            return facts | _maintain(place, options)
     except OSError as error:
         return facts | {"status": "refused", "reason": f"{place.path} cannot be read: {cache.reason(error)}"}
 
 
-def _done(place: cache.Folder, options: argparse.Namespace) -> dict[str, Any]:
+def _maintain(place: cache.Folder, options: argparse.Namespace) -> dict[str, Any]:
     facts: dict[str, Any] = {}
     if options.clear:
         facts["removed"] = upkeep.clear(place)

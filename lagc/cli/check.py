@@ -84,9 +84,5 @@ def explain(code: str) -> int:
     entry = entries(messages_folder()).get(code)
     if entry is None:
         raise Usage(f"there is no error code `{code}`")
-    show(f"{code}: {entry.title}\n\n{entry.explanation}\n")
-    for title, text in (("wrong", entry.wrong), ("right", entry.right)):
-        if text:
-            lines = "".join(f"    {line}\n" for line in text.strip("\n").splitlines())
-            show(f"\n{title}:\n\n{lines}")
+    show(entry.shown(code))
     return DONE

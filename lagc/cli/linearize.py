@@ -64,12 +64,14 @@ def run(options: argparse.Namespace) -> int:
     spare(compilation, options.output, _picture(model.interface, options.plot))
     try:
         linear_models = (
-            model.equilibria(starts=starts) if options.equilibrium else [_about(model, time, starts, options)]
+            model.equilibria(starts=starts)
+            if options.equilibrium
+            else [_linearize_at(model, time, starts, options)]
         )
     except ArithmeticError as error:
-        return _none(str(error), options)
+        return _report_none(str(error), options)
     if not linear_models:
-        return _none(
+        return _report_none(
             "no equilibrium was found, neither from the initial state nor from random states", options
         )
     interface = model.interface
@@ -84,7 +86,7 @@ def run(options: argparse.Namespace) -> int:
     return DONE if written else UNWRITTEN
 
 
-def _about(
+def _linearize_at(
     model: CompiledModel, time: float, starts: dict[str, float | Quantity], options: argparse.Namespace
 ) -> Linear:
     """Linearize at a time; a motion that takes too long is refused as by `lagc sim`."""
@@ -98,7 +100,7 @@ def _about(
         return model.linearize(time, starts=starts, progress=progress)
 
 
-def _none(message: str, options: argparse.Namespace) -> int:
+def _report_none(message: str, options: argparse.Namespace) -> int:
     if options.json:
         print_json({"status": "failed", "message": message})
     say(f"error[LAG0621]: {message}", options.json)

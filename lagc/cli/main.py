@@ -36,6 +36,8 @@ COMMANDS = {
     "equations": "print the equations of motion",
     "derive": "write the worked solution, from the declarations to the equations",
     "sim": "compile and simulate a model",
+    "sweep": "run a model at many points",
+    "fit": "find the parameters that fit measured values",
     "cost": "measure what accuracy costs in time",
     "compare": "run scenes side by side",
     "effects": "measure what each effect changes and costs",
@@ -43,6 +45,7 @@ COMMANDS = {
     "linearize": "find equilibria and linear models",
     "build": "write generated code for other projects",
     "new": "write a model to start from; --list: models of the library",
+    "lsp": "serve an editor: faults, completion, units, fixes",
     "cache": "show, verify or clear the cache of compiled models",
 }
 
@@ -114,7 +117,8 @@ def _dispatch(words: list[str]) -> int:
     )  # fmt: skip
     command.add_options(parser)
     add_general_options(parser, json=getattr(command, "JSON", True))
-    options = parser.parse_args(words[1:])
+    intermixed = getattr(command, "INTERMIXED", False)
+    options = (parser.parse_intermixed_args if intermixed else parser.parse_args)(words[1:])
     try:
         with limits_of(options):
             done: int = command.run(options)

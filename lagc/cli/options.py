@@ -7,7 +7,6 @@ from collections.abc import Callable
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from lagc.base.run_options import RUN_OPTIONS
 from lagc.base.text import number, seconds, size, whole
 from lagc.cli.output import Usage
 
@@ -145,15 +144,19 @@ def add_plot_option(parser: argparse.ArgumentParser, about: str) -> None:
 
 
 def add_run_options(parser: argparse.ArgumentParser, *names: str) -> None:
+    from lagc.base.run_options import RUN_OPTIONS  # for commands that run
+
     for option in map(RUN_OPTIONS.__getitem__, names):
         parser.add_argument(option.of_command, metavar=option.form, help=option.about)
 
 
 def run_numbers(options: argparse.Namespace) -> dict[str, Any]:
-    """Return the numbers that control a run, by name.  Raises Usage if a word is none."""
+    """Return the numbers that control a run, by name; None if not given.  Raises Usage if a word is none."""
+    from lagc.base.run_options import RUN_OPTIONS
+
     found: dict[str, Any] = {}
     for name, option in RUN_OPTIONS.items():
-        word = getattr(options, name)
+        word = getattr(options, name, None)
         if option.whole and word is not None:
             found[name] = whole(word)
             if found[name] is None:

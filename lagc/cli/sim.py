@@ -230,7 +230,7 @@ def prune(
     said: dict[str, object] = {"left_out": [], "error": 0.0, "bar": 0.0, "asked": accuracy}
     if not model.interface.effects:
         return model, request, "nothing is left out: the scene uses no effect", said
-    left_out, change, bar, took = _set(model, accuracy, stop, starts, guesses, quiet)
+    left_out, change, bar, took = _set_arguments(model, accuracy, stop, starts, guesses, quiet)
     if not left_out:
         words = f"nothing is left out at {accuracy:.0e}: each effect counts, or saves nothing"
         return model, request, words, said
@@ -243,7 +243,7 @@ def prune(
     return model, replace(request, accuracy=SHARE * accuracy), words, said
 
 
-def _set(
+def _set_arguments(
     model: CompiledModel,
     accuracy: float,
     stop: float,

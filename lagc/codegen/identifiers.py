@@ -157,10 +157,10 @@ def comment(text: str) -> str:
     comment, line continuation, trigraph, control or bidirectional character."""
     spelled = "".join(_spell(c) if ord(c) > 127 else c if " " <= c <= "~" else " " for c in text)
     spelled = spelled.replace("\\", "/")
-    return re.sub(r"\?(?=\?)", "? ", re.sub(r"([*/])(?=[*/])", _apart, spelled)).strip()
+    return re.sub(r"\?(?=\?)", "? ", re.sub(r"([*/])(?=[*/])", _spaced, spelled)).strip()
 
 
-def _apart(match: re.Match[str]) -> str:
+def _spaced(match: re.Match[str]) -> str:
     """Put a space between a star and a slash side by side."""
     char, following = match[1], match.string[match.end()]
     return char if char == following else f"{char} "

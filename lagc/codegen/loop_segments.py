@@ -206,7 +206,7 @@ class _Places:
             for column in columns.values():
                 rows = (
                     [self.all.row(column[0])]
-                    if self.along(column) is not None
+                    if self.stride_in_row(column) is not None
                     else [self.all.row(value) for value in column]
                 )
                 for row in dict.fromkeys(rows):
@@ -217,7 +217,7 @@ class _Places:
         self.size = 0
         self._allocate(following, before)
 
-    def along(self, column: Sequence[int]) -> int | None:
+    def stride_in_row(self, column: Sequence[int]) -> int | None:
         """Return the stride of values that are all in one row, or None."""
         number = self.all.owner[column[0]]
         run, count = self.all.runs[number], len(column)
@@ -272,7 +272,7 @@ class _Places:
 
     def of(self, column: Sequence[int]) -> Sequence[int]:
         """Return the places of the values of a column."""
-        stride, first = self.along(column), self._place(column[0])
+        stride, first = self.stride_in_row(column), self._place(column[0])
         if stride:
             return range(first, first + stride * len(column), stride)
         return [first] * len(column) if stride == 0 else [self._place(value) for value in column]

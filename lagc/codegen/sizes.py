@@ -122,9 +122,8 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NLINEAR": (nq if "displace" in interface.functions else 0) + nv + interface.nc,
     }  # fmt: skip
     found = _derived({**own, **start, **own})  # initialization has no work integrals
-    # Without a dense system the mass matrix is never formed.
     if "system" not in interface.functions:
-        found["NM"] = 0
+        found["NM"] = 0  # without a dense system the mass matrix is never formed
     return found
 
 

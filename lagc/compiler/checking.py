@@ -41,7 +41,7 @@ def look(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Checked
     effects. `choice` may name one model or scene.  Its parameter values are given to the models that have
     them."""
     reached = [len(STAGES)]  # number of stages, for each model and scene
-    faults = _look(source, choice, roots, reached)
+    faults = _check_scenes(source, choice, roots, reached)
     if choice.parameters:
         from lagc.simulation.request import is_of_other_value
 
@@ -54,7 +54,7 @@ def look(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Checked
     return Checked(faults, STAGES[min(reached) :])
 
 
-def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[int]) -> list[Fault]:
+def _check_scenes(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[int]) -> list[Fault]:
     try:
         tree = parse(source)
     except Refused as refused:
@@ -65,7 +65,7 @@ def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[
     def faults_of(file: Tree, each: Choice) -> dict[tuple[object, ...], Fault]:
         return _faults(file, each, roots, known, reached)
 
-    return [*faults_in_scenes(tree, choice, roots, faults_of), *_unknown(choice, known)]
+    return [*faults_in_scenes(tree, choice, roots, faults_of), *_unknown_parameters(choice, known)]
 
 
 def faults_in_scenes(
@@ -131,7 +131,7 @@ def _faults(
             from lagc.mechanics.lint.loads import unmoved
 
             warnings = [*warnings, *unmoved(equations)]
-        faults = _unstarted(model, equations, choice)
+        faults = _initial_faults(model, equations, choice)
     except Refused as refused:
         faults = refused.faults
     reached.append(stages)
@@ -148,7 +148,7 @@ def by_place(faults: Sequence[Fault]) -> dict[tuple[object, ...], Fault]:
     return found
 
 
-def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> list[Fault]:
+def _initial_faults(model: Model, equations: EquationsOfMotion, choice: Choice) -> list[Fault]:
     """Try the initial state, and return warnings. A warning tells that a parameter has no value, that the
     check took too long, or that an output has no finite value.  Raises Refused if a run would fail before its
     first step."""
@@ -190,7 +190,7 @@ def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> li
     ]
 
 
-def _unknown(choice: Choice, known: set[str]) -> list[Fault]:
+def _unknown_parameters(choice: Choice, known: set[str]) -> list[Fault]:
     """Faults for given parameters that no model has, if a model could be resolved."""
     names = [name for name in choice.parameters if known and name not in known]
     if not names:

@@ -42,7 +42,7 @@ class Loaded:
         self.probed: dict[tuple[str, ...], System] = {}  # of a root, by the expressions of probes
         self.numpy_s = 0.0  # the longest run of `auto` in NumPy so far
         began = perf_counter()
-        self.preferred = self.first = self._preferred()
+        self.preferred = self.first = self._preferred_backend()
         self.artifact = compilation.artifact(self.first)
         self.seconds = perf_counter() - began
 
@@ -54,7 +54,7 @@ class Loaded:
         vars(self).update(
             state, lock=RLock(), systems={}, numpy_s=0.0, followers={}, others={}, held_systems={}, probed={}
         )
-        self.preferred = self._preferred()
+        self.preferred = self._preferred_backend()
 
     @property
     def backend(self) -> str:
@@ -93,7 +93,7 @@ class Loaded:
         own = self.compilation
         return Compilation(own.source, replace(own.choice, contact_modes=modes), own.roots)
 
-    def held(self, modes: tuple[int, ...]) -> NumpySystem:
+    def in_contact_modes(self, modes: tuple[int, ...]) -> NumpySystem:
         """Return the system with derivatives that holds its contacts in these modes."""
         from lagc.simulation.backends.python import NumpySystem
 
@@ -230,7 +230,7 @@ class Loaded:
         with self.compilation.lock:
             return placed(self.compilation.equations, error)
 
-    def _preferred(self) -> str:
+    def _preferred_backend(self) -> str:
         """For `auto`: C if the compiled library is in the cache, NumPy otherwise."""
         if self.asked != "auto":
             return self.asked

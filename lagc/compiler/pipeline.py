@@ -19,7 +19,7 @@ from lagc.compiler.artifact import (
     store_head,
     version_key,
 )
-from lagc.compiler.held import DERIVED, refuse_contacts, with_held
+from lagc.compiler.fixed_discretes import DERIVED, refuse_contacts, with_fixed_discretes
 from lagc.compiler.stages import Choice, derive, optimize, parse, render, resolve, uncollected
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host import cache
@@ -119,7 +119,7 @@ class Compilation:
     @once
     def _head_name(self) -> str:
         choice = self.choice
-        inputs = [(name, _said(given)) for name, given in sorted(choice.inputs.items())]
+        inputs = [(name, _input_text(given)) for name, given in sorted(choice.inputs.items())]
         effects = choice.with_effects, choice.without_effects
         chosen = repr((choice.model, choice.scene, *effects, inputs, choice.until, choice.outputs,
                        choice.contact_modes, choice.probes))  # fmt: skip
@@ -170,7 +170,7 @@ class _Variant(Compilation):
         found = self.base.model
         if self.variant not in EXPLICIT:
             refuse_contacts(found, self.variant)
-        return with_held(found) if self._holds else found
+        return with_fixed_discretes(found) if self._holds else found
 
     @once
     def equations(self) -> EquationsOfMotion:
@@ -194,7 +194,7 @@ class _Variant(Compilation):
         return self.base.taking(method)
 
 
-def _said(given: Source | Points) -> str:
+def _input_text(given: Source | Points) -> str:
     """Return the text that stands for an input in a cache key."""
     if isinstance(given, Source):
         return repr((folder_of(given.name), given.text))
@@ -215,7 +215,9 @@ def equations(source: Source, choice: Choice) -> EquationsOfMotion:
 
     compilation = Compilation(source, choice)
     model, faults = compilation.model, list[Fault]()
-    given_values(choice.parameters, (*map(input_field, model.inputs), *_own(model, frozenset())), faults)
+    given_values(
+        choice.parameters, (*map(input_field, model.inputs), *_unread_fields(model, frozenset())), faults
+    )
     if faults:
         raise Refused(faults)
     return compilation.equations
@@ -271,10 +273,10 @@ def with_all_methods(compilation: Compilation) -> Program:
 
 def unused(model: Model, interface: Interface) -> tuple[Field, ...]:
     """Return the parameters of the model that have no effect, and those that are part of the code."""
-    return _own(model, {f.name for f in (*interface.parameters, *interface.inputs)})
+    return _unread_fields(model, {f.name for f in (*interface.parameters, *interface.inputs)})
 
 
-def _own(model: Model, but: Container[str]) -> tuple[Field, ...]:
+def _unread_fields(model: Model, but: Container[str]) -> tuple[Field, ...]:
     """Return the parameters of the model, and those that are part of the code, except the names in `but`."""
     from lagc.lowering.interface import parameter_field
 

@@ -71,7 +71,7 @@ def _spans(equations: EquationsOfMotion, anchor: Anchor) -> Iterator[tuple[Span,
     else:
         for own, start in zip(_begun(equations), equations.starts):
             if own.name == name:
-                yield (start.stated.span if kind == "start" else _declared(equations, own)), f"`{name}`"
+                yield (start.stated.span if kind == "start" else _declaration_of(equations, own)), f"`{name}`"
 
 
 def _begun(equations: EquationsOfMotion) -> list[Symbol]:
@@ -80,7 +80,7 @@ def _begun(equations: EquationsOfMotion) -> list[Symbol]:
     return [x.record for x in (*equations.q, *equations.v, *rates)]
 
 
-def _declared(equations: EquationsOfMotion, state: Symbol) -> Span:
+def _declaration_of(equations: EquationsOfMotion, state: Symbol) -> Span:
     """Where the coordinate or speed is declared that a state belongs to."""
     things = (*equations.model.coordinates, *equations.model.speeds)
     return next(thing.span for thing in things if thing.name == state.owner)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import re
+from textwrap import indent
 
 from lagc.base.records import dataclass
 
@@ -29,6 +30,12 @@ class Entry:
     explanation: str
     wrong: str = ""
     right: str = ""
+
+    def shown(self, code: str) -> str:
+        """Return the text of the entry, with its examples indented."""
+        examples = [(title, text) for title, text in (("wrong", self.wrong), ("right", self.right)) if text]
+        parts = [f"{title}:\n\n{indent(text.rstrip(), '    ')}" for title, text in examples]
+        return "\n\n".join([f"{code}: {self.title}", self.explanation, *parts]) + "\n"
 
 
 def entries(folder: str) -> dict[str, Entry]:

@@ -131,6 +131,7 @@ class _Place:
             yield from _calls("thing", words.MADE[keyword])
         if self.last == "then" and keyword == "when":
             yield from (Offer(name, "function") for name in words.ACTIONS)
+        yield from (Offer(name, "variable") for name in sorted(self.names.variables))
         yield from (_offer(d) for d in self.index.visible(self.names) if d.kind not in _NO_VALUES)
         yield from _calls("function", words.FUNCTIONS)
         yield from (Offer(name, "constant") for name in words.NAMED_VALUES)

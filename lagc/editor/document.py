@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cached_property
-from time import perf_counter
 from typing import Any
 
 from lagc.base.records import dataclass
@@ -15,6 +15,7 @@ from lagc.editor import words
 from lagc.editor.completion import Offer, completions
 from lagc.editor.facts import Values, fact, said
 from lagc.editor.names import Declared, Index, Use, around
+from lagc.host.budgets import Limits, stage
 from lagc.semantics.context import Context
 from lagc.semantics.model import Model
 from lagc.semantics.names.scope import Environment, Value
@@ -26,7 +27,7 @@ from lagc.syntax.formatter import format_source
 from lagc.syntax.lexer import Lexed
 from lagc.syntax.parse import read
 
-QUICK = 0.15  # s for names and dimensions, after which no other scene is looked at
+QUICK = 0.15  # s for names and dimensions
 Faults = dict[tuple[object, ...], Fault]
 
 
@@ -41,11 +42,13 @@ class Hover:
 
 @dataclass
 class Resolved:
-    """The models of a text by model and scene, the values of its expressions, and the faults of both."""
+    """The models of a text by model and scene, the values of its expressions, and the faults; `complete`: all
+    scenes were looked at."""
 
     models: dict[tuple[str | None, str | None], Model]
     values: Values
     faults: list[Fault]
+    complete: bool = False
 
 
 class Document:
@@ -81,25 +84,30 @@ class Document:
 
     @cached_property
     def resolved(self) -> Resolved:
-        """The models, if the syntax has no faults, of as many scenes as `QUICK` allows."""
+        """The models, if the syntax has no faults; those that are found within `QUICK`."""
         found = Resolved({}, {}, [])
         evaluators = {kind: _recording(f, self.source, found.values) for kind, f in EVALUATORS.items()}
-        end = perf_counter() + QUICK
 
         def faults_of(file: tree.Tree, choice: Choice) -> Faults:
-            if found.models and perf_counter() > end:
-                return {}
             chosen = (choice.scene, choice.with_effects, choice.without_effects, choice.model)
             try:
-                model = resolve(file, *chosen, roots=self.roots, evaluators=evaluators)
+                with stage("finding what names mean"):
+                    model = resolve(file, *chosen, roots=self.roots, evaluators=evaluators)
             except Refused as refused:
                 return by_place(refused.faults)
             found.models[choice.model, choice.scene] = model
             return by_place(model.warnings)
 
         if not self.syntax_faults:
-            found.faults = faults_in_scenes(self.tree, Choice(), self.roots, faults_of)
+            with suppress(Refused), Limits(time=QUICK):
+                found.faults = faults_in_scenes(self.tree, Choice(), self.roots, faults_of)
+                found.complete = True
         return found
+
+    @property
+    def settled(self) -> bool:
+        """Whether `faults` are all that it can tell: the syntax has some, or all scenes were looked at."""
+        return bool(self.syntax_faults) or self.resolved.complete
 
     @property
     def faults(self) -> list[Fault]:
@@ -116,7 +124,7 @@ class Document:
         """Return what is known of the name, the unit or the expression at an offset."""
         use = self.names.at(offset)
         if use is not None and offset < use.span.end:
-            return Hover(self._about(use.target), use.span.start, use.span.end)
+            return Hover(self.about(use.target), use.span.start, use.span.end)
         for node in around(self.tree.declarations, offset):
             at = node.span.start, node.span.end
             text = _of_word(node) or said(self.resolved.values.get(at), self._known)
@@ -130,7 +138,7 @@ class Document:
         models = self.resolved.models.values()
         return {p.symbol: p.value for m in models for p in m.parameters if p.value is not None}
 
-    def _about(self, declared: Declared) -> str:
+    def about(self, declared: Declared) -> str:
         first, *more = declared.span.text.splitlines()
         parts = [f"```lag\n{first.strip()}{' ...' if more else ''}\n```"]
         if declared.description:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from itertools import islice
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Edit, Fault, Source
@@ -30,11 +31,11 @@ def fix(document: Document, fault: Fault, faults_of: Callable[[Document], list[F
     if fault.span is None or fault.span.source.name != document.source.name:
         return None
     before = faults_of(document)
-    for edits in list(
-        dict.fromkeys(_candidates(document.source.text, fault, fault.span.start, fault.span.end))
-    )[:MOST]:
-        after = faults_of(document.with_edits(edits))
-        fewer = _count(after, fault) < _count(before, fault)
+    candidates = _candidates(document.source.text, fault, fault.span.start, fault.span.end)
+    for edits in islice(dict.fromkeys(candidates), MOST):
+        changed = document.with_edits(edits)
+        after = faults_of(changed)
+        fewer = changed.settled and _count(after, fault) < _count(before, fault)
         if fewer and len(errors_of(after)) <= len(errors_of(before)) - (fault.severity == "error"):
             return Fix(_title(document, edits), edits)
     return None
@@ -76,8 +77,8 @@ def _candidates(text: str, fault: Fault, start: int, end: int) -> Iterator[tuple
 
 def _closing(text: str, place: int) -> Iterator[tuple[Edit, ...]]:
     """Yield the places for the closing bracket that is missing in the declaration around a place."""
-    begin = text.rfind(";", 0, place) + 1
-    tokens = tokenise(Source("", text[begin : text.find(";", place)])).tokens
+    begin, last = text.rfind(";", 0, place) + 1, text.find(";", place)
+    tokens = tokenise(Source("", text[begin : last if last >= 0 else None])).tokens
     opened: list[int] = []
     for k, token in enumerate(tokens):
         if token.text in CLOSING:

@@ -30,7 +30,7 @@ class Names:
     own: dict[str, Declared] = field(default_factory=dict)
     bases: list[tuple[str, ...]] = field(default_factory=list)
     inner: list[tuple[Span, Names]] = field(default_factory=list)
-    variables: frozenset[str] = frozenset()  # of loops
+    variables: frozenset[str] = frozenset()  # of the loops around
 
 
 @dataclass
@@ -93,7 +93,9 @@ class Index:
 
     # -- declarations ------------------------------------------------------------------
 
-    def _gather(self, body: tuple[tree.Declaration, ...], names: Names) -> None:
+    def _gather(self, body: tuple[tree.Declaration, ...], names: Names, loop: Names | None = None) -> None:
+        """Enter the declarations of a block, or of a `loop` in it, whose declarations are those of the
+        block."""
         for d in body:
             match d:
                 case tree.ModelDeclaration() | tree.Package():
@@ -104,7 +106,7 @@ class Index:
                     self._gather(d.body, inside)
                 case tree.Effect():  # its declarations are those of the model
                     self._declare(names, d, "effect")
-                    self._gather(d.body, names)
+                    self._gather(d.body, names, loop)
                 case tree.Quantities(type=tree.TypeName() as written) | tree.Instance(type=written):
                     kind = d.kind if isinstance(d, tree.Quantities) else "instance"
                     for declarator in d.declarators:
@@ -115,8 +117,9 @@ class Index:
                     for written, name, span in d.parameters:
                         self._add(Declared(name, "argument", written.span.text, span, d.span, None, inside))
                 case tree.ForLoop():
-                    self._block(d, names).variables = frozenset((d.variable,))
-                    self._gather(d.body, names)
+                    inside = self._block(d, loop or names)
+                    inside.variables |= {d.variable}
+                    self._gather(d.body, names, inside)
                 case tree.Extends():
                     names.bases.append(d.path)
                 case tree.Construct(value=tree.Call() as call):
@@ -127,7 +130,7 @@ class Index:
                     self._declare(names, d, type(d).__name__.removesuffix("Declaration").lower())
 
     def _block(self, node: Block, names: Names) -> Names:
-        inside = self._blocks[id(node)] = Names(names)
+        inside = self._blocks[id(node)] = Names(names, variables=names.variables)
         names.inner.append((node.span, inside))
         return inside
 

@@ -50,6 +50,28 @@ def forget_events(s: State, t: Real, x: Vec[NX]) -> None:
             s.touch_times[i] = t
 
 
+def forget_last_step(s: State) -> None:
+    """Let a trajectory begin without rate, dense output and parameters of a step before."""
+    s.steps_before_call = 0
+    s.is_new_call = True
+    s.parameters_known = False
+    s.method = 0
+    s.rate_place = ABSENT
+    s.dense_place = ABSENT
+    if NC > 0:
+        s.rank_deficient = False
+    # The implicit method has neither Jacobian nor factors. theta = 1, slow convergence, asks for a new
+    # Jacobian.
+    if NNEWTON > 0:
+        forget_stages(s)
+        s.newton.factored = 0.0
+        s.newton.theta = 1.0
+        s.newton.count = 0
+    if NSERIES > 0:
+        s.series.step = -1
+        s.series.tolerance = 0.0
+
+
 @public
 def begin(s: State, t: Real, x: Vec[NX]) -> None:
     """Begin a new trajectory at (t, x). x meets the constraints. *s need not be filled before."""
@@ -89,25 +111,7 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
     s.stability_due = 1000
     s.rates_apart = 0.0
     s.states_apart = 0.0
-    # A step takes over rate, dense output and parameters of the one before it. There is none.
-    s.steps_before_call = 0
-    s.is_new_call = True
-    s.parameters_known = False
-    s.method = 0
-    s.rate_place = ABSENT
-    s.dense_place = ABSENT
-    if NC > 0:
-        s.rank_deficient = False
-    # The implicit method has neither Jacobian nor factors. theta = 1, slow convergence, asks for a new
-    # Jacobian.
-    if NNEWTON > 0:
-        forget_stages(s)
-        s.newton.factored = 0.0
-        s.newton.theta = 1.0
-        s.newton.count = 0
-    if NSERIES > 0:
-        s.series.step = -1
-        s.series.tolerance = 0.0
+    forget_last_step(s)
     # Round-off is not suspected before an error estimate fails.
     s.roundoff_estimated = False
     s.roundoff_memory = 0.0

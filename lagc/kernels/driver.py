@@ -355,44 +355,46 @@ def end_by_underflow(p: Params, s: State, cause: Status, a: Trial, w: Work) -> S
     return report_culprit(s, cause if cause != OK else STEP_UNDERFLOW, w)
 
 
+def plan_attempt(s: State, t1: Real, goal: Real, o: Options, a: Trial) -> None:
+    """Plan an attempt towards `goal`: a step of the grid, or one of the size that the error asks for."""
+    if o.step > 0.0:
+        plan_fixed_step(s, goal, t1, a)
+        # A fixed step ends where inputs may change: a model without events leaves the rate there to the
+        # next step.
+        if not NMODE > 0:
+            a.leaves_end_rate = a.ends_on_target
+    else:
+        plan_step(s, goal, a)
+    if NMODE > 0:
+        split_step_to(s, goal, t1, o, a)
+
+
 def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w: Work) -> Status:
     """Attempt steps towards `goal` until one is accepted, a.is_accepted, or the call ends."""
     cause = OK
     if NGUARD > 0:
         reductions = 0
-    # Each turn is one attempt: plan its size, compute it, look for what forbids it (a turning slip, a hidden
-    # event, a crossing), then accept or reduce. Guards come before the crossings: these are sought on a dense
-    # output that must be true to the motion.
+    # Each turn is one attempt: plan it, compute it, look for what forbids it (a turning slip, a hidden event,
+    # a crossing), accept or reduce. Guards come first: crossings are sought on a true dense output.
     while True:
         # The limit counts attempts. The size that was reached is kept for the next call.
         if o.max_steps > 0 and s.steps + s.rejected - s.steps_before_call >= o.max_steps:
             if a.rejected > 0:
                 s.h = a.size
             return MAX_STEPS
-        if o.step > 0.0:
-            plan_fixed_step(s, goal, t1, a)
-            # A fixed step ends where inputs may change: a model without events leaves the rate there to the
-            # next step.
-            if not NMODE > 0:
-                a.leaves_end_rate = a.ends_on_target
-        else:
-            plan_step(s, goal, a)
-        if NMODE > 0:
-            split_step_to(s, goal, t1, o, a)
+        plan_attempt(s, t1, goal, o, a)
         update_longest_step(s, a, w)
         if fixed_step_underflows(s, t1, a) if o.step > 0.0 else step_underflows(s, t1, a):
             return end_by_underflow(p, s, cause, a, w)
         status = try_step(p, s, o, a, w)
         # A slip in space that turns within the step is not resolved by it.
         if NSPACE > 0:
-            if not failed(status) and a.error <= 1.0 and o.step == 0.0:
-                if turns_fast(s, w):
-                    a.size *= 0.5
-                    a.rejected += 1
-                    s.rejected += 1
-                    continue
-        # Something narrower than the stages may lie between them: the step goes on with the part that
-        # excludes it.
+            if not failed(status) and a.error <= 1.0 and o.step == 0.0 and turns_fast(s, w):
+                a.size *= 0.5
+                a.rejected += 1
+                s.rejected += 1
+                continue
+        # Something narrow may lie between the stages: the step goes on with the part that excludes it.
         if NGUARD > 0:
             if not failed(status) and a.error <= 1.0 and o.step == 0.0 and reductions < MOST_REDUCTIONS:
                 hidden = find_hidden_event(p, s, o.method, a, o.rtol, w)
@@ -401,16 +403,14 @@ def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w
                     s.rejected += 1
                     reductions += 1
                     continue
-        # An accepted step that contains a crossing is repeated to end there, and may then fail or be
-        # rejected.
+        # A step that contains a crossing is repeated to end there, and may then fail or be rejected.
         if NFREE > 0:
             if not failed(status) and a.error <= 1.0:
                 status = end_step_at_event(p, s, o, a, w)
                 if status == CHATTERING or a.h == 0.0:
                     return report_culprit(s, status, w)
-        # A failed evaluation may lie beyond what the motion reaches, as in an overlong first step: a quarter
-        # of the step is tried. Its status is told if the size underflows; a Newton method that did not
-        # converge is none of the model.
+        # A failed evaluation may lie beyond what the motion reaches: a quarter of the step is tried. Its
+        # status is told if the size underflows; a Newton method that did not converge is none of the model.
         if failed(status):
             if o.step > 0.0:
                 return report_culprit(s, status, w)

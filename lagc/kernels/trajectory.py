@@ -197,6 +197,24 @@ def resumes_in_order(times: Vec[Any], n: Length, done: Length, direction: Real) 
     return (there - times[done - 1]) * direction >= 0.0 and (times[n - 1] - there) * direction >= 0.0
 
 
+def check_record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, done: Cell[Length],
+                 budget: Count, t1: Real, direction: Real) -> Status:  # fmt: skip
+    """Check the arguments of `record`; returns OK, INVALID or NOT_FINITE, with s.culprit."""
+    status = check_call(p, s, t1, o)
+    if status != OK:
+        return status
+    if budget < 0:
+        s.culprit = BAD_BUDGET
+        return INVALID
+    # Of a grid that was checked in an earlier call only the next time is looked at: to check it whole each
+    # time would cost n^2.
+    known = done[0] > 0 and done[0] <= n and resumes_in_order(times, n, done[0], direction)
+    if not known and (done[0] > 0 or not are_in_order(s, times, n, direction)):
+        s.culprit = BAD_TIME
+        return INVALID
+    return OK
+
+
 @public
 def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: Rows[NX], done: Cell[Length],
            budget: Count, w: Work) -> Status:  # fmt: skip
@@ -208,18 +226,10 @@ def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: 
     # of the last step.
     t1 = times[n - 1] if n > 0 else s.t
     direction = 1.0 if t1 > s.t or (t1 == s.t and s.t >= s.t_old) else -1.0
-    # All arguments are checked before anything changes. Of a grid that was checked in an earlier call only
-    # the next time is looked at: to check it whole each time would cost n^2.
-    status = check_call(p, s, t1, o)
+    # All arguments are checked before anything changes.
+    status = check_record(p, s, o, times, n, done, budget, t1, direction)
     if status != OK:
         return status
-    if budget < 0:
-        s.culprit = BAD_BUDGET
-        return INVALID
-    known = done[0] > 0 and done[0] <= n and resumes_in_order(times, n, done[0], direction)
-    if not known and (done[0] > 0 or not are_in_order(s, times, n, direction)):
-        s.culprit = BAD_TIME
-        return INVALID
     if o.step > 0.0:
         begin_grid(s, t1, o)
     enter_call(s, w)

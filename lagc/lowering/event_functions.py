@@ -276,14 +276,14 @@ def poles(equations: EquationsOfMotion) -> tuple[Node, ...]:
     near = [base for base in found if ranges[base][0] <= 0.0 <= ranges[base][1]]
     if not near or len(near) > _MOST:
         return ()
-    asked = _asked(graph, roots)
+    asked = _conditions_of_use(graph, roots)
     return tuple([
-        _where(graph, base, [_both(graph, asked[node], divides) for node, divides in found[base]])
+        _where(graph, base, [_conjunction(graph, asked[node], divides) for node, divides in found[base]])
         for base in near
     ])  # fmt: skip
 
 
-def _asked(graph: Graph, roots: Sequence[Node]) -> dict[Node, Node]:
+def _conditions_of_use(graph: Graph, roots: Sequence[Node]) -> dict[Node, Node]:
     """Return, for each node, the condition under which the values of `roots` depend on it."""
     asked = dict.fromkeys(roots, graph.one)
     for node in reversed(reachable(roots)):
@@ -291,7 +291,7 @@ def _asked(graph: Graph, roots: Sequence[Node]) -> dict[Node, Node]:
             own = asked[node]
             if node.op == "select" and k > 0:
                 branch = node.args[0] if k == 1 else graph.logical_not(node.args[0])
-                own = _both(graph, own, branch)
+                own = _conjunction(graph, own, branch)
             known = asked.get(below)
             if known is not None and own is not known:
                 own = graph.one if graph.one in (own, known) else graph.binary("or", own, known)
@@ -299,7 +299,7 @@ def _asked(graph: Graph, roots: Sequence[Node]) -> dict[Node, Node]:
     return asked
 
 
-def _both(graph: Graph, x: Node, y: Node) -> Node:
+def _conjunction(graph: Graph, x: Node, y: Node) -> Node:
     if graph.one in (x, y):
         return y if x is graph.one else x
     return graph.binary("and", x, y)

@@ -69,15 +69,15 @@ def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[Event
     # Freezing replaces each such relation by its mode, in all that the rates are made of. Relations that no
     # equation uses then are left out.
     made = _Freezing(equations.graph, frozenset(changing), late, equations.time, relation_functions)
-    found = _with(equations, made)
-    whens = [replace(x, condition=node) for x, node in zip(equations.whens, made.all(conditions))]
+    found = _with_branches(equations, made)
+    whens = [replace(x, condition=node) for x, node in zip(equations.whens, made.freeze(conditions))]
     found = replace(found, whens=tuple(whens))
     # Time events first, then those of the state, late ones last: kernels rely on this order.
-    ordered = sorted(_used(found, made.relations), key=lambda one: (one.slope is None, one.late))
+    ordered = sorted(_used_relations(found, made.relations), key=lambda one: (one.slope is None, one.late))
     # A load that a reaction decides sees all branches in its solve; its mode decides events alone.
     if any(relation.late and not relation.aside for relation in ordered):
         found = _with_late_choices(found, ordered)
-    return found, (*ordered, *_touching(found, len(made.relations)))
+    return found, (*ordered, *_contact_relations(found, len(made.relations)))
 
 
 def _with_late_choices(equations: EquationsOfMotion, relations: Sequence[EventRelation]) -> EquationsOfMotion:
@@ -106,7 +106,7 @@ def _forces(equations: EquationsOfMotion) -> list[Node]:
     return [force for contact in equations.contacts for force in contact.forces]
 
 
-def _touching(equations: EquationsOfMotion, count: int) -> list[EventRelation]:
+def _contact_relations(equations: EquationsOfMotion, count: int) -> list[EventRelation]:
     """Return the relations of slips, whose indicator is the velocity of slip, then that of each contact,
     whose indicator is the gap. Their mode is always 1: kernels turn and replace the indicators of contacts
     that touch."""
@@ -119,7 +119,7 @@ def _touching(equations: EquationsOfMotion, count: int) -> list[EventRelation]:
     ]
 
 
-def _used(equations: EquationsOfMotion, relations: Sequence[EventRelation]) -> list[EventRelation]:
+def _used_relations(equations: EquationsOfMotion, relations: Sequence[EventRelation]) -> list[EventRelation]:
     """Return the relations that `equations` depend on. A relation of a load on a body may cancel in the
     forces on the speeds."""
     # From the last relation to the first: each uses modes of those before it. A relation that only clauses
@@ -162,7 +162,7 @@ class _Freezing:
             for side in self._sides(node):
                 self._asked.setdefault(side, node)
 
-    def all(self, nodes: Sequence[Node]) -> list[Node]:
+    def freeze(self, nodes: Sequence[Node]) -> list[Node]:
         known = self.known
         # Arguments before users: each node is rebuilt on frozen arguments. A relation becomes a mode, a power
         # of a base that vanishes at the end of its branch uses its absolute value.
@@ -183,8 +183,8 @@ class _Freezing:
             kinds[below] = union(kinds[a] for a in below.args)
         return kinds[node]
 
-    def one(self, node: Node) -> Node:
-        return self.all([node])[0]
+    def freeze_one(self, node: Node) -> Node:
+        return self.freeze([node])[0]
 
     def _relation(self, node: Node, args: tuple[Node, ...]) -> Node:
         graph, op = self.graph, node.op
@@ -192,7 +192,7 @@ class _Freezing:
         if not any(self._kind(a) & (_TIME | _MOVES) for a in args):
             return node if args == node.args else graph.rebuild(node, args)
         if op in _COUNTING:
-            return self._counted(args[0], node)
+            return self._counted_mode(args[0], node)
         if op in ("abs", "sign"):
             mode = self._sign(args[0], node.args[0], node)
             return mode * args[0] if op == "abs" else mode
@@ -219,18 +219,18 @@ class _Freezing:
     def _base(self, base: Node) -> Node:
         """Return the base of a power for its branch and beyond: with the sign of the whole if that is known,
         else with the signs of its factors."""
-        whole = self._beyond(base)
+        whole = self._signed_factor(base)
         # The sign of the whole base, else of its factors with odd powers, that some relation asks for.
         if whole is not self.known[base]:
             return whole
         c, product = (base.value, base.args[0]) if base.op == "scale" else (1.0, base)
         if product in self._asked:
-            return self.graph.scale(c, self._beyond(product))
+            return self.graph.scale(c, self._signed_factor(product))
         factors = zip(product.args, product.value) if product.op == "mul" else ((product, 1),)
-        held = ((self._beyond(x) if e % 2 else self.known[x], e) for x, e in factors)
+        held = ((self._signed_factor(x) if e % 2 else self.known[x], e) for x, e in factors)
         return self.graph.scale(c, self.graph.product(held))
 
-    def _beyond(self, factor: Node) -> Node:
+    def _signed_factor(self, factor: Node) -> Node:
         """Return a factor with the sign that it has on its branch, if that is known."""
         # An interval that does not contain zero tells the sign without a relation.
         graph, frozen = self.graph, self.known[factor]
@@ -244,7 +244,7 @@ class _Freezing:
             return frozen
         return self._sign(frozen, factor, asking) * graph.unary("abs", frozen)
 
-    def _counted(self, side: Node, node: Node) -> Node:
+    def _counted_mode(self, side: Node, node: Node) -> Node:
         """Return floor(side), or the piece of a table that contains `side`, as a mode."""
         # The mode k means k <= side < k + 1, or the piece of the table; beyond its ends there is no edge.
         graph, own = self.graph, self.graph.rebuild(node, (side,))
@@ -255,7 +255,7 @@ class _Freezing:
                 knots = [*node.value][1:]
                 ends = (Table([-FARTHEST, *knots]), Table([*knots, FARTHEST]))
                 edges = (graph.looked_up("entry", ends[0], mode), graph.looked_up("entry", ends[1], mode))
-            self._found(EventRelation(mode, side, own, node, edges, self._slope(side), self._words(node)))
+            self._add(EventRelation(mode, side, own, node, edges, self._slope(side), self._words(node)))
         return self.modes[own]
 
     def _sign(self, side: Node, plain: Node, node: Node) -> Node:
@@ -275,13 +275,13 @@ class _Freezing:
         own = graph.unary("sign", side)
         if own not in self.modes:
             natural, slope = graph.unary("sign", plain), self._slope(side)
-            self._found(EventRelation(self._symbol(), side, own, natural, None, slope, self._words(node)))
+            self._add(EventRelation(self._symbol(), side, own, natural, None, slope, self._words(node)))
         return self.modes[own]
 
     def _symbol(self) -> Node:
         return self.graph.symbol("mode", str(len(self.relations)))
 
-    def _found(self, relation: EventRelation) -> None:
+    def _add(self, relation: EventRelation) -> None:
         late = self._kind(relation.side) & _LATE
         self.modes[relation.own] = relation.mode
         self.relations.append(replace(relation, late=late > 0))
@@ -337,42 +337,63 @@ def _gradients(equations: EquationsOfMotion) -> list[Mapping[int, Node]]:
     return found + [row for contact in equations.contacts for row in contact.jacobians]
 
 
-def _with(equations: EquationsOfMotion, f: _Freezing) -> EquationsOfMotion:
+def _with_branches(equations: EquationsOfMotion, f: _Freezing) -> EquationsOfMotion:
     """Return `equations` with all nodes of the rates replaced by `f`."""
 
     # f freezes a scalar mass, or each entry of a tensor.
     def mass(given: Node | Matrix) -> Node | Matrix:
-        return _matrix(f.all([x for row in given for x in row])) if isinstance(given, tuple) else f.one(given)
+        return (
+            _matrix(f.freeze([x for row in given for x in row]))
+            if isinstance(given, tuple)
+            else f.freeze_one(given)
+        )
 
     inertias = [
         replace(
-            part, velocity=_vector(f.all(part.velocity)), at_rest=_vector(f.all(part.at_rest)),
-            explicit=_vector(f.all(part.explicit)), mass=mass(part.mass),
+            part,
+            velocity=_vector(f.freeze(part.velocity)),
+            at_rest=_vector(f.freeze(part.at_rest)),
+            explicit=_vector(f.freeze(part.explicit)),
+            mass=mass(part.mass),
         )
         for part in equations.inertias
-    ]  # fmt: skip
+    ]
     # Gradients of rows and contacts share sums, which are frozen once for all rows.
-    rows = [replace(row, rate=f.one(row.rate), gamma=f.one(row.gamma)) for row in equations.rows]
-    jacobians = with_values([row.jacobian for row in rows], f.all)
+    rows = [
+        replace(row, rate=f.freeze_one(row.rate), gamma=f.freeze_one(row.gamma)) for row in equations.rows
+    ]
+    jacobians = with_values([row.jacobian for row in rows], f.freeze)
     rows = [replace(row, jacobian=own) for row, own in zip(rows, jacobians)]
-    gradients = with_values([row for contact in equations.contacts for row in contact.jacobians], f.all)
+    gradients = with_values([row for contact in equations.contacts for row in contact.jacobians], f.freeze)
     contacts = [
         replace(
-            contact, gap=f.one(contact.gap), rate=f.one(contact.rate), bias=f.one(contact.bias),
-            slips=tuple([replace(x, rate=f.one(x.rate), bias=f.one(x.bias)) for x in contact.slips]),
-            frictions=tuple(f.all(contact.frictions)), normals=tuple(f.all(contact.normals)),
+            contact,
+            gap=f.freeze_one(contact.gap),
+            rate=f.freeze_one(contact.rate),
+            bias=f.freeze_one(contact.bias),
+            slips=tuple(
+                [replace(x, rate=f.freeze_one(x.rate), bias=f.freeze_one(x.bias)) for x in contact.slips]
+            ),
+            frictions=tuple(f.freeze(contact.frictions)),
+            normals=tuple(f.freeze(contact.normals)),
         )
         for contact in with_jacobians(equations.contacts, gradients)
-    ]  # fmt: skip
+    ]
     # Two velocities may become one on a branch: their weights add.
     loads: dict[Node, Node] = {}
-    for velocity, weight in zip(f.all(list(equations.loads)), f.all(list(equations.loads.values()))):
+    for velocity, weight in zip(f.freeze(list(equations.loads)), f.freeze(list(equations.loads.values()))):
         loads[velocity] = loads[velocity] + weight if velocity in loads else weight
     return replace(
         equations,
-        qdot=tuple(f.all(equations.qdot)), inertias=tuple(inertias), rows=tuple(rows), loads=loads,
+        qdot=tuple(f.freeze(equations.qdot)),
+        inertias=tuple(inertias),
+        rows=tuple(rows),
+        loads=loads,
         contacts=tuple(contacts),
-        further_inertia=dict(zip(equations.further_inertia, f.all(list(equations.further_inertia.values())))),
-        bias_forces=tuple(f.all(equations.bias_forces)), given_forces=tuple(f.all(equations.given_forces)),
-        power=f.one(equations.power),
-    )  # fmt: skip
+        further_inertia=dict(
+            zip(equations.further_inertia, f.freeze(list(equations.further_inertia.values())))
+        ),
+        bias_forces=tuple(f.freeze(equations.bias_forces)),
+        given_forces=tuple(f.freeze(equations.given_forces)),
+        power=f.freeze_one(equations.power),
+    )

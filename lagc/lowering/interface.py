@@ -72,12 +72,9 @@ def interface(
     notes = [f"parameter `{p.name}` reaches nothing" for p in model.parameters if p.name not in kept]
     # Does the motion depend on time itself? The right-hand side, or the dense system, tells.
     flowing = _timed(functions["system" if "system" in functions else "rhs"])
-    # Everything that a run needs of a model and the compiled functions do not say: names, units, places,
-    # tables, sizes.
+    # The functions do not say what a run needs besides: names, units, places, tables, sizes.
     found = Interface(
-        model=model.name,
-        scene=model.scene,
-        model_hash="",
+        model=model.name, scene=model.scene, model_hash="",
         nz=1 if work else 0,
         whens=_clauses(equations, int(work)),
         contacts=_contacts(equations, int(work)),
@@ -96,8 +93,7 @@ def interface(
         velocity_unknowns=velocity_unknowns,
         read=read,
         effects=tuple([e.name for e in model.effects if e.used]),
-        simulate=dict(model.simulate),
-        scales=dict(model.scales),
+        simulate=dict(model.simulate), scales=dict(model.scales),
         notes=(*model.notes, *notes, *equations.dropped, *remarks),
         dropped=dropped,
         servos=tuple([(c.name, c.actuator) for c in model.constraints if c.actuator]),
@@ -105,7 +101,7 @@ def interface(
         flowing=flowing,
         doubtful=_doubtful(model),
         derivatives=dict(derivatives),
-    )
+    )  # fmt: skip
     return replace(found, model_hash=_digest(found, functions))  # the hash is that of everything else
 
 

@@ -198,7 +198,7 @@ class _Text:
             if found is None:
                 at += 1
                 continue
-            found = self._shaped(found)
+            found = self._with_fewer_tables(found)
             if found.at > straight:
                 yield Run(self.first + straight, found.at - straight, 1)
             yield Run(self.first + found.at, found.period, found.times)
@@ -225,7 +225,7 @@ class _Text:
             period = other - at
             if other == count or period > _LONGEST or _LEAST * period > count - at:
                 break
-            times = 1 + self._common(at, other) // period
+            times = 1 + self._common_length(at, other) // period
             if times >= _LEAST and period * times >= _WORTH:
                 found.append(_Repeated(at, period, times))
             other = nexts[other]
@@ -236,12 +236,12 @@ class _Text:
         for one in sorted(found, key=lambda one: (-one.length, one.period)):
             if one.length < least:
                 break
-            one = one._replace(times=self._same(one))
+            one = one._replace(times=self._equal_repetitions(one))
             if one.times >= _LEAST and one.length >= least:
                 best, least = one, one.length * _GAIN
         return best
 
-    def _common(self, a: int, b: int) -> int:
+    def _common_length(self, a: int, b: int) -> int:
         """Return how many letters are the same from a and from b > a on."""
         # Letters that were found equal at this distance before are not compared again; else the length is
         # found by doubling, then halving.
@@ -257,7 +257,7 @@ class _Text:
         self.same_to[b - a] = a + length
         return length
 
-    def _same(self, one: _Repeated) -> int:
+    def _equal_repetitions(self, one: _Repeated) -> int:
         """Return how many repetitions have the same edges among their operations as the first one."""
         # Operands inside a repetition are equally far back in each. One that points before the repetition is
         # no edge inside it: its place comes from outside.
@@ -272,7 +272,7 @@ class _Text:
                     return n
         return one.times
 
-    def _shaped(self, one: _Repeated) -> _Repeated:
+    def _with_fewer_tables(self, one: _Repeated) -> _Repeated:
         """Return the repetition with several repetitions taken as one, or without some at its ends, if that
         needs fewer tables."""
         # Operands from outside need a table unless their places grow evenly. Two or more repetitions as one,
@@ -283,17 +283,17 @@ class _Text:
             if together > 1:
                 if times < _LEAST + 2 or least <= period:
                     break
-                times = self._same(_Repeated(one.at, period, times))
+                times = self._equal_repetitions(_Repeated(one.at, period, times))
             if times < _LEAST:
                 continue
             # Room: the text of the loop, its tables at a quarter of an operation each, and what stays
             # outside.
-            columns = self._uneven(_Repeated(one.at, period, times))
+            columns = self._table_columns(_Repeated(one.at, period, times))
             for first, last in product(range(_ENDS + 1), repeat=2):
                 form = _Repeated(one.at + first * period, period, times - first - last)
                 if form.times < _LEAST:
                     continue
-                tables = sum([not _even(column[first : times - last]) for column in columns])
+                tables = sum([not _is_even(column[first : times - last]) for column in columns])
                 room = period + form.times * tables / _ENTRIES + one.length - form.length
                 if room < least:
                     best, least = form, room
@@ -306,12 +306,12 @@ class _Text:
             return 0
         # Without a table and without a value from before, an iteration costs nothing more than its
         # operations.
-        tables = len(self._uneven(_Repeated(run.first - self.first, run.period, run.count)))
+        tables = len(self._table_columns(_Repeated(run.first - self.first, run.period, run.count)))
         first = run.first - self.first
         alone = run.first < self.stores or self.far in self.back[0][first : first + run.period]
         return run.count * (tables + alone)
 
-    def _uneven(self, one: _Repeated) -> list[list[int]]:
+    def _table_columns(self, one: _Repeated) -> list[list[int]]:
         """Return the columns of operands, one entry for each repetition, that do not grow evenly."""
         # Columns of equal operands in all repetitions. Equal columns share one table.
         found: dict[tuple[int, ...], list[int]] = {}
@@ -325,12 +325,12 @@ class _Text:
                 # taken for even.
                 if back[begin] < self.far:  # what comes before a row may lie before it
                     column[0] = 2 * column[1] - column[2]
-                if not _even(column):
+                if not _is_even(column):
                     found[tuple(column)] = column
         return list(found.values())
 
 
-def _even(column: Sequence[int]) -> bool:
+def _is_even(column: Sequence[int]) -> bool:
     """Return whether the numbers of a column grow evenly."""
     first, step = column[0], column[1] - column[0]
     return column == [first + step * n for n in range(len(column))]

@@ -77,7 +77,7 @@ def optimize(
     factored = solver if equations.rows or equations.contacts or differentiate or sensitive else None
     differentiated = derivatives(whole, relations, directional) if differentiate else None
     derived = [*(differentiated.functions if differentiated else ()), *(tangents(along) if sensitive else ())]
-    more += _factored(along, solver, False) if derived and solver and not equations.rows else ()
+    more += _factor_functions(along, solver, False) if derived and solver and not equations.rows else ()
     more += [*derived, *(implicit(whole) if stiff else ())]
     made.update((f.name, preparation.separated(f)) for f in more)
     found, read = preparation.finished(made)
@@ -152,10 +152,10 @@ def _functions(
     if dense:
         made.append(program_functions.system(along, rare=solver is not None))
     if solver is not None and constrained:
-        made += _factored(along, solver, not dense)
+        made += _factor_functions(along, solver, not dense)
         made += [kkt.refiner(solver)] if dense else [kkt.remainder(solver), program_functions.forces(along)]
     if solver is not None and not constrained and at.equations.contacts:
-        made += _factored(along, solver, False)
+        made += _factor_functions(along, solver, False)
     made.append(program_functions.displace(at))
     # The constraints: residuals, rates, and the sizes that they are measured by.
     if constrained:
@@ -178,7 +178,7 @@ def _functions(
     return found, slopes
 
 
-def _factored(along: Places, solver: Solver, guarded: bool) -> list[Function]:
+def _factor_functions(along: Places, solver: Solver, guarded: bool) -> list[Function]:
     """Return the functions that solve for any right-hand side."""
     return [kkt.assemble(along, solver, guarded), kkt.factorize(solver, guarded), kkt.solve(solver)]
 

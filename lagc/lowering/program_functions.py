@@ -106,11 +106,11 @@ def scales(places: Places) -> Function:
         parts = [*terms(graph, row.residual), *(slope * x for x, slope in slopes.items())]
         size = graph.sum(graph.unary("abs", part) for part in parts)
         sizes.append(graph.sum([size, graph.const(_TINY)]))
-    sizes = _beside_others(places, equations.rows, sizes)
+    sizes = _with_least_share(places, equations.rows, sizes)
     return made(places, "scales", STATE, (("s", sizes),), "size of the terms of each constraint equation")
 
 
-def _beside_others(places: Places, rows: Sequence[Row], sizes: Sequence[Node]) -> list[Node]:
+def _with_least_share(places: Places, rows: Sequence[Row], sizes: Sequence[Node]) -> list[Node]:
     """Return `sizes`, each at least a share of the largest of its unit if all terms of a row may vanish: the
     round-off of a point at the origin is no measure of its row."""
     # Rows of one unit are compared: a row all of whose terms may vanish has at least a share of the largest.
@@ -168,7 +168,7 @@ def reaches(places: Places) -> Function:
     # Each coordinate and speed moves by the size of its group, a displacement at least by that of the
     # place that it is added to.
     weights = {x: given[kind] for x, kind in zip((*equations.q, *equations.v), states)}
-    displaced = _displaced(graph, holonomic, {x for x, k in zip(equations.q, states) if k})
+    displaced = _displacement_sizes(graph, holonomic, {x for x, k in zip(equations.q, states) if k})
     for x, place in displaced.items():
         weights[x] = graph.binary("max", weights[x], place)
 
@@ -206,19 +206,19 @@ def reaches(places: Places) -> Function:
     # coordinates at the pace of these.
     own = changes(holonomic, [row.residual for row in holonomic], equations.q)
     own += changes(others, [row.rate for row in others], equations.v)
-    found = _beside_others(places, equations.rows, [reach(sums) for sums in own])
+    found = _with_least_share(places, equations.rows, [reach(sums) for sums in own])
     of_rates: list[Node] = []
     for row, sums in zip(holonomic, changes(holonomic, [row.rate for row in holonomic], equations.v)):
         parts = terms(graph, row.rate) if row.time_dependent else []
         parts += [part * pace for part in terms(graph, row.residual)]
         of_rates.append(reach(sums, parts))
-    found += _beside_others(places, holonomic, of_rates)
+    found += _with_least_share(places, holonomic, of_rates)
     found += (size[k] for k in sorted(size))
     more = replace(places, arrays={**places.arrays, **{node: ("c", k) for k, node in given.items()}})
     return made(more, "reaches", (*STATE, "c"), (("s", found),), "reach of each constraint equation")
 
 
-def _displaced(graph: Graph, rows: Sequence[Row], coordinates: Container[Node]) -> dict[Node, Node]:
+def _displacement_sizes(graph: Graph, rows: Sequence[Row], coordinates: Container[Node]) -> dict[Node, Node]:
     """Return the sizes of the places from which coordinates are displaced in `rows`, as l in `z - l`. Such
     coordinates may begin at zero; the place gives their size."""
     # z - l: the place l, over the factor of z, is the size of z there. A factor may vanish: |f| / f^2 is 1 /

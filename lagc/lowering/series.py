@@ -72,7 +72,7 @@ class _Series:
         for k, o in enumerate(rhs.operations):
             # Each operation in order 0 in one block, and its recurrence for order k in another. Operations
             # that nothing of the rates uses, and those that do not move, have none.
-            self.value.append(self.first.again(o, [self.value[i] for i in o.operands]))
+            self.value.append(self.first.repeat(o, [self.value[i] for i in o.operands]))
             if used[k] and self.moves(o):
                 self.coefficient[k] = self.order_k(k, o)
         return [self.order_0(), self.later()]
@@ -149,25 +149,25 @@ class _Series:
             return self.next.load("d", o.payload[1])
         return self.next.mul(self.number(0), self.coefficient[k])
 
-    def lane(self) -> int:
+    def new_lane(self) -> int:
         """Return the sum of a new lane, whose factors follow."""
         self.lanes.append((0, 0))
         return self.next.load("r", len(self.lanes) - 1)
 
     def convolved(self, a: int, b: int) -> int:
         """Return the sum of a new lane with these factors."""
-        found = self.lane()
+        found = self.new_lane()
         self.lanes[-1] = a, b
         return found
 
-    def half(self) -> int:
+    def new_square(self) -> int:
         """Return the sum of a new square, whose root follows."""
         self.squares.append(0)
         return self.next.load("s", len(self.squares) - 1)
 
     def square(self, a: int, a_0: int) -> int:
         """Return the coefficient of a^2."""
-        found = self.half()
+        found = self.new_square()
         self.squares[-1] = a
         return self.next.add(found, self.next.mul(self.next.add(a_0, a_0), a))
 
@@ -225,7 +225,7 @@ class _Series:
         if b not in self.coefficient:
             return block.div(right, self.n(b))
         place = len(self.lanes)
-        rest = block.sub(right, self.lane())
+        rest = block.sub(right, self.new_lane())
         found = block.mul(block.sub(rest, block.mul(self.coefficient[b], self.n(k))), inverse)
         self.lanes[place] = self.coefficient[b], found
         return found
@@ -238,11 +238,11 @@ class _Series:
         # r^2 = a gives r_k = (a_k - sum r_j r_(k-j)) / (2 r_0).
         inverse = self.at_0(self.first.div(self.first.const(0.5), root_0))
         place = len(self.squares)
-        found = self.next.mul(self.next.sub(a, self.half()), inverse)
+        found = self.next.mul(self.next.sub(a, self.new_square()), inverse)
         self.squares[place] = found
         return found
 
-    def turned(self, i: int, ops: tuple[str, str], sign: float) -> tuple[int, int]:
+    def sine_and_cosine(self, i: int, ops: tuple[str, str], sign: float) -> tuple[int, int]:
         """Return the coefficients of s = sin or sinh and c = cos or cosh of operation i, with s' = c x' and
         c' = -s x' or s x'."""
         # k s_k = sum j x_j c_(k-j), k c_k = -sum j x_j s_(k-j): both in one, as each needs the other (JZ 2.1
@@ -251,7 +251,7 @@ class _Series:
             block, own, d = self.next, self.coefficient[i], self.times_k(i)
             values = [self.at_0(self.first.apply(op, self.value[i])) for op in ops]
             place = len(self.lanes)
-            made = [block.add(block.mul(self.number(1), self.lane()), block.mul(own, values[1 - m]))
+            made = [block.add(block.mul(self.number(1), self.new_lane()), block.mul(own, values[1 - m]))
                     for m in range(2)]  # fmt: skip
             sine, cosine = made[0], made[1] if sign > 0.0 else ~made[1]
             self.lanes[place], self.lanes[place + 1] = (d, cosine), (d, sine)
@@ -259,16 +259,16 @@ class _Series:
         return self.pairs[ops[0], i]
 
     def of_sin(self, k: int, o: Operation) -> int:
-        return self.turned(o.operands[0], ("sin", "cos"), -1.0)[0]
+        return self.sine_and_cosine(o.operands[0], ("sin", "cos"), -1.0)[0]
 
     def of_cos(self, k: int, o: Operation) -> int:
-        return self.turned(o.operands[0], ("sin", "cos"), -1.0)[1]
+        return self.sine_and_cosine(o.operands[0], ("sin", "cos"), -1.0)[1]
 
     def of_sinh(self, k: int, o: Operation) -> int:
-        return self.turned(o.operands[0], ("sinh", "cosh"), 1.0)[0]
+        return self.sine_and_cosine(o.operands[0], ("sinh", "cosh"), 1.0)[0]
 
     def of_cosh(self, k: int, o: Operation) -> int:
-        return self.turned(o.operands[0], ("sinh", "cosh"), 1.0)[1]
+        return self.sine_and_cosine(o.operands[0], ("sinh", "cosh"), 1.0)[1]
 
     def integral(self, i: int, rate: int, rate_0: int) -> int:
         """Return the coefficient of y with y' = rate * x', x operation i: rate_0 x_k and 1/k of the sum of
@@ -302,7 +302,7 @@ class _Series:
         block = self.next
         # k y_k d_0 = k x_k - sum j y_j d_(k-j).
         place = len(self.lanes)
-        rest = block.sub(self.coefficient[i], block.mul(self.number(1), self.lane()))
+        rest = block.sub(self.coefficient[i], block.mul(self.number(1), self.new_lane()))
         found = block.mul(rest, self.at_0(self.first.div(self.first.one, divisor_0)))
         self.lanes[place] = block.mul(self.number(0), found), divisor
         return found
@@ -343,7 +343,7 @@ class _Series:
                     sums[m] = self.convolved(self.times_k(n), other)
         turned = block.sub(block.mul(a, self.n(j)), block.mul(b, self.n(i)))
         place = len(self.lanes)
-        rest = block.mul(self.number(1), block.sub(block.sub(*sums), self.lane()))
+        rest = block.mul(self.number(1), block.sub(block.sub(*sums), self.new_lane()))
         found = block.mul(block.add(rest, turned), inverse)
         self.lanes[place] = block.mul(self.number(0), found), block.add(*squares)
         return found
@@ -358,8 +358,8 @@ class _Series:
         one_more = self.at_0(first.add(self.value[exponent], first.one))
         slope = self.at_0(first.mul(self.value[exponent], self.value[k]))
         place = len(self.lanes)
-        weighted = block.mul(self.number(1), block.mul(one_more, self.lane()))
-        rest = block.add(block.sub(weighted, self.lane()), block.mul(slope, self.coefficient[i]))
+        weighted = block.mul(self.number(1), block.mul(one_more, self.new_lane()))
+        rest = block.add(block.sub(weighted, self.new_lane()), block.mul(slope, self.coefficient[i]))
         found = block.mul(rest, inverse)
         self.lanes[place], self.lanes[place + 1] = (self.times_k(i), found), (self.coefficient[i], found)
         return found

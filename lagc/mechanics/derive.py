@@ -39,12 +39,11 @@ def derive(model: Model) -> EquationsOfMotion:
     free = free_terms(states, with_rates(states))
     # Virtual power: what acts, and the rows that hold.
     acting = act(states)
-    classified, dropped, doubts = _constrained(states)
+    classified, dropped, doubts = _constraint_rows(states)
     totals = energies(states, parts, acting, free, classified)
     # h: inertial forces at the accelerations that speeds leave, and the free terms of Lagrangians.
     inertial = inertial_loads(states, parts)
-    # Generalized inertial forces go from velocities to speeds by virtual power; free terms are in speeds
-    # already.
+    # Inertial forces go from velocities to speeds by virtual power; free terms are in speeds already.
     bias = added(graph, [states.to_speeds(inertial), free.bias])
     servos = [x.row for x in classified if x.row.law is Law.SERVO]  # their loads act, not their gradients
     held = [{j: -(row.multiplier * slope) for j, slope in row.jacobian.items()} for row in servos]
@@ -84,15 +83,15 @@ def derive(model: Model) -> EquationsOfMotion:
             *model.warnings,
             *cuts,
             *doubts,
-            *_active(states, kept),
-            *_never_slip(states, kept, contacts),
-            *_shared(states, dropped),
-            *_doubled(model),
+            *_active_load_warnings(states, kept),
+            *_immovable_slip_warnings(states, kept, contacts),
+            *_shared_reaction_warnings(states, dropped),
+            *_doubled_weight_warnings(model),
         ),
     )  # fmt: skip
 
 
-def _doubled(model: Model) -> Iterable[Fault]:
+def _doubled_weight_warnings(model: Model) -> Iterable[Fault]:
     """Return warnings of weights that are also written as potentials."""
     # All weights come either from `gravity` or from actions: only a mixture can count twice.
     fields = [isinstance(action, Potential) and action.gravity is not None for action in model.actions]
@@ -113,7 +112,7 @@ def _cuts(states: States) -> tuple[tuple[Fault, ...], tuple[WhenEquations, ...]]
     return find_cuts(states, relations)
 
 
-def _constrained(states: States) -> tuple[list[Classified], list[Dropped], tuple[Fault, ...]]:
+def _constraint_rows(states: States) -> tuple[list[Classified], list[Dropped], tuple[Fault, ...]]:
     """Return the rows of the constraints that stay, those that are left out, and warnings."""
     found = classify(states)
     if not found:
@@ -176,7 +175,7 @@ def _refuse_reactions(
         raise Refused(faults)
 
 
-def _shared(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:
+def _shared_reaction_warnings(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:
     """Return warnings of reactions that several rows share in a way that is not unique."""
     if not dropped:
         return ()
@@ -185,7 +184,9 @@ def _shared(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:
     return shared_reactions(states, dropped)
 
 
-def _never_slip(states: States, rows: Sequence[Row], contacts: Sequence[ContactRow]) -> Iterable[Fault]:
+def _immovable_slip_warnings(
+    states: States, rows: Sequence[Row], contacts: Sequence[ContactRow]
+) -> Iterable[Fault]:
     """Return warnings of slips that constraints hold."""
     if not rows or not any(contact.slips for contact in contacts):
         return ()
@@ -194,7 +195,7 @@ def _never_slip(states: States, rows: Sequence[Row], contacts: Sequence[ContactR
     return slips_held(states, rows, contacts)
 
 
-def _active(states: States, rows: Sequence[Row]) -> Iterable[Fault]:
+def _active_load_warnings(states: States, rows: Sequence[Row]) -> Iterable[Fault]:
     """Return warnings of loads that oppose another velocity than the one they act on."""
     if not any(isinstance(action, Force | Torque) and action.mentioned for action in states.model.actions):
         return ()

@@ -61,17 +61,19 @@ def drop_idle(states: States, classified: Sequence[Classified]) -> tuple[list[Cl
     if not idle:
         return list(classified), []
     from lagc.mechanics.identities.sampling_domains import (
-        anywhere,  # what proves is loaded where there is a question
+        all_states,  # what proves is loaded where there is a question
     )
     from lagc.mechanics.identities.zero_test import ZeroTest
 
-    zero_test = ZeroTest(anywhere(states))
+    zero_test = ZeroTest(all_states(states))
     faults = [
-        _motionless(row) for row in idle if _sided([row.residual]) or not zero_test.vanish([row.residual])
+        _motionless(row)
+        for row in idle
+        if _has_branches([row.residual]) or not zero_test.vanish([row.residual])
     ]
     if faults:
         raise Refused(faults)
-    return [x for x in classified if x.row.jacobian], [_dropped(row, ()) for row in idle]
+    return [x for x in classified if x.row.jacobian], [_dropped_row(row, ()) for row in idle]
 
 
 def shared_reactions(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:
@@ -85,12 +87,12 @@ def shared_reactions(states: States, dropped: Sequence[Dropped]) -> tuple[Fault,
         for row in dropped:
             others = row.others if len(row.others) > 1 else ()
             if row.others and not asked.isdisjoint({row.label, *others}):
-                found.append(_shared(name, span, row))
+                found.append(_shared_fault(name, span, row))
                 break
     return tuple(found)
 
 
-def _shared(name: str, span: Span, row: Dropped) -> Fault:
+def _shared_fault(name: str, span: Span, row: Dropped) -> Fault:
     rows = ", ".join([f"`{label}`" for label in (row.label, *row.others)])
     return Fault(
         "LAG0428",
@@ -101,7 +103,7 @@ def _shared(name: str, span: Span, row: Dropped) -> Fault:
     )
 
 
-def _sided(nodes: Iterable[Node]) -> bool:
+def _has_branches(nodes: Iterable[Node]) -> bool:
     """Return whether a root or a choice is below them, whose side only the values at hand decide."""
     return any(node.op in _SIDED for node in reachable(nodes))
 
@@ -131,10 +133,10 @@ def drop_redundant(
         row, others = classified[redundant.row].row, [classified[k].row for k in redundant.others]
         # Holonomic rows stay in any case: a mechanism may leave a singular position, and the run shares
         # forces.
-        if row.holonomic or (not others and _sided(row.jacobian.values())):
+        if row.holonomic or (not others and _has_branches(row.jacobian.values())):
             continue
         if follows(states, row, independent):
-            dropped[redundant.row] = _dropped(row, others)
+            dropped[redundant.row] = _dropped_row(row, others)
     kept = [x for k, x in enumerate(classified) if k not in dropped]
     return kept, list(dropped.values())
 
@@ -145,12 +147,12 @@ def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:
     # chance.
     tried = [table for _, table in tables(states, rows, _STATES)]
     found: list[Redundant] = []
-    for line in _entangled(tried):
+    for line in _coupled_lines(tried):
         reduced = [table.reduce(line) for table in tried]
         depends = [table.depends(line, left) for table, (left, _) in zip(tried, reduced)]
         row = tried[0].rows[line]
         if row is not None and all(depends):
-            found.append(Redundant(row, _others(tried[0], line, reduced[0][1])))
+            found.append(Redundant(row, _rows_in(tried[0], line, reduced[0][1])))
             continue
         for table, settled, (left, factors) in zip(tried, depends, reduced):
             if not settled:
@@ -158,7 +160,7 @@ def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:
     return found
 
 
-def _others(table: Reduced, line: int, factors: Mapping[int, float]) -> tuple[int, ...]:
+def _rows_in(table: Reduced, line: int, factors: Mapping[int, float]) -> tuple[int, ...]:
     """Return the rows that a line is a combination of, without those whose share is round-off."""
     # Weights of rows whose share in the line is more than round-off.
     size = dict(zip(table.rows, table.sizes))
@@ -166,7 +168,7 @@ def _others(table: Reduced, line: int, factors: Mapping[int, float]) -> tuple[in
     return tuple(sorted([k for k, x in made if abs(x) * size[k] > VANISHES * table.sizes[line]]))
 
 
-def _entangled(tried: Sequence[Reduced]) -> list[int]:
+def _coupled_lines(tried: Sequence[Reduced]) -> list[int]:
     """Return the lines that may depend on each other."""
     if not tried:
         return []
@@ -196,7 +198,7 @@ def entangled(rows: Sequence[Mapping[int, bool]]) -> list[int]:
     return sorted(left)
 
 
-def _dropped(row: Row, others: Sequence[Row]) -> Dropped:
+def _dropped_row(row: Row, others: Sequence[Row]) -> Dropped:
     why = f"it follows from {_labels(others)}" if others else "it holds whatever the motion"
     return Dropped(row.label, tuple([y.label for y in others]), f"row `{row.label}` is left out: {why}")
 

@@ -33,7 +33,7 @@ Names: TypeAlias = dict[Node | str, Name]
 def names(equations: EquationsOfMotion) -> Names:
     """How each symbol is shown, `field.g` as `g` where no other name ends so, and each table."""
     model = equations.model
-    given = [*(p.symbol for p in model.parameters), *model.given]
+    given = [*(p.symbol for p in model.parameters), *model.undetermined]
     plain = [*given, *(x for x in equations.q if not x.record.component)]
     short = _shortener([x.record.name for x in (*plain, *equations.v) if x.record.order == 0])
     found: Names = {}
@@ -104,7 +104,11 @@ def _free(taken: set[str], *words: str) -> str:
 def pi_of(equations: EquationsOfMotion) -> Node | None:
     """The symbol of pi; None where the model calls something else so."""
     model = equations.model
-    names = [*(p.name for p in model.parameters), *(x.record.name for x in model.given), *equations.q_names]
+    names = [
+        *(p.name for p in model.parameters),
+        *(x.record.name for x in model.undetermined),
+        *equations.q_names,
+    ]
     taken = any(name.rpartition(".")[2] == "pi" for name in (*names, *equations.v_names))
     return None if taken else equations.graph.symbol("number", "pi")
 

@@ -161,18 +161,15 @@ class Context:
         self.taken: set[str] = set()
         # Effects, and names that `unless` mentions.
         self.effects: dict[str, tree.Effect] = {}  # by full name
-        self.mentioned: list[
-            tuple[tree.Name, str]
-        ] = []  # effects named by `unless`, with the instance's path
+        self.mentioned: list[tuple[tree.Name, str]] = []  # with the paths of instances
         # Gathered by declarations as they are evaluated, for those that come later.
         self.mentioned_velocities: list[tuple[Vector, Span]] = []  # since the last reset
         self.impulses: dict[str, Any] = {}  # the `Discrete` of each contact whose impulse is asked for
         self.actuators: dict[str, str] = {}  # loads that hold a constraint, and that
         self.has_joints = False
         self.linkage: Any = None  # the `Linkage` of the joints, once it is asked for
-        self.poses: dict[
-            str, Callable[[Vector], Vector]
-        ] = {}  # bodies that joints place: drawn point -> place
+        # Bodies that joints place: from a drawn point to its place.
+        self.poses: dict[str, Callable[[Vector], Vector]] = {}
         self.conditions: list[tuple[tree.Condition, Environment]] = []
         self.whens: list[tuple[tree.When, Environment, str | None]] = []
         self.curves: dict[str, Table] = {}  # by name

@@ -145,7 +145,7 @@ class Builder:
         entry = Entry(kind, name, d, source, destination.environment, destination.effect)
         first = self.instance.entries.get(name)
         if first is not None:
-            raise self._twice(name, entry.span, first.span)
+            raise self._declared_twice(name, entry.span, first.span)
         # The list of modifiers is shared: models that extend this one add to it.
         entry.modifiers = self.modifiers.setdefault(name, [])  # filled later by models that extend this one
         self.used.add(name)
@@ -153,7 +153,7 @@ class Builder:
         destination.items.append(entry)
         return entry
 
-    def _twice(self, name: str, span: Span, first: Span) -> Wrong:
+    def _declared_twice(self, name: str, span: Span, first: Span) -> Wrong:
         return Wrong("LAG0202", f"`{name}` is declared twice", span, related=((first, "first here"),))
 
     def _construct(self, d: tree.Construct | tree.Load | tree.Constraint, destination: Destination) -> None:
@@ -171,13 +171,13 @@ class Builder:
             container.elements = {}
             container.state, container.value = "done", Indexed(container)
         if container.elements is None or container.kind != kind:
-            raise self._twice(d.name, d.name_span, container.span)
+            raise self._declared_twice(d.name, d.name_span, container.span)
         self._defer(d, destination)
 
     def _effect(self, d: tree.Effect, destination: Destination) -> None:
         path = self.instance.path + d.name
         if path in self.context.effects:
-            raise self._twice(d.name, d.name_span, self.context.effects[path].name_span)
+            raise self._declared_twice(d.name, d.name_span, self.context.effects[path].name_span)
         self.context.effects[path] = d
         self.instance.effects[d.name] = d
         for declaration in d.body:
@@ -213,7 +213,7 @@ class Builder:
             for declarator in d.declarators:
                 known = self.instance.entries.get(declarator.name)
                 if known is not None:
-                    raise self._twice(declarator.name, declarator.name_span, known.span)
+                    raise self._declared_twice(declarator.name, declarator.name_span, known.span)
                 self._enter("instance", declarator.name, d, declarator, replace(destination, items=[]))
         self.deferred.append((d, replace(destination, items=place)))
 
@@ -265,7 +265,7 @@ class Builder:
         entry.subscript = numbers
         first = container.elements.get(numbers)
         if first is not None:
-            raise self._twice(entry.path, d.name_span, first.span)
+            raise self._declared_twice(entry.path, d.name_span, first.span)
         container.elements[numbers] = entry
         destination.items.append(entry)
         if entry.kind == "joint":

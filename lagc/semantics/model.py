@@ -488,7 +488,7 @@ class Model:
         return f"<{type(self).__name__} {self.name}, scene {self.scene}>"
 
     @property
-    def given(self) -> list[Node]:
+    def undetermined(self) -> list[Node]:
         """Return the symbols of inputs and discrete variables: no equation of motion determines them."""
         return [*(x.symbol for x in self.inputs), *(x.symbol for x in self.discretes)]
 

@@ -22,8 +22,6 @@ from lagc.semantics.declarations.actions import (
     declare_point,
     declare_potential,
 )
-from lagc.semantics.declarations.bodies import declare_body, declare_gravity
-from lagc.semantics.declarations.events import ending_clause, refuse_in_constraints, when_clause
 from lagc.semantics.declarations.quantities import declare_quantity
 from lagc.semantics.instantiate import Builder
 from lagc.semantics.names.namespace import Importer, Namespace
@@ -113,6 +111,8 @@ def _resolve(
         read_command(context, parameters, starts)
         read_inputs(context, inputs or {}, environment)
         if until is not None:
+            from lagc.semantics.declarations.events import ending_clause
+
             context.whens.append((ending_clause(context, until), environment, None))
         # All names are entered before a value is asked for, so that declarations may come in any order.
         Builder(context, instance, {}).build(declaration, where)
@@ -127,10 +127,7 @@ def _resolve(
     declared = [*_evaluate(context, instance), *_probes(context, probes, environment)]
     conditions = _conditions(context)
     whens = _whens(context)
-    if _of(declared, objects.Discrete) or context.impulses:
-        refuse_in_constraints(
-            context, _of(declared, objects.Constraint), conditions, _of(declared, objects.Speed)
-        )
+    _refuse_jumps(context, declared, conditions)
     look_at_uncalled(context, instance.in_order())
     _check_given(context, instance)
     if not context.faults and not any(isinstance(x, _COORDINATES) for x in declared):
@@ -197,6 +194,10 @@ def _conditions(context: Context) -> list[objects.InitialCondition]:
 
 def _whens(context: Context) -> list[objects.When]:
     """Return the event clauses in order; clauses whose condition is constant are left out."""
+    if not context.whens:
+        return []
+    from lagc.semantics.declarations.events import when_clause  # where there are some
+
     found: list[objects.When] = []
 
     def add_clause(written: tree.When, environment: Environment, effect: str | None) -> None:
@@ -207,6 +208,17 @@ def _whens(context: Context) -> list[objects.When]:
     for given in context.whens:
         context.attempt(add_clause, *given)
     return found
+
+
+def _refuse_jumps(
+    context: Context, declared: Sequence[objects.ModelObject], conditions: Sequence[objects.InitialCondition]
+) -> None:
+    """Report what depends on a discrete variable, and may not jump."""
+    if _of(declared, objects.Discrete) or context.impulses:
+        from lagc.semantics.declarations.events import refuse_in_constraints  # where there are some
+
+        constraints, speeds = _of(declared, objects.Constraint), _of(declared, objects.Speed)
+        refuse_in_constraints(context, constraints, conditions, speeds)
 
 
 def _check_given(context: Context, instance: Instance) -> None:
@@ -333,6 +345,12 @@ def _without_kind(context: Context, entry: Entry) -> Value:
     return refuse_without_kind(context, entry)
 
 
+def _body(context: Context, entry: Entry) -> Value:
+    from lagc.semantics.declarations.bodies import declare_body, declare_gravity  # where there are some
+
+    return declare_body(context, entry) if entry.kind == "body" else declare_gravity(context, entry)
+
+
 def _joint(context: Context, entry: Entry) -> Value:
     from lagc.semantics.declarations.joints import declare_joint  # where there are some
 
@@ -359,7 +377,7 @@ DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
     **dict.fromkeys(("constant", "parameter", "structural", "input", "output"), declare_quantity),
     **dict.fromkeys(("coordinate", "speed", "discrete"), declare_quantity),
     "function": lambda context, entry: Reference(entry), "instance": _instance, "quantity": _without_kind,
-    "frame": declare_frame, "point": declare_point, "body": declare_body, "gravity": declare_gravity,
+    "frame": declare_frame, "point": declare_point, "body": _body, "gravity": _body,
     "potential": declare_potential, "kinetic": declare_free_term, "lagrangian": declare_free_term,
     "dissipation": declare_dissipation, "force": declare_load, "torque": declare_load,
     "constraint": _constraint, "joint": _joint, "placeholder": declare_placeholder, "draw": _figure,

@@ -14,7 +14,6 @@ from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context, Given, Points
 from lagc.semantics.names.namespace import Importer, Namespace
 from lagc.semantics.names.scope import DEEPEST, Environment, Instance, Uses, keys, without_subscripts
-from lagc.semantics.requests import Settings
 from lagc.semantics.values.evaluate import integer
 from lagc.symbolic.leaves import derived, underived
 from lagc.syntax import tree
@@ -157,8 +156,12 @@ def read_values(context: Context, setting: Setting, environment: Environment) ->
 
 def read_rest(context: Context, setting: Setting, environment: Environment) -> dict[str, float]:
     """Record the other values of the scene, and return the settings of its `simulate`."""
+    if setting.scene is None:
+        return {}
+    from lagc.semantics.requests import Settings  # loaded where there is a scene
+
     settings = Settings(context, environment)
-    for d in setting.scene.body if setting.scene else ():
+    for d in setting.scene.body:
         if isinstance(d, tree.Quantities):
             for declarator in d.declarators:
                 if not _is_plain(declarator):

@@ -269,7 +269,7 @@ class QuantityType:
     dimension: Dimension
 
     @property
-    def said(self) -> str:
+    def in_words(self) -> str:
         """Return the type in words: `Torque [N.m]`, `a number`."""
         known = TYPES.get(self.name)
         if known is None or known.dimension == NONE or known.dimension != self.dimension:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from math import isfinite, tau
+from math import inf, isfinite, tau
 from operator import index
 from typing import Any, SupportsFloat
 
@@ -26,13 +26,13 @@ class Request:
     """End time, accuracy and recorded grid of a run.  Times are in s; None means the scene's value, or else a
     default.
 
-    `accuracy` is the global relative error. With `rtol`, `atol` or `step`, or a `method` alone, the run
-    is controlled by hand instead. `every` or `points` give the recorded grid, and do not change the
-    steps. No step is longer than `max_step`; with an `accuracy`, the longest step also decreases with the
-    tolerance. `starts` replaces initial values of coordinates and speeds by name, in SI units; `guesses`
-    say where to search for values that are not stated. `scales` are those of quantities by name, in SI
-    units: the accuracy is relative to them. `sensitivity` names the parameters and initial values by
-    which the motion is differentiated."""
+    `accuracy` is the global relative error. With `rtol`, `atol` or `step`, or a `method` alone, the run is
+    controlled by hand instead. `every` or `points` give the recorded grid, or `times` are recorded besides 0;
+    these do not change the steps. No step is longer than `max_step`; with an `accuracy`, the longest step
+    also decreases with the tolerance. `starts` replaces initial values of coordinates and speeds by name, in
+    SI units; `guesses` say where to search for values that are not stated. `scales` are those of quantities
+    by name, in SI units: the accuracy is relative to them. `sensitivity` names the parameters and initial
+    values by which the motion is differentiated."""
 
     stop: float | None = None
     accuracy: float | None = None
@@ -47,6 +47,7 @@ class Request:
     guesses: Mapping[str, float] = field(default_factory=dict)
     scales: Mapping[str, float] = field(default_factory=dict)
     sensitivity: tuple[str, ...] = ()
+    times: tuple[float, ...] = ()
 
     @property
     def by_hand(self) -> bool:
@@ -59,7 +60,8 @@ class Request:
         values: dict[str, Any] = dict(self.__dict__)
         for name in RUN_OPTIONS:
             values[name] = _plain(name, values[name])
-        skipped = {"every", "points"} if self.every is not None or self.points is not None else set()
+        gridded = self.every is not None or self.points is not None or self.times
+        skipped = {"every", "points"} if gridded else set()
         if self.by_hand:
             skipped |= {"accuracy"}
         if self.accuracy is not None or self.step is not None:
@@ -72,7 +74,9 @@ class Request:
             said = option.of_scene
             if values[name] is None and said in scene and name not in skipped:
                 values[name] = int(scene[said]) if option.whole else scene[said]
-        if values["stop"] is None:
+        if self.times:
+            values["stop"] = max(self.times)
+        elif values["stop"] is None:
             values["stop"] = STOP
         done = Request(**values)
         if done.accuracy is None and not done.by_hand:
@@ -118,6 +122,8 @@ class Request:
             faults.append(_request("a fixed `step` has no tolerance: leave out `rtol` and `atol`"))
         if self.step is not None and self.max_step is not None:
             faults.append(_request("a fixed `step` excludes `max_step`: leave one out"))
+        if not all(0.0 <= t < inf for t in self.times):
+            faults.append(_request("recorded times must be finite and not negative"))
         if self.every is not None and self.points is not None:
             faults.append(_request("`every` and `points` both give the grid: leave one out"))
         if self.every and self.stop and not faults and self.stop / self.every > MOST_POINTS:
@@ -130,6 +136,8 @@ class Request:
     def size(self) -> int:
         """The number of recorded points."""
         stop = self.stop or 0.0
+        if self.times:
+            return len(self.times) + 1
         if stop == 0.0:
             return 1
         if self.every is not None:
@@ -138,6 +146,8 @@ class Request:
 
     def grid(self) -> list[float]:
         """The recorded times, from 0 to `stop` inclusive."""
+        if self.times:
+            return sorted({0.0, *self.times})
         stop, n = self.stop or 0.0, self.size() - 1
         if self.every is not None:
             return [*(k * self.every for k in range(n)), stop]

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from numpy import float64
     from numpy.typing import NDArray
 
+    from lagc.lowering.program import Interface
     from lagc.simulation.sensitivity.sensitivities import Sensitivities
 
     Array: TypeAlias = NDArray[float64]
@@ -69,6 +70,26 @@ class Event:
         if self.kind == "impact":
             found.update(impulse=self.impulse, loss=self.loss)
         return found
+
+
+def units_of(interface: Interface) -> dict[str, str]:
+    """Return the SI units of states, rates, discrete variables and outputs by name; "" for numbers."""
+    found = dict(zip(interface.state_names, interface.state_units))
+    for name, unit in zip(interface.q_names, interface.q_units):
+        found.setdefault(derived(name), f"{unit}/s" if unit else "1/s")
+    found.update({x.name: x.unit for x in (*interface.discretes, *interface.outputs)})
+    return found
+
+
+def quaternion_rates(interface: Interface) -> set[str]:
+    """Return the rates that are no columns: those of quaternions, because the body rates are there."""
+    return {derived(interface.q_names[k + i]) for k in interface.quaternions for i in range(4)}
+
+
+def columns_of(interface: Interface) -> tuple[str, ...]:
+    """Return the names that are saved and printed: states, rates of coordinates, outputs."""
+    parts = quaternion_rates(interface)
+    return tuple([name for name in units_of(interface) if name not in parts])
 
 
 @dataclass
@@ -133,11 +154,7 @@ class Solution:
     @property
     def units(self) -> dict[str, str]:
         """The SI unit of every name; "" for numbers."""
-        interface = self.system.interface
-        found = dict(zip(self.state_names, interface.state_units))
-        for name, unit in zip(interface.q_names, interface.q_units):
-            found.setdefault(derived(name), f"{unit}/s" if unit else "1/s")
-        found.update({x.name: x.unit for x in (*interface.discretes, *interface.outputs)})
+        found = units_of(self.system.interface)
         found.update({name: unit for name, (unit, _) in self.expressions.items()})
         if self.sensitivities is not None:
             found.update(self.sensitivities.units(found))
@@ -150,10 +167,8 @@ class Solution:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """The names that are saved and printed: states, rates of coordinates, outputs, sensitivities. Rates
-        of quaternions are left out, because the body rates are there."""
-        interface = self.system.interface
-        parts = {derived(interface.q_names[k + i]) for k in interface.quaternions for i in range(4)}
+        """The names that are saved and printed: states, rates of coordinates, outputs, sensitivities."""
+        parts = quaternion_rates(self.system.interface)
         if self.sensitivities is not None:
             parts.update(self.sensitivities.named(parts))
         return tuple([n for n in self.units if n not in parts])

@@ -330,14 +330,14 @@ def by_sums(
     graph: Graph, nodes: Sequence[Node], places: Mapping[Node, int], size: int, few: int = 0
 ) -> Slopes | None:
     """Return the derivatives by shared sums, or None if that does not save many."""
-    shared = _shared(nodes, places, few)
-    found = _through(graph, nodes, places, size, shared) if shared else None
+    shared = _shared_sums(nodes, places, few)
+    found = _through_sums(graph, nodes, places, size, shared) if shared else None
     if found is None or sum(map(len, found.columns)) <= _WORTH * len(found.nodes):
         return None  # some derivatives are 0
     return found
 
 
-def _shared(nodes: Sequence[Node], leaves: Mapping[Node, int], few: int) -> list[Node]:
+def _shared_sums(nodes: Sequence[Node], leaves: Mapping[Node, int], few: int) -> list[Node]:
     """Return the sums that are used more than once, if they save many derivatives."""
     order = reachable(nodes)
     users = Counter([*nodes, *(a for node in order for a in set(node.args))])
@@ -364,7 +364,7 @@ def _shared(nodes: Sequence[Node], leaves: Mapping[Node, int], few: int) -> list
     return list(sums) if plain > max(_WORTH * fewer, few) else []
 
 
-def _through(
+def _through_sums(
     graph: Graph, nodes: Sequence[Node], places: Mapping[Node, int], size: int, shared: Sequence[Node]
 ) -> Slopes:
     """Return the derivatives with respect to leaves and the sums in `shared`; a symbol stands for each

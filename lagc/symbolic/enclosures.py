@@ -168,13 +168,13 @@ class _Enclosure:
             return graph.unary(op, self._within(x[0][1])), graph.unary(op, self._within(x[0][0]))
         # Arguments outside of the domain are those of a box that is wider than the motion: they are clipped.
         if OPERATORS[op].rising:
-            ends = [graph.rebuild(node, tuple([self._allowed(op, e[k]) for e in x])) for k in (0, 1)]
+            ends = [graph.rebuild(node, tuple([self._clipped(op, e[k]) for e in x])) for k in (0, 1)]
             return ends[0], ends[1]
         low, high = OPERATORS[op].within
         known = math.isfinite(low) and math.isfinite(high)
         return (graph.const(low), graph.const(high)) if known else self.unknown
 
-    def _allowed(self, op: str, end: Node) -> Node:
+    def _clipped(self, op: str, end: Node) -> Node:
         """Return a bound clipped to the domain of the function."""
         if op == "sqrt" or op == "log":
             return self.graph.binary("max", end, self.graph.const(0.0 if op == "sqrt" else 1.0 / UNKNOWN))
@@ -276,7 +276,7 @@ class _Enclosure:
         """Return the range of a power; a negative base has values if the exponent is an integer, which a
         parameter may be."""
         graph, n = self.graph, exponent[0]
-        low, high = [graph.unary("log", self._allowed("log", end)) for end in base]
+        low, high = [graph.unary("log", self._clipped("log", end)) for end in base]
         ends = [graph.unary("exp", self._growing(end)) for end in self._times((low, high), exponent)]
         least, most = self.unknown
         if n.is_const and n.value > 0.0 and n.value != int(n.value):

@@ -154,7 +154,7 @@ class Point:
         # and then a value that is not zero refutes nothing.
         x = self._known[node.args[0]]
         if op in ("sin", "cos", "tan"):
-            c, s = self._turned(node.args[0])
+            c, s = self._circle_of(node.args[0])
             return s if op == "sin" else c if op == "cos" else s * power(c, -1) % P
         if op in ("exp", "sinh", "cosh", "tanh"):
             return self._exponential(op, self._form(node.args[0]))
@@ -165,11 +165,11 @@ class Point:
         if op == "floor":
             return self._floor(x, self._form(node.args[0]))
         if op in LOOKED_UP:
-            return self._any(op, node.value, x)
+            return self._random_value(op, node.value, x)
         self.exact = False
-        return self._any(op, *(self._known[a] for a in node.args))
+        return self._random_value(op, *(self._known[a] for a in node.args))
 
-    def _any(self, *key: object) -> int:
+    def _random_value(self, *key: object) -> int:
         """Return a random value, the same for the same `key`."""
         if key not in self._drawn:
             self._drawn[key] = self.draw()
@@ -179,25 +179,25 @@ class Point:
 
     def _number(self, value: float) -> int:
         if value not in self._numbers:
-            self._numbers[value] = self._meant(value)
+            self._numbers[value] = self._exact_number(value)
         return self._numbers[value]
 
-    def _meant(self, value: float) -> int:
+    def _exact_number(self, value: float) -> int:
         # Floats are taken for the numbers that they stand for: multiples of pi, decimals as written,
         # fractions. Another float is a number without known relations.
         if not math.isfinite(value):
             self.exact = False
-            return self._any("not finite", repr(value))
+            return self._random_value("not finite", repr(value))
         turns = turns_of(value)
         if turns:
-            return residue(turns) * self._any("pi") % P
+            return residue(turns) * self._random_value("pi") % P
         meant = fraction(value, self._digits)
         if meant is None:
             self.exact = False
-            return self._rounded(value)
+            return self._rounded_number(value)
         return residue(meant)
 
-    def _rounded(self, value: float) -> int:
+    def _rounded_number(self, value: float) -> int:
         """Return the value of a rounded decimal number. It is random, except for multiples, products and
         quotients of earlier ones, and cosines of numbers that are sines."""
         # Earlier decimals, their inverses and products of two: a quotient of small fractions to round-off
@@ -220,7 +220,7 @@ class Point:
 
     def _circle(self, key: object) -> Circle:
         # The rational parametrization of the circle: ((1 - u^2) / (1 + u^2), 2 u / (1 + u^2)).
-        u = self._any("circle", key)
+        u = self._random_value("circle", key)
         whole = power(1 + u * u, -1)
         return (1 - u * u) * whole % P, 2 * u * whole % P
 
@@ -260,7 +260,7 @@ class Point:
                 return {term: number * c for term, c in self._forms[node.args[0]].items()}
             if turns:
                 node = node.args[0]
-                return self._term(self._known[node] * self._any("pi") % P, turns)
+                return self._term(self._known[node] * self._random_value("pi") % P, turns)
         return self._term(self._known[node], Fraction(1))
 
     @staticmethod
@@ -281,7 +281,7 @@ class Point:
             else:
                 yield ("whole", term, abs(c)), 1 if c > 0 else -1
 
-    def _turned(self, angle: Node) -> Circle:
+    def _circle_of(self, angle: Node) -> Circle:
         """Return cosine and sine of an angle."""
         if angle in self._circles:
             # Quarter turns are exact; other terms turn by multiples of their own circle, term after term.
@@ -292,7 +292,7 @@ class Point:
             quarters = int(2 * rest.pop("pi"))
         turned = [(1, 0), (0, 1), (P - 1, 0), (0, P - 1)][quarters % 4]
         for base, n in self._multiples(rest):
-            turned = _around(turned, _multiple(self._circle(base), n))
+            turned = _sum_of_angles(turned, _multiple(self._circle(base), n))
         self._circles[angle] = turned
         return turned
 
@@ -300,7 +300,7 @@ class Point:
         # e^(sum n_i x_i) = product of e_i^n_i; sinh and cosh by halves of sum and difference.
         grown = 1
         for base, n in self._multiples(form):
-            grown = grown * power(self._any("exp", base), n) % P
+            grown = grown * power(self._random_value("exp", base), n) % P
         if op == "exp":
             return grown
         shrunk = power(grown, -1)
@@ -312,13 +312,13 @@ class Point:
     def _root(self, x: int) -> int:
         if not self._roots:
             self.exact = False
-            return self._any("sqrt", x)
+            return self._random_value("sqrt", x)
         self.rooted = True
         # P is 3 modulo 4, so x^((P+1)/4) is a root of x if there is one. Its sign is drawn, once for each x.
         root = pow(x, (P + 1) // 4, P)
         if root * root % P != x:
             raise Undefined
-        return root if self._any("sign", x) % 2 else -root % P
+        return root if self._random_value("sign", x) % 2 else -root % P
 
     def _floor(self, x: int, form: Linear) -> int:
         """Apply floor(n + u) = n + floor(u) for integers n and floor(-u) = -1 - floor(u), the only relations
@@ -334,7 +334,7 @@ class Point:
 
     def _stairs(self, rest: int, number: Fraction) -> int:
         whole = math.floor(number)
-        return whole + self._any("floor", rest, number - whole)
+        return whole + self._random_value("floor", rest, number - whole)
 
     def _pow(self, x: int, exponent: Node) -> int:
         """Return x^(n + rest) = x^n x^rest for the integer part n of the number in the exponent."""
@@ -347,10 +347,10 @@ class Point:
             return power(x, whole) * self._root(x) % P
         self.exact = False
         rest = sorted((str(term), c) for term, c in form.items())
-        return power(x, whole) * self._any("pow", x, number - whole, *rest) % P
+        return power(x, whole) * self._random_value("pow", x, number - whole, *rest) % P
 
 
-def _around(a: Circle, b: Circle) -> Circle:
+def _sum_of_angles(a: Circle, b: Circle) -> Circle:
     return (a[0] * b[0] - a[1] * b[1]) % P, (a[0] * b[1] + a[1] * b[0]) % P
 
 
@@ -361,8 +361,8 @@ def _multiple(angle: Circle, n: int) -> Circle:
     total = (1, 0)
     while n:
         if n & 1:
-            total = _around(total, angle)
-        angle = _around(angle, angle)
+            total = _sum_of_angles(total, angle)
+        angle = _sum_of_angles(angle, angle)
         n >>= 1
     return total
 

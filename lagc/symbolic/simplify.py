@@ -43,13 +43,13 @@ def without_turns(square: Node) -> Node:
         angles = _angles(square, work)
         if not 0 < len(angles) <= TURNS:
             return square
-        terms, left = _expanded(square, work), -1
+        terms, left = _expand(square, work), -1
         # One angle after the other: if neither sine nor cosine of it remains, the shorter form is kept.
         # Others may drop out then, so the loop begins again.
         while left != len(angles):  # the outermost rotation drops out first
             left, others = len(angles), []
             for sine, cosine in angles:
-                turned = _left(_in_sines(terms, sine, cosine, work))
+                turned = _without_cancelled(_in_sines(terms, sine, cosine, work))
                 if any(base is sine or base is cosine for term in turned for base, _ in term):
                     others.append((sine, cosine))
                 else:
@@ -81,7 +81,7 @@ def _angles(square: Node, work: _Work) -> list[tuple[Node, Node]]:
     return [(sines[u], cosines[u]) for u in shared]
 
 
-def _expanded(node: Node, work: _Work) -> Terms:
+def _expand(node: Node, work: _Work) -> Terms:
     terms: Terms = {}
     # Without recursion except for sums inside products. Terms are monomials with the coefficient and the sum
     # of magnitudes, which tells cancellation from smallness.
@@ -102,7 +102,7 @@ def _expanded(node: Node, work: _Work) -> Terms:
                 times = 1
                 if base.op == "add" and exponent > 0:
                     work.spend(NESTED)
-                    factor, times = _expanded(base, work), exponent
+                    factor, times = _expand(base, work), exponent
                 for _ in range(times):
                     product = _product(product, factor, work)
             for term, (value, size) in product.items():
@@ -146,7 +146,7 @@ def _collect(terms: Terms, term: Monomial, c: float, size: float) -> None:
     terms[term] = before + c, others + size
 
 
-def _left(terms: Terms) -> Terms:
+def _without_cancelled(terms: Terms) -> Terms:
     """Return the terms that do not cancel up to round-off."""
     return {term: (c, size) for term, (c, size) in terms.items() if abs(c) > ROUNDING * size}
 

@@ -7,7 +7,6 @@ from math import frexp
 from typing import TypeAlias, TypeVar
 
 from lagc.symbolic.graph import Node
-from lagc.symbolic.simplify import without_turns
 
 Vector: TypeAlias = tuple[Node, Node, Node]
 Matrix: TypeAlias = tuple[Vector, Vector, Vector]
@@ -40,6 +39,8 @@ def cross(a: tuple[T, T, T], b: tuple[T, T, T]) -> tuple[T, T, T]:
 
 def norm(a: Sequence[Node]) -> Node:
     """Return the length; angles by which the vector is rotated as a whole drop out."""
+    from lagc.symbolic.simplify import without_turns  # loaded where there is a length
+
     square = without_turns(dot(a, a))
     return square.graph.sqrt(square)
 

@@ -37,7 +37,7 @@ class Recovery:
         token = machine.tokens[machine.position]
         if self._end_unfinished():
             return True
-        self._settle()
+        self._end_reductions()
         bottom, begin = self._declaration(machine.position)
         if token.kind == END and begin == machine.position:
             if not machine.blocks:
@@ -95,7 +95,7 @@ class Recovery:
         machine.tokens.insert(machine.position, Token(SYMBOL, ";", at, at))
         return True
 
-    def _settle(self) -> None:
+    def _end_reductions(self) -> None:
         """Undo the reductions that the unexpected token caused, and finish a declaration that a `;` ended."""
         machine = self.machine
         if machine.reduced and machine.tokens[machine.position - 1].text != ";":

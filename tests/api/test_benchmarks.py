@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.benchmarks.problems import PROBLEMS, Problem, solve
 from tests.simulation.programs import needs_compiler
+from tools.benchmarks.problems import PROBLEMS, Problem, solve
 
 ROOT = Path(__file__).parents[2]
 
@@ -46,7 +46,7 @@ def test_the_equations_written_by_hand_are_those_of_the_model(problem: Problem) 
 @pytest.mark.full
 def test_a_quick_run_without_other_tools(tmp_path: Path) -> None:
     words = ["--quick", "--tools", "none", "--json", str(tmp_path / "r.json")]
-    command = [sys.executable, "-m", "tests.benchmarks", *words]
+    command = [sys.executable, "-m", "tools.benchmarks", *words]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
     found = json.loads((tmp_path / "r.json").read_text())

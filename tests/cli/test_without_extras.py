@@ -20,7 +20,8 @@ import os, sys
 
 class Hidden:
     def find_spec(self, name, path=None, target=None):
-        if name.partition(".")[0] in {"matplotlib", "pandas", "pyarrow", "sympy", os.environ.get("HIDDEN")}:
+        extras = {"matplotlib", "pandas", "pyarrow", "sympy", "scipy", "xarray", "distributed"}
+        if name.partition(".")[0] in {*extras, os.environ.get("HIDDEN")}:
             raise ModuleNotFoundError(f"No module named {name!r}", name=name)
 
 sys.meta_path.insert(0, Hidden())
@@ -110,7 +111,9 @@ def test_a_picture_is_refused_before_the_study(folder: Path, study: str) -> None
     "words",
     [
         ("sim", "--plot", "p.png"), ("linearize", "--plot", "p.png"), ("compare", "--plot", "p.png"),
-        ("sim", "-o", "p.parquet"),
+        ("sim", "-o", "p.parquet"), ("sweep", "-o", "p.parquet"), ("sweep", "-o", "p.nc"),
+        ("fit", "data.csv"),
+        ("sweep", "z=1,2", "-o", "p.csv", "--dask", "tcp://head:8786"),
     ],
 )  # fmt: skip
 def test_a_package_is_asked_for_before_the_run(folder: Path, words: tuple[str, ...]) -> None:
@@ -118,7 +121,23 @@ def test_a_package_is_asked_for_before_the_run(folder: Path, words: tuple[str, .
     assert done.returncode == 2 and "pip install" in done.stderr and not done.stdout
 
 
-def test_a_command_says_that_numpy_is_missing(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("HIDDEN", "numpy")
-    done = lagc(folder, "linearize", "drop.lag")
-    assert done.returncode == 2 and "pip install numpy" in done.stderr and not done.stdout
+@pytest.mark.parametrize(
+    ("package", "words", "install"),
+    [
+        ("numpy", ("linearize", "drop.lag"), "pip install numpy"),
+        ("pygls", ("lsp",), 'pip install "lagc[lsp]"'),
+    ],
+)
+def test_a_command_says_what_is_missing(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, package: str, words: tuple[str, ...], install: str
+) -> None:
+    monkeypatch.setenv("HIDDEN", package)
+    done = lagc(folder, *words)
+    assert done.returncode == 2 and install in done.stderr and not done.stdout
+
+
+def test_a_sweep_needs_no_package(folder: Path) -> None:
+    words = ("start(z)=1,2", "--rtol", "1e-6", "--backend", "numpy", "-o", "out.csv")
+    done = lagc(folder, "sweep", "drop.lag", *words)
+    assert done.returncode == 0, done.stderr
+    assert len((folder / "out.csv").read_text(encoding="utf-8").splitlines()) == 3

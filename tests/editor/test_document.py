@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import random
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
-from lagc.diagnostics.faults import Fault, Refused
+from lagc.compiler.checking import check
+from lagc.compiler.stages import Choice
+from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.editor import document as documents
 from lagc.editor.document import Document, errors_of
 from lagc.editor.fixes import fix
 from tests.editor.texts import LIBRARY, PENDULUM, ROOT, damaged, mistyped, text_of
+from tests.rejected.test_rejected import CASES, unmarked, whole
 
 ROOTS = (str(ROOT / "models"),)
 
@@ -73,6 +78,8 @@ def test_hover_knows_the_names_of_a_text_with_faults() -> None:
         ("initial\n ", "theta der", "kg"),
         ("output Real z = if theta > 1 ", "then", "bob"),
         ("end ", "Pendulum", "bob"),
+        ("for i in 1:3 loop\n output Real q[i] = ", "i l theta sin", "kg"),
+        ("for i in 1:3 loop for j in 1:2 loop\n output Real q[i, j] = ", "i j l theta", "kg"),
         ("// l", "", "l m parameter"),
         ('parameter Mass k "of t', "", "theta"),
         ("/* ", "", "theta"),
@@ -99,7 +106,7 @@ def test_names_of_other_files_are_found(tmp_path: Path) -> None:
     document = Document(str(tmp_path / "a.lag"), text, (str(tmp_path),))
     use = document.names.at(text.index("far"))
     assert use is not None and use.target.place.source.name.endswith("lib.lag") and use.target.place.line == 2
-    assert "far away" in document._about(use.target)
+    assert "far away" in document.about(use.target)
 
 
 def rename(text: str, place: str, name: str) -> str:
@@ -130,6 +137,35 @@ def test_models_keep_their_meaning_when_names_change(path: Path, monkeypatch: py
         use = document.names.at(declared.place.start)
         assert use is not None
         assert document.renamed(use, "zz9")
+
+
+BARE = """
+import sys
+sys.modules.update(dict.fromkeys(("numpy", "pygls", "lsprotocol", "pygments")))  # cannot be imported
+from lagc.editor.document import Document
+from lagc.editor.fixes import fix
+from tests.editor.texts import PENDULUM
+document = Document("a.lag", PENDULUM.replace("sin(theta)", "sin(thet)"))
+assert fix(document, document.faults[0], lambda text: text.faults)
+assert document.hover(PENDULUM.index("l*{")) and document.completions(PENDULUM.index("l*{"))
+"""
+
+
+@pytest.mark.full
+def test_the_answers_need_no_package() -> None:
+    done = subprocess.run([sys.executable, "-c", BARE], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.sample(5, 60)
+@pytest.mark.parametrize("text", [text for _, _, text in CASES], ids=[about for about, _, _ in CASES])
+def test_faults_are_those_of_the_compiler(text: str) -> None:
+    plain, _, _ = unmarked(whole(text))
+    source = Source("model.lag", plain)
+    quick = ("LAG01", "LAG02", "LAG03")
+    wanted = [f for f in errors_of(check(source, Choice())) if f.code.startswith(quick)]
+    found = errors_of(Document("model.lag", plain).faults)
+    assert [(f.code, f.message, f.edits) for f in found] == [(f.code, f.message, f.edits) for f in wanted]
 
 
 # -- fixes -------------------------------------------------------------------------------------

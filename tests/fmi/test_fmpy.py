@@ -184,7 +184,7 @@ def test_start_values(tmp_path: Path) -> None:
         assert found["y"][0] == begins
 
 
-@pytest.mark.sample(0, 8)
+@pytest.mark.sample(0, 4)
 @pytest.mark.parametrize("model", MODELS)
 def test_library(model: str, tmp_path: Path) -> None:
     """FMPy finds no fault and simulates both kinds: Co-Simulation by lagc, Model Exchange by CVODE."""

@@ -31,7 +31,7 @@ RUNS = [
 ]
 
 
-@pytest.mark.sample(0)
+@pytest.mark.sample(0, 6)
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
 @pytest.mark.parametrize(("model", "stop", "step"), RUNS, ids=[run[0] for run in RUNS])
 def test_roots_are_passed_in_any_way(model: str, stop: float, step: float, tmp_path: Path) -> None:

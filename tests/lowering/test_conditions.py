@@ -11,7 +11,7 @@ from lagc.lowering.jacobians import condition_rows
 from lagc.lowering.lower_equations import optimize
 from tests.lowering.interpret import ask
 from tests.oracle.lagrange import Expressions
-from tests.simulation.initialization.twins import compilation_of
+from tests.simulation.initialization.generated_starts import compilation_of
 
 STEP = mp.mpf(10) ** -20
 LIBRARY = (

@@ -162,14 +162,14 @@ def test_constant_accelerations_cost_nothing(name: str) -> None:
 
 def test_numbers_that_are_made_of_numbers_are_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """The elimination of a mass matrix of numbers is a chain of them, each made of several before."""
-    made, again = [0], Block.again
+    made, again = [0], Block.repeat
 
     def counted(self: Block, o: Operation, operands: Sequence[int]) -> int:
         made[0] += 1
         assert made[0] < 100_000
         return again(self, o, operands)
 
-    monkeypatch.setattr(Block, "again", counted)
+    monkeypatch.setattr(Block, "repeat", counted)
     model = """model Rail
       structural Integer n = 16;
       coordinate Length x[n];

@@ -44,7 +44,7 @@ def random_state(model: Model, e: EquationsOfMotion, seed: str) -> dict[Node, fl
     for p in model.parameters:
         assert p.value is not None
         state[p.symbol] = p.value
-    state.update({symbol: chance.uniform(-1, 1) for symbol in model.given})
+    state.update({symbol: chance.uniform(-1, 1) for symbol in model.undetermined})
     for c in model.coordinates:
         if isinstance(c, Coordinate):
             start = evaluate([c.start], state)[0]

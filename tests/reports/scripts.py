@@ -74,7 +74,7 @@ def values_at(equations: EquationsOfMotion, state: Mapping[Node, float]) -> dict
     """What the names of a script stand for at a state that holds q, v, a, lam and parameters."""
     model = equations.model
     found: dict[Node, float | Value] = {p.symbol: state[p.symbol] for p in model.parameters}
-    found |= {symbol: state[symbol] for symbol in model.given}
+    found |= {symbol: state[symbol] for symbol in model.undetermined}
     acceleration = {name: state[a] for name, a in zip(equations.v_names, equations.a)}
     for name, q, rate in zip(equations.q_names, equations.q, evaluate(equations.qdot, state)):
         found[q] = moving(state[q], rate, acceleration.get(f"der({name})", math.nan))

@@ -99,7 +99,7 @@ def test_commands_run_as_printed_there(saved: Path, document: str) -> None:
 
 
 COMMANDS = ["check", "fmt", "explain", "equations", "sim", "cost", "compare", "effects", "hard", "linearize"]
-COMMANDS += ["build", "derive", "new", "cache"]
+COMMANDS += ["build", "derive", "new", "lsp", "cache", "sweep", "fit"]
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -110,13 +110,13 @@ class CPrinter:
             case ast.Assign(targets=[ast.Subscript(slice=ast.Slice()) as target], value=value):
                 self.copy(target, value, indent, out)
             case ast.Assign(targets=[target], value=value):
-                out.append(f"{indent}{self.text(target)} = {self.given(value, target.type)};")  # type: ignore[attr-defined]
+                out.append(f"{indent}{self.text(target)} = {self.converted(value, target.type)};")  # type: ignore[attr-defined]
             case ast.AugAssign(target=target, op=op, value=value):
                 sign, kind = _OPERATORS[type(op)][0], target.type  # type: ignore[union-attr]
                 if isinstance(value, ast.Constant) and value.value == 1 and sign in "+-" and kind in WHOLE:
                     out.append(f"{indent}{self.text(target)}{sign * 2};")
                 else:
-                    out.append(f"{indent}{self.text(target)} {sign}= {self.given(value, kind)};")
+                    out.append(f"{indent}{self.text(target)} {sign}= {self.converted(value, kind)};")
             case ast.If():
                 self.branch(node, indent, out)
             case ast.While(test=test, body=body):
@@ -128,11 +128,11 @@ class CPrinter:
             case ast.Return(value=None):
                 out.append(indent + "return;")
             case ast.Return(value=ast.Tuple(elts=ends)):
-                out += [f"{indent}pair_[{k}] = {self.given(end, REAL)};" for k, end in enumerate(ends)]
+                out += [f"{indent}pair_[{k}] = {self.converted(end, REAL)};" for k, end in enumerate(ends)]
                 out.append(indent + "return;")
             case ast.Return(value=value):
                 assert value is not None
-                out.append(f"{indent}return {self.given(value, self.now.returns)};")
+                out.append(f"{indent}return {self.converted(value, self.now.returns)};")
             case ast.Break() | ast.Continue():
                 out.append(indent + ast.unparse(node) + ";")
             case ast.Expr(value=value):
@@ -230,7 +230,7 @@ class CPrinter:
         is_struct = wanted[0] in ("Record", "Params") and (
             isinstance(node, ast.Attribute) or self.is_own(node)
         )
-        return ("&" if is_struct else "") + self.given(node, wanted)
+        return ("&" if is_struct else "") + self.converted(node, wanted)
 
     def branch(self, node: ast.If, indent: str, out: list[str]) -> None:
         """Print a chain of tests, with braces for all blocks if one needs them."""
@@ -265,7 +265,7 @@ class CPrinter:
 
     # -- expressions --
 
-    def given(self, node: ast.expr, wanted: Type) -> str:
+    def converted(self, node: ast.expr, wanted: Type) -> str:
         """Return an expression where the type `wanted` is expected, with explicit conversion."""
         kind: Type = node.type  # type: ignore[attr-defined]
         if kind == wanted or kind[0] in ("Vec", "IVec", "Mat", "Rows", "Record", "Params", "Cell"):
@@ -373,7 +373,7 @@ class CPrinter:
         callee = self.now.known.signatures.get(name)
         if callee is None:
             spelled = self.real.call.format(name)
-            return f"{spelled}({', '.join(self.given(a, REAL) for a in args)})", ATOM
+            return f"{spelled}({', '.join(self.converted(a, REAL) for a in args)})", ATOM
         parts = [self.passed(a, kind) for a, kind in zip(args, callee.parameters)]
         return f"lagc_{name}({', '.join(parts)})", ATOM
 

@@ -243,17 +243,17 @@ def returns(body: list[ast.stmt]) -> bool:
     if isinstance(last, ast.If):
         return returns(last.body) and returns(last.orelse)
     if isinstance(last, ast.While) and isinstance(last.test, ast.Constant):
-        return not any(isinstance(n, ast.Break) for s in last.body for n in _own(s))
+        return not any(isinstance(n, ast.Break) for s in last.body for n in _without_inner_loops(s))
     return isinstance(last, ast.Return)
 
 
-def _own(node: ast.stmt) -> list[ast.AST]:
+def _without_inner_loops(node: ast.stmt) -> list[ast.AST]:
     """Return the nodes of a statement without those of inner loops."""
     if isinstance(node, ast.For | ast.While):
         return []
     found: list[ast.AST] = [node]
     for inner in (*getattr(node, "body", ()), *getattr(node, "orelse", ())):
-        found += _own(inner)
+        found += _without_inner_loops(inner)
     return found
 
 

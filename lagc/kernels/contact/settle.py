@@ -163,7 +163,7 @@ def decide_loaded(p: Params, s: State, w: Work) -> Status:
     return status
 
 
-def leave_out_held(w: Work) -> bool:
+def drop_immovable(w: Work) -> bool:
     """Leave out listed contacts whose gaps no motion changes at this place, as that of a pendulum over the
     floor at its lowest point: neither a force nor its lack tells whether they stay closed. Return whether
     there are any."""
@@ -212,7 +212,7 @@ def decide(p: Params, s: State, w: Work) -> Status:
     else:
         status = respond(p, s.t, s.x, w)
         # A gap that nothing moves makes a row of zeros, for which any force would do.
-        if not failed(status) and leave_out_held(w):
+        if not failed(status) and drop_immovable(w):
             status = respond(p, s.t, s.x, w)
         if failed(status) or law.count == 0:
             return status

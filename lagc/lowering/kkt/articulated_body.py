@@ -53,7 +53,7 @@ def plain(equations: EquationsOfMotion) -> ArticulatedBody:
     return ArticulatedBody(structure, entries, {}, [*equations.applied_forces, *_gammas(equations)])
 
 
-def together(equations: EquationsOfMotion, system: ArticulatedBody) -> ArticulatedBody:
+def with_summed_loads(equations: EquationsOfMotion, system: ArticulatedBody) -> ArticulatedBody:
     """Return the plain `system` with given forces and those of inertia carried to the speeds in one sweep."""
     weights = gradient(equations.graph, equations.loads, equations.v)
     r = [weights.get(v, equations.graph.zero) for v in equations.v]
@@ -174,7 +174,7 @@ class _Sums:
         graph = self.equations.graph
         found: _Slopes = {}
         weights = dict(seeds)
-        for node in reversed(self._below(seeds)):
+        for node in reversed(self._moving_below(seeds)):
             weight = weights.get(node)
             if weight is None or weight.is_zero:
                 continue
@@ -187,7 +187,7 @@ class _Sums:
                     weights[a] = graph.add(weights[a], share) if a in weights else share
         return dict(sorted(found.items()))
 
-    def _below(self, nodes: Iterable[Node]) -> list[Node]:
+    def _moving_below(self, nodes: Iterable[Node]) -> list[Node]:
         """Return the moving nodes below `nodes`, down to unknowns, arguments before users."""
         seen = {node for node in nodes if node in self.moving}
         stack = [node for node in seen if node not in self.number]

@@ -47,7 +47,7 @@ class Matrix:
 
 class _Factoring:
     """The matrix during elimination, and the sizes of the diagonal terms that have the sign of the pivot: the
-    mass of a speed and -sum of L_j^2 d_j over the rows j; for a row that sum over the speeds. `lessened` has
+    mass of a speed and -sum of L_j^2 d_j over the rows j; for a row that sum over the speeds. `reduced` has
     the unknowns whose diagonal entry something was subtracted from."""
 
     def __init__(self, block: Block, plan: Elimination, matrix: Matrix, guard: Guard | None):
@@ -55,7 +55,7 @@ class _Factoring:
         self.current = {**matrix.entries, **_tie_rows(block, plan.structure, matrix)}
         rows = plan.structure.is_row
         self.sizes = {i: value for (i, j), value in matrix.entries.items() if i == j and not rows(i)}
-        self.lessened: set[int] = set()
+        self.reduced: set[int] = set()
         self.lower: dict[Entry, int] = {}
         self.inverse: dict[int, int] = {}
         self.own: dict[int, int] = {}
@@ -86,7 +86,7 @@ class _Factoring:
         block, k = self.block, step.unknown
         pivot = self.at(k, k)
         if self.guard is not None and k in self.guard.limits:
-            self.inverse[k] = self._guarded(self.guard, step, ~pivot)
+            self.inverse[k] = self._guarded_inverse(self.guard, step, ~pivot)
         else:
             self.inverse[k] = block.div(block.one, pivot)
             self._watch(k, pivot)
@@ -106,9 +106,9 @@ class _Factoring:
                 if i == j and row(i) != row(k):
                     self.enlarge(i, share)
                 elif i == j:
-                    self.lessened.add(i)
+                    self.reduced.add(i)
 
-    def _guarded(self, guard: Guard, step: Step, own: int) -> int:
+    def _guarded_inverse(self, guard: Guard, step: Step, own: int) -> int:
         """Return the inverse pivot of a row; `own` is minus its pivot."""
         block, k = self.block, step.unknown
         # The size of a row is the sum of its terms before others were subtracted; `own` is what is
@@ -134,7 +134,7 @@ class _Factoring:
         # A pivot can have lost digits only if something was subtracted from it; the smallest ratio of all is
         # `health`.
         size = self.sizes.get(k)
-        if size == pivot or k not in self.lessened:
+        if size == pivot or k not in self.reduced:
             return
         ratio = ~self.block.one if size is None else self.block.div(pivot, size)
         first = self.health == self.block.one
@@ -168,8 +168,8 @@ class _Factoring:
             # Sizes of pivots follow: c_u^2 times that of k, lessened where that is.
             if k in self.sizes:
                 self.enlarge(u, block.mul(block.mul(c[u], c[u]), self.sizes[k]))
-                if k in self.lessened:
-                    self.lessened.add(u)
+                if k in self.reduced:
+                    self.reduced.add(u)
 
 
 def _tie_rows(block: Block, structure: Structure, matrix: Matrix) -> dict[Entry, int]:

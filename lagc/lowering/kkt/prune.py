@@ -116,10 +116,12 @@ def leave_out(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[li
     v = [j for j, s in enumerate(equations.v) if stays(s)]
     if not v or (len(q) == len(equations.q) and len(v) == len(equations.v)):
         return equations, (list(range(len(equations.q))), list(range(len(equations.v))))
-    return _without(equations, components, reached), (q, v)
+    return _without_components(equations, components, reached), (q, v)
 
 
-def _without(equations: EquationsOfMotion, components: Components, reached: set[Node]) -> EquationsOfMotion:
+def _without_components(
+    equations: EquationsOfMotion, components: Components, reached: set[Node]
+) -> EquationsOfMotion:
     """Return `equations` with the components that are not `reached` at rest, in the old columns."""
     graph, model, v, inertias = equations.graph, equations.model, equations.v, equations.inertias
 
@@ -216,17 +218,17 @@ def prune(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[str, .
     # First what is asked for, if anything is; then what nothing uses.
     if model.asked is not None:
         equations, (q, v) = leave_out(equations)
-        equations = _restricted(equations, q, v) if len(v) < len(equations.v) else equations
-    q, v = _in_use(equations)
+        equations = _restrict(equations, q, v) if len(v) < len(equations.v) else equations
+    q, v = _used_indices(equations)
     if v and not (len(q) == len(equations.q) and len(v) == len(equations.v)):
-        equations = _restricted(equations, q, v)
+        equations = _restrict(equations, q, v)
     kept = {*equations.q, *equations.v}
     names = [c.name for c in model.coordinates if kept.isdisjoint(position_symbols(c))]
     names += [speed.name for speed in model.speeds if speed.symbol not in kept]
     return equations, tuple(names)
 
 
-def _in_use(equations: EquationsOfMotion) -> tuple[list[int], list[int]]:
+def _used_indices(equations: EquationsOfMotion) -> tuple[list[int], list[int]]:
     """Return the indices of the coordinates and speeds that stay."""
     # Speeds stay if mass moves with them, a row or contact acts on them, a force is not zero, or something
     # reads them or their accelerations.
@@ -292,7 +294,7 @@ def _inertial(equations: EquationsOfMotion) -> list[Node]:
     return found
 
 
-def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]) -> EquationsOfMotion:
+def _restrict(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]) -> EquationsOfMotion:
     new_q = {old: new for new, old in enumerate(q)}
     new_v = {old: new for new, old in enumerate(v)}
     # New places of coordinates and speeds; what stays keeps its order.
@@ -407,7 +409,7 @@ def with_pivots(equations: EquationsOfMotion) -> EquationsOfMotion:
     bare = [j for j in range(len(equations.v)) if j not in equations.massive]
     if not bare or eliminate(plain(equations).structure) is not None:
         return equations
-    tied = _tied(equations, [j for j in range(len(equations.v)) if j not in bare])
+    tied = _connected_speeds(equations, [j for j in range(len(equations.v)) if j not in bare])
     free = [j for j in bare if j not in tied]
     found = _with_units(equations, free)
     if eliminate(plain(found).structure) is not None:
@@ -436,7 +438,7 @@ def _with_units(equations: EquationsOfMotion, free: Sequence[int]) -> EquationsO
     )  # fmt: skip
 
 
-def _tied(equations: EquationsOfMotion, massive: list[int]) -> set[int]:
+def _connected_speeds(equations: EquationsOfMotion, massive: list[int]) -> set[int]:
     """Return the speeds that constraints connect, directly or through others, to a speed with inertia."""
     # Rows that share a speed with inertia determine the others, one row after the next.
     found = set(massive)

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from lagc.base.records import dataclass, replace
 from lagc.lowering.interface import place
-from lagc.lowering.kkt.articulated_body import ArticulatedBody, articulated_body, plain, together
+from lagc.lowering.kkt.articulated_body import ArticulatedBody, articulated_body, plain, with_summed_loads
 from lagc.lowering.kkt.fill_ordering import Elimination, Structure, eliminate
 from lagc.lowering.kkt.ldl import (
     Factors,
@@ -87,7 +87,7 @@ def _rhs(places: Places, solver: Solver, nodes: Sequence[Node], power: Sequence[
     _store_all(block, "lam", lam, row_comments(equations.rows))
     _store_all(block, "health", [health, block.zero])
     made = [] if left is None else [_watch(places, block, left)]
-    outputs = (("xdot", len(xdot)), ("lam", len(lam)), ("health", _stored(block, "health")))
+    outputs = (("xdot", len(xdot)), ("lam", len(lam)), ("health", _stored_length(block, "health")))
     about = "right-hand side: qdot, accelerations, multipliers"
     return [block.function("rhs", places.state, outputs, about), *made]
 
@@ -95,13 +95,13 @@ def _rhs(places: Places, solver: Solver, nodes: Sequence[Node], power: Sequence[
 def _watch(places: Places, block: Block, left: int) -> Function:
     """Return `left` as a separate function, health -> health, of values that `block` computes; they are
     stored behind its outputs."""
-    other, found = block.beside(left, "health", 2, len(places.constants))
+    other, found = block.split_off(left, "health", 2, len(places.constants))
     other.store("health", 1, found)
-    outputs = (("health", _stored(block, "health")),)
+    outputs = (("health", _stored_length(block, "health")),)
     return other.function("watch", ("p", "health"), outputs, "what a solution leaves of its right-hand side")
 
 
-def _stored(block: Block, array: str) -> int:
+def _stored_length(block: Block, array: str) -> int:
     return sum(1 for store in block.stores if store.array == array)
 
 
@@ -111,7 +111,7 @@ def _with_inertia(
     """Return `health`, not positive if the pivot of a speed is not, even if nothing was divided by it: a
     speed needs inertia without forces too."""
     # A pivot that the solve does not use is not computed there: its sign joins the health.
-    used = block.below([*found, health])
+    used = block.needed_for([*found, health])
     for step in plan.pivots:
         inverse = block.unsigned(inverses[step.unknown])
         op, operands, _ = block.row(inverse)
@@ -263,14 +263,14 @@ def _plan(system: ArticulatedBody) -> Elimination | None:
     # Kept velocities of bodies keep the graph of the bodies, which pays with many loops. They lose digits, so
     # they are taken only where they save a fifth of the operations.
     structure, kept = system.structure, None
-    most: float = _most(structure)
+    most: float = _largest_solve(structure)
     if system.heavy and structure.multipliers:
         kept = eliminate(replace(structure, kept=system.heavy), most)
         most = most if kept is None else min(most, kept.flops / _WORTH)
     return eliminate(structure, most) or kept
 
 
-def _most(structure: Structure) -> int:
+def _largest_solve(structure: Structure) -> int:
     """Return the largest number of operations of a straight solve. A dense solve of n^3/3 operations is a
     loop of little code."""
     if structure.definitions:
@@ -290,7 +290,7 @@ def _forms(equations: EquationsOfMotion) -> Iterator[ArticulatedBody]:
             return
     apart = plain(equations)
     yield apart
-    one = together(equations, apart)
+    one = with_summed_loads(equations, apart)
     if any(a is not b for a, b in zip(apart.right, one.right)) and _is_made_of(known, one):
         yield one
 

@@ -226,7 +226,7 @@ def plan(nodes: Sequence[Node]) -> dict[Product, tuple[Product, Product]]:
     pairs = _Pairs(list(products.values()))
     while (pair := pairs.most_common()) is not None:
         one, other = sorted([atoms[k] for k in pair], key=is_divisor)
-        whole = _joined(one, other)
+        whole = _join(one, other)
         made[whole] = (one, other)
         atoms.append(whole)
         pairs.replace(pair, len(atoms) - 1)
@@ -235,7 +235,7 @@ def plan(nodes: Sequence[Node]) -> dict[Product, tuple[Product, Product]]:
         factors = sorted([atoms[k] for k, power in row.items() for _ in range(power)], key=is_divisor)
         whole, *others = factors
         for factor in others:
-            longer = _joined(whole, factor)
+            longer = _join(whole, factor)
             if longer not in made:
                 made[longer] = (whole, factor)
             whole = longer
@@ -336,7 +336,7 @@ class _Pairs:
                 self.holders[pair].add(number)
 
 
-def _joined(a: Product, b: Product) -> Product:
+def _join(a: Product, b: Product) -> Product:
     powers: dict[Node, int] = dict(a)
     for base, exponent in b:
         powers[base] = powers.get(base, 0) + exponent

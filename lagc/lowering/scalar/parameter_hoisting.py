@@ -61,7 +61,7 @@ class Preparation:
         """Return `functions` with the places of prepared values behind p; `bind`, if there is any; and the
         parameters that it reads, whose copies it stores last."""
         places: dict[int, int] = {}
-        found = {name: self._placed(function, places) for name, function in functions.items()}
+        found = {name: self._place_in_block(function, places) for name, function in functions.items()}
         if not places:
             return found, ()
         for number in places:
@@ -76,7 +76,7 @@ class Preparation:
         about = "what depends on parameters alone, then these"
         return self.block.function("bind", ("p",), ((PREPARED, len(self.block.stores)),), about)
 
-    def _placed(self, function: Function, places: dict[int, int]) -> Function:
+    def _place_in_block(self, function: Function, places: dict[int, int]) -> Function:
         operations = []
         for o in function.operations:
             if isinstance(o.payload, tuple) and o.payload[0] == PREPARED:
@@ -104,16 +104,16 @@ class _Separation:
             if not self.uses[k]:
                 continue
             if made_of[k] != MOVING:
-                kept[k] = self.shared.again(o, [kept[i] for i in o.operands])
+                kept[k] = self.shared.repeat(o, [kept[i] for i in o.operands])
                 continue
-            moving[k] = block.again(o, [moving[i] if i in moving else self._own(i) for i in o.operands])
+            moving[k] = block.repeat(o, [moving[i] if i in moving else self._value(i) for i in o.operands])
             product = o.op == "mul" or (o.op == "div" and made_of[o.operands[1]] == FIXED)
             if product and any([i in kept or i in products for i in o.operands]):
                 moving[k] = self._product(k, o)
         first = len(function.operations)
         for n, store in enumerate(function.stores):
             block.store(
-                store.array, store.index, self._own(store.value), function.comments.get(first + n, "")
+                store.array, store.index, self._value(store.value), function.comments.get(first + n, "")
             )
         made = block.function(function.name, function.inputs, function.outputs, function.description)
         return replace(made, cleared=function.cleared)
@@ -139,12 +139,12 @@ class _Separation:
             return self.products[k]
         return self.shared.one, self.moving[k]
 
-    def _own(self, k: int) -> int:
+    def _value(self, k: int) -> int:
         """Return value k in the function's own block."""
         if k not in self.moving:
             o = self.function.operations[k]
             if o.op in TRUTHS:  # no number that could be kept
-                self.moving[k] = self.block.again(o, [self._own(i) for i in o.operands])
+                self.moving[k] = self.block.repeat(o, [self._value(i) for i in o.operands])
             else:
                 self.moving[k] = self._entry(self.kept[k])
         return self.moving[k]
@@ -157,7 +157,7 @@ class _Separation:
             op, operands, payload = self.shared.row(a)
             if op == "load" or self.preparation.is_number(a):
                 again = Operation(op, (), payload)
-                self.entries[a] = self.block.again(again, [self._entry(i) for i in operands])
+                self.entries[a] = self.block.repeat(again, [self._entry(i) for i in operands])
             else:
                 self.entries[a] = self.block.load(PREPARED, a)
         return self.entries[a]

@@ -47,7 +47,7 @@ class _Balance:
             if self.inner[k]:
                 self.references.append(block.zero)
             elif o.op in _KIND:
-                self.references.append(self._combined(k))
+                self.references.append(self._combine(k))
             else:
                 self.references.append(self._plain(o))
         first = len(function.operations)
@@ -61,32 +61,32 @@ class _Balance:
     # A result is ready its own time after the last of its operands.
     def _plain(self, o: Operation) -> int:
         operands = [self.references[k] for k in o.operands]
-        return self._timed(self.block.again(o, operands), operands, _CYCLES[o.op])
+        return self._note_time(self.block.repeat(o, operands), operands, _CYCLES[o.op])
 
-    def _timed(self, found: int, operands: Sequence[int], cycles: int) -> int:
-        start = max([self._when(a) for a in operands], default=0)
+    def _note_time(self, found: int, operands: Sequence[int], cycles: int) -> int:
+        start = max([self._ready_time(a) for a in operands], default=0)
         self.ready.setdefault(max(found, ~found), start + cycles)
         return found
 
-    def _when(self, a: int) -> int:
+    def _ready_time(self, a: int) -> int:
         return self.ready.get(max(a, ~a), 0)
 
-    def _combined(self, root: int) -> int:
+    def _combine(self, root: int) -> int:
         """Return the sum or product at `root`: the two parts that are ready first are combined, again and
         again (D. A. Huffman, Proc. IRE 40, 1952)."""
         # The two parts that are ready first are combined, again and again: Huffman's tree for ready times.
         # Ties keep the order of the text, so that the result does not depend on hashes.
         block, product = self.block, _KIND[self.function.operations[root].op] == "product"
         parts = self._parts(root)
-        heap = [(self._when(a), n, a) for n, a in enumerate(parts)]
+        heap = [(self._ready_time(a), n, a) for n, a in enumerate(parts)]
         heapify(heap)
         count = len(heap)
         while len(heap) > 1:
             _, _, a = heappop(heap)
             _, _, b = heappop(heap)
             found = block.mul(a, b) if product else block.add(a, b)
-            self._timed(found, (a, b), 4)
-            heappush(heap, (self._when(found), count, found))
+            self._note_time(found, (a, b), 4)
+            heappush(heap, (self._ready_time(found), count, found))
             count += 1
         return heap[0][2]
 

@@ -147,7 +147,7 @@ class Block:
     def is_zero(self, a: int) -> bool:
         return a == self.zero or a == ~self.zero
 
-    def again(self, o: Operation, operands: Sequence[int]) -> int:
+    def repeat(self, o: Operation, operands: Sequence[int]) -> int:
         """Return the operation `o` on other operands."""
         arithmetic = _ARITHMETIC.get(o.op)
         if arithmetic:
@@ -168,16 +168,16 @@ class Block:
         """Return the operation that makes value number `a`."""
         return self._rows[a]
 
-    def below(self, roots: Sequence[int]) -> set[int]:
+    def needed_for(self, roots: Sequence[int]) -> set[int]:
         """Return the value numbers that `roots` are made of."""
         return set(_schedule(self._rows, [self.unsigned(a) for a in roots]))
 
-    def beside(self, wanted: int, array: str, first: int, parameters: int) -> tuple[Block, int]:
+    def split_off(self, wanted: int, array: str, first: int, parameters: int) -> tuple[Block, int]:
         """Return another block that computes `wanted` and the reference to it there. It reads `parameters`
         and the values that the stores of this block need, which are stored from array[first] on."""
         # Two kinds of values are computed again in the other block: those of parameters alone, and those that
         # nothing here needs. All others are stored here and loaded there.
-        here = self.below([store.value for store in self.stores])
+        here = self.needed_for([store.value for store in self.stores])
         again: list[bool] = []  # what is made of parameters alone, or nobody else needs
         fixed: list[bool] = []
         for k, (op, operands, payload) in enumerate(self._rows):
@@ -195,7 +195,7 @@ class Block:
         for k in sorted(needed):
             op, operands, payload = self._rows[k]
             if again[k]:
-                made[k] = other.again(Operation(op, (), payload), [made[i] for i in operands])
+                made[k] = other.repeat(Operation(op, (), payload), [made[i] for i in operands])
             else:
                 self.store(array, first, k)
                 made[k] = other.load(array, first)

@@ -21,7 +21,7 @@ from lagc.mechanics.formulation.inertia import moving_parts
 from lagc.mechanics.formulation.states import States, build_states
 from lagc.mechanics.identities.constraint_manifold import Consistent, onto, walk
 from lagc.mechanics.identities.samples import samples
-from lagc.mechanics.identities.sampling_domains import LARGEST, anywhere, far_away, on_motion, on_rows
+from lagc.mechanics.identities.sampling_domains import LARGEST, all_states, far_away, on_motion, on_rows
 from lagc.mechanics.identities.zero_test import ZeroTest
 from lagc.semantics.model import Coordinate, Lagrangian, Potential
 from lagc.symbolic.derivative import gradient, tangent
@@ -108,7 +108,7 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
     places = mobility(states, holonomic, met) if len(holonomic) < len(rows) else moving
     # Velocity rows that are integrable restrict positions, beside the independent holonomic ones.
     asked = [row for k, row in enumerate(rows) if not row.holonomic or k not in places.spare]
-    integrable = integrable_rows(states, asked, met.all)
+    integrable = integrable_rows(states, asked, met.by_distance)
     relations = places.rank + integrable.relations
     cyclic = _cyclic(states)
     # Conserved quantities are looked for with independent rows, whose multipliers are unique.
@@ -195,7 +195,7 @@ def _cyclic(states: States) -> dict[str, bool]:
     scalars = [c for c in states.model.coordinates if isinstance(c, Coordinate)]
     slopes = gradient(states.graph, {lagrangian: states.graph.one}, [c.symbol for c in scalars])
     asked = [[slopes[c.symbol]] if c.symbol in slopes else [] for c in scalars]
-    verdicts = zip(scalars, ZeroTest(anywhere(states)).vanish_each(asked))
+    verdicts = zip(scalars, ZeroTest(all_states(states)).vanish_each(asked))
     return {c.name: verdict for c, verdict in verdicts if verdict is not None}
 
 

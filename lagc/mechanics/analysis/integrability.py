@@ -177,8 +177,8 @@ class _Test:
         # Largest set of forms that are closed along each other: those that are not leave, until none does.
         every = [*self.exact, *self.forms.values()]
         self._values = {id(f): self._entries(f.coefficients, point, truths) for f in every}
-        inside = alike = self._closed(self.forms, point, truths)
-        while len(closed := self._closed(inside, point, truths)) < len(inside):
+        inside = alike = self._closed_forms(self.forms, point, truths)
+        while len(closed := self._closed_forms(inside, point, truths)) < len(inside):
             inside = closed
         # Relations that they give: the rank that they add to the exact forms.
         exact = self._echelon(self.exact).rank
@@ -188,7 +188,7 @@ class _Test:
             if rows.grows(self._values[id(form)]):
                 taken.append(form)
         # The first derived system bounds them from above; if both agree, no bracket is needed.
-        most = self._derived(rows, taken, point, truths) - exact
+        most = self._derived_dimension(rows, taken, point, truths) - exact
         if relations < most:
             reach, whole = self._reach(rows, taken, point, truths)
             most = min(most, len(self._column) - reach.rank - exact)
@@ -198,7 +198,9 @@ class _Test:
         reasons = {label: self._reason(form, point, truths) for label, form in inside.items()}
         return _Verdict(reasons, set(alike) - set(inside), relations, most)
 
-    def _derived(self, rows: Echelon, taken: Sequence[Form], point: Point, truths: Mapping[Node, int]) -> int:
+    def _derived_dimension(
+        self, rows: Echelon, taken: Sequence[Form], point: Point, truths: Mapping[Node, int]
+    ) -> int:
         """Return the dimension of the first derived system of the independent forms `taken`."""
         # c . dw(a, b) = 0 for all allowed a, b: each random pair gives one equation for c.
         vanishing = Echelon()  # of c with sum of c_i dw_i(a, b) = 0, drawn pairs a, b in turn
@@ -236,7 +238,9 @@ class _Test:
         values = self._values[id(form)]
         return not any(sum(e * x.get(j, 0) for j, e in values.items()) % P for x in directions.rows.values())
 
-    def _closed(self, forms: Mapping[str, Form], point: Point, truths: Mapping[Node, int]) -> dict[str, Form]:
+    def _closed_forms(
+        self, forms: Mapping[str, Form], point: Point, truths: Mapping[Node, int]
+    ) -> dict[str, Form]:
         """Return the forms that are closed along all of them."""
         motions = self._motions(self._echelon([*forms.values(), *self.exact]), point)
         return {x: form for x, form in forms.items() if not self._slope(form, motions, point, truths)}

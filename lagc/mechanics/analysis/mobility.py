@@ -68,11 +68,11 @@ def _mobility(states: States, rows: Sequence[Row], met: Consistent) -> tuple[Mob
     # The rank is proved if it is the number of rows, or the rank at random points of the field.
     moved = [row for row in rows if row.holonomic] if _depend_on_places(states, rows) else []
     if tried and (
-        best.rank == len(rows) or best.rank == _largest(states, rows, on_rows(states, moved, met.all))
+        best.rank == len(rows) or best.rank == _largest(states, rows, on_rows(states, moved, met.by_distance))
     ):
         return Mobility(spare, best.rank, at_start, True, True), best
     # In the field a rank may be larger than in double precision: rows that differ by less than round-off.
-    kept = _exactly(states, rows, at_defaults(states, moved, met.all))
+    kept = _exactly(states, rows, at_defaults(states, moved, met.by_distance))
     if kept is None or len(kept) < best.rank:
         return Mobility(spare, best.rank, at_start, False, bool(tried)), best
     return Mobility(frozenset(range(len(rows))) - kept, len(kept), at_start, True, True, spare & kept), best

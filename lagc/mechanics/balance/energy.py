@@ -50,7 +50,9 @@ def act(states: States) -> list[Acting]:
     # Potentials by gradients, loads by the velocities that they act on; free terms have their share in M and
     # h.
     zero, actions = states.graph.zero, states.model.actions
-    stored = {k: x for k, action in enumerate(actions) if (x := _stored(states, action)) is not None}
+    stored = {
+        k: x for k, action in enumerate(actions) if (x := _potential_energy(states, action)) is not None
+    }
     actuators = _actuators(states)
     written = [_load(states, action, actuators) for action in actions]
     loads = {k: load for k, load in enumerate(written) if load is not None}
@@ -66,7 +68,7 @@ def act(states: States) -> list[Acting]:
 def force_along(states: States, action: Action, coordinate: Coordinate) -> Node:
     """Return the generalized force of an action along the rate of a coordinate: -dV/dq, or the sum of its
     weights times the slopes of the velocities."""
-    graph, energy = states.graph, _stored(states, action)
+    graph, energy = states.graph, _potential_energy(states, action)
     if energy is not None:
         return -gradient(graph, {energy: graph.one}, [coordinate.symbol]).get(coordinate.symbol, graph.zero)
     load, rate = _load(states, action, _actuators(states)), coordinate.rate_symbol
@@ -75,7 +77,7 @@ def force_along(states: States, action: Action, coordinate: Coordinate) -> Node:
     return states.in_speeds([slopes.get(rate, graph.zero)])[0]
 
 
-def _stored(states: States, action: Action) -> Node | None:
+def _potential_energy(states: States, action: Action) -> Node | None:
     """Return the energy of a potential, or -L of a Lagrangian without rates, which is one too; else None."""
     if isinstance(action, Potential):
         return action.energy
@@ -229,9 +231,7 @@ def _balance(states: States, drives: Node, free: FreeTerms) -> str:
 def _vanishes(states: States, node: Node) -> bool:
     if node.is_zero:
         return True
-    from lagc.mechanics.identities.sampling_domains import (
-        anywhere,  # what proves is loaded where there is a question
-    )
+    from lagc.mechanics.identities.sampling_domains import all_states  # loaded where there is a question
     from lagc.mechanics.identities.zero_test import ZeroTest
 
-    return bool(ZeroTest(anywhere(states)).vanish([node]))
+    return bool(ZeroTest(all_states(states)).vanish([node]))

@@ -182,7 +182,7 @@ def reactions(model: Model) -> dict[Node, Node]:
     _check(model)
     states = build_states(model)
     rates = [rate for release in model.releases for rate in release.rates]
-    held, pushed = _held(states, rates)
+    held, pushed = _unbalanced_forces(states, rates)
     at = {rate.record.derivative: states.graph.zero for rate in rates}
     filled = {a: at[a.record] for a in states.a if a.record in at}
     filled.update(dict.fromkeys(rates, states.graph.zero))
@@ -203,7 +203,7 @@ def _flat(release: Release) -> list[Node]:
     return [x for row in release.axes or () for x in row]
 
 
-def _held(states: States, rates: Sequence[Node]) -> tuple[dict[Node, Node], dict[Node, Node]]:
+def _unbalanced_forces(states: States, rates: Sequence[Node]) -> tuple[dict[Node, Node], dict[Node, Node]]:
     """Return M v' + h - tau for each of the rates, and G^T lambda."""
     graph = states.graph
     parts = moving_parts(states)

@@ -159,10 +159,10 @@ def _fits(states: States, n: Sequence[Node], normal: Gradient, parts: Sequence[G
         return False
     if not left:
         return True
-    from lagc.mechanics.identities.sampling_domains import anywhere  # loaded where there is a question
+    from lagc.mechanics.identities.sampling_domains import all_states  # loaded where there is a question
     from lagc.mechanics.identities.zero_test import ZeroTest
 
-    return ZeroTest(anywhere(states)).vanish(left) is not None
+    return ZeroTest(all_states(states)).vanish(left) is not None
 
 
 def _across(states: States, n: Vector, state: _State | None) -> tuple[Vector, Vector]:
@@ -283,7 +283,7 @@ def hold_contacts(model: Model, modes: Sequence[int]) -> Model:
         # Closed: gap = 0, and slips = 0 while it sticks; sliding friction is a load on the push.
         if mode:
             slips, factor = _slips(states, contact)
-            constraints.append(_closed(contact, slips if mode == MODE_STICKS else []))
+            constraints.append(_closed_constraint(contact, slips if mode == MODE_STICKS else []))
             if slips and mode != MODE_STICKS:
                 loads.append(_sliding(model, contact, mode, slips, factor))
     # The modes of contacts are no states any more.
@@ -327,7 +327,7 @@ def _slips(states: States, contact: Contact) -> tuple[list[Node], Node]:
     return along_surface(states, contact, gradients(states.graph, rates, states.place_of_v)[0])
 
 
-def _closed(contact: Contact, slips: Sequence[Node]) -> Constraint:
+def _closed_constraint(contact: Contact, slips: Sequence[Node]) -> Constraint:
     """Return the equations of a contact that touches, and does not slip along `slips`."""
     velocity = si_text(over(unit_of(contact.unit or "1").dimension, S))
     labels = [contact.label, *(f"{contact.label}.slip[{k + 1}]" for k in range(len(slips)))]

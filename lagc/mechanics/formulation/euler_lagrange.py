@@ -132,7 +132,7 @@ def _displacement_slopes(graph: Graph, model: Model, total: Node) -> dict[Node, 
 
 
 def _check(model: Model, terms: Sequence[Lagrangian]) -> None:
-    driven = depends([term.function for term in terms], model.given)
+    driven = depends([term.function for term in terms], model.undetermined)
     faults = [
         Fault(
             "LAG0406",

@@ -70,7 +70,7 @@ def inertial_loads(states: States, parts: Sequence[Moving]) -> dict[Node, Node]:
 
 def _check(states: States, bodies: Sequence[Body]) -> None:
     model = states.model
-    motion = [*states.q, *states.rates, *states.v, model.time, *model.given]
+    motion = [*states.q, *states.rates, *states.v, model.time, *model.undetermined]
     changing = depends([x for body in bodies for x in _inertia_nodes(body)], motion)
     faults = [_changing(body) for body in bodies if not changing.isdisjoint(_inertia_nodes(body))]
     if faults:

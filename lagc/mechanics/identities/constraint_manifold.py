@@ -52,7 +52,7 @@ class Consistent:
     freedom: int | None = None
 
     @property
-    def all(self) -> list[State]:
+    def by_distance(self) -> list[State]:
         """The farthest first: the least special."""
         return [*reversed(self.far), *self.beside, *([] if self.start is None else [self.start])]
 

@@ -38,7 +38,7 @@ _ALL_DIGITS = 15  # that a double keeps of a number that is written
 LARGEST = 160  # accelerations and multipliers that are solved for
 
 
-def anywhere(states: States) -> Ground:
+def all_states(states: States) -> Ground:
     """Return the domain of all states: positions, rates, speeds and time are free."""
     return on_rows(states, (), [*samples(states.model, _STATES), *far_away(states)])
 
@@ -109,7 +109,7 @@ class _Placing:
         residuals = [row.residual for row in rows if row.holonomic]
         scalars = [x for x in _scalars(states) if x not in self._values]
         unknowns = _solvable(scalars, residuals)
-        holonomic = _solved(residuals, unknowns, tries[0]) if tries and unknowns else []
+        holonomic = _solvable_residuals(residuals, unknowns, tries[0]) if tries and unknowns else []
         left = [x for x in residuals if x not in holonomic]
         squares = _squares(scalars, left, holonomic, tries[0]) if tries else []
         # The domain is complete if all rows are met this way: only then does a value that is not zero refute.
@@ -247,7 +247,9 @@ def _solvable(asked: Sequence[Node], residuals: Sequence[Node]) -> list[Node]:
     return found
 
 
-def _solved(residuals: Sequence[Node], unknowns: Sequence[Node], state: Mapping[Node, float]) -> list[Node]:
+def _solvable_residuals(
+    residuals: Sequence[Node], unknowns: Sequence[Node], state: Mapping[Node, float]
+) -> list[Node]:
     """Return the residuals that can be solved for the unknowns together at `state`."""
     graph = unknowns[0].graph
     # Rows that are independent in these unknowns at a state of the motion.

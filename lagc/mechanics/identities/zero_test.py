@@ -102,10 +102,10 @@ class Branches:
 
     @property
     def complete(self) -> bool:
-        """Whether `all` gives all branches."""
+        """Whether `sign_combinations` gives all branches."""
         return len(self.differences) <= _MOST
 
-    def all(self) -> Iterator[Signs]:
+    def sign_combinations(self) -> Iterator[Signs]:
         """Return the combinations of signs: all of them, or if they are many, those that differ from equal
         signs in one or two."""
         count = len(self.differences)
@@ -217,7 +217,7 @@ class ZeroTest:
         # Else branch by branch; numbers take over where the field cannot tell. One branch that does not
         # vanish settles it.
         proved, rooted = branches.complete, False
-        for signs in branches.all():
+        for signs in branches.sign_combinations():
             truths = branches.truths(signs)
             verdict, with_roots = self._in_field(asked, signs, truths)
             rooted = rooted or with_roots
@@ -233,7 +233,7 @@ class ZeroTest:
         many."""
         ground = self._ground
         branches = Branches(ground.graph, [*ground.support, *nodes], ground.values)
-        for signs in branches.all() if branches.complete else [branches.blended()]:
+        for signs in branches.sign_combinations() if branches.complete else [branches.blended()]:
             truths = branches.truths(signs)
             yield self._placed(signs, truths), truths
 

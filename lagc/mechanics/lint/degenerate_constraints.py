@@ -132,7 +132,7 @@ def _of_all(x: Classified) -> Fault:
         "`norm(a - b) = 0`, `x = 0` in place of `x^2 = 0`"
     )
     if rows:
-        remedy = f"write {_listed(rows)}{', each as a row of its own' if len(rows) > 1 else ''}"
+        remedy = f"write {_list(rows)}{', each as a row of its own' if len(rows) > 1 else ''}"
     return Fault(
         "LAG0413",
         f"the gradient of the constraint `{x.row.label}` vanishes wherever the constraint holds, so that no "
@@ -142,7 +142,7 @@ def _of_all(x: Classified) -> Fault:
     )
 
 
-def _listed(rows: Sequence[str]) -> str:
+def _list(rows: Sequence[str]) -> str:
     *first, last = [f"`{row}`" for row in rows]
     return f"{', '.join(first)} and {last}" if first else last
 
@@ -167,7 +167,7 @@ def _parts(e: tree.Expression) -> list[str] | None:
     if isinstance(e, tree.Unary):
         return _parts(e.operand)
     if isinstance(e, tree.Call):
-        return _called(e)
+        return _rows_of_call(e)
     if not isinstance(e, tree.Binary):
         return None
     if e.op == "^":
@@ -182,7 +182,7 @@ def _parts(e: tree.Expression) -> list[str] | None:
     return _of_product(e) if e.op == "*" else None
 
 
-def _called(e: tree.Call) -> list[str] | None:
+def _rows_of_call(e: tree.Call) -> list[str] | None:
     arguments, name = _arguments(e), _name(e)
     if name == "sqrt" and len(arguments) == 1:
         return _parts(arguments[0])

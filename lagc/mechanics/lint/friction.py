@@ -68,7 +68,7 @@ def active_loads(states: States, rows: Sequence[Row]) -> Iterator[Fault]:
     if not loads or len(states.v) + len(rows) > LARGEST:
         return
     forms = _Forms(states)
-    acted = _together(loads)
+    acted = _acting_velocities(loads)
     free, bound = _states(states, ()), _states(states, rows)
     asked = [(x, own) for x, own in acted if not _is_plain(x) and forms.brings([(x, own)], free)]
     # Free of constraints first: a load that brings no energy there brings none with them.
@@ -101,13 +101,13 @@ def _is_plain(load: Load) -> bool:
     return load.reaction is None and written == [load.frame.spin]
 
 
-def _together(loads: Sequence[Load]) -> list[tuple[Load, _Velocity]]:
+def _acting_velocities(loads: Sequence[Load]) -> list[tuple[Load, _Velocity]]:
     """Return the velocity that each load acts on; of loads of one vector, and of its opposite, the first one
     stands for all, as for the two forces of a damper."""
     found: dict[tuple[type, Vector], tuple[Load, _Velocity]] = {}
     for load in loads:
         x, y, z = load.vector
-        own = _acted(load)
+        own = _velocity_of(load)
         for sign, vector in ((1.0, (x, y, z)), (-1.0, (-x, -y, -z))):
             if (type(load), vector) in found:
                 first, before = found[type(load), vector]
@@ -118,7 +118,7 @@ def _together(loads: Sequence[Load]) -> list[tuple[Load, _Velocity]]:
     return list(found.values())
 
 
-def _acted(load: Load) -> _Velocity:
+def _velocity_of(load: Load) -> _Velocity:
     """Return the velocity that the power of a load is taken on."""
     if isinstance(load, Force):
         return _Velocity(((1.0, load.velocity),))

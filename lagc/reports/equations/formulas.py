@@ -207,7 +207,7 @@ class SymbolKinds:
     def __init__(self, equations: EquationsOfMotion) -> None:
         model = equations.model
         self.pi = pi_of(equations)
-        parameters = [*(p.symbol for p in model.parameters), *model.given]
+        parameters = [*(p.symbol for p in model.parameters), *model.undetermined]
         if self.pi is not None:
             parameters.insert(0, self.pi)
         forces = [force for contact in equations.contacts for force in contact.forces]

@@ -25,8 +25,7 @@ from lagc.semantics.names.scope import (
     vector_value,
 )
 from lagc.semantics.units import ENERGY, FORCE, NONE, POWER, Dimension, M, describe, over, si_text, times
-from lagc.semantics.values.evaluate import all_values, both, each, evaluate, evaluate_as
-from lagc.semantics.values.functions import Argument
+from lagc.semantics.values.evaluate import Argument, all_values, both, each, evaluate, evaluate_as
 from lagc.semantics.values.kinematics import material_velocity, velocity_of
 from lagc.semantics.values.members import element
 from lagc.semantics.values.unit_hints import expect_of, is_bare, unit_remedy

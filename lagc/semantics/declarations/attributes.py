@@ -24,12 +24,13 @@ from lagc.semantics.names.scope import (
     shape,
     subscripts,
 )
-from lagc.semantics.units import Dimension, QuantityType, UnknownUnit, unit
+from lagc.semantics.units import NONE, Dimension, QuantityType, UnknownUnit, unit
 from lagc.semantics.values.evaluate import evaluate, evaluate_as
-from lagc.semantics.values.functions import over_time
 from lagc.semantics.values.unit_hints import is_bare
 from lagc.symbolic.graph import Node
 from lagc.syntax import tree
+
+BOOLEAN = QuantityType("Boolean", "", "", NONE)
 
 
 def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[str, Modifier]:
@@ -197,6 +198,8 @@ def given_scalar(context: Context, given: Given, dimension: Dimension, what: str
         expect(value.dimension, dimension, given.expression.span, what)
         return value
     if given.points is not None:
+        from lagc.semantics.values.tables import over_time
+
         return Scalar(over_time(context, given.points, given.owner), dimension)
     number = given.number
     if given.unit is not None:

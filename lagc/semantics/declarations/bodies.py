@@ -28,9 +28,8 @@ from lagc.semantics.names.scope import (
 )
 from lagc.semantics.units import KG, NONE, M, S, dimension, over
 from lagc.semantics.values.calls import look_at_arguments, match
-from lagc.semantics.values.evaluate import each, evaluate, evaluate_as
+from lagc.semantics.values.evaluate import Argument, each, evaluate, evaluate_as
 from lagc.semantics.values.frame_vectors import unit_vector
-from lagc.semantics.values.functions import Argument
 from lagc.semantics.values.kinematics import turned_by, velocity_of
 from lagc.semantics.values.unit_hints import is_bare
 from lagc.symbolic.graph import Node
@@ -302,22 +301,13 @@ def _note_field(context: Context, entry: Entry, body: Entry, direction: Vector) 
     first = context.fields.setdefault((body.path, rounded), entry)
     pair = (first.span, entry.span)
     if first is not entry and pair not in context.warnings:
-        context.warnings[pair] = _twice(first, entry, body)
+        context.warnings[pair] = _declared_twice(first, entry, body)
 
 
-def _twice(first: Entry, entry: Entry, body: Entry) -> Fault:
+def _declared_twice(first: Entry, entry: Entry, body: Entry) -> Fault:
     message = f"`{first.path}` and `{entry.path}` both act on `{body.path}` in the same direction"
     remedy = "gravity acts on all bodies, including those of instances: remove one of the two"
     return Fault("LAG0229", message, entry.span, remedy=remedy, severity="warning")
-
-
-def releases_of(context: Context, entry: Entry, symbol: Node, unit: str) -> list[objects.ModelObject]:
-    """Return the release of a parameter, if an output asks for its reaction."""
-    if symbol.record.owner not in context.released:
-        return []
-    from lagc.semantics.joints import release_parameter
-
-    return release_parameter(context, entry, symbol, unit)
 
 
 def _of_vector(written: tree.Expression) -> str:
@@ -350,7 +340,10 @@ def _strength(context: Context, entry: Entry, written: tree.Expression | None) -
     if not value.is_const:
         return value
     symbol = context.graph.symbol("parameter", name)
-    entry.objects += releases_of(context, entry, symbol, "m/s2")
+    if name in context.released:  # an output asks for its reaction
+        from lagc.semantics.joints import release_parameter
+
+        entry.objects += release_parameter(context, entry, symbol, "m/s2")
     bounds, about = (-math.inf, math.inf), "acceleration of gravity"
     parameter = objects.Parameter(name, symbol, "m/s2", "m/s2", value.value, *bounds, entry.span, about)
     entry.objects.append(parameter)

@@ -29,8 +29,7 @@ from lagc.semantics.names.scope import (
 )
 from lagc.semantics.units import NONE, Dimension, describe, dimension, over, si_text, times
 from lagc.semantics.units import unit as unit_of
-from lagc.semantics.values.evaluate import all_values, evaluate, evaluate_as
-from lagc.semantics.values.functions import Argument
+from lagc.semantics.values.evaluate import Argument, all_values, evaluate, evaluate_as
 from lagc.semantics.values.kinematics import SPEED, velocity_of
 from lagc.semantics.values.unit_hints import expect_of
 from lagc.symbolic.graph import Node

@@ -11,6 +11,7 @@ from lagc.diagnostics.suggest import did_you_mean, remedy_of_word
 from lagc.semantics import model as objects
 from lagc.semantics.context import BIT, LATE, MOVING, VELOCITY, Context, Given
 from lagc.semantics.declarations.attributes import (
+    BOOLEAN,
     Quantity,
     array_of,
     check_constant,
@@ -21,7 +22,7 @@ from lagc.semantics.declarations.attributes import (
     written_value,
 )
 from lagc.semantics.names.scope import Environment, Scalar, Truth, Value, flat, kind, shape
-from lagc.semantics.units import NONE, QuantityType, describe
+from lagc.semantics.units import NONE, describe
 from lagc.semantics.values.evaluate import each, evaluate, evaluate_as
 from lagc.semantics.values.evaluate import whole as integral
 from lagc.semantics.values.unit_hints import expect_of
@@ -29,14 +30,7 @@ from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.walk import reachable, symbols
 from lagc.syntax import tree
 
-BOOLEAN = QuantityType("Boolean", "", "", NONE)
 _TRUE = 0.5  # a truth value is stored as 0 or 1
-
-
-def is_boolean(declaration: tree.Quantities) -> bool:
-    """Return whether it declares discrete truth values."""
-    declared = declaration.type
-    return declaration.kind == "discrete" and declared is not None and declared.path == ("Boolean",)
 
 
 def declare_discrete(context: Context, quantity: Quantity) -> Value:

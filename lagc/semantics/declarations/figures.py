@@ -13,9 +13,8 @@ from lagc.semantics.declarations.attributes import no_modifiers, no_rates
 from lagc.semantics.names.scope import Array, Entry, Reference, Value, expect, flat, kind, vector_in
 from lagc.semantics.units import NONE, M
 from lagc.semantics.values.calls import match
-from lagc.semantics.values.evaluate import each, evaluate_as
+from lagc.semantics.values.evaluate import Argument, each, evaluate_as
 from lagc.semantics.values.frame_vectors import unit_vector
-from lagc.semantics.values.functions import Argument
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector
 from lagc.syntax import tree

@@ -9,6 +9,7 @@ from lagc.diagnostics.faults import Poisoned, Wrong
 from lagc.semantics import model as objects
 from lagc.semantics.context import LATE, Context, set_quaternion_rate
 from lagc.semantics.declarations.attributes import (
+    BOOLEAN,
     Quantity,
     array_of,
     attributes_of,
@@ -32,8 +33,6 @@ from lagc.semantics.declarations.attributes import (
     with_fixed,
     written_value,
 )
-from lagc.semantics.declarations.bodies import releases_of
-from lagc.semantics.declarations.events import BOOLEAN, declare_discrete, is_boolean
 from lagc.semantics.model import Orientation, Statement
 from lagc.semantics.names.scope import (
     Entry,
@@ -89,7 +88,7 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
         remedy = "choose another name: `time` is the time of the motion, and the first column of results"
         raise Wrong("LAG0202", "`time` is a name of the language", entry.span, remedy)
     try:
-        truth = is_boolean(declaration)
+        truth = _is_boolean(declaration)
         meant: QuantityType | None = BOOLEAN if truth else type_of(declaration.type, entry.environment.space)
     except Wrong as wrong:
         context.report(wrong)
@@ -200,7 +199,10 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
                 whole(value, span, f"the parameter `{name}`")
             check_bounds(quantity, name, value, bounds, span, quantity.type.unit)
         symbol = context.graph.symbol("parameter", name)
-        entry.objects += releases_of(context, entry, symbol, quantity.type.unit)
+        if name in context.released:  # an output asks for its reaction
+            from lagc.semantics.joints import release_parameter
+
+            entry.objects += release_parameter(context, entry, symbol, quantity.type.unit)
         is_integer = quantity.type.name == "Integer"
         parameter = objects.Parameter(
             name, symbol, *quantity.units, value, *bounds, *quantity.about, is_integer
@@ -342,7 +344,7 @@ def _output(context: Context, quantity: Quantity) -> Value:
     scalars = flat(value, expression.span, f"`{entry.path}`")
     for scalar in scalars:
         expect_of(
-            expression, scalar.dimension, quantity.type.dimension, f"`{entry.path}`", quantity.type.said
+            expression, scalar.dimension, quantity.type.dimension, f"`{entry.path}`", quantity.type.in_words
         )
     sizes = shape(value)
     if quantity.sizes and sizes != quantity.sizes:
@@ -355,9 +357,21 @@ def _output(context: Context, quantity: Quantity) -> Value:
     return value
 
 
+def _is_boolean(declaration: tree.Quantities) -> bool:
+    """Return whether it declares discrete truth values."""
+    declared = declaration.type
+    return declaration.kind == "discrete" and declared is not None and declared.path == ("Boolean",)
+
+
+def _discrete(context: Context, quantity: Quantity) -> Value:
+    from lagc.semantics.declarations.events import declare_discrete  # where there are some
+
+    return declare_discrete(context, quantity)
+
+
 _DECLARE: dict[str, Callable[[Context, Quantity], Value]] = {
     "constant": _constant, "structural": _constant, "parameter": _parameter, "input": _input,
-    "coordinate": _coordinate, "speed": _speed, "discrete": declare_discrete, "output": _output,
+    "coordinate": _coordinate, "speed": _speed, "discrete": _discrete, "output": _output,
 }  # fmt: skip
 
 

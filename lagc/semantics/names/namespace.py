@@ -186,7 +186,10 @@ class _Search:
         self._wake(named)
         batches = list(self._batches())
         for batch in batches:
-            for seek in (self._around, self._in_files):  # all names first, before the results are used
+            for seek in (
+                self._modules_around,
+                self._in_files,
+            ):  # all names first, before the results are used
                 self._wake([i for name in batch for i in seek(name)])
         for name in (name for batch in batches for name in batch):
             absent = self.waiting.pop(name, [])
@@ -246,7 +249,7 @@ class _Search:
                 self._try(i, self.space.importer.member, self.declarations[i], met)
         return woken
 
-    def _around(self, name: str) -> list[int]:
+    def _modules_around(self, name: str) -> list[int]:
         if self.space.parent is None or name not in self.waiting:
             return []
         try:

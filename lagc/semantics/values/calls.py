@@ -21,8 +21,8 @@ from lagc.semantics.names.namespace import Declared, Namespace
 from lagc.semantics.names.scope import Entry, Environment, Instance, Scalar, Value, expect, flat
 from lagc.semantics.units import TYPES, QuantityType, UnknownUnit, quantity_type, si_text, unit
 from lagc.semantics.values import functions, kinematics
-from lagc.semantics.values.evaluate import all_values, each, evaluate, evaluate_as
-from lagc.semantics.values.functions import RESERVED, Argument, Builtin
+from lagc.semantics.values.evaluate import Argument, all_values, each, evaluate, evaluate_as
+from lagc.semantics.values.functions import RESERVED, Builtin
 from lagc.semantics.values.unit_hints import is_bare
 from lagc.syntax import tree
 

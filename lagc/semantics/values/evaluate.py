@@ -7,6 +7,7 @@ import operator
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
+from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Poisoned, Span, Wrong
 from lagc.semantics.context import Context
 from lagc.semantics.names.scope import Array, Environment, Scalar, Value, kind
@@ -19,6 +20,15 @@ Item = TypeVar("Item")
 
 LONGEST_RANGE = 100_000
 BEYOND = 2**53  # from here on a double may stand for several integers
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """An argument of a call; `bare`: it consists of numbers without units."""
+
+    value: Value
+    span: Span
+    bare: bool = False
 
 
 def evaluate(context: Context, expression: tree.Expression, environment: Environment) -> Value:

@@ -77,7 +77,7 @@ def select(context: Context, condition: Node, first: tuple[Value, Span], second:
     def result_of(x: Scalar, y: Scalar) -> Scalar:
         return Scalar(
             context.graph.select(condition, x.node, y.node),
-            _same(x, y, "the branches", b_span, a_span, b_span),
+            _common_dimension(x, y, "the branches", b_span, a_span, b_span),
         )
 
     if not isinstance(a, Scalar | Array) or not isinstance(b, Scalar | Array):
@@ -99,7 +99,7 @@ def _shape(value: Value) -> str:
     return f"an array of {' x '.join(str(n) for n in sizes)}" if sizes else "a number"
 
 
-def _same(
+def _common_dimension(
     a: Scalar, b: Scalar, what: str, span: Span, a_span: Span, b_span: Span, remedy: str | None = None
 ) -> Dimension | None:
     if a.dimension is None:
@@ -115,7 +115,7 @@ def _same(
 def _sides(e: tree.Binary, a: Scalar, b: Scalar, what: str) -> Dimension | None:
     """Return the common dimension of both sides of an operator.  Raises Wrong."""
     remedy = unit_remedy(e.left, b.dimension) or unit_remedy(e.right, a.dimension)
-    return _same(a, b, what, e.op_span, e.left.span, e.right.span, remedy)
+    return _common_dimension(a, b, what, e.op_span, e.left.span, e.right.span, remedy)
 
 
 def _sum(e: tree.Binary, left: Value, right: Value) -> Value:

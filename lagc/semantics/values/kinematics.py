@@ -47,8 +47,9 @@ from lagc.semantics.units import (
     times,
 )
 from lagc.semantics.units import unit as unit_of
+from lagc.semantics.values.evaluate import Argument
 from lagc.semantics.values.frame_vectors import direction, in_frame, is_constant, known_in_frame
-from lagc.semantics.values.functions import Argument, Table, angle_of_turn
+from lagc.semantics.values.functions import Table, angle_of_turn
 from lagc.symbolic import vectors
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix, Vector, add, cross, matmul, matvec, scale, transpose
@@ -88,7 +89,7 @@ def _der(context: Context, span: Span, x: Argument) -> Value:
 
 
 @TABLE.enter("attached", "body", "drawn")
-def _attached(context: Context, span: Span, body: Argument, drawn: Argument) -> Value:
+def _drawn_place(context: Context, span: Span, body: Argument, drawn: Argument) -> Value:
     """Return the place of the point of a body that is drawn at `drawn`; joints place the body."""
     pose = context.poses.get(body.value.name) if isinstance(body.value, Body) else None
     if pose is None:
@@ -397,7 +398,7 @@ def _rotate(context: Context, span: Span, frame: Argument, axis: Argument, angle
         remedy = f"write the axis first: `rotate({frame.span.text}, {angle.span.text}, {axis.span.text})`"
         raise Wrong("LAG0306", "the axis of a rotation must be a vector {x, y, z}", axis.span, remedy)
     vector, _ = vector_of(axis.value, axis.span, "the axis of a rotation")
-    return _about(context, parent, *direction(context, parent, vector, axis.span), angle, axis.span)
+    return _rotated_about(context, parent, *direction(context, parent, vector, axis.span), angle, axis.span)
 
 
 def frame_of(argument: Argument) -> Frame:
@@ -427,16 +428,20 @@ def _turned_frame(context: Context, parent: Frame, turn: Matrix, own: Vector) ->
     axes = matmul(parent.axes, turn)
     carried = matvec(transpose(turn), parent.angular_velocity)
     context.turns[axes] = parent.axes, turn
-    return _made(context, parent, axes, add(carried, own), add(parent.spin, matvec(axes, own)))
+    return _new_frame(context, parent, axes, add(carried, own), add(parent.spin, matvec(axes, own)))
 
 
-def _made(context: Context, parent: Frame, axes: Matrix, angular_velocity: Vector, spin: Vector) -> Frame:
+def _new_frame(
+    context: Context, parent: Frame, axes: Matrix, angular_velocity: Vector, spin: Vector
+) -> Frame:
     found = Frame("", parent.name, axes, angular_velocity, spin, None)
     context.clock.add_frame(found)
     return found
 
 
-def _about(context: Context, parent: Frame, axis: Vector, own: Vector, angle: Argument, span: Span) -> Frame:
+def _rotated_about(
+    context: Context, parent: Frame, axis: Vector, own: Vector, angle: Argument, span: Span
+) -> Frame:
     """Return a frame rotated about the unit vector `axis` (world axes), which is `own` in the parent's
     axes."""
     for k in range(3):
@@ -447,7 +452,7 @@ def _about(context: Context, parent: Frame, axis: Vector, own: Vector, angle: Ar
     if is_constant(context, axis):  # W R, with a rotation W about the fixed axis
         turn, about = _turn(axis, node), add(parent.angular_velocity, scale(rate, own))
         spin = add(matvec(turn, parent.spin), scale(rate, axis))
-        found = _made(context, parent, matmul(turn, parent.axes), about, spin)
+        found = _new_frame(context, parent, matmul(turn, parent.axes), about, spin)
     elif is_constant(context, own):
         found = _turned_frame(context, parent, _turn(own, node), scale(rate, own))
     else:
@@ -467,7 +472,7 @@ def turned_by(context: Context, frame: Frame, turn: Matrix) -> Frame:
 def turned_about(context: Context, parent: Frame, own: Vector, angle: Node, span: Span) -> Frame:
     """Return a frame rotated about the unit vector `own` in the axes of its parent."""
     axis = matvec(parent.axes, own)
-    return _about(context, parent, axis, own, Argument(Scalar(angle, NONE), span), span)
+    return _rotated_about(context, parent, axis, own, Argument(Scalar(angle, NONE), span), span)
 
 
 def _turn(axis: Vector, angle: Node) -> Matrix:

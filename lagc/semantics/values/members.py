@@ -130,7 +130,7 @@ def element(context: Context, base: Value, numbers: list[int], e: tree.Index) ->
         if entry is None:
             written = ", ".join(str(n) for n in numbers)
             message = f"there is no `{base.entry.path}[{written}]`"
-            remedy = _declared(list(elements))
+            remedy = _declared_range(list(elements))
             related = ((base.entry.span, "declared here"),)
             raise Wrong("LAG0207", message, e.span, remedy, related)
         return context.value(entry, e.span)
@@ -160,7 +160,7 @@ def part(context: Context, base: Value, wanted: list[int | list[int]], e: tree.I
     return found([], wanted)
 
 
-def _declared(subscripts: list[tuple[int, ...]]) -> str | None:
+def _declared_range(subscripts: list[tuple[int, ...]]) -> str | None:
     if not subscripts:
         return None
     if all(len(s) == 1 for s in subscripts):

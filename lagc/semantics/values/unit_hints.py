@@ -225,7 +225,7 @@ def spelling_remedy(text: str, wanted: Dimension | None = None) -> str | None:
         return value if "`" in value else known
     if (meant := meant_unit(text, wanted)) is not None:
         return f"write `[{meant}]`"
-    for guesses in (_close, _any) if wanted is not None else ():
+    for guesses in (_close, _units_for) if wanted is not None else ():
         if (close := meant_unit(text, wanted, guesses)) is not None:
             return f"did you mean `[{close}]`?"
     if (meant := meant_unit(text)) is not None:
@@ -283,7 +283,7 @@ def _close(word: str) -> Iterator[str]:
     yield from difflib.get_close_matches(word, [*_COMMON, *SYMBOLS], n=6, cutoff=0.5)
 
 
-def _any(word: str) -> Iterator[str]:
+def _units_for(word: str) -> Iterator[str]:
     """Yield the common units for a word that is none."""
     yield from (word,) if _is_unit(word) else _PIECES
 

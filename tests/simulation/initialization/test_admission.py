@@ -11,7 +11,7 @@ import pytest
 
 import lagc
 from lagc.cli.main import main
-from tests.simulation.initialization.twins import Twins, program_of
+from tests.simulation.initialization.generated_starts import Starts, program_of
 
 DERIVED = """\
 model M
@@ -46,7 +46,7 @@ def test_bounds_of_derived_parameters_hold_in_bind_and_in_checks_of_generated_co
     """For random values; what is derived is known in closed form."""
     text = DERIVED.format(q=1, derived=derived)
     model = lagc.loads(text).compile(backend="numpy")
-    twins, dice, seen = Twins(program_of(text)), random.Random(derived), set()
+    twins, dice, seen = Starts(program_of(text)), random.Random(derived), set()
     for _ in range(40):
         q, s = dice.uniform(-4, 4), dice.uniform(-4, 4)
         out = not -1.0 <= FORMS[derived](q, s) <= 2.0

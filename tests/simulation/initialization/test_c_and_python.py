@@ -10,7 +10,7 @@ import pytest
 from lagc.semantics.units import unit
 from lagc.simulation.initialization.conflicts import conditions_of
 from lagc.simulation.initialization.solver import Consistency
-from tests.simulation.initialization.twins import Twins, program_of, random_levels, system_of
+from tests.simulation.initialization.generated_starts import Starts, program_of, random_levels, system_of
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
 LIBRARY = (
@@ -24,7 +24,7 @@ LIBRARY = (
 @pytest.mark.parametrize("name", LIBRARY)
 def test_c_and_python_find_the_same_start(name: str) -> None:
     """From random guesses, with random values stated more or less firmly; where there is none, too."""
-    twins = Twins(program_of(f"classic/{name}"))
+    twins = Starts(program_of(f"classic/{name}"))
     dice = random.Random(name)
     statuses = set()
     for k in range(12):
@@ -60,7 +60,7 @@ STRANGE = {
 @needs_gcc
 @pytest.mark.parametrize("name", STRANGE)
 def test_strange_starts_are_the_same_too(name: str) -> None:
-    twins = Twins(program_of(STRANGE[name]))
+    twins = Starts(program_of(STRANGE[name]))
     levels = list(twins.interface.start_levels)
     found = twins.by_python(0.0, twins.guess, levels)
     assert repr(found) == repr(twins.by_c(0.0, twins.guess, None))

@@ -9,7 +9,7 @@ from fractions import Fraction
 import pytest
 
 from lagc.simulation.initialization.solver import Conditions, Consistency
-from tests.simulation.initialization.twins import Twins, program_of
+from tests.simulation.initialization.generated_starts import Starts, program_of
 
 ACCEPTED = 1e-9  # scaled residual at which a start is taken: see `lagc.kernels.language.tolerances`
 Row = tuple[dict[int, float], float]  # coefficients by unknown, and the value of their sum
@@ -205,7 +205,7 @@ def test_a_ring_is_met_by_c_and_python(k: str) -> None:
     """x = k y, y = z/k + u, z = x + w, w = 2 k u: of rings whose last places alone tell w and u."""
     rows = f";\n  constraint s: y = 1/{k}*w + u;\n  constraint t: w = x + v;\n  constraint o: v = 2*{k}*u;\n"
     rows += "  coordinate Length w, u, v;\n  body c = Particle(mass = 1, at = {w, u, v})"
-    twins = Twins(program_of(MODEL.format(x=1, k=k, more=rows)))
+    twins = Starts(program_of(MODEL.format(x=1, k=k, more=rows)))
     found = twins.by_python(0.0, twins.guess, twins.interface.start_levels)
     assert repr(found) == repr(twins.by_c(0.0, twins.guess, None))
     start = dict(zip((*twins.interface.q_names, *twins.interface.v_names), found[2]))
@@ -217,7 +217,7 @@ def test_a_ring_is_met_by_c_and_python(k: str) -> None:
 @pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("k", ["1e3", "1e6", "1e9", "1e10"])
 def test_a_large_coefficient_hides_no_contradiction(k: str) -> None:
-    twins = Twins(program_of(MODEL.format(x=1, k=k, more=f";\n  constraint s: x = 2 [m] + {k}*y")))
+    twins = Starts(program_of(MODEL.format(x=1, k=k, more=f";\n  constraint s: x = 2 [m] + {k}*y")))
     found = twins.by_python(0.0, twins.guess, twins.interface.start_levels)
     assert repr(found) == repr(twins.by_c(0.0, twins.guess, None))
     assert found[0] != 0

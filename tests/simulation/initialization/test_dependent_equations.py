@@ -12,7 +12,13 @@ import pytest
 from lagc.mechanics.analysis.analysis import analyse
 from lagc.simulation.initialization.initialize import consistent_start
 from lagc.simulation.system import OK
-from tests.simulation.initialization.twins import Twins, compilation_of, program_of, stated_moves, system_of
+from tests.simulation.initialization.generated_starts import (
+    Starts,
+    compilation_of,
+    program_of,
+    stated_moves,
+    system_of,
+)
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
 
@@ -81,7 +87,7 @@ def turned(angle: float) -> float:
     return math.remainder(angle, 2 * math.pi)
 
 
-def near(twins: Twins, given: dict[str, float]) -> dict[str, float]:
+def near(twins: Starts, given: dict[str, float]) -> dict[str, float]:
     """The start with `given` stated by the run, the same bits in C; none of `given` moved."""
     interface = twins.interface
     names = [*interface.q_names, *interface.v_names]
@@ -105,7 +111,7 @@ def test_cranks_follow_the_one_that_is_stated(seed: int) -> None:
     dead centres, which are kept away from by 2 degrees."""
     dice = random.Random(seed)
     n = 3 + seed
-    twins = Twins(program_of(cranks(n, dice.uniform(0.1, 1.0), dice.uniform(0.1, 1.0))))
+    twins = Starts(program_of(cranks(n, dice.uniform(0.1, 1.0), dice.uniform(0.1, 1.0))))
     for _ in range(6):
         angle = dice.choice((0.0, math.pi)) + dice.choice((-1.0, 1.0)) * dice.uniform(0.035, math.pi / 2)
         found = near(twins, {"c0": angle, "der(c0)": 3.0})
@@ -121,7 +127,7 @@ def test_cranks_follow_the_one_that_is_stated(seed: int) -> None:
 def test_parallel_bars_keep_the_stated_crank(seed: int) -> None:
     dice = random.Random(seed)
     parts = [1.0, 0.5, 0.7][: 2 + seed]
-    twins = Twins(program_of(bars(parts, dice.uniform(0.1, 1.0), dice.uniform(0.1, 1.0))))
+    twins = Starts(program_of(bars(parts, dice.uniform(0.1, 1.0), dice.uniform(0.1, 1.0))))
     for _ in range(6):
         angle = dice.choice((0.0, math.pi)) + dice.choice((-1.0, 1.0)) * dice.uniform(0.035, math.pi / 2)
         found = near(twins, {"a": angle})
@@ -190,7 +196,7 @@ def test_a_stated_velocity_of_a_wheel_or_ball_asks_for_moderate_rates(down: str)
     """Rolling with x' = u is done by turns of u / R about two axes, with y' and z' up to u: the solution of
     least norm, in these sizes, has no rate above 2 u / R.  At right angles exactly, near them, elsewhere."""
     dice = random.Random(down)
-    twins = Twins(program_of(DISC.format(R=0.4, down=down)))
+    twins = Starts(program_of(DISC.format(R=0.4, down=down)))
     for off in (0.0, 1e-12, 1e-6, 1e-3, 0.3):
         for th in (-0.5 * math.pi + off, 0.5 * math.pi - off, 1.5 * math.pi + off):
             z = 0.4 * math.sin(th) if down == "B.y" else 0.4
@@ -237,7 +243,7 @@ def test_a_plate_on_equal_strings_hangs_on_all(seed: int) -> None:
     """The guess is singular: at y = 0 no string depends on y.  On three strings the plate may tilt; on four,
     whose equations depend on each other where it is level, it stays level and moves as one string."""
     dice = random.Random(seed)
-    twins = Twins(program_of(table(3 + seed % 2, dice)))
+    twins = Starts(program_of(table(3 + seed % 2, dice)))
     levels = twins.interface.start_levels
     found = twins.by_python(0.0, twins.guess, levels)
     assert repr(found) == repr(twins.by_c(0.0, twins.guess, levels))

@@ -17,7 +17,7 @@ from lagc.diagnostics.faults import Refused
 from lagc.simulation.initialization.initialize import consistent_start
 from lagc.simulation.request import Request
 from lagc.simulation.simulate import simulate
-from tests.simulation.initialization.twins import program_of, start_of, system_of
+from tests.simulation.initialization.generated_starts import program_of, start_of, system_of
 
 WHEEL = """\
 model Wheel

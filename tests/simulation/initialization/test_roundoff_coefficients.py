@@ -8,7 +8,13 @@ from math import cos, pi, radians, sin
 import pytest
 
 from lagc.simulation.initialization.initialize import consistent_start
-from tests.simulation.initialization.twins import Twins, program_of, start_of, stated_moves, system_of
+from tests.simulation.initialization.generated_starts import (
+    Starts,
+    program_of,
+    start_of,
+    stated_moves,
+    system_of,
+)
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
 
@@ -41,7 +47,7 @@ def model(quarters: float, axis: str) -> str:
 @pytest.mark.parametrize("axis", "xyz")
 @pytest.mark.parametrize("quarters", [1, 2, -3, 7, 40, -1001])
 def test_a_rounded_quarter_turn_moves_nothing(quarters: int, axis: str) -> None:
-    twins = Twins(program_of(model(quarters, axis)))
+    twins = Starts(program_of(model(quarters, axis)))
     levels = twins.interface.start_levels
     found = twins.by_python(0.0, twins.guess, levels)
     assert repr(found) == repr(twins.by_c(0.0, twins.guess, None))

@@ -13,7 +13,7 @@ from lagc.simulation.initialization.conflicts import conditions_of
 from lagc.simulation.initialization.initialize import consistent_start
 from lagc.simulation.initialization.solver import Consistency
 from lagc.simulation.system import INCONSISTENT, NOT_FINITE, OK
-from tests.simulation.initialization.twins import Twins, program_of, start_of, system_of
+from tests.simulation.initialization.generated_starts import Starts, program_of, start_of, system_of
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
 
@@ -131,8 +131,8 @@ end M;
 
 
 @pytest.fixture(scope="module")
-def turning() -> Twins:
-    return Twins(program_of(TURNED.format(rate="v")))
+def turning() -> Starts:
+    return Starts(program_of(TURNED.format(rate="v")))
 
 
 @pytest.mark.full
@@ -151,7 +151,7 @@ def turning() -> Twins:
     ],
 )
 def test_any_direction_is_taken_and_none_invented(
-    turning: Twins, parts: tuple[float, ...], status: int, turned: tuple[float, ...] | None
+    turning: Starts, parts: tuple[float, ...], status: int, turned: tuple[float, ...] | None
 ) -> None:
     twins = turning
     names = twins.interface.q_names
@@ -168,7 +168,7 @@ def test_any_direction_is_taken_and_none_invented(
 @pytest.mark.full
 @needs_gcc
 def test_a_stated_rate_that_is_not_finite_is_named() -> None:
-    twins = Twins(program_of(TURNED.format(rate="v/(v - 1 [m/s])*v")))
+    twins = Starts(program_of(TURNED.format(rate="v/(v - 1 [m/s])*v")))
     found = twins.by_python(0.0, twins.guess, twins.interface.start_levels)
     assert repr(found) == repr(twins.by_c(0.0, twins.guess, None))
     assert found[:2] == (NOT_FINITE, twins.n)

@@ -8,7 +8,7 @@ import random
 import pytest
 
 from lagc.simulation.initialization.initialize import consistent_start
-from tests.simulation.initialization.twins import system_of
+from tests.simulation.initialization.generated_starts import system_of
 
 CHAIN = """\
 model Chain "A follower, a cam, gears, and a crank that a nut on its slider drives"

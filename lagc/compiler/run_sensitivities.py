@@ -32,7 +32,7 @@ def directions_of(loaded: Loaded, names: Sequence[str]) -> tuple[Direction, ...]
     return directions(own.interface, names, own.unused, own.built_in)
 
 
-def follow(
+def add_sensitivities(
     loaded: Loaded, run: Solution, request: Request, parameters: Sequence[float], progress: Progress | None
 ) -> None:
     """Add the sensitivities of `request` to `run`, which has these parameters and inputs."""
@@ -48,7 +48,7 @@ def follow(
     # same until the first contact event.
     modes = modes_of(own.interface, run.states[0])
     _refuse_sliding(own.interface, modes)
-    system = loaded.held(modes)
+    system = loaded.in_contact_modes(modes)
     # Parameters and inputs may reach nothing in these modes: directions by them are zero.
     used = {f.name for f in (*system.interface.parameters, *system.interface.inputs)}
     fields = (*own.unused, *own.interface.parameters, *own.interface.inputs)

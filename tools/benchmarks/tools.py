@@ -24,8 +24,8 @@ from lagc.compiler import pipeline, stages
 from lagc.host import cache
 from lagc.kernels import EXPLICIT, IMPLICIT, METHODS
 from lagc.study.probe import Array, Probe, Setting
-from tests.benchmarks import dop853
-from tests.benchmarks.problems import Problem
+from tools.benchmarks import dop853
+from tools.benchmarks.problems import Problem
 
 Run = Callable[[float, int], tuple[Array, float]]
 # `run(tolerance, repeats)`: a row for each recorded time, and the CPU time of one run in s

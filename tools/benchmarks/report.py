@@ -9,10 +9,10 @@ from math import exp, log
 from pathlib import Path
 from textwrap import fill
 
-from tests.benchmarks.measured import TARGETS, Line, Part, Report, power
-from tests.benchmarks.pictures import asked_and_got, made, shown, svg, work_precision
-from tests.benchmarks.tables import Cell, table
-from tests.benchmarks.tools import TOOLS
+from tools.benchmarks.measured import TARGETS, Line, Part, Report, power
+from tools.benchmarks.pictures import asked_and_got, made, shown, svg, work_precision
+from tools.benchmarks.tables import Cell, table
+from tools.benchmarks.tools import TOOLS
 
 ROOT = Path(__file__).parents[2]
 BEGIN, END = "<!-- benchmarks -->", "<!-- end of benchmarks -->"
@@ -113,7 +113,7 @@ def kept_words(report: Report) -> str:
 def of_readme(report: Report) -> str:
     """The text of the README between the markers."""
     first = (
-        f"CPU time and true error on {WORDS[len(report.parts)]} problems, by `python -m tests.benchmarks` on "
+        f"CPU time and true error on {WORDS[len(report.parts)]} problems, by `python -m tools.benchmarks` on "
         f"{report.day} ({report.machine}, gcc -O2). Other tools get the equations as a person writes them. "
     )
     lines = [

@@ -55,7 +55,7 @@ def stated_moves(start: Start) -> list[str]:
     return [c.name for c in start.changes if c.stated]
 
 
-class Twins:
+class Starts:
     """The two searches for a consistent start that the generated code of `program` has."""
 
     def __init__(self, program: Program):

@@ -1,6 +1,6 @@
 """What a model of size n costs: everything should grow as n does.
 
-    python -m tests.benchmarks growth [--families NAMES] [--up-to N]
+    python -m tools.benchmarks growth [--families NAMES] [--up-to N]
 
 Compiling is timed in a cold process with an empty cache, imports included, from the model's text to the first
 right-hand side in Python, and in C with what the C compiler takes; `MB` is the most memory until then.
@@ -20,9 +20,9 @@ from collections.abc import Callable, Mapping, Sequence
 from statistics import linear_regression
 from typing import Any, NamedTuple
 
-from tests.benchmarks.installed import run
-from tests.benchmarks.native import Native
-from tests.benchmarks.tables import Cell, machine, table
+from tools.benchmarks.installed import run
+from tools.benchmarks.native import Native
+from tools.benchmarks.tables import Cell, machine, table
 
 LONGEST = 120.0  # s of one size
 LAST = 30.0  # s of compiling, beyond which no larger size is tried

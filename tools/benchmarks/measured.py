@@ -20,10 +20,10 @@ import numpy as np
 from lagc.study.cost import Reference, refer
 from lagc.study.probe import Array
 from lagc.version import __version__
-from tests.benchmarks.problems import Problem
-from tests.benchmarks.tables import machine
-from tests.benchmarks.tools import Task, Tool, task
-from tests.benchmarks.workers import Unable, Worker
+from tools.benchmarks.problems import Problem
+from tools.benchmarks.tables import machine
+from tools.benchmarks.tools import Task, Tool, task
+from tools.benchmarks.workers import Unable, Worker
 
 POINTS, EVERY = 201, 10  # times of the reference; each tenth is recorded by the tools
 TOLERANCES = tuple(10.0**-k for k in range(2, 14))

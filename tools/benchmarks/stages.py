@@ -1,7 +1,7 @@
 """How the cost of each stage of compiling grows with the model: seconds at the largest size, and exponents.
 
 CPU time of the process, the least of some runs.  An exponent is that of the two largest sizes, of the pieces
-that a model has (an n-body model n^2 of them).  `python -m tests.benchmarks.stages [FAMILY ...]`.
+that a model has (an n-body model n^2 of them).  `python -m tools.benchmarks.stages [FAMILY ...]`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host import model_library
 from lagc.host.budgets import Limits
 from lagc.lowering.program import Program
-from tests.benchmarks.tables import Cell, machine, table
+from tools.benchmarks.tables import Cell, machine, table
 
 LEAST = 0.3  # s of CPU a size, beyond which it is not measured again
 MOST = 60.0  # beyond which larger sizes are left out

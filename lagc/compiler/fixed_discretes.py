@@ -30,7 +30,7 @@ def refuse_contacts(model: Model, variant: str) -> None:
         raise Refused([Fault("LAG0623", message, contact.span, remedy=other)])
 
 
-def with_held(model: Model) -> Model:
+def with_fixed_discretes(model: Model) -> Model:
     """Return a model whose discrete variables are inputs: linear models and derivatives hold them. Those on
     which constraints depend, as the speed of a belt, are parameters."""
     from lagc.semantics.model import Input, Parameter

@@ -10,7 +10,7 @@ from time import process_time
 from typing import Any
 
 from lagc.study.probe import Array
-from tests.benchmarks.tools import Task, Tool, Without
+from tools.benchmarks.tools import Task, Tool, Without
 
 WAIT = 20.0  # s of wall time for an answer, without the runs that are asked for
 

@@ -6,7 +6,7 @@ import io
 from typing import TYPE_CHECKING
 
 from lagc.reports.plots.plot import styled
-from tests.benchmarks.measured import TARGETS, Part, Report, power
+from tools.benchmarks.measured import TARGETS, Part, Report, power
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

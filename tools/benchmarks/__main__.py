@@ -1,7 +1,7 @@
 """Speed and accuracy beside other tools, measured in one run.
 
-    python -m tests.benchmarks [--quick] [--write] [--json FILE]
-    python -m tests.benchmarks growth | stages | startup    (lagc alone: its compiler and its processes)
+    python -m tools.benchmarks [--quick] [--write] [--json FILE]
+    python -m tools.benchmarks growth | stages | startup    (lagc alone: its compiler and its processes)
 
 Other tools are used if they are installed: pip install -e '.[peers]'.
 """
@@ -16,28 +16,28 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from tests.benchmarks.measured import Report
+    from tools.benchmarks.measured import Report
 
 OTHERS = ("growth", "stages", "startup")
 
 
 def main() -> int:
     if sys.argv[1:2] and sys.argv[1] in OTHERS:
-        importlib.import_module(f"tests.benchmarks.{sys.argv.pop(1)}").main()
+        importlib.import_module(f"tools.benchmarks.{sys.argv.pop(1)}").main()
         return 0
-    from tests.benchmarks.tools import alone
+    from tools.benchmarks.tools import alone
 
     alone()  # before NumPy is loaded by others
     return report()
 
 
 def report() -> int:
-    from tests.benchmarks.measured import begun
-    from tests.benchmarks.problems import PROBLEMS
-    from tests.benchmarks.tools import TOOLS
+    from tools.benchmarks.measured import begun
+    from tools.benchmarks.problems import PROBLEMS
+    from tools.benchmarks.tools import TOOLS
 
     parser = argparse.ArgumentParser(
-        prog="python -m tests.benchmarks", description=__doc__,
+        prog="python -m tools.benchmarks", description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
     names = [problem.name for problem in PROBLEMS]
@@ -66,7 +66,7 @@ def report() -> int:
     if strange:
         parser.error(f"no tool is called {strange[0]}: {', '.join(t.name for t in TOOLS if t.package)}")
     found = measured(wanted, tools or None, asked.quick)
-    from tests.benchmarks.report import numbers, text, write
+    from tools.benchmarks.report import numbers, text, write
 
     text(found)
     if asked.json:
@@ -81,9 +81,9 @@ def report() -> int:
 
 
 def measured(problems: list[str], words: list[str] | None, quick: bool) -> Report:
-    from tests.benchmarks.measured import begun, measure
-    from tests.benchmarks.problems import PROBLEMS
-    from tests.benchmarks.tools import chosen
+    from tools.benchmarks.measured import begun, measure
+    from tools.benchmarks.problems import PROBLEMS
+    from tools.benchmarks.tools import chosen
 
     tools = chosen(words)
     found = begun(tools)

@@ -14,8 +14,8 @@ import time
 from collections.abc import Sequence
 from statistics import median
 
-from tests.benchmarks.installed import folder, run
-from tests.benchmarks.tables import Cell, machine, table
+from tools.benchmarks.installed import folder, run
+from tools.benchmarks.tables import Cell, machine, table
 
 ROUNDS = 9
 TARGETS: dict[str, float] = {"sim, cold": 0.4, "sim, warm": 0.15}

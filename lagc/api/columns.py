@@ -1,0 +1,45 @@
+"""Columns of numbers in a CSV file, with units in its header."""
+
+from __future__ import annotations
+
+import re
+from math import nan
+from typing import Any
+
+from lagc.api.values import real
+from lagc.base.text import number
+from lagc.diagnostics.faults import Fault, Refused
+
+
+def read_columns(path: str) -> dict[str, list[str]]:
+    """Return the columns of a CSV file by the names in its header.  Raises Refused: LAG0702, LAG0602 for
+    a line of another length."""
+    import csv
+
+    try:
+        with open(path, encoding="utf-8-sig", newline="") as file:
+            head, *lines = [line for line in csv.reader(file) if line]
+    except (OSError, ValueError, csv.Error) as error:
+        reason = getattr(error, "strerror", None) or "it is no table with a header"
+        raise Refused([Fault("LAG0702", f"`{path}` cannot be read: {reason}")]) from None
+    for k, line in enumerate(lines, 2):
+        if len(line) != len(head):
+            message = f"`{path}`, line {k}: {len(line)} values for {len(head)} columns"
+            raise Refused([Fault("LAG0602", message)])
+    return {name.strip(): [line[k] for line in lines] for k, name in enumerate(head)}
+
+
+def parted(word: str) -> tuple[str, str | None]:
+    """Return the name and the unit of `angle[deg]` or `angle [deg]`; None without one."""
+    found = re.fullmatch(r"\s*(.*?)\s*\[([^\[\]]*)\]\s*", word)
+    return (found[1], found[2].strip()) if found else (word.strip(), None)
+
+
+def reading(name: str, value: Any) -> float:
+    """Return a number of the column `name`; NaN if it is empty.  Raises Refused (LAG0602)."""
+    if value is None or (isinstance(value, str) and not value.strip()):
+        return nan
+    found = number(value.strip()) if isinstance(value, str) else real(name, value)
+    if found is None:
+        raise Refused([Fault("LAG0602", f"the column `{name}` has {value!r}, which is not a number")])
+    return found

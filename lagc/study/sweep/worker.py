@@ -1,0 +1,219 @@
+"""The runs of one chunk of a sweep, in this process or in another one."""
+
+from __future__ import annotations
+
+import pickle
+from _thread import _local as Local
+from array import array
+from collections.abc import Callable, Mapping, Sequence
+from math import fsum, inf, nan, sqrt
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, Protocol
+
+from lagc.base.records import dataclass, replace
+from lagc.diagnostics.faults import Refused
+from lagc.host.cache import tool_fingerprint
+from lagc.kernels import DEFAULT_METHOD
+from lagc.simulation.repeated import repeated
+from lagc.simulation.request import Request, given_values
+from lagc.simulation.solution import columns_of
+from lagc.simulation.supervision import MOST_TIME, Forecast
+from lagc.version import __version__
+
+if TYPE_CHECKING:
+    from lagc.simulation.solution import Solution
+
+KEPT = ("final", "max", "min", "rms")
+STATUSES = ("ok", "terminated", "failed", "refused")  # a row has the index of one, or NaN: not run
+FIRST = 3  # numbers of a row before its columns: status, end time, estimated error
+MOST_WORDS = 300  # characters of a message
+
+Progress = Callable[[float], None]
+Point = tuple[float, ...]
+
+
+class Model(Protocol):
+    """A compiled model, as `lagc.compiler.loaded` has it; it can be pickled."""
+
+    @property
+    def artifact(self) -> Any: ...
+
+    def taking(self, method: str) -> Model: ...
+
+    def system(self, backend: str) -> Any: ...
+
+    def simulate(
+        self, request: Request, parameters: Sequence[float], progress: Progress | None = None
+    ) -> Solution: ...
+
+
+@dataclass(frozen=True)
+class Task:
+    """Everything that the runs of a sweep share.  `model` is pickled, `key` names all of it; `fingerprint` is
+    that of lagc; `values` is the array p, `names` are parameters and `start(...)` that vary."""
+
+    model: bytes
+    key: str
+    fingerprint: str
+    backend: str
+    request: Request
+    values: tuple[float, ...]
+    names: tuple[str, ...]
+    keep: tuple[str, ...]
+    most_time: float = MOST_TIME  # s for one run
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """The results of runs: the rows of numbers as bytes of doubles, the codes and messages of some by their
+    place in the chunk, and the time that they took in s.  `other` is the version of a worker that is
+    refused."""
+
+    rows: bytes
+    reasons: Mapping[int, tuple[str, str]]
+    seconds: float
+    other: str = ""
+
+
+def version() -> str:
+    """This lagc: its version and the beginning of the hash of its sources."""
+    return f"{__version__} ({tool_fingerprint()[:12]})"
+
+
+class _Last(Local):
+    """The runner of the last sweep of a thread."""
+
+    key = ""
+    runner: Runner
+
+
+_last = _Last()
+
+
+def run(task: Task, points: Sequence[Point], progress: Progress = lambda t: None) -> Chunk:
+    """Run the points of a chunk.  KeyboardInterrupt in `progress` ends it without a result."""
+    if task.fingerprint != version():
+        return Chunk(b"", {}, 0.0, version())
+    began = perf_counter()
+    if _last.key != task.key:
+        _last.runner, _last.key = Runner(task, pickle.loads(task.model)), task.key
+    runner = _last.runner
+    rows, reasons = array("d"), dict[int, tuple[str, str]]()
+    watched = Forecast(progress, task.request.stop or 0.0, task.most_time)
+    for k, point in enumerate(points):
+        row, reason = runner.row(point, watched)
+        rows.extend(row)
+        if reason is not None:
+            reasons[k] = reason
+    return Chunk(rows.tobytes(), reasons, perf_counter() - began)
+
+
+class Runner:
+    """The runs of a task in this thread."""
+
+    def __init__(self, task: Task, model: Model):
+        self.task, self.model = task, model
+        interface = model.artifact.interface
+        fields = [*interface.parameters, *interface.inputs]
+        place = {f.name: i for i, f in enumerate(fields)}
+        self.varied = [fields[place[name]] for name in task.names if name in place]
+        self.places = [place.get(name) for name in task.names]
+        self.starts = [started(name) for name in task.names]
+        self.columns = columns_of(interface)
+        self.last = task.keep == ("final",)
+        known = [*interface.state_names, *(x.name for x in interface.discretes)]
+        first = interface.nx - len(interface.discretes)
+        ends = [*range(len(interface.state_names)), *range(first, interface.nx)]
+        self.state_places = dict(zip(known, ends))
+        self.fixed = {self.state_places[name]: value for name, value in task.request.starts.items()}
+        self.repeated = None
+        if task.backend == "c":
+            own = model.taking(task.request.method or DEFAULT_METHOD)
+            self.repeated = repeated(own.system("c"), task.request, self.columns, self.last)
+
+    def row(self, point: Point, progress: Progress) -> tuple[list[float], tuple[str, str] | None]:
+        """Return the numbers of a run, and the code and the message of one that did not go as asked."""
+        values, starts = list(self.task.values), dict[str, float]()
+        for place, start, value in zip(self.places, self.starts, point):
+            if place is not None:
+                values[place] = value
+            elif start is not None:
+                starts[start] = value
+        try:
+            self._check(values, point)
+            if self.repeated is not None:
+                places = {**self.fixed, **{self.state_places[name]: v for name, v in starts.items()}}
+                columns = self.repeated.run(values, places, progress)
+                if columns is not None:
+                    times = self.repeated.times
+                    return [0.0, times[-1], nan, *statistics(self.task.keep, times, columns)], None
+            request = replace(self.task.request, starts={**self.task.request.starts, **starts})
+            return self._of(self.model.simulate(request, values, progress))
+        except Refused as refused:
+            fault = refused.faults[0]
+            return self._empty(), (fault.code, _short(str(fault.message)))
+        except (ArithmeticError, ValueError, LookupError, TypeError) as error:  # of lagc: the sweep goes on
+            return self._empty(), ("LAG0799", _short(f"internal error ({type(error).__name__}: {error})"))
+
+    def _check(self, values: Sequence[float], point: Point) -> None:
+        """Raise Refused if a parameter of the point is out of its bounds."""
+        for field, value in zip(self.varied, [v for p, v in zip(self.places, point) if p is not None]):
+            if field.whole or not field.minimum <= value <= field.maximum:
+                faults: list[Any] = []
+                given_values({field.name: value}, [field], faults)
+                if faults:
+                    raise Refused(faults)
+
+    def _empty(self) -> list[float]:
+        count = len(self.columns) * len(self.task.keep)
+        return [float(STATUSES.index("refused")), nan, nan, *[nan] * count]
+
+    def _of(self, found: Solution) -> tuple[list[float], tuple[str, str] | None]:
+        if found.interrupted:
+            raise KeyboardInterrupt
+        estimated = nan if found.estimated is None else found.estimated
+        numbers = [float(STATUSES.index(found.status)), found.times[-1] if found.times else nan, estimated]
+        if not found.times:
+            columns = [[nan] for _ in self.columns]
+        elif self.last:
+            columns = [[value] for value in map(found.final.__getitem__, self.columns)]
+        else:
+            columns = [found.column(name) for name in self.columns]
+        numbers += statistics(self.task.keep, found.times or [nan], columns)
+        if found.status == "ok":
+            return numbers, None
+        return numbers, ("LAG0620" if found.status == "failed" else "", _short(found.message))
+
+
+def started(name: str) -> str | None:
+    """Return the quantity of `start(quantity)`; None for another name."""
+    return name[6:-1].strip() if name.startswith("start(") and name.endswith(")") else None
+
+
+def statistics(
+    keep: Sequence[str], times: Sequence[float], columns: Sequence[Sequence[float]]
+) -> list[float]:
+    """Return the numbers that are kept of each column, all of one kind first."""
+    found: list[float] = []
+    for kind in keep:
+        if kind == "final":
+            found += [column[-1] for column in columns]
+        elif kind == "rms":
+            found += [root_mean_square(times, column) for column in columns]
+        else:
+            found += [(max if kind == "max" else min)(column) for column in columns]
+    return found
+
+
+def root_mean_square(times: Sequence[float], values: Sequence[float]) -> float:
+    """The root of the mean square over time, by the trapezoidal rule."""
+    span = times[-1] - times[0]
+    if not span > 0.0:
+        return abs(values[-1])
+    squares = [value * value for value in values]
+    parts = [0.5 * (b - a) / span * (x + y) for a, b, x, y in zip(times, times[1:], squares, squares[1:])]
+    return inf if inf in parts else sqrt(fsum(parts))
+
+
+def _short(message: str) -> str:
+    return message if len(message) <= MOST_WORDS else f"{message[: MOST_WORDS - 3]}..."
