@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagc.api.columns import parted, read_columns, reading
 from lagc.api.values import Parametrized, quantities, real, seconds, words
+from lagc.base.records import replace
 from lagc.base.run_options import RUN_OPTIONS
 from lagc.base.text import Quantity
 from lagc.compiler.loaded import Loaded
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from lagc.study.sweep.table import Sweep
 
 NUMBER = 8.0  # bytes
+FINAL_POINTS = 13  # recorded points where final values alone are kept: those of the energy balance
 
 
 class Sweepable(Parametrized):
@@ -90,6 +92,8 @@ class Sweepable(Parametrized):
         from lagc.study.sweep.sweep import Running
         from lagc.study.sweep.worker import Task, version
 
+        if tuple(keep) == ("final",) and request.every is request.points is None:
+            request = replace(request, points=FINAL_POINTS)
         request = request.completed(self.interface.simulate)
         loaded, backend = self._chosen(request)
         table = self._table(plan, request, keep, backend)

@@ -98,7 +98,7 @@ def _price(run: Solution) -> str:
 
     factor = 10.0 ** (1.0 / order(run.method))
     if run.cost.integrations == 1:
-        return "the run alone: an earlier run was verified with this tolerance"
+        return f"{run.cost.rhs} right-hand sides: nothing moves"
     times = run.cost.rhs / run.cost.alone
     more, less = 100.0 * (factor - 1.0), 100.0 * (1.0 / factor - 1.0)
     return f"{times:.2g} times the run alone; one digit more {more:+.0f} %, one less {less:+.0f} %"

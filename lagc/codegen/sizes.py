@@ -181,7 +181,7 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
     # One entry for each table of `kernels/language/model_tables`, flat, in the order of the interface.
     return {
         "scaling_group": interface.kinds, "quaternion": interface.quaternions, "bounded": bounded,
-        "sources": interface.read,
+        "sources": interface.read, "has_unit": [int(f.unit not in ("", "1")) for f in fields],
         "level": interface.start_levels, "unit": interface.start_units,
         "angle": [int(i in angles) for i in range(len(interface.start_levels))],
         "massless": marked(interface.nq, interface.massless, len(interface.start_levels)),

@@ -26,8 +26,6 @@ def forget_events(s: State, t: Real, x: Vec[NX]) -> None:
         s.changes = 0
         s.changes_at_time = 0
         s.t_changed = t
-        for i in range(NX):
-            s.event_roundoff[i] = 0.0
         for k in range(NMODE):
             s.slack[k] = 0.0
         s.after_event = False

@@ -28,11 +28,10 @@ class Request:
 
     `accuracy` is the global relative error. With `rtol`, `atol` or `step`, or a `method` alone, the run is
     controlled by hand instead. `every` or `points` give the recorded grid, or `times` are recorded besides 0;
-    these do not change the steps. No step is longer than `max_step`; with an `accuracy`, the longest step
-    also decreases with the tolerance. `starts` replaces initial values of coordinates and speeds by name, in
-    SI units; `guesses` say where to search for values that are not stated. `scales` are those of quantities
-    by name, in SI units: the accuracy is relative to them. `sensitivity` names the parameters and initial
-    values by which the motion is differentiated."""
+    these do not change the steps. No step is longer than `max_step`. `starts` replaces initial values of
+    coordinates and speeds by name, in SI units; `guesses` say where to search for values that are not stated.
+    `scales` are those of quantities by name, in SI units: the accuracy is relative to them. `sensitivity`
+    names the parameters and initial values by which the motion is differentiated."""
 
     stop: float | None = None
     accuracy: float | None = None

@@ -8,13 +8,13 @@ from math import log
 from time import perf_counter
 from typing import Any
 
-from lagc.base.records import dataclass, replace
+from lagc.base.records import dataclass
 from lagc.base.text import FINEST
 from lagc.codegen.python.support.contacts import CLOSES, OPENS, RESTS, SLIPS, STICKS, STRIKES
 from lagc.diagnostics.faults import Refused
 from lagc.kernels import DEFAULT_METHOD, IMPLICIT, SERIES
 from lagc.lowering.program import Interface
-from lagc.simulation.error_measure import ASIDE, ComparisonGrid, contacts_of, last_bounces
+from lagc.simulation.error_measure import contacts_of, last_bounces
 from lagc.simulation.global_error.equilibrium_start import locked, rests, trajectory_at_rest
 from lagc.simulation.global_error.verified_run import Verified, verified_run
 from lagc.simulation.initialization.initialize import begin, demand, strange_outputs
@@ -63,11 +63,13 @@ LOCKED = "the constraints leave no motion from the initial state: the system sta
 
 @dataclass
 class _Done:
-    """The outcome of the integrations: the verdict, the options of the run returned, all runs, and notes."""
+    """The outcome of the integrations: the verdict, the options of the run returned, the number of
+    integrations and their evaluations, and notes."""
 
     verdict: Verdict
     options: Options
-    runs: list[Trajectory]
+    integrations: int
+    rhs: int
     notes: list[str]
     errors: tuple[float, ...] = ()
     scales: tuple[float, ...] = ()
@@ -91,12 +93,12 @@ def simulate(
     start = start or begin(system, request)
     times = request.grid()
     done = _integrate(counted, request, start, times, progress, stiff, series)
-    result, options, runs = done.verdict, done.options, done.runs
+    result, options = done.verdict, done.options
     trajectory = result.trajectory
     notes = [*start.notes, *done.notes]
     for k in strange_outputs(system, start.x):
         notes.append(f"output `{system.interface.outputs[k].name}` has no finite initial value")
-    notes += stability_note(runs, bool(system.interface.contacts))
+    notes += stability_note(trajectory, bool(system.interface.contacts))
     notes += rest_note(system, trajectory)
     open_reactions: tuple[str, ...] = ()
     if result.status == "ok" and (trajectory.redundant_rows or _depend(system, trajectory)):
@@ -112,18 +114,17 @@ def simulate(
         energy=energy(system, trajectory), notes=tuple(notes),
         warnings=system.interface.warnings,
         open_reactions=open_reactions, error_bars=done.errors, scale_values=done.scales,
-        events=_events(system, trajectory),
+        events=events_of(system, trajectory),
         corners=tuple(trajectory.corners), interrupted=trajectory.status == INTERRUPTED, end=times[-1],
         cost=Cost(
-            steps=sum(r.steps for r in runs), rejected=sum(r.rejected for r in runs),
-            rhs=sum(r.rhs for r in runs) + counted.evaluations, operations=system.interface.operations,
-            compile_s=compile_s, run_s=perf_counter() - began, start_s=start.seconds, integrations=len(runs),
-            alone=trajectory.rhs,
+            steps=trajectory.steps, rejected=trajectory.rejected, rhs=done.rhs + counted.evaluations,
+            operations=system.interface.operations, compile_s=compile_s, run_s=perf_counter() - began,
+            start_s=start.seconds, integrations=done.integrations, alone=trajectory.rhs,
         ),
     )  # fmt: skip
 
 
-def _events(system: System, trajectory: Trajectory) -> tuple[Event, ...]:
+def events_of(system: System, trajectory: Trajectory) -> tuple[Event, ...]:
     """The events of relations and clauses, and those of contacts, in the order of time. At one time clauses
     that change no state come last: they are no cause of another one."""
     found = [Event(t, name) for t, k in trajectory.events for name in event_names(system, k)]
@@ -150,13 +151,11 @@ def rest_note(system: System, run: Trajectory) -> list[str]:
     ]
 
 
-def stability_note(runs: Sequence[Trajectory], contacts: bool) -> list[str]:
+def stability_note(run: Trajectory, contacts: bool) -> list[str]:
     """A note if stability, and not accuracy, limited the steps of a long run. No implicit method follows
     contacts."""
-    limited = [r for r in runs if r.steps >= LONG_RUN and r.stiff * TESTED >= LIMITED * r.steps]
-    if not limited:
+    if not (run.steps >= LONG_RUN and run.stiff * TESTED >= LIMITED * run.steps):
         return []
-    run = limited[-1]
     implicit = "Take "
     if not contacts:
         implicit = "The implicit method radau5 does where that decays (--method radau5); else take "
@@ -189,7 +188,7 @@ def _integrate(
         outcome = (
             fixed_step_verdict(system, run, options.step, end) if options.step else verdict(system, run, end)
         )
-        return _Done(Verdict(*outcome, run, None), options, [run], [])
+        return _Done(Verdict(*outcome, run, None), options, 1, run.rhs, [])
     scales = _scales(system, request)
     timed = system.interface.whens and system.interface.timed
     assert request.accuracy is not None
@@ -198,19 +197,17 @@ def _integrate(
         run = trajectory_at_rest(rest[0], times)
         equilibrium = Verdict(*verdict(system, run, end), run, ROUNDING)
         equilibrium = spaced_verdict(system, equilibrium, request.accuracy, scales)
-        return _Done(equilibrium, Options(), [run], [rest[1]])
-    grid = ComparisonGrid(times, ASIDE if system.interface.outputs else 0)
-    system, found, why = _chosen(system, x, grid, request, progress, stiff, series)
-    demand(system, found.tried[0])
+        return _Done(equilibrium, Options(), 1, run.rhs, [rest[1]])
+    system, found, why = _chosen(system, x, times, request, progress, stiff, series)
+    demand(system, found.trajectory)
     result = verified_verdict(system, found, request.accuracy, end)
     result = spaced_verdict(system, result, request.accuracy, scales)
-    run, notes = grid.recorded(result.trajectory), [*why, *found.notes]
-    verdict_ = replace(result, trajectory=run)
-    return _Done(verdict_, found.options, found.tried, notes, tuple(found.errors), tuple(found.scales))
+    return _Done(result, found.options, 2 * found.attempts, found.rhs, [*why, *found.notes],
+                 tuple(found.errors), tuple(found.scales))  # fmt: skip
 
 
 def _chosen(
-    system: Any, x: Sequence[float], grid: ComparisonGrid, request: Request, progress: Progress | None,
+    system: Any, x: Sequence[float], times: Sequence[float], request: Request, progress: Progress | None,
     stiff: Callable[[], System] | None, series: Callable[[], System] | None,
 ) -> tuple[Any, Verified, list[str]]:  # fmt: skip
     """Return a verified run, its system, and a note if another method takes the place of the usual one: a
@@ -223,7 +220,7 @@ def _chosen(
         interface.operations <= LARGEST_SERIES and interface.solve == "straight" and not interface.contacts
     )
     asked = series is not None and request.method is None
-    given = (system, x, grid, request, progress, stiff)
+    given = (system, x, times, request, progress, stiff)
     try:
         return _verified(*given, LONG_RUN if asked and small else 0)
     except LongRun as long:
@@ -237,7 +234,7 @@ def _chosen(
         other = system.beside(series().bind(system.parameters))
         gain = gain_of_series(other.interface, tolerance)
         if gain >= LEAST_GAIN:
-            found = verified_run(other, **_terms(other, x, grid, request, progress), method=SERIES[0])
+            found = verified_run(other, **_terms(other, x, times, request, progress), method=SERIES[0])
             if found.estimated <= accuracy or found.trajectory.status == INTERRUPTED:
                 note = f"{SMOOTH} {1.0 / gain:.2g} of the work of dop853 ({steps:.2g} steps at 1e-6)"
                 return other, found, [note]
@@ -264,24 +261,24 @@ def _scales(system: System, request: Request) -> dict[str, float]:
 
 
 def _terms(
-    system: System, x: Sequence[float], grid: ComparisonGrid, request: Request, progress: Progress | None
+    system: System, x: Sequence[float], times: Sequence[float], request: Request, progress: Progress | None
 ) -> dict[str, Any]:
     """The arguments of `verified_run` that a request determines."""
     return {
-        "x0": x, "times": grid.times, "aside": grid.aside, "accuracy": request.accuracy,
-        "progress": progress, "max_step": request.max_step, "scales": _scales(system, request),
+        "x0": x, "times": times, "accuracy": request.accuracy, "progress": progress,
+        "max_step": request.max_step, "scales": _scales(system, request),
     }  # fmt: skip
 
 
 def _verified(
-    system: Any, x: Sequence[float], grid: ComparisonGrid, request: Request, progress: Progress | None,
+    system: Any, x: Sequence[float], times: Sequence[float], request: Request, progress: Progress | None,
     stiff: Callable[[], System] | None, long: int = 0,
 ) -> tuple[Any, Verified, list[str]]:  # fmt: skip
     """Return a verified run, its system, and a note if it takes an implicit method because stability limits
     the steps of an explicit one, and it is long or misses the accuracy: where something is damped, and the
     implicit one takes far fewer steps."""
     assert request.accuracy is not None
-    given, times = _terms(system, x, grid, request, progress), grid.times
+    given = _terms(system, x, times, request, progress)
     if stiff is None or request.method is not None or not system.nz or system.interface.contacts:
         return system, verified_run(system, **given, method=request.method or DEFAULT_METHOD, long=long), []
     from lagc.simulation.supervision import StabilityLimited, is_limited
@@ -289,9 +286,9 @@ def _verified(
     explicit = None
     try:
         explicit = verified_run(system, **given, most=-1, long=long)
-        run = next((run for run in explicit.tried if is_limited(run)), None)
-        reached = explicit.estimated <= request.accuracy or explicit.trajectory.status == INTERRUPTED
-        if run is None or reached or run.t == times[0]:
+        run = explicit.trajectory
+        reached = explicit.estimated <= request.accuracy or run.status == INTERRUPTED
+        if not is_limited(run) or reached or run.t == times[0]:
             return system, explicit, []
         most, step = FEWER * run.steps, abs(run.t - times[0]) / run.steps
     except StabilityLimited as limited:

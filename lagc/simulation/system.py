@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
+from lagc.base.records import dataclass
 from lagc.codegen.python.support.base import FAILED, FIRST_LOOK, Options, Trajectory
 from lagc.kernels.language.statuses import (
     CHATTERING,
@@ -31,10 +32,38 @@ from lagc.kernels.language.statuses import (
 from lagc.lowering.program import Interface
 
 __all__ = [
-    "CHATTERING", "DECLARED", "FAILED", "FIRST_LOOK", "FIXED", "INCONSISTENT", "INTERRUPTED", "INVALID",
-    "MAX_STEPS", "MISPLACED", "NOT_CONVERGED", "NOT_FINITE", "OK", "PARADOX", "PENETRATION", "REDUNDANT",
-    "RUN", "SCENE", "SINGULAR_MASS", "STEP_UNDERFLOW", "TERMINATED", "UNSTATED", "Options", "System",
-    "Trajectory", "Vector", "arrived", "contradicting", "contradiction", "rates_at", "row_gradients",
+    "CHATTERING",
+    "DECLARED",
+    "FAILED",
+    "FIRST_LOOK",
+    "FIXED",
+    "INCONSISTENT",
+    "INTERRUPTED",
+    "INVALID",
+    "MAX_STEPS",
+    "MISPLACED",
+    "NOT_CONVERGED",
+    "NOT_FINITE",
+    "OK",
+    "PARADOX",
+    "PENETRATION",
+    "REDUNDANT",
+    "RUN",
+    "SCENE",
+    "SINGULAR_MASS",
+    "STEP_UNDERFLOW",
+    "TERMINATED",
+    "UNSTATED",
+    "Checked",
+    "Options",
+    "System",
+    "Trajectory",
+    "Vector",
+    "arrived",
+    "contradicting",
+    "contradiction",
+    "rates_at",
+    "row_gradients",
 ]  # fmt: skip
 
 Vector = Sequence[float]
@@ -43,6 +72,33 @@ _PART = 1e-6  # of the size of a gradient, that of a combination which is no rou
 
 # How firmly an initial value is stated: see `lagc.kernels.initialization.workspace`.
 UNSTATED, DECLARED, SCENE, RUN, FIXED = range(5)
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """A run whose error is known by a check in lock step (`kernels/verification`).
+
+    By quantity (coordinates, speeds, outputs, discrete variables): `errors`, their `scales`, the `sizes` of
+    their terms, and 1 in `constant` if it does not move, 2 if round-off keeps it from the accuracy of its own
+    range, so that it has the scale of its scaling group.  `estimated` is the largest error over scale,
+    infinite if the run did not reach its end; the accuracy is met `until` this time.  `rtol` is the tolerance
+    of the run, `alone` tells that it is relative to each state alone.  `rhs` counts the evaluations of all
+    `attempts`.  `work_error` is that of the work integral, in J, `time_error` that of the times of jumps, in
+    s."""
+
+    trajectory: Trajectory
+    errors: list[float]
+    scales: list[float]
+    sizes: list[float]
+    constant: list[int]
+    estimated: float
+    until: float
+    rtol: float
+    alone: bool
+    attempts: int
+    rhs: int
+    work_error: float = 0.0
+    time_error: float = 0.0
 
 
 class System(Protocol):
@@ -84,20 +140,27 @@ class System(Protocol):
         x0: Vector,
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
-        direction: int = 0,
     ) -> Trajectory:
         """Integrate from the consistent state (t0, x0) to times[-1]; the states at `times` come from dense
-        output. With a `direction` of 1 or -1, arithmetic is rounded up in some slices of 16 steps and down in
-        the others, or the opposite.  KeyboardInterrupt raised in `progress` ends the run with the results so
-        far (status INTERRUPTED)."""
+        output. KeyboardInterrupt raised in `progress` ends the run with the results so far (status
+        INTERRUPTED)."""
+        ...
+
+    def verify(
+        self,
+        options: Options,
+        x0: Vector,
+        times: Sequence[float],
+        accuracy: float,
+        scales: Vector,
+        progress: Callable[[float], None] | None = None,
+    ) -> Checked:
+        """Integrate as `integrate` does from (times[0], x0), with a tolerance for which the error of each
+        quantity is at most `accuracy` of its scale: its range, or of `scales` the one that is positive. Of
+        the options, `method`, `max_step`, `report` and `watch` are used."""
         ...
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int: ...
-
-    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], direction: int) -> int | None:
-        """`rhs` with arithmetic rounded up (1) or down (-1); None if compiled code cannot do that in one
-        call."""
-        ...
 
     def position(self, t: float, x: Vector) -> list[float]: ...
 
@@ -201,11 +264,6 @@ class Counted:
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
         self._counts[0] += 1
         return self.system.rhs(t, x, xdot, lam)
-
-    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], direction: int) -> int | None:
-        status = self.system.rounded(t, x, xdot, lam, direction)
-        self._counts[0] += status is not None
-        return status
 
     def energies(self, t: float, x: Vector) -> list[float]:
         self._counts[0] += 1

@@ -8,11 +8,10 @@ from sys import float_info
 from typing import TYPE_CHECKING
 
 from lagc.base.records import dataclass, replace
-from lagc.base.text import FINEST
 from lagc.host.budgets import reached
 from lagc.simulation.error_measure import quantity_names, quantity_units
-from lagc.simulation.global_error.measure import ROUNDING, ULP
-from lagc.simulation.global_error.verified_run import MEANINGLESS, Verified
+from lagc.simulation.global_error.energy_balance import Balance, balance
+from lagc.simulation.global_error.verified_run import MEANINGLESS, ULP, Verified
 from lagc.simulation.system import (
     CHATTERING,
     INCONSISTENT,
@@ -28,6 +27,7 @@ from lagc.simulation.system import (
     SINGULAR_MASS,
     STEP_UNDERFLOW,
     TERMINATED,
+    Options,
     System,
     Trajectory,
     contradicting,
@@ -43,7 +43,6 @@ from lagc.simulation.system import (
 
 if TYPE_CHECKING:
     from lagc.lowering.program import Clause
-    from lagc.simulation.global_error.energy_balance import Balance
 
 SHORTEST = 2.3e-308  # s: smaller numbers have fewer digits
 STEPS = 1e38  # steps that no run takes: the integration gives up if its first step is that short
@@ -52,6 +51,9 @@ FEWEST_DIGITS = 100.0 * float_info.epsilon  # relative: double precision hardly 
 MEETS = 1e-6  # of the size of the coordinates: gaps of contacts that touch
 NOTABLE = 1e-3  # of the accuracy: a rounding unit that many steps may add up to it
 MOST_NAMED = 4  # names of a kind in a message
+ROUNDING = 2.0**-42  # relative: several rounding units
+FINEST = 1e-13  # tolerance, below which round-off is a large part of the error
+COMPARED = 200  # times at which two runs are compared for their growth
 UNKNOWN = "the cause is not known"
 
 
@@ -73,18 +75,16 @@ def verified_verdict(system: System, found: Verified, asked: float, stop: float)
     run, estimated = found.trajectory, found.estimated
     status, message = verdict(system, run, stop)
     if status == "failed":
+        found.errors = []  # they are those up to the failure, not up to the last recorded time
         return Verdict(status, message, run, estimated)
     kept = _kept_share(system, run)
     if kept is not None:  # an error that all runs share does not show in their differences
         return Verdict("failed", _nearly_dependent(system, *kept), run, inf)
     if estimated > asked:
-        result = _inaccurate(system, found, asked)
-        if found.failed is not None:
-            message = f"{result.message}; with a finer tolerance, {verdict(system, found.failed, stop)[1]}"
-            return Verdict(result.status, message, result.trajectory, result.estimated)
-        return result
-    if found.balance is not None and not found.balance.holds:
-        return Verdict("failed", _unbalanced(found.balance, asked), run, estimated)
+        return _inaccurate(system, found, asked, stop)
+    balanced = balance(system, run, found.scales, asked, found.work_error)
+    if not balanced.holds:
+        return Verdict("failed", _unbalanced(balanced, asked), run, estimated)
     return Verdict(status, message, run, estimated)
 
 
@@ -292,26 +292,23 @@ def _unfinished(system: System, run: Trajectory, stop: float) -> str:
     return f"the integration ended at {t} with status {status}"
 
 
-def _inaccurate(system: System, found: Verified, asked: float) -> Verdict:
+def _inaccurate(system: System, found: Verified, asked: float, stop: float) -> Verdict:
     """The verdict if the accuracy `asked` was not reached. If the end of the motion is known to less than a
     hundredth, only the part up to the horizon is returned."""
     run, estimated, horizon = found.trajectory, found.estimated, found.horizon
-    if estimated >= MEANINGLESS and horizon is not None and found.beside is not None:
-        return _until_horizon(system, found, found.beside, horizon, asked)
-    until = "" if horizon is None or horizon <= run.times[0] else f"; it is met until t = {horizon:.6g} s"
     if found.limit[1] > max(asked, FEWEST_DIGITS):
         message = f"the accuracy {asked:g} cannot be reached in double precision: {_rounded(system, found)}"
         return Verdict("failed", message, run, estimated)
-    worst = _worst(system, found)
+    if estimated >= MEANINGLESS:
+        return _until_horizon(system, found, asked)
+    until = "" if not run.times[0] < horizon < stop else f"; it is met until t = {horizon:.6g} s"
     hint = f". {_rounded(system, found)}" if found.limit[1] > max(NOTABLE * asked, FEWEST_DIGITS) else ""
-    if found.rounding > min(asked, 0.5 * estimated):
-        why = f"round-off changes the motion by up to {found.rounding:.2g}, because {_roundoff(found, asked)}"
-    elif found.options.rtol <= 10.0 * FINEST:
-        why = f"the best is estimated at {estimated:.2g}{worst}, at the finest tolerance"
-    else:
-        best = f"the best is estimated at {estimated:.2g}{worst}"
-        message = f"the accuracy {asked:g} was not reached: {best}{until}{hint}"
-        return Verdict("failed", message, run, estimated)
+    best = f"the best is estimated at {estimated:.2g}{_worst(system, found)}"
+    if found.options.rtol > FINEST:
+        return Verdict(
+            "failed", f"the accuracy {asked:g} was not reached: {best}{until}{hint}", run, estimated
+        )
+    why = f"{best}, at the finest tolerance, where round-off decides"
     if not until:
         until = f"; about {estimated:.0e} can be reached, and more by the code of `lagc build --real quad`"
     message = f"the accuracy {asked:g} cannot be assured in double precision here: {why}{until}{hint}"
@@ -330,47 +327,55 @@ def _rounded(system: System, found: Verified) -> str:
 
 
 def _worst(system: System, found: Verified) -> str:
-    """The quantity with the largest error over its scale, in brackets."""
+    """The quantity with the largest error over its scale, or the times of events, in brackets."""
     shares = [error / scale if scale else 0.0 for error, scale in zip(found.errors, found.scales)]
+    if found.time_error > max(shares, default=0.0):
+        return " (the time of an event)"
     if not any(shares):
         return ""
     return f" (`{quantity_names(system.interface)[shares.index(max(shares))]}`)"
 
 
-def _until_horizon(
-    system: System, found: Verified, beside: Trajectory, horizon: float, asked: float
-) -> Verdict:
-    """The verdict on the part of a run up to `horizon`, beyond which it is not known."""
-    from lagc.simulation.diagnosis import cause, tenfold_time
+def _until_horizon(system: System, found: Verified, asked: float) -> Verdict:
+    """The verdict on the part of a run up to the horizon, beyond which it is not known."""
+    from lagc.simulation.diagnosis import cause
 
-    run = found.trajectory
+    run, horizon = found.trajectory, found.horizon
     kept = sum(1 for t in run.times if t <= horizon)
     times, states = run.times[:kept], run.states[:kept]
-    tenfold, beyond = tenfold_time(system, run, beside), "runs of different tolerance differ"
+    tenfold, beyond = _tenfold_time(system, found), "runs of different steps differ"
     if tenfold is not None:
         beyond += f"; differences grow tenfold every {tenfold:.2g} s (it is chaotic, or unstable)"
-    elif found.rounding > 0.5 * found.estimated:
-        beyond = f"round-off changes it by up to {found.rounding:.2g}, because {_roundoff(found, asked)}"
     else:
-        beyond += f"; {cause(system, run, run.times[kept - 1], run.states[kept - 1]) or UNKNOWN}"
+        why = cause(system, run, run.t, run.x) or cause(system, run, times[-1], states[-1])
+        rounds = "round-off" if found.options.rtol <= FINEST else UNKNOWN
+        beyond += f"; {why or rounds}"
     message = f"the motion is predictable to {asked:g} only until t = {horizon:.6g} s: beyond it, {beyond}"
     events, corners = ([e for e in own if e[0] <= times[-1]] for own in (run.events, run.corners))
     cut = run.changed(times=times, states=states, t=times[-1], x=states[-1], events=events, corners=corners)
+    found.errors = [min(error, asked * scale) for error, scale in zip(found.errors, found.scales)]
     return Verdict("failed", message, cut, asked, cut=True)
 
 
-def _roundoff(found: Verified, asked: float) -> str:
-    if found.rounding > 10.0 * found.drift:
-        return f"differences grow {found.rounding / found.drift:.1g} times"
-    if asked < FEWEST_DIGITS:
-        return "double precision has 16 digits"
-    return "the equations are ill-conditioned, or the motion is long"
+def _tenfold_time(system: System, found: Verified) -> float | None:
+    """The time in which differences grow tenfold, from two more runs to where this one ended."""
+    from lagc.simulation.diagnosis import tenfold_time
+
+    run, own = found.trajectory, found.options
+    times = [run.times[0] + (run.t - run.times[0]) * k / COMPARED for k in range(COMPARED + 1)]
+    options = [
+        Options(
+            method=own.method, rtol=factor * own.rtol, alone=own.alone, max_step=own.max_step, max_steps=0
+        )
+        for factor in (1.0, 10.0)
+    ]
+    return tenfold_time(system, *(system.integrate(each, times[0], run.states[0], times) for each in options))
 
 
 def _unbalanced(balance: Balance, asked: float) -> str:
     return (f"at t = {balance.t:.6g} s the energy is out of balance by {balance.imbalance:.2g} J, and errors "
             f"of {asked:g} in the states explain {balance.explained:.2g} J at most: the motion is wrong, "
-            "although runs of different tolerance agree; perhaps the energy jumps, as at the cut of an "
+            "although runs of different steps agree; perhaps the energy jumps, as at the cut of an "
             "angle")  # fmt: skip
 
 

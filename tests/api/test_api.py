@@ -340,7 +340,7 @@ def test_auto_goes_on_in_numpy_if_a_second_run_cannot_be_compiled(monkeypatch: p
     )
     monkeypatch.setattr("lagc.simulation.backends.c.library", c_compiler.library)
     monkeypatch.setattr(c_compiler, "cached_library", lambda sources: False)
-    monkeypatch.setattr("lagc.simulation.supervision.compile_time", lambda interface: 0.2)
+    monkeypatch.setattr("lagc.simulation.supervision.compile_time", lambda interface: 0.01)
     model = lagc.load("simple_pendulum").compile(scene="room")
     runs = [model.simulate(stop=1) for _ in range(3)]
     assert [run.system.backend for run in runs] == ["numpy"] * 3

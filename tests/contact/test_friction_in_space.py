@@ -38,7 +38,9 @@ def test_a_puck_thrown_across_a_slope_stops(backend: str) -> None:
     (stops,) = run.events
     exact = 1.577767669071785
     assert exact == pytest.approx(_stop(0.7), abs=1e-13)
-    assert stops.kind == "sticks" and stops.t == pytest.approx(exact, abs=1e-10 if backend == "c" else 1e-7)
+    # Times of events are accurate relative to the time of the run.
+    near = 1e-10 if backend == "c" else 1e-7 * run.times[-1]
+    assert stops.kind == "sticks" and stops.t == pytest.approx(exact, abs=near)
     assert run.final["der(x)"] == run.final["der(y)"] == 0.0
     x = np.array(run.x)
     before = np.array(run.t) < stops.t - 1e-6

@@ -10,7 +10,9 @@ from typing import Any
 from lagc.base.records import replace
 from lagc.codegen.python.emit import render
 from lagc.lowering.program import Program
-from lagc.simulation.system import FAILED, Options, Trajectory, Vector
+from lagc.simulation.backends.python import verify as verify_module
+from lagc.simulation.error_measure import quantity_names
+from lagc.simulation.system import FAILED, Checked, Options, Trajectory, Vector
 
 
 @cache
@@ -29,7 +31,7 @@ def module(program: Program) -> Any:
 def of_system(system: Any) -> Any:
     """The module of a model of these sizes, with the methods of `system` in place of the kernels that solve
     the equations of motion and of the model's functions.  What errors of rounding do to them is not asked."""
-    found = module(Program(replace(system.interface, solve="dense", prepared=0, read=()), {}))
+    found = module(Program(replace(system.interface, solve="dense", prepared=0, read=(), outputs=()), {}))
 
     def rhs_at(p: Vector, t: float, x: Vector, xdot: list[float], lam: list[float], w: Any) -> int:
         status: int = system.rhs(t, x, xdot, lam)
@@ -76,6 +78,25 @@ def integrate(
     equations = found.Equations(list(system.parameters))
     done: Trajectory = found._integrate(equations, options, t0, list(x0), list(times), progress)
     return done
+
+
+def verify(
+    system: Any,
+    options: Options,
+    x0: Sequence[float],
+    times: Sequence[float],
+    accuracy: float,
+    scales: Sequence[float],
+    progress: Callable[[float], None] | None = None,
+) -> Checked:
+    """A verified run; outputs are left out."""
+    names = len(quantity_names(system.interface))
+    bare = replace(system.interface, outputs=())
+    found = verify_module(vars(of_system(system)), bare, list(system.parameters), options, list(x0),
+                          list(times), accuracy, list(scales), progress)  # fmt: skip
+    rest = [0.0] * (names - len(found.errors))
+    return replace(found, errors=found.errors + rest, scales=found.scales + rest, sizes=found.sizes + rest,
+                   constant=found.constant + [False] * len(rest))  # fmt: skip
 
 
 def project(system: Any, t: float, x: list[float], sizes: list[float]) -> tuple[int, float, float]:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import cos, exp, pi, sin, sqrt
 
-from lagc.simulation.backends.directed_rounding import by_turns
-from lagc.simulation.system import NOT_FINITE, OK, SINGULAR_MASS, Options, Trajectory, Vector
+from lagc.simulation.system import NOT_FINITE, OK, SINGULAR_MASS, Checked, Options, Trajectory, Vector
 from tests.interfaces import field, interface
 from tests.simulation import systems
-from tests.simulation.handmade import integrate
+from tests.simulation.handmade import integrate, verify
 from tests.simulation.systems import LINE, PLANE, Handmade
 
 
@@ -21,14 +20,22 @@ class Integrated(Handmade):
         x0: Vector,
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
-        way: int = 0,
     ) -> Trajectory:
         self.runs.append(options)
+        return integrate(self, options, t0, x0, times, progress)
 
-        def run(progress: Callable[[float], None] | None) -> Trajectory:
-            return integrate(self, options, t0, x0, times, progress)
-
-        return by_turns(run, way, progress) if way else run(progress)
+    def verify(
+        self,
+        options: Options,
+        x0: Vector,
+        times: Sequence[float],
+        accuracy: float,
+        scales: Vector,
+        progress: Callable[[float], None] | None = None,
+    ) -> Checked:
+        found = verify(self, options, x0, times, accuracy, scales, progress)
+        self.runs.append(options)
+        return found
 
 
 class Oscillator(Integrated, systems.Oscillator):

@@ -50,9 +50,6 @@ class Handmade(ABC):
     def on(self, t: float, x: Vector) -> Handmade:
         return self
 
-    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], way: int) -> int | None:
-        return None
-
     def displace(self, t: float, x: Vector, d: Vector) -> list[float]:
         return list(d)
 
@@ -107,7 +104,6 @@ class Handmade(ABC):
         x0: Vector,
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
-        way: int = 0,
     ) -> Trajectory:
         self.runs.append(options)
         x, t = list(x0), t0

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from pathlib import Path
 from random import Random
 from typing import Any
 
@@ -132,7 +131,7 @@ def pairs(stiffness: float) -> str:
 def test_a_saddle_that_rounding_leaves_is_no_rest() -> None:
     """x grows exponentially from 1e-16 m or so."""
     run = lagc.loads(pairs(-100.0)).compile(backend="numpy").simulate(8.0, accuracy=1e-6, points=81)
-    assert run.status == "failed" and "unstable" in run.message
+    assert run.status == "failed" and "until t = " in run.message
     assert 0.5 < run.times[-1] < 8.0
     assert 0.0 < abs(run["x"]).max() < 1e-5
 
@@ -174,23 +173,6 @@ def test_friction_that_comes_to_rest_has_moved_its_body(accuracy: float, backend
     rolls = 2.0 / (0.3 * 9.81 * 3.5)
     true = 4.0 / 7.0 * (3.0 - 0.5 * rolls)
     assert run.estimated is not None and abs(run["x"][-1] - true) <= run.estimated * true + 1e-15
-
-
-def test_a_remembered_run_says_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
-    model = lagc.loads(cart(0.0, 0.0)).compile(backend="numpy")
-    first, again = (model.simulate(2.0, accuracy=1e-6, points=11) for _ in range(2))
-    assert again.cost.integrations == 1 < first.cost.integrations
-    assert (again.status, again.notes, again.states) == (first.status, first.notes, first.states)
-
-
-def test_many_runs_of_a_model_leave_one_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
-    model = lagc.load("simple_pendulum").compile(backend="numpy")
-    runs = [model.simulate(1.0, starts={"theta": 0.1 + 0.05 * k}, accuracy=1e-6) for k in range(20)]
-    assert len([*tmp_path.glob("accuracy-*")]) == 1
-    again = model.simulate(1.0, starts={"theta": 1.05}, accuracy=1e-6)
-    assert again.cost.integrations == 1 and again.states == runs[-1].states
 
 
 PLATFORM = """model Platform

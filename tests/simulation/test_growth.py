@@ -132,11 +132,10 @@ def test_past_a_saddle_again_and_again(seed: int) -> None:
     """In one well of two, x'' = x - x^3 from rest near the top between them: x = X dn(X t/sqrt(2) + K, k).
 
     Rounding of the fast part of the motion decides how long it stays near the top the next time, and the
-    growth from the start tells nothing of that. The estimate is one sample of the round-off, hence the 2.5,
-    and at 1e-10 one motion of six is 4 % above what was asked.
+    growth from the start tells nothing of that. The estimate is one sample of the round-off, hence the 1.5.
     """
     chance = Random(seed)
-    near, stop, accuracy = 10.0 ** chance.uniform(-3.0, -1.0), chance.uniform(30.0, 60.0), 1e-9
+    near, stop, accuracy = 10.0 ** chance.uniform(-3.0, -1.0), chance.uniform(30.0, 60.0), 1e-10
     text = f"""model Wells
   coordinate Length x(start = {near!r} [m]);
   body b = Particle(mass = 1 [kg], at = {{x, 0, 0}});
@@ -157,12 +156,12 @@ end Wells;"""
 
     run = lagc.loads(text).compile(backend="numpy").simulate(stop, accuracy=accuracy, points=41)
     true = true_error(run, exact)
-    assert run.estimated is not None and true <= 2.5 * run.estimated, (true, run.message)
+    assert run.estimated is not None and true <= 1.5 * run.estimated, (true, run.message)
     assert run.status == "failed" or true <= accuracy
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("accuracy", [1e-8, 1e-9])
+@pytest.mark.parametrize("accuracy", [1e-7, 1e-8])
 def test_what_rounding_brings_does_not_depend_on_what_is_recorded(accuracy: float) -> None:
     """Arenstorf's orbit closes: its state after a period is the first one."""
     model = lagc.load("classic/arenstorf_orbit").compile(backend="numpy")

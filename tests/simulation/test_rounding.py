@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from _thread import allocate_lock, start_new_thread
 from collections.abc import Callable, Sequence
 from math import cos, sin
 from random import Random
-from time import sleep
 from typing import Any
 
 import mpmath
@@ -15,18 +13,9 @@ from mpmath import mpf
 
 import lagc
 from lagc.api import Run
-from lagc.simulation.backends.directed_rounding import apart, control, directed
-from lagc.simulation.error_measure import sizes
-from lagc.simulation.global_error.roundoff_estimate import (
-    close_estimate,
-    quick_bound,
-    quick_estimate,
-    rounded_rates,
-)
-from lagc.simulation.global_error.verified_run import verified_run
 from lagc.simulation.request import Request
 from lagc.simulation.simulate import simulate
-from lagc.simulation.system import Counted, Options, Vector
+from lagc.simulation.system import Vector
 from tests.simulation.integrated import Oscillator
 from tests.simulation.measured import worst_error
 
@@ -90,8 +79,8 @@ def near(n: int, apart: float, chance: Random) -> list[list[float]]:
 
 
 def honest(text: str, exact: Exact, stop: float) -> list[Run]:
-    """Runs at several accuracies: none has an error beyond 1.5 of its estimate (errors of a few steps in
-    all follow no law), or beyond the accuracy where it is `ok`."""
+    """Runs at several accuracies: none has an error beyond 1.5 of its estimate (the difference of two runs
+    is one sample of round-off), or beyond the accuracy where it is `ok`."""
     model = lagc.loads(text).compile(backend="numpy")
     runs: list[Run] = []
     for accuracy in ACCURACIES:
@@ -125,19 +114,6 @@ def test_any_coordinates(seed: int) -> None:
     rows = chance.choice((hilbert(2), hilbert(3), near(2, 10.0 ** chance.uniform(-3.0, -1.0), chance)))
     text, exact = in_coordinates(rows, chance, nonlinear=chance.random() < 0.5)
     honest(text, exact, 2.0)
-
-
-@pytest.mark.parametrize("begins", [False, True])
-def test_a_thread_that_ends_before_it_begins_is_not_waited_for(
-    begins: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """As where there is no memory for its first call; one that works for long is waited for."""
-    monkeypatch.setattr("lagc.simulation.backends.directed_rounding.LOOK", 0.01)
-    if not begins:
-        monkeypatch.setattr("lagc.simulation.backends.directed_rounding.start_new_thread", lambda *_: 0)
-        with pytest.raises(MemoryError):
-            apart(lambda: 1)
-    assert not begins or apart(lambda: sleep(0.1) or 1) == 1
 
 
 @pytest.mark.sample(1)
@@ -211,28 +187,10 @@ def test_forces_that_are_differences_of_near_numbers(backend: str, offset: float
     end M;"""
     run = lagc.loads(text).compile(backend=backend).simulate(2.0, accuracy=1e-12, points=11)
     assert run.estimated is not None
-    # the last place of 1 in a difference of 1e-7, or of the place in the way that it swings
+    # A step rounds the last place of 1 in a difference of 1e-7; the steps round differently, so that a
+    # part of it remains.
     lost = 2.0**-53 / (1e-7 if offset == 0.0 else 1.0)
-    assert run.estimated > lost
-
-
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("backend", ["c", "numpy"])
-@pytest.mark.parametrize("name", ["simple_pendulum", *(f"classic/{name}" for name in (
-    "kepler", "four_bar", "rolling_disc", "toda_lattice", "cart_pendulum"))])  # fmt: skip
-def test_what_is_well_conditioned_takes_few_evaluations(name: str, backend: str) -> None:
-    model = lagc.load(name).compile(backend=backend)
-    system = model.load(backend)
-    x0 = model.simulate(1e-3, accuracy=1e-3, points=2).states[0]
-    counted: Any = Counted(system)
-    found = verified_run(counted, x0, [0.01 * k for k in range(101)], 1e-6)
-    assert found.estimated <= 1e-6
-    assert counted.evaluations <= 40
-    # the quick look is a bound of the close one
-    groups = sizes(found.trajectory, system.interface)
-    changes, _ = quick_estimate(system, found.trajectory, groups)
-    quick = quick_bound(system, found.trajectory, groups, changes)
-    assert sum(moved for _, moved in close_estimate(system, found.trajectory, groups)) <= quick <= 1e-10
+    assert run.estimated > 0.02 * lost and (offset > 0.0 or run.status == "failed")
 
 
 def test_every_evaluation_is_counted() -> None:
@@ -257,47 +215,6 @@ def test_every_evaluation_is_counted() -> None:
         assert system.calls - 3 == run.cost.rhs
 
 
-def test_arithmetic_is_rounded_up_and_down_and_then_as_before() -> None:
-    one, little = float("1"), float("1e-30")
-
-    def sums(way: int) -> tuple[float, float]:
-        with directed(way):
-            return one + little, one - little
-
-    above, below = apart(lambda: sums(1))[0], apart(lambda: sums(-1))[1]
-    assert apart(lambda: sums(0)) == (one, one) == (one + little, one - little)
-    if control() is not None:
-        assert above > one > below
-
-
-def test_only_the_thread_apart_is_rounded_otherwise() -> None:
-    one, little = float("1"), float("1e-30")
-    here, there = allocate_lock(), allocate_lock()
-    seen: list[tuple[float, float]] = []
-    here.acquire()
-    there.acquire()
-
-    def other() -> None:
-        there.acquire()
-        seen.append((one + little, one - little))
-        here.release()
-
-    def work() -> float:
-        with directed(1):
-            there.release()
-            here.acquire()
-            return one + little
-
-    start_new_thread(other, ())
-    above = apart(work)
-    assert seen == [(one, one)] and (above > one or control() is None)
-
-
-def test_what_fails_apart_fails_here() -> None:
-    with pytest.raises(ZeroDivisionError):
-        apart(lambda: 1 // 0)
-
-
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 @pytest.mark.parametrize("e", [1e-2, 1e-3, 1e-4, 5e-5, 2e-5, 1e-5, 3e-6])
@@ -317,32 +234,3 @@ end Coincide;"""
     true = abs(run["q"][-1] * e / 1.15 - 1.0)
     assert run.estimated is not None and true <= run.estimated
     assert run.status == "ok" or e < 1e-4
-
-
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("seed", range(3))
-def test_c_and_python_round_alike(seed: int) -> None:
-    """Where numbers of a model meet, as masses do between rows: rates, and runs rounded by turns."""
-    chance = Random(seed)
-    masses = "\n  ".join(
-        f"body b{k} = Particle(mass = {chance.uniform(1, 5)} [kg], at = {{{x}, 0, 0}}); "
-        f"potential V{k} = {chance.uniform(1, 9)} [N/m]*{x}^2;"
-        for k, x in enumerate("xyz")
-    )
-    text = f"""model Row
-  coordinate Length x(start = {chance.uniform(0.1, 1)}), y, z;
-  parameter Length l = {chance.uniform(1, 5)} [m];
-  {masses}
-  potential V = {chance.uniform(1, 5)} [N]*x^3/l^2/7;
-  constraint beside: y = x + {chance.uniform(0.1, 1)} [m];
-  constraint behind: z = {chance.uniform(1, 3)}*y;
-end Row;
-"""
-    found = []
-    for backend in ("c", "numpy"):
-        system = lagc.loads(text).compile(backend=backend).system
-        x0 = [float(x) for x in simulate(system, Request(stop=1.0)).states[0]]
-        rates = [rounded_rates([system], [0.0], [x0], way) for way in (1, -1)]
-        runs = [system.integrate(Options(rtol=1e-6), 0.0, x0, [0.0, 1.0, 9.0], None, way) for way in (1, -1)]
-        found.append((rates, [run.states for run in runs]))
-    assert found[0] == found[1]

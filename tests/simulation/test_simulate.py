@@ -10,27 +10,23 @@ import pytest
 from lagc.diagnostics.faults import Refused
 from lagc.simulation.request import Request
 from lagc.simulation.simulate import simulate
-from lagc.simulation.system import STEP_UNDERFLOW, Options, Trajectory
 from tests.simulation.integrated import DoublePendulum, Kepler, Massless, Oscillator, Pendulum, Runaway
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 
 
 @pytest.mark.sample(4)
-@pytest.mark.parametrize(("stop", "most"), [(10.0, 11.0), (300.0, 4.0)])
+@pytest.mark.parametrize(("stop", "most"), [(10.0, 3.0), (300.0, 3.0)])
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12])
 def test_the_estimate_is_not_less_than_the_true_error_nor_much_more(
     accuracy: float, stop: float, most: float
 ) -> None:
-    """Errors go with the tolerance here.  Of a thousand steps the estimate is twice the true error, and half
-    as much again for what is not believed of that; of few steps little is, and it is that of a run at ten
-    times the tolerance."""
+    """The difference of the run and its check is .77 of the error; the margin is 1.2 to 3."""
     run = simulate(Oscillator(), Request(stop=stop, accuracy=accuracy))
     true = max(abs(x - cos(t)) for t, x in zip(run.times, run.column("x"))) / 2.0  # of its range
     assert run.status == "ok" and run.estimated is not None
     assert true <= run.estimated <= accuracy
-    if run.cost.integrations > 2:  # two tell of the coarser one
-        assert run.estimated <= most * true
+    assert run.estimated <= most * true
 
 
 @pytest.mark.sample(1)
@@ -67,18 +63,6 @@ def test_a_chaotic_motion_ends_at_its_horizon() -> None:
     other = simulate(DoublePendulum(), Request(stop=60.0, rtol=3e-14))
     for x, y in zip(run.states, other.states):
         assert all(abs(a - b) < 1e-4 for a, b in zip(x, y))
-
-
-def test_the_same_question_is_answered_from_memory_with_the_same_numbers(
-    tmp_path: object, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
-    first = simulate(Oscillator(), Request(stop=10.0, accuracy=1e-8))
-    second = simulate(Oscillator(), Request(stop=10.0, accuracy=1e-8))
-    assert first.states == second.states and first.estimated == second.estimated
-    assert second.cost.integrations == 1 < first.cost.integrations
-    third = simulate(Oscillator(), Request(stop=10.0, accuracy=1e-9))
-    assert third.cost.integrations > 1
 
 
 def test_a_motion_that_runs_away_fails_at_its_time_and_keeps_what_was_computed() -> None:
@@ -136,18 +120,14 @@ def test_interruption_keeps_what_was_computed() -> None:
     assert 1.0 < run.times[-1] <= seen[-1] and len(run.times) == len(run.states)
 
 
-def test_interrupted_verification_returns_the_run_that_is_complete() -> None:
-    calls = {"starts": 0, "last": 0.0}
-
+def test_an_interrupted_verification_returns_the_part_that_was_made() -> None:
     def progress(t: float) -> None:
-        calls["starts"] += t < calls["last"]
-        calls["last"] = t
-        if calls["starts"] == 2:
+        if t > 4.0:
             raise KeyboardInterrupt
 
     run = simulate(Oscillator(), Request(stop=10.0, accuracy=1e-9), progress=progress)
-    assert run.interrupted and run.times[-1] == 10.0
-    assert run.estimated is not None and run.estimated < 1e-4
+    assert run.interrupted and run.status == "failed" and 0.0 < run.times[-1] < 10.0
+    assert run.states[-1][0] == pytest.approx(cos(run.times[-1]), abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -190,14 +170,14 @@ def test_a_scene_gives_what_was_not_asked() -> None:
 @pytest.mark.parametrize("asked", [{"rtol": 1e-3}, {"accuracy": 1e-3}, {"accuracy": 1e-7}])
 def test_no_step_is_longer_than_the_longest(asked: dict[str, float]) -> None:
     class Widest(Oscillator):
-        def integrate(self, options, t0, x0, times, progress=None, way=0):  # type: ignore[no-untyped-def]
-            found = super().integrate(options, t0, x0, times, progress, way)
+        def integrate(self, options, t0, x0, times, progress=None):  # type: ignore[no-untyped-def]
+            found = super().integrate(options, t0, x0, times, progress)
             assert found.steps >= 4.0 / 0.05 / 1.01  # a step may be 1 % longer to end the run
             return found
 
     free = simulate(Oscillator(), Request(stop=4.0, **asked))
     bound = simulate(Widest(), Request(stop=4.0, max_step=0.05, **asked))
-    assert free.cost.steps / free.cost.integrations < 4.0 / 0.05
+    assert free.cost.steps < 4.0 / 0.05 <= 1.01 * bound.cost.steps
     assert bound.status == "ok" and bound.states[-1][0] == pytest.approx(cos(4.0), abs=1e-3)
     if bound.estimated is not None:
         error = max(abs(x[0] - cos(t)) for t, x in zip(bound.times, bound.states))
@@ -223,22 +203,9 @@ def test_the_accuracy_is_relative_to_the_size_of_the_motion(size: float) -> None
             return [size, 0.0]
 
     run = simulate(Scaled(), Request(stop=10.0, accuracy=1e-8))
-    true = max(abs(x / size - cos(t)) for t, x in zip(run.times, run.column("x")))
+    true = max(abs(x / size - cos(t)) for t, x in zip(run.times, run.column("x"))) / 2.0  # of its range
     assert run.status == "ok" and run.estimated is not None
     assert true <= run.estimated <= 1e-8
-
-
-def test_a_finer_run_that_fails_does_not_hide_the_coarser_answer() -> None:
-    class Fails(Oscillator):
-        def integrate(self, options: Options, *given: Any) -> Trajectory:
-            done = super().integrate(options, *given)
-            if options.rtol < 1e-6:
-                done.status, done.t = STEP_UNDERFLOW, 4.0
-            return done
-
-    run = simulate(Fails(), Request(stop=10.0, accuracy=1e-9))
-    assert run.status == "failed" and run.times[-1] == 10.0
-    assert "best is estimated" in run.message and "at t = 4 s the step size became too small" in run.message
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ PYTHON = "python"  # the language
 MARK = "# -- what follows is part of generated modules --\n"
 SUPPORT = ("base.py", "slices.py")  # runs of lagc use them too
 # Kernels of every model, and of models with constraints.
-ROOTS = ("begin", "step", "dense", "advance", "record", "factor_safely", "system_at")
+ROOTS = ("begin", "step", "dense", "advance", "record", "verified", "factor_safely", "system_at")
 OF_SYSTEM = ("system_at",)  # if the program has the dense system
 OF_ANY_RANK = ("factor_safely",)  # if it has the dense system or constraints
 OF_ROWS = ("assemble_at", "solve_at")
@@ -56,9 +56,8 @@ PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NALL", "NY", "NWORK", "NMOD
 def definitions(program: Program, complete: bool, given: frozenset[str]) -> list[str]:
     """Return sizes, tables, statuses, records, kernels and the classes that call them."""
     search = SEARCH if complete and program.interface.needs_consistency else ()
-    embedded = ("verified",) if complete else ()
     checks = ("is_bound",) if complete and program.interface.prepared else ()
-    use = _needed(program.interface, (*ROOTS, *embedded, *search, *checks), complete)
+    use = _needed(program.interface, (*ROOTS, *search, *checks), complete)
     interface = program.interface
     more = support(("contacts.py" if interface.contacts else "plain.py",))
     return [_constants(interface, use, given), *_support(interface), *more, _work(program), *kernels(use),

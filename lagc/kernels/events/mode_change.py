@@ -117,11 +117,7 @@ def correct_state(p: Params, s: State, direction: Real, w: Work) -> None:
             since = time_since_crossing(k, direction, w)
             if is_first_order(since, s):
                 for i in range(NINT):
-                    apart = w.xdot[i] - w.events.old_state_rates[i]
-                    s.x[i] += since * apart
-                    # Round-off of a time event reaches the state by the same difference of rates.
-                    if k < NTIMED:
-                        s.event_roundoff[i] += SPACING * fabs(s.t * apart)
+                    s.x[i] += since * (w.xdot[i] - w.events.old_state_rates[i])
                 indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
             return
 

@@ -29,12 +29,12 @@ def perturbation_factor(turn: Count) -> Real:
     return 1.0 - FOUR_ULPS if turn >> 1 & 1 == 1 else 1.0 + FOUR_ULPS
 
 
-def perturb_inputs(p: Params, s: State, x: Vec[NX], other: Params) -> Real:
+def perturb_inputs(p: Params, s: State, attempt: Count, x: Vec[NX], other: Params) -> Real:
     """Perturb x and the parameters by four units in the last place, with other signs in each attempt;
     return the perturbed time."""
     # Signs from bits of a number that changes with each attempt: they are not random, but differ from state
     # to state and attempt to attempt.
-    turn = 2 * s.rejected + 3
+    turn = 2 * attempt + 3
     n = size(NQ) + NV
     x[:] = s.x
     for i in range(NQ + NV):
@@ -55,7 +55,7 @@ def estimate_rate_roundoff(p: Params, s: State, h: Real, w: Work) -> None:
     x = vector(NX)
     other = params()
     # The change at the accepted state, against its rates s.k[0].
-    t = perturb_inputs(p, s, x, other)
+    t = perturb_inputs(p, s, s.rejected, x, other)
     s.rhs += 1
     if failed(rates_at(other, t, x, w.xdot, w.lam, w)):
         return

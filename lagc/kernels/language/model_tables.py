@@ -15,6 +15,7 @@ stretch_ends: IVec[NSTRETCH]  # behind the last
 part_ends: IVec[NPARTED]  # the same by unknowns and sums: of each condition, then of each sum
 part_column: IVec[NPARTS]  # an unknown, or behind these a sum
 sources: IVec[NREAD]  # indices of the parameters that `bind` reads
+has_unit: IVec[NP]  # 1: a parameter or input with a unit
 bounded: IVec[NBOUNDED]  # indices of the parameters that have bounds
 bounds: Mat[NBOUNDED, TWO]  # lower and upper bound of each
 has_edges: IVec[NMODE]  # 1: a stepwise relation, whose mode changes at edges; 0: it changes at zero

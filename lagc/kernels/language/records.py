@@ -477,7 +477,6 @@ class State:
     if NMODE > 0:
         changes: Count  # events so far: times at which a mode changed
         changed: IVec[NMODE]  # 1: this relation changed at the last event
-        event_roundoff: Vec[NX]  # sum of the errors of x by round-off of event times
     if NWHEN > 0:
         acts: int  # clauses `when` that acted at the last event
         acted: IVec[NACTS]  # their numbers, in the order in which they acted

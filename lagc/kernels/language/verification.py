@@ -40,6 +40,8 @@ class Verification:
     scale: Vec[NQUANTITY]  # what it is relative to
     size: Vec[NQUANTITY]  # of the terms of the quantity
     constant: IVec[NQUANTITY]  # 1: the quantity does not move; 2: round-off keeps it from its own range
+    if NZ > 0:
+        work_error: Real  # largest difference of the work integrals, which have no error control
     if NLEAP > 0:
         time_error: Real  # estimated error of the times of jumps, and of the end by a clause
     run: State
@@ -53,6 +55,10 @@ class Verification:
     high: Vec[NQUANTITY]
     terms: Vec[NQUANTITY]  # sum of the magnitudes of the terms of an output
     roundoff: Vec[NX]  # of the rates of speeds
+    rate: Vec[NX]  # accelerations at the last comparison
+    varies: IVec[NX]  # 1: this acceleration changes
+    start: Vec[NX]
+    known: IVec[NX]  # 1: the two runs have agreed on a digit of the state
     begin_time: Real
     of_run: Vec[NQUANTITY]  # the quantities at one time
     of_check: Vec[NQUANTITY]
@@ -78,4 +84,5 @@ class Verification:
     check_ended: bool  # a clause has ended the check
     predicted: Real  # estimated error at the end, by that so far
     failures: int  # attempts that ended by an error
+    set_out_time: Real  # of the last comparison at which a quantity has moved twice as far as before
     misses_by_small: bool  # the worst quantity is small in its scaling group

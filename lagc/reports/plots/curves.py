@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 SAMPLES = 20  # states at which outputs are asked what they are made of
 BESIDE = 1e-6  # of the sizes of states: how far from these
 CONSTANT = 1e-6  # of its values: a change below it is shown as none, as of an energy that is kept
+SEVERAL = 3.0  # factor on the round-off of rates at a few states
+UNITS = 4.0 * 2.0**-52
 ROUNDING = 1e-12  # of what an output is made of: a change below it is no more than rounding
 
 
@@ -70,29 +72,43 @@ def _doubts(solution: Solution) -> dict[str, float]:
 
 
 def _constant(solution: Solution, run: Trajectory) -> Iterator[str]:
-    """The states that rounding alone moves."""
-    from lagc.simulation.error_measure import state_groups
-    from lagc.simulation.global_error.roundoff_estimate import find_noise_groups, quick_estimate
+    """The states that rounding alone moves: those of a verified run without a scale; of another run the
+    groups that stay within the round-off of their rates, their change with the rounding unit of a state."""
+    if solution.scales:
+        yield from (name for name in solution.state_names if solution.scales.get(name, 1.0) == 0.0)
+        return
+    from lagc.simulation.error_measure import sizes
+    from lagc.simulation.system import rates_at
 
-    system, names = solution.system, solution.state_names
-    groups = [(group, max(abs(x[i]) for x in run.states for i in group))
-              for group in state_groups(system.interface)]  # fmt: skip
-    bounds = find_noise_groups(system, run, groups, quick_estimate(system, run, groups))
-    for k, (group, size) in enumerate(groups):
-        if size <= bounds.get(k, 0.0):
-            yield from (names[i] for i in group)
+    system, time = solution.system, SEVERAL * abs(run.times[-1] - run.times[0])
+    change = [0.0] * system.nx
+    for t, x in [*zip(run.times, run.states)][:: max(1, len(run.times) // SAMPLES)]:
+        near = [a * (1.0 + UNITS * _generic(i)) for i, a in enumerate(x)]
+        here, there = rates_at(system, t, x), rates_at(system, t, near)
+        if here is not None and there is not None:
+            change = [max(c, abs(b - a)) for c, a, b in zip(change, here, there)]
+    moved = [time * c for c in change]
+    if system.nq == system.nv:
+        moved[: system.nq] = [time * m for m in moved[system.nq :][: system.nv]]
+    for group, size in sizes(run, system.interface):
+        if size <= max(moved[i] for i in group):
+            yield from (solution.state_names[i] for i in group)
+
+
+def _generic(k: int) -> float:
+    """A number of magnitude 1/2 to 3/2, without a pattern in k."""
+    return (0.5 + 0.6180339887498949 * k % 1.0) * (1.0 if (k * 0x9E3779B1) & 0x4000 else -1.0)
 
 
 def _sizes(solution: Solution, run: Trajectory) -> dict[str, float]:
     """Return the change of each output if the states changed by their sizes, angles by at most a radian."""
     from lagc.simulation.error_measure import sizes
-    from lagc.simulation.global_error.roundoff_estimate import generic
 
     system, interface = solution.system, solution.system.interface
     direction = [0.0] * system.nx
     for group, size in sizes(run, interface):
         for i in group:
-            direction[i] = generic(i) * (min(size, 1.0) if interface.kinds[i] == 0 else size)
+            direction[i] = _generic(i) * (min(size, 1.0) if interface.kinds[i] == 0 else size)
     found = [0.0] * len(interface.outputs)
     step = max(1, len(solution) // SAMPLES)
     for t, x in [*zip(solution.times, solution.states)][::step] if found else ():

@@ -11,13 +11,14 @@ from time import perf_counter
 from typing import Any
 
 from lagc.base.records import once
-from lagc.codegen.python.support.base import MOST_CORNERS, MOST_EVENTS
-from lagc.codegen.python.support.contacts import ContactTrajectory, contact_events
+from lagc.codegen.python.support.contacts import ContactTrajectory
 from lagc.codegen.python.support.slices import record_in_slices
 from lagc.kernels import METHODS
 from lagc.simulation.backends.base import Branch, Compiled, CompiledSystem
+from lagc.simulation.backends.checked import checked, run_in_slices
 from lagc.simulation.backends.compile import library
-from lagc.simulation.system import OK, Options, Trajectory, Vector
+from lagc.simulation.backends.event_log import EventLog
+from lagc.simulation.system import OK, Checked, Options, Trajectory, Vector
 
 _TYPES: dict[str, Any] = {"int": c_int, "long": c_long, "double": c_double, "size_t": c_size_t, "void": None}
 
@@ -48,12 +49,25 @@ class CModel(Compiled):
         return self._struct("state")
 
     @once
+    def verification(self) -> type[Any]:
+        """The struct of the header up to the state of the run, without its private members."""
+        return self._struct("verification")
+
+    @once
     def head(self) -> type[Any]:
         return self._struct("work")
 
     @once
     def option_struct(self) -> type[Any]:
         return self._struct("options")
+
+    @once
+    def goal(self) -> type[Any]:
+        return self._struct("goal")
+
+    @once
+    def report(self) -> type[Any]:
+        return self._struct("report")
 
     def _struct(self, name: str) -> type[Any]:
         """The struct of the header, up to its private members."""
@@ -64,6 +78,9 @@ class CModel(Compiled):
         for kind, member, length in re.findall(
             r"^ +(\w+) (\w+)(?:\[(\w+)\])?;", body.partition("/* Private")[0], re.M
         ):
+            if kind == f"{own}_state":  # what follows it is behind its private members
+                fields.append((member, self.state))
+                break
             plain = _TYPES[kind]
             fields.append((member, plain * int(sizes.get(length, length)) if length else plain))
         return type(name, (ctypes.Structure,), {"_fields_": fields})
@@ -120,15 +137,9 @@ class CSystem(CompiledSystem):
     @once
     def _p(self) -> Any:
         """The struct lagc_params with all derived values."""
-        return self._bound(0)
-
-    def _bound(self, direction: int) -> Any:
-        """The parameters, with derived values computed in arithmetic rounded up (1) or down (-1); 0: to
-        nearest."""
         p = (c_double * max(len(self._values) + self.interface.prepared, 1))(*self._values)
         if self.interface.prepared:
-            bind = self.model.functions["bind"]
-            (_rounded(bind, direction) if direction else bind)(p)
+            self.model.functions["bind"](p)
         return p
 
     @property
@@ -140,20 +151,6 @@ class CSystem(CompiledSystem):
         workspace.x[:] = x
         status: int = workspace.rhs(
             self._p, c_double(t), workspace.x, workspace.xdot, workspace.lam, workspace.work
-        )
-        xdot[:] = workspace.xdot[:]
-        lam[:] = workspace.lam[: self.nc]
-        return status
-
-    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], direction: int) -> int | None:
-        from lagc.simulation.backends.directed_rounding import control
-
-        if control() is None:
-            return None
-        workspace = self._at(x)
-        rhs = _rounded(workspace.rhs, direction)
-        status: int = rhs(
-            self._bound(direction), c_double(t), workspace.x, workspace.xdot, workspace.lam, workspace.work
         )
         xdot[:] = workspace.xdot[:]
         lam[:] = workspace.lam[: self.nc]
@@ -212,74 +209,70 @@ class CSystem(CompiledSystem):
         x0: Vector,
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
-        direction: int = 0,
     ) -> Trajectory:
         options.check()
         other = self.compiled.other(options.method, self._values)
         if other is not None:
-            return other.integrate(options, t0, x0, times, progress, direction)
+            return other.integrate(options, t0, x0, times, progress)
         nx, n, call, work = self.nx, len(times), self.model.functions, self.model.work()
         room = ctypes.create_string_buffer(call["state_size"]())
         state = self.model.state.from_buffer(room)
         call["begin"](ctypes.byref(state), c_double(t0), (c_double * nx)(*x0))
         asked = self.model.options(options)
-        events: list[tuple[float, int]] = []
-        jumps: list[float] = []
-        corners: list[tuple[float, list[float], list[float]]] = []
-        contacts: list[tuple[float, int, int, float, float, float]] = []
-        touching = bool(self.interface.contacts)
-        relations, whens, noted = (
-            len(self.interface.relations),
-            len(self.interface.whens),
-            self.interface.noted,
-        )
+        log = EventLog(self.interface, state, options.report)
         grid, states, done = (c_double * n)(*times), (c_double * (n * nx))(), c_size_t(0)
         head = self.model.head.from_buffer(work)
-        p = self._p
-        if direction:
-            from lagc.simulation.backends.directed_rounding import turns
-
-            p, directions = self._bound(direction), turns(direction)
 
         def record(steps: int, max_steps: int) -> int:
-            asked.max_steps = max_steps
-            kernel = _rounded(call["record"], next(directions)) if direction else call["record"]
-            seen = state.changes if self.interface.relations else 0
-            settled = state.settlements if touching else 0
-            status: int = kernel(
-                p, ctypes.byref(state), ctypes.byref(asked), grid, c_size_t(n), states,
+            asked.max_steps, asked.report, seen = max_steps, log.open, log.seen()
+            status: int = call["record"](
+                self._p, ctypes.byref(state), ctypes.byref(asked), grid, c_size_t(n), states,
                 ctypes.byref(done), c_long(steps), work,
             )  # fmt: skip
-            if self.interface.relations and asked.report and state.changes > seen:
-                events.extend((state.t, k) for k in noted if state.changed[k])
-                if len(corners) < MOST_CORNERS:
-                    x = state.x[:]
-                    struck = touching and state.settlements > settled
-                    jumped = struck or (whens and state.jumps > len(jumps))
-                    corners.append((state.t, state.x_before_event[:] if jumped else x, x))
-                if whens:
-                    events.extend((state.t, relations + k) for k in state.acted[: state.acts])
-                    jumps.extend([state.t] * (state.jumps - len(jumps)))
-                if touching and state.settlements > settled:
-                    contacts.extend(contact_events(state))
-                asked.report = max(len(events), len(contacts)) < MOST_EVENTS
+            log.add(seen)
             return status
 
         def result(status: int) -> Trajectory:
-            known: dict[str, Any] = {"events": events, "jumps": jumps, "corners": corners}
-            if touching:
-                known.update(contacts=contacts, penetration=state.penetration)
-            return self._trajectory(
-                status, state, head, times[: done.value], states[: done.value * nx], known
-            )
+            return self._trajectory(status, state, head, times[: done.value], states[: done.value * nx], log)
 
-        return record_in_slices(state, options, record, result, progress, None if direction else perf_counter)
+        return record_in_slices(state, options, record, result, progress, perf_counter)
+
+    def verify(
+        self, options: Options, x0: Vector, times: Sequence[float], accuracy: float, scales: Vector,
+        progress: Callable[[float], None] | None = None,
+    ) -> Checked:  # fmt: skip
+        other = self.compiled.other(options.method, self._values)
+        if other is not None:
+            return other.verify(options, x0, times, accuracy, scales, progress)
+        nx, ny, n, model = self.nx, len(self.interface.outputs), len(times), self.model
+        call, byref = model.functions, ctypes.byref
+        room = ctypes.create_string_buffer(call["verification_size"]())
+        v = model.verification.from_buffer(room)
+        head = model.head.from_buffer(room, model.verification.run.offset + call["state_size"]())
+        goal, report, asked = model.goal(accuracy=accuracy), model.report(), model.options(options)
+        log = EventLog(self.interface, v.run, options.report)
+        grid, states, outputs = (c_double * n)(*times), (c_double * (n * nx))(), (c_double * max(n * ny, 1))()
+        given = (
+            self._p, (c_double * nx)(*x0), grid, c_size_t(n), byref(goal), (c_double * len(scales))(*scales),
+            byref(asked), states, outputs, byref(report), room,
+        )  # fmt: skip
+
+        def advance(steps: int) -> int:
+            goal.slice, asked.report = steps, log.open
+            status: int = call["verified"](*given)
+            return status
+
+        def result(status: int) -> Trajectory:
+            done = report.done
+            return self._trajectory(status, v.run, head, times[:done], states[: done * nx], log)
+
+        status = run_in_slices(advance, log, lambda: int(report.attempts), result, options, progress)
+        return checked(result(status), v, report, asked)
 
     def _trajectory(
-        self, status: int, state: Any, head: Any, times: Sequence[float], flat: list[float],
-        known: dict[str, Any],
-    ) -> Trajectory:  # fmt: skip
-        """The trajectory with the recorded states `flat`, and its events, jumps and corners `known`."""
+        self, status: int, state: Any, head: Any, times: Sequence[float], flat: list[float], log: EventLog
+    ) -> Trajectory:
+        """The trajectory with the recorded states `flat`, and the events of `log`."""
         nx, events = self.nx, bool(self.interface.relations)
         rows = head.redundant if self.nc else ()
         make = ContactTrajectory if self.interface.contacts else Trajectory
@@ -292,8 +285,7 @@ class CSystem(CompiledSystem):
             redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
             position_drift=state.position_drift, velocity_drift=state.velocity_drift,
             sizes=state.sizes[:], lowest=state.lowest[:], highest=state.highest[:],
-            event_roundoff=state.event_roundoff[:] if events else (),
-            changes=state.changes if events else 0, **known,
+            changes=state.changes if events else 0, **log.known(),
         )  # fmt: skip
 
     def _at(self, x: Vector) -> Any:
@@ -315,14 +307,3 @@ class CSystem(CompiledSystem):
             state = (c_double(t), (c_double * self.nx)(*x)) if x else ()
             self.model.functions[name](self._p, *state, *arrays)
         return [array[:length] for array, length in zip(arrays, lengths)]
-
-
-def _rounded(function: Callable[..., int], direction: int) -> Callable[..., int]:
-    """Return `function` with arithmetic rounded up (1) or down (-1)."""
-    from lagc.simulation.backends.directed_rounding import directed
-
-    def call(*given: Any) -> int:
-        with directed(direction):
-            return function(*given)
-
-    return call

@@ -13,9 +13,12 @@ from types import CodeType
 from typing import Any
 
 from lagc.base.records import once
+from lagc.codegen.python.support.contacts import ContactTrajectory
 from lagc.lowering.program import Interface
 from lagc.simulation.backends.base import Branch, Compiled, CompiledSystem
-from lagc.simulation.system import OK, Options, Trajectory, Vector
+from lagc.simulation.backends.checked import checked, run_in_slices
+from lagc.simulation.backends.event_log import EventLog
+from lagc.simulation.system import OK, Checked, Options, Trajectory, Vector
 
 _PART = 20_000  # characters
 _BETWEEN = "\n\n\n"  # separates the definitions of a module
@@ -123,9 +126,6 @@ class NumpySystem(CompiledSystem):
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
         status: int = self._thread.workspace.rhs(t, x, xdot, lam)
         return status
-
-    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], direction: int) -> int | None:
-        return None
 
     def seated(self, t: float, x: Vector) -> list[float]:
         found = [*x]
@@ -279,22 +279,23 @@ class NumpySystem(CompiledSystem):
         x0: Vector,
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
-        direction: int = 0,
     ) -> Trajectory:
         other = self.compiled.other(options.method, self._values)
         if other is not None:
-            return other.integrate(options, t0, x0, times, progress, direction)
+            return other.integrate(options, t0, x0, times, progress)
+        integrate, equations = self.model.module["_integrate"], self.equations()
+        done: Trajectory = integrate(equations, options, t0, list(x0), list(times), progress, perf_counter)
+        return done
 
-        def run(tell: Callable[[float], None] | None, clock: Callable[[], float] | None = None) -> Trajectory:
-            integrate = self.model.module["_integrate"]
-            done: Trajectory = integrate(self.equations(), options, t0, list(x0), list(times), tell, clock)
-            return done
-
-        if direction == 0:
-            return run(progress, perf_counter)
-        from lagc.simulation.backends.directed_rounding import by_turns
-
-        return by_turns(run, direction, progress)
+    def verify(
+        self, options: Options, x0: Vector, times: Sequence[float], accuracy: float, scales: Vector,
+        progress: Callable[[float], None] | None = None,
+    ) -> Checked:  # fmt: skip
+        other = self.compiled.other(options.method, self._values)
+        if other is not None:
+            return other.verify(options, x0, times, accuracy, scales, progress)
+        return verify(self.model.module, self.interface, self.equations().p, options, list(x0), list(times),
+                      accuracy, list(scales), progress)  # fmt: skip
 
     def _ask(self, name: str, length: int, t: float, x: Vector) -> list[float]:
         """Call the function `name` of the program with those of p t x e a lam that it reads."""
@@ -330,3 +331,39 @@ class NumpySystem(CompiledSystem):
             state = (t, x) if x else ()
             self.model.module[f"fn_{name}"](self._p, *state, *arrays)
         return arrays
+
+
+def verify(
+    module: Mapping[str, Any], interface: Interface, p: list[float], options: Options, x0: list[float],
+    times: list[float], accuracy: float, scales: list[float], progress: Callable[[float], None] | None,
+) -> Checked:  # fmt: skip
+    """Return a verified run of a generated module."""
+    goal, report, v = module["Goal"](), module["Report"](), module["Verification"]()
+    asked, log = module["KernelOptions"](options), EventLog(interface, v.run, options.report)
+    goal.accuracy = accuracy
+    states = [[0.0] * interface.nx for _ in times]
+    outputs = [[0.0] * len(interface.outputs) for _ in times]
+
+    def advance(steps: int) -> int:
+        goal.slice, asked.report = steps, log.open
+        status: int = module["verified"](
+            p, x0, times, len(times), goal, scales, asked, states, outputs, report, v
+        )
+        return status
+
+    def result(status: int) -> Trajectory:
+        run, work, done = v.run, v.run_work, report.done
+        rows = work.redundant if interface.nc else ()
+        make = ContactTrajectory if interface.contacts else Trajectory
+        return make(
+            times=times[:done], states=[x[:] for x in states[:done]], t=run.t, x=run.x[:], status=status,
+            culprit=-1 if status == OK else run.culprit, steps=run.steps, rejected=run.rejected, rhs=run.rhs,
+            stiff=run.stiff, step=run.t - run.t_old, fallbacks=work.fallbacks,
+            redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
+            position_drift=run.position_drift, velocity_drift=run.velocity_drift, sizes=run.sizes[:],
+            lowest=run.lowest[:], highest=run.highest[:],
+            changes=run.changes if interface.relations else 0, **log.known(),
+        )  # fmt: skip
+
+    status = run_in_slices(advance, log, lambda: int(report.attempts), result, options, progress)
+    return checked(result(status), v, report, asked)

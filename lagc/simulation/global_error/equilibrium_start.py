@@ -35,7 +35,6 @@ def rests(system: System, x: Sequence[float], times: Sequence[float]) -> bool:
     changes = _last_places(system, times[0], x, plain)
     if any(abs(a) > CLEAR * c > 0.0 for a, c in zip(accelerations, changes)):
         return False
-    changes = [*map(max, changes, _other_rounding(system, times[0], x, plain))]
     return all(abs(a) <= SEVERAL * c for a, c in zip(accelerations, changes))
 
 
@@ -70,15 +69,6 @@ def _last_places(system: System, t: float, x: Sequence[float], plain: Sequence[f
         other = system.bind([a * b for a, b in zip(p, last[len(x) :])])
         others.append(rates_at(other, t, [a * b for a, b in zip(x, last)]))
     return _changes(system, others, plain)
-
-
-def _other_rounding(system: System, t: float, x: Sequence[float], plain: Sequence[float]) -> list[float]:
-    """The round-off of each acceleration, from arithmetic rounded up and down."""
-    from lagc.simulation.global_error.roundoff_estimate import rounded_rates
-
-    return _changes(
-        system, [r for direction in (1, -1) for r in rounded_rates([system], [t], [x], direction)], plain
-    )
 
 
 def _changes(system: System, others: Sequence[Sequence[float] | None], plain: Sequence[float]) -> list[float]:

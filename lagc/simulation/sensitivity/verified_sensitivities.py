@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lagc.base.text import FINEST
-from lagc.simulation.global_error.truncation import SAFETY, is_tied
+from lagc.kernels.integrators.tableaus import order
 from lagc.simulation.global_error.verified_run import longest_step
 from lagc.simulation.linearization.derivatives import Array
 from lagc.simulation.request import Request
@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 TOLERANCE = 1e-7  # of a run at rest, which has no tolerance
 ATTEMPTS = 4
+SAFETY = 2.0  # factor on the difference of two runs
+FEW = 24  # steps for each event: fewer are tied to the events, whatever the tolerance
+LONGEST_AT = 1e-5  # tolerance of the longest step: at a finer one it is shorter, as chosen steps are
 MORE, MOST = 100, 10_000  # steps of an integration: a multiple of those of the motion, plus a constant
 
 Progress = Callable[[float], None]
@@ -101,7 +104,8 @@ def _verified(
         return done
 
     def at(tol: float, halves: bool) -> Followed:
-        longest = longest_step(found.system, run.method, tol, run.times[-1], request.max_step)
+        longest = longest_step(found.system, run.times[-1], request.max_step)
+        longest *= (tol / LONGEST_AT) ** (1.0 / order(run.method))
         return follow(Options(method=run.method, rtol=tol, max_step=longest, halves=halves, alone=run.alone))
 
     if request.by_hand:
@@ -117,7 +121,7 @@ def _verified(
     for _ in range(ATTEMPTS):
         if done.message or tol <= FINEST:
             break
-        if found.estimated is not None and is_tied(done.steps, done.passed[-1]):  # events end most steps
+        if found.estimated is not None and done.steps < FEW * done.passed[-1]:  # events end most steps
             again = at(tol, False)
             if again.message:
                 break

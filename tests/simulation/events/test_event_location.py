@@ -10,6 +10,7 @@ import lagc
 from tests.simulation.events.switched import STOP, case, motion
 
 pytestmark = pytest.mark.usefixtures("no_cache")
+ROUNDOFF = 1e-12  # relative: of the times of events
 TIMES = [STOP * k / 7 for k in range(8)]
 
 
@@ -17,7 +18,7 @@ TIMES = [STOP * k / 7 for k in range(8)]
 @pytest.mark.parametrize("first", range(0, 60, 15))
 def test_pulses_barriers_square_waves(first: int) -> None:
     """Forces that are constant piece by piece, kicks of 1e-5 s, barriers of 0.1 mm: no true error
-    is above the estimate, no estimate above what was asked."""
+    is above the estimate, but for round-off of the events, no estimate above what was asked."""
     known = 0
     for seed in range(first, first + 15):
         exact = motion(case(seed), TIMES)
@@ -29,13 +30,10 @@ def test_pulses_barriers_square_waves(first: int) -> None:
             assert "round-off" in run.message and len(run.events) > 50, run.message
             continue
         known += 1
-        sizes = [max(abs(state[i]) for state in exact) for i in (0, 1)]
-        errors = [
-            max(abs(state[i] - value) for state, value in zip(exact, run[name])) / size
-            for i, (name, size) in enumerate(zip(("x", "der(x)"), sizes))
-        ]
         assert run.estimated is not None and run.estimated <= accuracy
-        assert max(errors) <= run.estimated, (seed, float(max(errors)), run.estimated)
+        for i, name in enumerate(("x", "der(x)")):
+            error = max(abs(state[i] - value) for state, value in zip(exact, run[name]))
+            assert error <= run.errors[name] + ROUNDOFF * run.scales[name], (seed, name)
     assert known > 10
 
 

@@ -13,19 +13,20 @@ import lagc
 from lagc.cli.main import main
 from lagc.codegen.python.emit import render
 from lagc.kernels.language.statuses import INTERRUPTED, OK, TERMINATED
-from lagc.simulation.error_measure import between, spread
-from lagc.simulation.system import Options, Trajectory
+from lagc.simulation.system import Options
 from tests.codegen.tools import STRICT, call
 from tests.simulation.events.jumping import STOP, case, motion
 
 pytestmark = pytest.mark.usefixtures("no_cache")
+ROUNDOFF = 1e-12  # relative: of the times of events
 TIMES = [STOP * k / 7 for k in range(8)]
 
 
 @pytest.mark.full
 @pytest.mark.parametrize("first", range(0, 60, 15))
 def test_walls_kicks_limits(first: int) -> None:
-    """No true error is above the estimate, no estimate above what was asked, every event is found."""
+    """No true error is above the estimate, but for round-off of a few events, no estimate above what was
+    asked, every event is found."""
     known = 0
     for seed in range(first, first + 15):
         exact = motion(case(seed), TIMES)
@@ -36,12 +37,10 @@ def test_walls_kicks_limits(first: int) -> None:
         run = lagc.loads(case(seed).text).compile(backend="numpy").simulate(STOP, points=8, accuracy=accuracy)
         assert run.status == "ok", run.message
         states, events = exact
-        sizes = [max(abs(state[i]) for state in states) for i in (0, 1)]
-        errors = [
-            max(abs(state[i] - value) for state, value in zip(states, run[name])) / size
-            for i, (name, size) in enumerate(zip(("x", "der(x)"), sizes))
-        ]
-        assert run.estimated is not None and max(errors) <= run.estimated <= accuracy
+        assert run.estimated is not None and run.estimated <= accuracy
+        for i, name in enumerate(("x", "der(x)")):
+            error = max(abs(state[i] - value) for state, value in zip(states, run[name]))
+            assert error <= run.errors[name] + ROUNDOFF * run.scales[name], (seed, name)
         assert [e.t for e in run.events] == pytest.approx([float(t) for t in events], abs=10.0 * accuracy)
         energy = run.energy
         assert abs(energy.imbalance) <= 100.0 * accuracy * max(energy.start, energy.end, abs(energy.work))
@@ -396,13 +395,6 @@ def test_what_an_act_moves_away_is_not_at_its_change() -> None:
         start="x(start = 0.25 [m], rate = 1 [m/s])",
     ).simulate(0.15, points=3)
     assert [*run["x"]] == pytest.approx([0.25, 0.1375, 0.25], abs=1e-6) and len(run.events) == 2
-
-
-def test_runs_that_jump_at_other_times_are_as_far_apart() -> None:
-    states = [[0.0, 0.0], [1.0, 1.0], [2.0, 2.0], [3.0, 3.0]]
-    one, other = (Trajectory([0.0, 1.0, 2.0, 3.0], states, 3.0, states[-1], jumps=[t]) for t in (1.5, 2.9))
-    assert between(one, other) == {2}
-    assert spread(one, other, [([0, 1], 3.0)], [([0, 1], 3.0)]) == pytest.approx(1.4 / 3.0)
 
 
 @pytest.mark.sample(2)

@@ -83,7 +83,6 @@ class Trajectory:
     `jumps`: times at which clauses changed the state.
     `corners`: the first MOST_CORNERS event times, with the states before and after.
     `changes`: number of events.
-    `event_roundoff`: sum of the errors of each state by round-off of event times.
     If a clause ended the run, its time and state are the last of `times` and `states`.
     """
 
@@ -107,7 +106,6 @@ class Trajectory:
         sizes: Sequence[float] = (),
         lowest: Sequence[float] = (),
         highest: Sequence[float] = (),
-        event_roundoff: Sequence[float] = (),
         events: Sequence[tuple[float, int]] = (),
         jumps: Sequence[float] = (),
         corners: Sequence[tuple[float, list[float], list[float]]] = (),
@@ -122,7 +120,7 @@ class Trajectory:
         self.step = step
         self.redundant_rows = redundant_rows
         self.position_drift, self.velocity_drift = position_drift, velocity_drift
-        self.sizes, self.event_roundoff, self.events, self.jumps = sizes, event_roundoff, events, jumps
+        self.sizes, self.events, self.jumps = sizes, events, jumps
         self.lowest, self.highest = lowest, highest
         self.corners = corners
         self.changes = changes

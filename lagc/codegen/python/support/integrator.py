@@ -165,9 +165,8 @@ def _integrate(
             stiff=run.stiff, step=run.t - run.t_old, fallbacks=work.fallbacks - fallbacks,
             redundant_rows=problem.redundant_rows, position_drift=run.position_drift,
             velocity_drift=run.velocity_drift, sizes=run.sizes[:],
-            lowest=run.lowest[:], highest=run.highest[:],
-            event_roundoff=run.event_roundoff[:] if NMODE else (), events=log.events,
-            jumps=log.jumps, corners=log.corners, changes=run.changes if NMODE else 0,
+            lowest=run.lowest[:], highest=run.highest[:], events=log.events, jumps=log.jumps,
+            corners=log.corners, changes=run.changes if NMODE else 0,
         )  # fmt: skip
 
     return record_in_slices(run, options, record_steps, result, progress, clock)

@@ -1,0 +1,1 @@
+"""Runs of a known error: a run and its check."""
