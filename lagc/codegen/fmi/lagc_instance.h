@@ -39,9 +39,7 @@ typedef struct { /* what a copy of the state of the FMU holds: plain data, no po
 typedef struct {
     Store c;
     M(work) w;
-#if HAS_CONSISTENT
     M(start_work) start;
-#endif
     int is_evaluated, has_outputs; /* dx and lam are those of c, y is */
     double dx[K(NX)], y[K(NY) + 1], lam[K(NC) + 1];
     int is_co, uses_events, may_return_early, is_loud;
@@ -137,27 +135,21 @@ static fmi3Status start(Instance *i)
 {
     Store *c = &i->c;
     M(status) status;
-    int k, culprit = -1, ends;
+    int levels[sizeof start_levels / sizeof *start_levels], k, culprit = -1, ends;
     bind(i);
     status = M(check)(&c->p, &c->o, &culprit);
     if (!good(status))
         return fail(i, fmi3Error, status, culprit, "parameters");
     M(start)(&c->p, c->x);
+    memcpy(levels, start_levels, sizeof levels);
     for (k = 0; k < NS; k++)
-        if (c->is_given[k])
+        if (c->is_given[k]) {
             c->x[k] = c->given[k];
-#if HAS_CONSISTENT
-    {
-        int levels[sizeof start_levels / sizeof *start_levels];
-        memcpy(levels, start_levels, sizeof levels);
-        for (k = 0; k < NS; k++)
-            if (c->is_given[k])
-                levels[k] = K(FIXED);
-        status = M(consistent)(&c->p, c->t, c->x, levels, &i->start);
-        if (!good(status))
-            return fail(i, fmi3Error, status, i->start.culprit, "initial values");
-    }
-#endif
+            levels[k] = K(FIXED);
+        }
+    status = M(consistent)(&c->p, c->t, c->x, levels, &i->start);
+    if (!good(status))
+        return fail(i, fmi3Error, status, i->start.culprit, "initial values");
     M(begin)(&c->s, c->t, c->x);
     c->is_started = 1;
     return pass_event(i, 0.0, &ends); /* contacts act, and the modes are found */

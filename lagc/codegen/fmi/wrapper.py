@@ -37,7 +37,6 @@ def model_header(made: Unit) -> str:
     upper = name.upper()
     numbers = {
         "NPARAMETERS": len(i.parameters), "NRELATIONS": len(i.relations),
-        "HAS_CONSISTENT": i.needs_consistency,
         "HAS_DIRECTIONAL": made.directional, "HAS_SOLVE": i.nc,
     }  # fmt: skip
     fields = (*i.parameters, *i.inputs)
