@@ -65,6 +65,8 @@ def indicators(p: Params, s: State, t: Real, x: Vec[NX], z: Vec[NFREE], w: Work)
 def find_ahead(p: Params, s: State, ahead: Real, w: Work) -> Status:
     """Add indicators to w.events.crossed that fall to zero within the time `ahead`, and move the state to
     where the first of them does, to first order. w.xdot and w.events.margins are those of the state."""
+    # One explicit Euler step of length `ahead`. An indicator below zero after it, but above its value before,
+    # is on its way back.
     before = vector(NFREE)
     before[:] = w.events.margins
     w.search.x_trial[:] = w.xdot
@@ -81,6 +83,7 @@ def find_ahead(p: Params, s: State, ahead: Real, w: Work) -> Status:
             own = ahead * before[j] / (before[j] - w.events.margins[j])
             if own < time:
                 time = own
+    # A state just behind the first zero, as where lagc's own event location stops.
     if time < inf:
         time += EVENT_TIME_ULPS * SPACING * fabs(s.t)
         for i in range(NINT):
@@ -95,6 +98,8 @@ def find_crossed(p: Params, s: State, ahead: Real, w: Work) -> Status:
     for k in range(NMODE):
         w.events.crossed[k] = 0
     if NTIMED > 0:
+        # next_time_event marks the relations that change first, however late that is: they count only if they
+        # are due, up to the error of the caller's time and the round-off of a time.
         due = next_time_event(p, s, inf, 1.0, w)
         if due > s.t + ahead + 8.0 * SPACING * fabs(s.t):
             for k in range(NTIMED):
