@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
@@ -128,6 +129,20 @@ def test_the_sdist_holds_what_tests_and_licence_need(built: Path) -> None:
     listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
     tracked = {name for name in listed.stdout.splitlines() if not name.startswith(".ci/")}
     assert tracked <= names and len(owners) == 1
+
+
+def test_the_wheel_lists_what_it_holds_of_others(installed: Path) -> None:
+    """A bill of materials in CycloneDX (PEP 770) with the bundles of the page and the headers of FMI."""
+    (folder,) = installed.glob("lagc-*.dist-info")
+    bill = json.loads((folder / "sboms" / "lagc.cdx.json").read_text(encoding="utf-8"))
+    assert (bill["bomFormat"], bill["specVersion"]) == ("CycloneDX", "1.6")
+    parts = {(part["name"], part["version"]): part for part in bill["components"]}
+    wanted = json.loads((ROOT / "web" / "package.json").read_text(encoding="utf-8"))["dependencies"]
+    assert {*wanted.items(), ("fmi-standard", "2.0"), ("fmi-standard", "3.0")} == parts.keys()
+    refs = {part["bom-ref"] for part in (bill["metadata"]["component"], *bill["components"])}
+    assert {entry["ref"] for entry in bill["dependencies"]} == refs and len(refs) == len(parts) + 1
+    assert all(part["purl"].startswith("pkg:") and part["licenses"] for part in parts.values())
+    assert f"{folder.name}/sboms/lagc.cdx.json" in (folder / "RECORD").read_text()
 
 
 def test_the_wheel_holds_its_licence_and_bounds(installed: Path) -> None:

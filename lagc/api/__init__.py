@@ -18,6 +18,7 @@ from lagc.api.derivatives import Differentiable
 from lagc.api.effects import Comparable, without
 from lagc.api.fit import Fittable
 from lagc.api.run import Run
+from lagc.api.stepper import Steppable
 from lagc.api.sweep import Sweepable
 from lagc.api.values import Input, Value, condition, quantities, real, reals, seconds, separate, word, words
 from lagc.base.records import dataclass, names, replace
@@ -131,7 +132,7 @@ class ModelFile:
         return self.compile()._repr_latex_()
 
 
-class CompiledModel(Differentiable, Measurable, Comparable, Sweepable, Fittable):
+class CompiledModel(Differentiable, Measurable, Comparable, Sweepable, Fittable, Steppable):
     """A compiled scene of a model: its equations, its code, and the methods that simulate and linearize it.
 
     Compiled code comes from the cache if it is there; other stages run only if they are needed.  An
@@ -317,7 +318,7 @@ class CompiledModel(Differentiable, Measurable, Comparable, Sweepable, Fittable)
         # Points that would not fit into memory are refused before the run.
         complete = request.completed(self.interface.simulate)
         check_memory(complete, self.interface.nx, of_this_machine(), "record fewer points")
-        return self.run(request, self._bound(parameters), progress)
+        return self.run(complete, self._bound(parameters), progress)
 
     def _with_courses(
         self, numbers: Mapping[str, float | Quantity], courses: Inputs, until: str | None

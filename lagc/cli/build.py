@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import os
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from lagc.base.text import one_line
@@ -19,7 +20,7 @@ from lagc.kernels import DEFAULT_METHOD, METHODS
 
 if TYPE_CHECKING:
     from lagc.compiler.pipeline import Compilation
-    from lagc.lowering.program import Interface
+    from lagc.lowering.program import Interface, Program
     from lagc.simulation.backends.cross import Platform
 
 
@@ -42,6 +43,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--real", choices=("double", "float", "quad"), default="double",
         help="the type of numbers in C (quad: __float128 of GCC)",
     )  # fmt: skip
+    add_c_options(parser)
     parser.add_argument(
         "-o",
         "--output",
@@ -62,6 +64,47 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         type=methods,
         help=f"the methods of integration that the code has: some of {', '.join(METHODS)}",
     )
+
+
+def add_c_options(parser: argparse.ArgumentParser) -> None:
+    """Options of --target c."""
+    parser.add_argument(
+        "--only", metavar="NAME,...", type=lambda text: tuple(name.strip() for name in text.split(",")),
+        default=(), help="the functions that the C has, such as rhs,outputs, without integrators",
+    )  # fmt: skip
+    parser.add_argument("--cmake", action="store_true", help="add files for CMake and pkg-config")
+    parser.add_argument("--version", metavar="1.2.0", type=version, help="of that package (default: 1.0.0)")
+
+
+def version(text: str) -> str:
+    """Return a version of CMake: up to four numbers.  Raises ArgumentTypeError."""
+    numbers = text.split(".")
+    if len(numbers) > 4 or not all(number.isascii() and number.isdigit() for number in numbers):
+        raise argparse.ArgumentTypeError(f"{text!r} is no version such as 1.2.0")
+    return text
+
+
+def check_c_options(options: argparse.Namespace) -> None:
+    """Raise Usage for options of C that do not belong to the others."""
+    for name, given in (("--only", options.only), ("--cmake", options.cmake)):
+        if given and options.target != "c":
+            raise Usage(f"{name} needs --target c")
+    if options.version and not options.cmake:
+        raise Usage("--version needs --cmake")
+    if options.only and options.events:
+        raise Usage("--only leaves out what integrates, which --events is for: give one of them")
+
+
+def check_only(program: Program, names: Sequence[str]) -> None:
+    """Raise Usage for names of no function that evaluates the model."""
+    from lagc.codegen.c.runtime import evaluations
+
+    known = evaluations(program)
+    for name in names:
+        if name not in known:
+            raise Usage(
+                f"--only: `{name}` is no function that evaluates this model; choose from {', '.join(known)}"
+            )
 
 
 def methods(text: str) -> tuple[str, ...]:
@@ -88,6 +131,8 @@ def platforms(text: str) -> tuple[Platform, ...]:
 
 def generated(options: argparse.Namespace, compilation: Compilation) -> tuple[Interface, dict[str, bytes]]:
     """Return the interface of the model, and its files by name.  Raises Usage without a C compiler."""
+    from lagc.codegen.c.cmake import package
+    from lagc.codegen.identifiers import prefix
     from lagc.compiler import pipeline, stages
 
     if options.target in FMUS:
@@ -100,7 +145,10 @@ def generated(options: argparse.Namespace, compilation: Compilation) -> tuple[In
         except CannotCompile as error:
             raise Usage(f"{error}; --no-binaries writes an FMU of sources alone") from None
     program = pipeline.delivered(compilation, options.derivatives, options.method, options.events)
-    texts = stages.render(program, options.target, real=options.real)
+    check_only(program, options.only)
+    texts = stages.render(program, options.target, real=options.real, only=options.only)
+    if options.cmake:
+        texts |= package(prefix(program.interface.model), options.version or "1.0.0", options.real)
     return program.interface, {name: text.encode() for name, text in texts.items()}
 
 
@@ -119,6 +167,7 @@ def check(options: argparse.Namespace) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
+    from lagc.codegen.description import describe
     from lagc.compiler import pipeline
     from lagc.host import model_library
     from lagc.simulation.request import warnings_of
@@ -126,6 +175,7 @@ def run(options: argparse.Namespace) -> int:
     check(options)
     if options.real != "double" and options.target != "c":
         raise Usage("--real needs --target c")
+    check_c_options(options)
     if options.events and options.target != "c":
         raise Usage("--events needs --target c")
     if not options.output:
@@ -141,6 +191,9 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         facts = {name: getattr(interface, name) for name in ("model", "scene", "effects")}
         facts |= {"target": options.target, "files": paths, "operations": interface.operations}
+        if options.target not in FMUS:
+            header = next((text.decode() for name, text in files.items() if name.endswith(".h")), None)
+            facts |= describe(interface, header, options.real)
         print_json({"status": "ok", **facts, "warnings": warnings, "dropped": interface.dropped})
     elif not options.quiet:
         for warning in warnings:

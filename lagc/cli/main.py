@@ -44,6 +44,7 @@ COMMANDS = {
     "hard": "run the hard cases, whose truth is known",
     "linearize": "find equilibria and linear models",
     "build": "write generated code for other projects",
+    "import": "write the model of a robot, from URDF or MJCF",
     "new": "write a model to start from; --list: models of the library",
     "lsp": "serve an editor: faults, completion, units, fixes",
     "cache": "show, verify or clear the cache of compiled models",

@@ -53,8 +53,8 @@ _HEADERS = """
 _TEMPORARY = re.compile(r"(t|c|p|x|a|lam|d|w|r|sc|sin|cos)\d+")
 # Prefixes of constants in some header, as F_OK or FE_INVALID, which constants of a model might have too.
 _FAMILIES = """
-    backup cc clr cpuset crypt drive drv enum event f fd fe gm gmem ifcap kern lc lmem map mb mm pc prsec pwr
-    r reg regs s sc sem si siid status stock tcp w wait wm wn x
+    backup cc clr cpuset crypt drive drv enum event f fd fe gm gmem ifcap kern lc lmem map mb mm mremap pc
+    prsec pwr r reg regs s sc sem si siid status stock tcp w wait wm wn x
 """
 FAMILIES = frozenset(_FAMILIES.split())
 HEADERS = frozenset(_HEADERS.split())  # names that files of a model must not have

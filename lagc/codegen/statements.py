@@ -57,6 +57,7 @@ class Dialect:
     look_up: Callable[[str, Table, str], str]
     literal: Callable[[float], str] = literal
     called: tuple[str, ...] = ()
+    explicit: bool = False  # an operand has parentheses unless it binds as its operator
     width: int = 88
     turn: str = ""
     turn_two: str = ""
@@ -221,15 +222,17 @@ class _Body:
         if op in self.infix:
             symbol, binds = self.infix[op]
             strict = binds in (OR, AND, COMPARISON)
-            left = self._bound(operands[0], binds + 1 if not strict else SUM)
-            right = self._bound(operands[1], binds + 1 if not strict else SUM, right=True)
+            least = SIGN if self.dialect.explicit else SUM if strict else binds + 1
+            left = self._bound(operands[0], least)
+            right = self._bound(operands[1], least, right=True)
             if not strict and self.binds[operands[0]] == binds:
                 left = text[operands[0]]
             return left + symbol + right, binds
         if op == "neg":
             return "-" + self._bound(operands[0], ATOM), SIGN
         if op == "select":
-            return self.dialect.select.format(*(text[k] for k in operands)), ATOM
+            least = SIGN if self.dialect.explicit else 0
+            return self.dialect.select.format(*(self._bound(k, least) for k in operands)), ATOM
         arguments = ", ".join(text[k] for k in operands)
         return f"{self.dialect.calls[op]}({arguments})", ATOM
 

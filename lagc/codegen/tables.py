@@ -19,12 +19,13 @@ static lagc_real lagc_piece(const lagc_real *table, long size, lagc_real x)
     long low = 0, high = size;
     while (low < high) {
         const long middle = (low + high) / 2;
-        if (x < table[middle])
+        if (x < table[middle]) {
             high = middle;
-        else
+        } else {
             low = middle + 1;
+        }
     }
-    return (lagc_real)(low > 0 ? low - 1 : 0);
+    return (lagc_real)((low > 0) ? (low - 1) : 0);
 }
 """
 

@@ -107,21 +107,31 @@ class Loaded:
     def sensitive(self, backend: str, modes: tuple[int, ...] | None = None) -> System:
         """Return the system that follows sensitivities: in C for a run in C, and for `auto` with a compiler.
         It holds contacts in `modes`."""
+        own = self.compilation if modes is None else self.in_modes(modes)
+        with self.lock:
+            if (backend, modes) not in self.followers:
+                self.followers[backend, modes] = self._compiled(
+                    backend == "c", lambda kind: Loaded(own.sensitive, kind).system(kind)
+                )
+            return self.followers[backend, modes]
+
+    def for_steps(self) -> System:
+        """Return the system for many short calls."""
+        return self._compiled(False, self.system)
+
+    def _compiled(self, wanted: bool, load: Callable[[str], System]) -> System:
+        """Return the system that `load` returns for a backend: C if it is `wanted` or asked for, and for
+        `auto` with a compiler."""
         from lagc.simulation.backends.compile import CannotCompile
         from lagc.simulation.supervision import has_compiler
 
-        wanted = "c" if backend == "c" or (self.asked == "auto" and has_compiler()) else "numpy"
-        own = self.compilation if modes is None else self.in_modes(modes)
-        with self.lock:
-            if (wanted, modes) not in self.followers:
-                try:
-                    found = Loaded(own.sensitive, wanted).system(wanted)
-                except CannotCompile:
-                    if self.asked == "c":
-                        raise
-                    found = Loaded(own.sensitive, "numpy").system("numpy")
-                self.followers[wanted, modes] = found
-            return self.followers[wanted, modes]
+        if wanted or self.asked == "c" or (self.asked == "auto" and has_compiler()):
+            try:
+                return load("c")
+            except CannotCompile:
+                if self.asked == "c":
+                    raise
+        return load("numpy")
 
     def taking(self, method: str) -> Loaded:
         """Return the same model with this method of integration."""

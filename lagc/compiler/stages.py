@@ -8,7 +8,7 @@ Each stage takes the result of the one before, and is imported when it is needed
 from __future__ import annotations
 
 import gc
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ContextDecorator
 from typing import TYPE_CHECKING
 
@@ -172,14 +172,17 @@ def optimize(
 
 
 @uncollected
-def render(program: Program, target: str, complete: bool = True, real: str = "double") -> dict[str, str]:
-    """Return the generated files as {name: text}.  `complete`: usable without lagc."""
+def render(
+    program: Program, target: str, complete: bool = True, real: str = "double", only: Sequence[str] = ()
+) -> dict[str, str]:
+    """Return the generated files as {name: text}.  `complete`: usable without lagc.  `only`: in C, the
+    functions that there are."""
     with stage("writing the code", PER_OPERATION * program.interface.operations):
         if target == "c":
             from lagc.codegen.c.emit import render as render_c
             from lagc.codegen.kernel_compiler.real_types import TYPES
 
-            return render_c(program, complete, TYPES[real])
+            return render_c(program, complete, TYPES[real], only)
         from lagc.codegen.python.emit import render as render_numpy
 
         return render_numpy(program, complete)

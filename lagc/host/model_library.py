@@ -107,7 +107,7 @@ def read(name: str) -> Source:
     text."""
     try:
         if name == "-":
-            return Source("<stdin>", decoded(_standard_input()))
+            return Source("<stdin>", decoded(standard_input()))
         path = locate(name)
         return Source(path, decoded(content(path, pipes=True)))
     except Unreadable as error:
@@ -193,7 +193,7 @@ def fingerprint(path: str, data: bytes) -> str:
     return cache.key(os.path.realpath(path), cache.digest(data))
 
 
-def _standard_input() -> bytes:
+def standard_input() -> bytes:
     if sys.stdin is None:
         raise Unreadable("LAG0702", "cannot be read: it is closed")
     try:

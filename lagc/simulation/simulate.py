@@ -114,7 +114,7 @@ def simulate(
         energy=energy(system, trajectory), notes=tuple(notes),
         warnings=system.interface.warnings,
         open_reactions=open_reactions, error_bars=done.errors, scale_values=done.scales,
-        events=_events(system, trajectory),
+        events=events_of(system, trajectory),
         corners=tuple(trajectory.corners), interrupted=trajectory.status == INTERRUPTED, end=times[-1],
         cost=Cost(
             steps=trajectory.steps, rejected=trajectory.rejected, rhs=done.rhs + counted.evaluations,
@@ -124,7 +124,7 @@ def simulate(
     )  # fmt: skip
 
 
-def _events(system: System, trajectory: Trajectory) -> tuple[Event, ...]:
+def events_of(system: System, trajectory: Trajectory) -> tuple[Event, ...]:
     """The events of relations and clauses, and those of contacts, in the order of time. At one time clauses
     that change no state come last: they are no cause of another one."""
     found = [Event(t, name) for t, k in trajectory.events for name in event_names(system, k)]

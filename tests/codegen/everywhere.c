@@ -104,7 +104,8 @@ int main(void)
     model_params p = model_default_params();
     model_options o = model_default_options();
     double x[MODEL_NX];
-    if (model_work_size() != sizeof work || model_state_size() != sizeof(model_state))
+    if (model_work_size() != sizeof work || model_state_size() != sizeof(model_state)
+        || model_params_size() != sizeof p || model_members()->name == NULL)
         return 1;
 #ifdef MODEL_NPREPARED
     model_bind(&p);

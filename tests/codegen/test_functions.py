@@ -76,7 +76,7 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
     )
     types = "typedef double lagc_real;\ntypedef struct { double m, l, g; } lagc_params;\n"
     shared = (
-        helpers(made)
+        helpers(made.functions.values())
         + "".join(c_tables(numbers, DOUBLE))
         + "".join(runtime.sine_cosine(sine_cosine_kernels([body], "double")))
     )

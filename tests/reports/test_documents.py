@@ -79,6 +79,8 @@ def saved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     inputs = (ROOT / "docs/how-to/inputs-and-tables.md").read_text(encoding="utf-8")
     data = re.findall(r"^    (time \[ms\].*|[-.\d]+,[-.\d]+)$", inputs, re.MULTILINE)
     (tmp_path / "drive.csv").write_text("\n".join(data) + "\n", encoding="utf-8")
+    ((_, robot),) = blocks("xml")
+    (tmp_path / "robot.urdf").write_text(robot, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -99,7 +101,7 @@ def test_commands_run_as_printed_there(saved: Path, document: str) -> None:
 
 
 COMMANDS = ["check", "fmt", "explain", "equations", "sim", "cost", "compare", "effects", "hard", "linearize"]
-COMMANDS += ["build", "derive", "new", "lsp", "cache", "sweep", "fit"]
+COMMANDS += ["build", "derive", "import", "new", "lsp", "cache", "sweep", "fit"]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -125,6 +127,14 @@ PROGRAMS = [b for b in blocks("python") if not b[0].startswith(EMBEDDED)]
 @pytest.mark.parametrize(("where", "text"), PROGRAMS, ids=[where for where, _ in PROGRAMS])
 def test_python_runs_as_printed_there(saved: Path, where: str, text: str) -> None:
     exec(compile(text, where, "exec"), {})
+
+
+def test_the_model_of_the_robot_is_the_one_that_is_imported(
+    saved: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (ROOT / "docs/how-to/import-a-robot.md").read_text(encoding="utf-8")
+    assert main(["import", "robot.urdf"]) == 0
+    assert f"```modelica\n{capsys.readouterr().out}```" in text
 
 
 @pytest.mark.full

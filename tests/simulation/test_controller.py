@@ -142,3 +142,14 @@ def test_against_restarts(backend: str) -> None:
         x, cost = fresh.facts()[1], cost + fresh.facts()[5]
     assert run.facts()[1] == pytest.approx(x, rel=1e-8, abs=1e-9)
     assert run.facts()[5] < 0.95 * cost
+
+
+@pytest.mark.full
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
+def test_a_caller_in_another_language(tmp_path: Path) -> None:
+    """It finds a parameter by its name: -g/l sin(0.1) for l = 0.7 m."""
+    from math import sin
+
+    command = [sys.executable, "-c", block("python", 1)]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert float(done.stdout) == pytest.approx(-9.81 / 0.7 * sin(0.1), rel=1e-12)

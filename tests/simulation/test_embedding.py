@@ -34,9 +34,7 @@ int main(void)
     {name}_state s;
     double x[{NAME}_NX];
     o.rtol = o.atol = 1e-6;
-#ifdef {NAME}_NPREPARED
     {name}_bind(&p);
-#endif
     {name}_start(&p, x);
     {name}_begin(&s, 0.0, x);
     while (s.t < 1.0) {{

@@ -7,11 +7,11 @@ get their final form at the end (`names`).
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 from lagc.codegen.c import header
 from lagc.codegen.c.functions import function_text, helpers
 from lagc.codegen.c.names import PLACE, in_header, in_source
-from lagc.codegen.c.public_functions import public_functions
 from lagc.codegen.c.runtime import Runtime, sine_cosine
 from lagc.codegen.identifiers import local_names, prefix
 from lagc.codegen.kernel_compiler.library import sine_cosine_kernels
@@ -44,12 +44,15 @@ _FUSED = """\
 """
 
 
-def render(program: Program, complete: bool = True, real: Arithmetic = DOUBLE) -> dict[str, str]:
+def render(
+    program: Program, complete: bool = True, real: Arithmetic = DOUBLE, only: Sequence[str] = ()
+) -> dict[str, str]:
     """Return the texts of `<model>.h` and `<model>.c` by file name, in C99 and C++. Without `complete` they
     lack the bounds of parameters, texts, and the initialization, which takes long to compile; a run of lagc
-    does it by the same kernels in Python, with the same bits."""
+    does it by the same kernels in Python, with the same bits.  `only` names public functions that evaluate:
+    there are these, and no integrator."""
     program = program.shipped
-    interface, runtime = program.interface, Runtime(program, complete, real)
+    interface, runtime = program.interface, Runtime(program, complete, real, only)
     name = prefix(interface.model)
     header = _header(runtime, f"{name}.h")
     source = _source(runtime, f"{name}.c", f"{name}.h", header)
@@ -65,13 +68,13 @@ def _header(runtime: Runtime, file: str) -> str:
     parts = [
         header.banner(interface, file) + f"#ifndef {guard}\n#define {guard}\n\n#include <stddef.h>\n",
         header.about(runtime.real),
-        header.use(runtime.searches, interface.prepared > 0),
+        header.use(runtime.searches, not runtime.only),
         header.constants(interface).rstrip("\n") + "\n",
         header.stacked(interface),
         '#ifdef __cplusplus\nextern "C" {\n#endif\n',
         header.parameters(interface),
         runtime.types(),
-        *(function.declaration for function in public_functions(runtime.program, runtime.real)),
+        *(function.declaration for function in runtime.functions),
         runtime.declarations(),
         f"#ifdef __cplusplus\n}}\n#endif\n\n#endif /* {guard} */\n",
     ]
@@ -85,15 +88,15 @@ def _source(runtime: Runtime, file: str, own_header: str, declared: str) -> str:
     names = local_names(program, taken)
     fields = header.places(interface)
     numbers = numbered(program)
-    runs = [*runtime.definitions(declared), *(f.definition for f in public_functions(program, real))]
+    runs = [*runtime.definitions(declared), *(f.definition for f in runtime.functions)]
     called = set(re.findall(r"\blagc_fn_(\w+)", "\n".join(runs)))
-    functions = [function_text(f, names, fields, real, numbers) for f in program.functions.values()
-                 if f.spelled in called]  # fmt: skip
+    printed = [f for f in program.functions.values() if f.spelled in called]
+    functions = [function_text(f, names, fields, real, numbers) for f in printed]
     parts = [
         header.banner(interface, file) + f'#include "{own_header}"\n\n' + real.includes,
         compiler_guards(real),
         PLACE,
-        helpers(program),
+        helpers(printed),
         *c_tables(numbers, real),
         *sine_cosine(sine_cosine_kernels(functions, DOUBLE.language)),
         *functions,

@@ -14,7 +14,7 @@ from lagc.codegen.loops import Forms, Running, loops
 from lagc.codegen.statements import AND, OR, Dialect, lines
 from lagc.codegen.tables import NONE, Numbers, c_look_up
 from lagc.lowering.loop_rolling import moves_itself
-from lagc.lowering.program import Function, Program, Run, uses
+from lagc.lowering.program import Function, Run, uses
 from lagc.symbolic.operators import spelling
 
 CALLS = spelling("c")
@@ -28,14 +28,14 @@ TURN_TWO = "lagc_real sc{number}[4]; lagc_sine_cosine_two({value}, {other}, sc{n
 # Printed if a function of the model calls them.  min and max return the first of equal operands, as Python.
 HELPERS = {
     "sign": "static lagc_real lagc_sign(lagc_real a) { return (lagc_real)((a > 0) - (a < 0)); }\n",
-    "min": "static lagc_real lagc_min(lagc_real a, lagc_real b) { return b < a ? b : a; }\n",
-    "max": "static lagc_real lagc_max(lagc_real a, lagc_real b) { return b > a ? b : a; }\n",
+    "min": "static lagc_real lagc_min(lagc_real a, lagc_real b) { return (b < a) ? b : a; }\n",
+    "max": "static lagc_real lagc_max(lagc_real a, lagc_real b) { return (b > a) ? b : a; }\n",
 }
 
 
-def helpers(program: Program) -> str:
-    """Return the definitions of HELPERS that the functions of `program` call."""
-    used = {o.op for f in program.functions.values() for o, n in zip(f.operations, uses(f)) if n}
+def helpers(functions: Iterable[Function]) -> str:
+    """Return the definitions of HELPERS that `functions` call."""
+    used = {o.op for f in functions for o, n in zip(f.operations, uses(f)) if n}
     return "".join(text for op, text in HELPERS.items() if op in used)
 
 
@@ -70,13 +70,14 @@ def function_text(
         entry=entry,
         look_up=partial(c_look_up, numbers),
         literal=real.literal,
+        explicit=True,  # MISRA C 2012, rule 12.1
         turn=TURN if real == DOUBLE else "",
         turn_two=TURN_TWO if real == DOUBLE else "",
         sine="sc{number}[{sine}]",
         cosine="sc{number}[{cosine}]",
     )
     size = dict(function.outputs)
-    body = [f"{{ int i; for (i = 0; i < {size[a]}; i++) {a}[i] = 0.0; }}" for a in function.cleared]
+    body = [f"{{ int i; for (i = 0; i < {size[a]}; i++) {{ {a}[i] = 0.0; }} }}" for a in function.cleared]
     # A long function without loops is cut, as C compilers need more than linear time. A sum into its own
     # argument stays whole.
     if not function.runs:

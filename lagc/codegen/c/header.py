@@ -40,7 +40,9 @@ _USE = """\
 /* Example (see below for the functions):
  *     static lagc_work w;                     zeros; one per thread
  *     lagc_params p = lagc_default_params();
-{bind} *     lagc_options o = lagc_default_options();
+ *     p.... = ...;                            set parameters
+ *     lagc_bind(&p);                          after parameters are set or changed; not after inputs
+ *     lagc_options o = lagc_default_options();
  *     static lagc_state s;                    one per trajectory
  *     lagc_real x[LAGC_NX];
  *     lagc_start(&p, x);
@@ -58,12 +60,6 @@ _CONSISTENT = """\
 """
 
 
-_BIND = """\
- *     p.... = ...;                            set parameters
- *     lagc_bind(&p);                          after parameters are set or changed; not after inputs
-"""
-
-
 def stacked(interface: Interface) -> str:
     """Return the first row of each part of the differentiated stack, as an enumeration."""
     if not interface.differentiated:
@@ -74,10 +70,11 @@ def stacked(interface: Interface) -> str:
     return title + "enum {\n" + "\n".join([*rows, last]) + "\n};\n"
 
 
-def use(consistency: bool, prepared: bool) -> str:
-    """Return the rules for all functions and a short example."""
-    text = _USE.replace("{bind}", _BIND if prepared else "")
-    return text.replace("{consistent}", _CONSISTENT if consistency else "")
+def use(consistency: bool, integrates: bool) -> str:
+    """Return the rules for all functions and, of code that integrates, a short example."""
+    if not integrates:
+        return _USE.partition(" * lagc_check")[0] + " */\n"
+    return _USE.replace("{consistent}", _CONSISTENT if consistency else "")
 
 
 _TYPES = {

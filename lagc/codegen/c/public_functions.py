@@ -1,7 +1,6 @@
 """Public functions of generated C that evaluate one function of the model.
 
-The functions that integrate are kernels.  A model has only the functions that apply to it: one without
-constraints has no function of constraints.
+The functions that integrate are kernels.  Those that do not apply to a model are in `any_model`.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from lagc.codegen.statements import loads
 from lagc.lowering.program import Interface, Program
 from lagc.symbolic.walk import double
 
-_POINT = "const lagc_params *p, lagc_real t, const lagc_real *x"
+POINT = "const lagc_params *p, lagc_real t, const lagc_real *x"
 
 
 @dataclass(frozen=True)
@@ -27,6 +26,10 @@ class PublicFunction:
     comment: str
     head: str
     body: str
+
+    @property
+    def name(self) -> str:
+        return self.head.partition("(")[0].rpartition("lagc_")[2]
 
     @property
     def declaration(self) -> str:
@@ -73,7 +76,7 @@ def public_functions(program: Program, real: Arithmetic = DOUBLE) -> list[Public
 def _direct(name: str, comment: str, output: str) -> PublicFunction:
     return PublicFunction(
         comment,
-        f"void lagc_{name}({_POINT}, lagc_real *{output})",
+        f"void lagc_{name}({POINT}, lagc_real *{output})",
         f"    lagc_fn_{name}(p, t, x, {output});\n",
     )
 
@@ -93,7 +96,7 @@ _DIRECT = {
     ),
     "displace": PublicFunction(
         "dq[NQ] = N(t,q) d, for an infinitesimal displacement d[NV].",
-        f"void lagc_displace({_POINT}, const lagc_real *d, lagc_real *dq)",
+        f"void lagc_displace({POINT}, const lagc_real *d, lagc_real *dq)",
         "    lagc_fn_displace(p, t, x, d, dq);\n",
     ),
     "gaps": _direct("gaps", "g[NCON]: gaps of the contacts.", "g"),
@@ -109,7 +112,7 @@ _DIRECT = {
     ),
 }
 
-_HOLD = "    int i;\n    for (i = LAGC_NINT; i < LAGC_NX; i++)\n        xdot[i] = 0;\n"
+_HOLD = "    int i;\n    for (i = LAGC_NINT; i < LAGC_NX; i++) {\n        xdot[i] = 0;\n    }\n"
 _FORGET = "    w->rank_deficient = 0; /* forget earlier evaluations */\n"
 
 
@@ -120,7 +123,7 @@ def _conditions(interface: Interface) -> PublicFunction:
         f"c[{count}]: residuals of the initial equations at x[NU]: phi, psi, the initial section, stated\n"
         f" * rates minus their values, but not unit quaternions.  J[{entries}]: derivatives that are not\n"
         f" * identically zero.  sizes[{count}]: sums of the magnitudes of the terms.",
-        f"void lagc_conditions({_POINT}, lagc_real *c, lagc_real *J, lagc_real *sizes)",
+        f"void lagc_conditions({POINT}, lagc_real *c, lagc_real *J, lagc_real *sizes)",
         f"    lagc_fn_conditions(p, t, x, c, J, sizes);\n{together}")  # fmt: skip
 
 
@@ -128,7 +131,8 @@ def _default_params(interface: Interface, real: Arithmetic) -> PublicFunction:
     fields = [*interface.parameters, *interface.inputs]
     text = "    lagc_params p;\n"
     if interface.prepared:
-        text += f"    int i;\n    for (i = 0; i < LAGC_NPREPARED; i++)\n        p.prepared[i] = {real.nan};\n"
+        text += "    int i;\n    for (i = 0; i < LAGC_NPREPARED; i++) {\n"
+        text += f"        p.prepared[i] = {real.nan};\n    }}\n"
     for name, field in zip(members(interface), fields):
         there = field.value is not None and not math.isnan(field.value)
         value = real.literal(double(field.value or 0.0)) if there else real.nan
@@ -147,9 +151,10 @@ def _rhs(interface: Interface) -> PublicFunction:
     return PublicFunction(
         "xdot[NX] and the multipliers lambda[NC] at (t, x).  lambda may be NULL."
         + ("  Rates of discrete variables\n * are 0." if interface.discretes else ""),
-        f"lagc_status lagc_rhs({_POINT}, lagc_real *xdot, lagc_real *lambda, lagc_work *w)",
+        f"lagc_status lagc_rhs({POINT}, lagc_real *xdot, lagc_real *lambda, lagc_work *w)",
         (_HOLD if interface.discretes else "") + _forget(interface)
-        + f"    return lagc_{rates(interface)}(p, t, x, xdot, lambda ? lambda : w->lam, w);\n")  # fmt: skip
+        + f"    return lagc_{rates(interface)}(p, t, x, xdot, "
+        "(lambda != NULL) ? lambda : w->lam, w);\n")  # fmt: skip
 
 
 def _forget(interface: Interface) -> str:
@@ -161,31 +166,36 @@ def _system(interface: Interface) -> list[PublicFunction]:
     found = [
         PublicFunction(
             "M[NV*NV]: the full mass matrix.",
-            f"void lagc_mass_matrix({_POINT}, lagc_real *M, lagc_work *w)",
+            f"void lagc_mass_matrix({POINT}, lagc_real *M, lagc_work *w)",
             "    int i, j;\n" + call
-            + "    for (i = 0; i < LAGC_NV; i++)\n        for (j = 0; j <= i; j++) {\n"
-            "            M[i * LAGC_NV + j] = w->M[i * (i + 1) / 2 + j];\n"
-            "            M[j * LAGC_NV + i] = w->M[i * (i + 1) / 2 + j];\n        }\n"),
+            + "    for (i = 0; i < LAGC_NV; i++) {\n        for (j = 0; j <= i; j++) {\n"
+            "            M[(i * LAGC_NV) + j] = w->M[(i * (i + 1) / 2) + j];\n"
+            "            M[(j * LAGC_NV) + i] = w->M[(i * (i + 1) / 2) + j];\n        }\n    }\n"),
         PublicFunction(
             "r[NV] = tau - h: applied forces minus velocity terms, M a = r + G^T lambda.",
-            f"void lagc_forces({_POINT}, lagc_real *r, lagc_work *w)",
-            "    int i;\n" + call + "    for (i = 0; i < LAGC_NV; i++)\n        r[i] = w->force[i];\n"),
+            f"void lagc_forces({POINT}, lagc_real *r, lagc_work *w)",
+            "    int i;\n" + call + _each("i < LAGC_NV", "r[i] = w->force[i]")),
     ]  # fmt: skip
     if interface.nc:
         body = "    int i;\n" + call
         if interface.nh:
-            body += "    if (phi)\n        lagc_fn_position(p, t, x, phi);\n"
+            body += "    if (phi != NULL) {\n        lagc_fn_position(p, t, x, phi);\n    }\n"
         else:
             body += "    (void)phi;\n"
-        body += "    if (psi)\n        lagc_fn_velocity(p, t, x, psi);\n"
-        body += "    for (i = 0; G && i < LAGC_NC * LAGC_NV; i++)\n        G[i] = w->G[i];\n"
-        body += "    for (i = 0; gamma && i < LAGC_NC; i++)\n        gamma[i] = w->gamma[i];\n"
+        body += "    if (psi != NULL) {\n        lagc_fn_velocity(p, t, x, psi);\n    }\n"
+        body += _each("(G != NULL) && (i < (LAGC_NC * LAGC_NV))", "G[i] = w->G[i]")
+        body += _each("(gamma != NULL) && (i < LAGC_NC)", "gamma[i] = w->gamma[i]")
         found.append(PublicFunction(
             "Constraints: phi[NH], psi[NC], G[NC*NV] by rows, and gamma[NC] with G a = gamma.  Each output\n"
             " * may be NULL.",
-            f"void lagc_constraints({_POINT}, lagc_real *phi, lagc_real *psi, "
+            f"void lagc_constraints({POINT}, lagc_real *phi, lagc_real *psi, "
             "lagc_real *G, lagc_real *gamma, lagc_work *w)", body))  # fmt: skip
     return found
+
+
+def _each(test: str, statement: str) -> str:
+    """Return a loop over i."""
+    return f"    for (i = 0; {test}; i++) {{\n        {statement};\n    }}\n"
 
 
 def _outputs(program: Program) -> PublicFunction:
@@ -200,7 +210,7 @@ def _of_accelerations(program: Program, name: str, comment: str, output: str) ->
     call = f"    lagc_fn_{function.spelled}({', '.join(given[i] for i in function.inputs)}, {output});\n"
     if "e" in function.inputs:
         call = f"    lagc_fn_energies(p, t, x, e);\n{call}"
-    head = f"lagc_status lagc_{name}({_POINT}, lagc_real *{output}, lagc_work *w)"
+    head = f"lagc_status lagc_{name}({POINT}, lagc_real *{output}, lagc_work *w)"
     room = "    lagc_real e[3];\n" if "e" in function.inputs else ""
     if not {"a", "lam", "modes", "contact_forces"} & {array for array, _ in loads(function)}:
         unused = "" if "w->" in call else "    (void)w;\n"
@@ -232,7 +242,7 @@ def _derivatives(group: str, pattern: Sequence[tuple[int, int]], relations: int)
         PublicFunction(
             f"J[{len(pattern)}]: derivatives of lagc_stack by {columns}, those that are not\n"
             " * identically zero.",
-            f"void lagc_by_{group}({_POINT}, const lagc_real *a, const lagc_real *lambda, lagc_real *J)",
+            f"void lagc_by_{group}({POINT}, const lagc_real *a, const lagc_real *lambda, lagc_real *J)",
             _in_own_modes(f"by_{group}", "J", relations)),
         PublicFunction(
             "Set rows and columns to the places of these derivatives; return their number.",
@@ -247,7 +257,7 @@ def _stack(relations: int) -> PublicFunction:
         " * QDOT: rates of q; INERTIA: M a; FORCE: tau - h + G^T lambda; ROW: G a - gamma; CONDITION:\n"
         " * initial equations; START: start values; OUTPUT: outputs; INDICATOR: event indicators; REINIT:\n"
         " * new values of states.",
-        f"void lagc_stack({_POINT}, const lagc_real *a, const lagc_real *lambda, lagc_real *s)",
+        f"void lagc_stack({POINT}, const lagc_real *a, const lagc_real *lambda, lagc_real *s)",
         _in_own_modes("stack", "s", relations))  # fmt: skip
 
 
@@ -256,7 +266,7 @@ def _along(interface: Interface) -> PublicFunction:
     return PublicFunction(
         f"s[LAGC_D_END]: derivative of lagc_stack in the direction d[{size}] of time, q and v, a and\n"
         " * lambda, the parameters, then the inputs, in the order of the struct.",
-        f"void lagc_along({_POINT}, const lagc_real *a, const lagc_real *lambda, const lagc_real *d,\n"
+        f"void lagc_along({POINT}, const lagc_real *a, const lagc_real *lambda, const lagc_real *d,\n"
         "    lagc_real *s)",
         _in_own_modes("along", "d, s", len(interface.relations)))  # fmt: skip
 
@@ -278,7 +288,7 @@ def _linear() -> list[PublicFunction]:
     return [
         PublicFunction(
             "Assemble and factor [M G^T; G 0] at (t, x) for calls of lagc_solve.",
-            f"lagc_status lagc_assemble({_POINT}, lagc_work *w)",
+            f"lagc_status lagc_assemble({POINT}, lagc_work *w)",
             _FORGET + "    return lagc_assemble_at(p, t, x, w);\n"),
         PublicFunction(
             "Solve M s1 - G^T s2 = r1, G s1 = r2 for s[NV+NC] = (s1, s2), with r[NV+NC] = (r1, r2).",

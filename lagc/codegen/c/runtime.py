@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from itertools import takewhile
 from textwrap import fill
 from typing import Any
 
 from lagc.codegen.c import header
+from lagc.codegen.c.any_model import START_WORK, TABLE, functions_without_work, member_table
 from lagc.codegen.c.convolution import convolution
+from lagc.codegen.c.public_functions import public_functions
 from lagc.codegen.heading import rates, status_texts, statuses
 from lagc.codegen.kernel_compiler.c import CPrinter, block_comment, snake
 from lagc.codegen.kernel_compiler.library import Chosen, Library, library
@@ -16,12 +19,16 @@ from lagc.codegen.kernel_compiler.parts import Part
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.python.support.base import Options
 from lagc.codegen.sizes import SPELLED, flags_of, methods_of, sizes_of, tables_of
-from lagc.lowering.program import Program
+from lagc.lowering.program import Interface, Program
 
 # Public kernels of every model; a run of lagc does the last ones itself.
 ROOTS = ("begin", "step", "dense", "advance", "record", "verified", "check")
 EMBEDDED = ("check",)  # of these the kernels that a run of lagc does itself
-CALLED = ("rhs_at", "system_at", "assemble_at", "solve_at")  # called by `public_functions`
+CALLED = ("system_at", "assemble_at", "solve_at", "assemble_slopes")  # by public functions, as the rates
+ALWAYS = ("default_params", "bind")  # functions of code that evaluates only
+READ = ("Options", "State", "Work")  # structs whose members callers read
+PRIVATE = "Private from here on"
+PLAIN = {"Real": "real", "Vec": "real", "Count": "long", "int": "int", "bool": "int", "IVec": "int"}
 NUMBERS = ("int", "Real", "Reals")  # kinds of constants that are not in the header
 IMPORTED = ("hold_modes", "indicators", "event", "next_event", "project_state")  # with `events`
 FOLLOWING = ("follow", "event_facts")  # with sensitivities
@@ -31,7 +38,8 @@ static void lagc_fn_copy_state(const lagc_state *s, lagc_state *kept)
     *kept = *s;
 }
 """
-PUBLIC_RECORDS = ("TangentWork", "Work", "Options", "State", "StartWork", "Goal", "Report", "Verification")
+OF_VERIFIED = ("Goal", "Report", "Verification")
+PUBLIC_RECORDS = ("TangentWork", "Work", "Options", "State", "StartWork", *OF_VERIFIED)
 _OBSERVE = """\
 static void lagc_fn_observe(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *y, lagc_work *w)
 {
@@ -40,31 +48,64 @@ static void lagc_fn_observe(const lagc_params *p, lagc_real t, const lagc_real *
 """
 
 
-class Runtime:
-    """The kernels of a model; without `complete`, a run of lagc does checks and initialization itself."""
+def evaluations(program: Program) -> list[str]:
+    """Return the names of the public functions that evaluate, without an integrator."""
+    named = [*public_functions(program), *functions_without_work(program.interface)]
+    has = evaluating_kernels(program.interface, True)
+    return [*(function.name for function in named), *(name for name, there in has.items() if there)]
 
-    def __init__(self, program: Program, complete: bool, real: Arithmetic = DOUBLE):
-        self.program, self.complete, self.real = program, complete, real
-        interface, functions = program.interface, program.functions
+
+def evaluating_kernels(interface: Interface, complete: bool) -> dict[str, bool]:
+    """Return the public kernels that evaluate, and whether a model has them."""
+    return {
+        "bind": interface.prepared > 0, "hold": bool(interface.relations),
+        "seated": bool(interface.contacts), "consistent": complete and interface.needs_consistency,
+    }  # fmt: skip
+
+
+class Runtime:
+    """The kernels and public functions of a model.  Without `complete`, a run of lagc does checks and
+    initialization itself.  `only` names public functions that evaluate; it has these, and no integrator."""
+
+    def __init__(self, program: Program, complete: bool, real: Arithmetic = DOUBLE, only: Sequence[str] = ()):
+        self.program, self.complete, self.real, self.only = program, complete, real, only
+        interface, kept = program.interface, {*only, *ALWAYS}
+        direct = [f for f in public_functions(program, real) if not only or f.name in kept]
         self.searches = complete and interface.needs_consistency
-        roots = [name for name in ROOTS if complete or name not in EMBEDDED]
-        roots += ["bind"] if interface.prepared else []
-        roots += ["hold"] if interface.relations else []
-        roots += ["seated"] if interface.contacts else []
-        roots += ["consistent"] if self.searches else []
+        roots = [] if only else [name for name in ROOTS if complete or name not in EMBEDDED]
+        roots += [
+            name
+            for name, has in evaluating_kernels(interface, complete).items()
+            if has and (not only or name in kept)
+        ]
+        bodies = "".join(function.body for function in direct)
+        roots += [name for name in (rates(interface), *CALLED) if f"lagc_{name}(" in bodies]
         roots += IMPORTED if interface.events else ()
-        called = (rates(interface), *CALLED[1:])
-        roots += [name for name in called[:2] if name != "system_at" or "system" in functions]
         roots += [
             name for name in FOLLOWING if interface.follows and (name != "event_facts" or interface.relations)
         ]
-        roots += CALLED[2:] if interface.nc and "scales" in functions else []
-        roots += ["assemble_slopes"] if interface.part_ends else []
         self.kernels = library(real.language)
         self.flags = flags_of(interface, complete)
         self.use = self.kernels.chosen(roots, self.flags)
         self.sizes = sizes_of(interface)
         self.public = {name for name, _, _ in header.sizes(interface)}
+        self.functions = direct
+        if complete:
+            self.functions += [f for f in functions_without_work(interface) if not only or f.name in kept]
+            self.functions += [] if only else member_table(interface, self._members())
+
+    def _members(self) -> dict[str, list[tuple[str, str, int]]]:
+        """Return name, type and length of the public members of the structs that callers read."""
+        found: dict[str, list[tuple[str, str, int]]] = {}
+        for part in self.use.records:
+            if part.name in READ:
+                members = takewhile(lambda member: not member[2] or PRIVATE not in member[2][0], part.members)
+                found[snake(part.name)] = [(name, *self._plain(kind)) for name, kind, *_ in members]
+        return found
+
+    def _plain(self, kind: Sequence[str]) -> tuple[str, int]:
+        """Return the type of a member, and the number of its entries."""
+        return PLAIN[kind[0]], max(self.sizes[kind[1]], 1) if len(kind) > 1 else 1
 
     @property
     def constants(self) -> frozenset[str]:
@@ -76,30 +117,28 @@ class Runtime:
     def types(self) -> str:
         """Return enumerations and structs for the header."""
         records, public = self._records(), self._public()
-        inner = [text for name, text in records.items() if name in public and name not in PUBLIC_RECORDS]
-        found = [self._enumeration("Status"), *inner, records["Work"], self._enumeration("Method")]
-        found += [
-            records["Options"],
-            _codes(self.kernels.constants("language/records", "Code")),
-            records["State"],
-        ]
-        found += [records[name] for name in ("Goal", "Report", "Verification")]
-        found += [records["TangentWork"]] if self.program.interface.follows else []
-        if self.searches:
-            found += [
-                _codes(self.kernels.constants("initialization/workspace", "Code")),
-                records["StartWork"],
-            ]
+        roots = {name: text for name, text in records.items() if name in PUBLIC_RECORDS}
+        inner, used = list[str](), "".join(roots.values())
+        for name, text in reversed(records.items()):  # each record stands before those that hold it
+            if name in public and name not in roots and f"lagc_{snake(name)} " in used:
+                inner.insert(0, text)
+                used += text
+        found = [self._enumeration("Status"), *inner, records["Work"]]
+        if "Options" in records:
+            found += [self._enumeration("Method"), records["Options"]]
+            found.append(_codes(self.kernels.constants("language/records", "Code")))
+        found += [records[name] for name in ("State", *OF_VERIFIED, "TangentWork") if name in records]
+        if self.complete and (not self.only or "consistent" in self.only):
+            found.append(_codes(self.kernels.constants("initialization/workspace", "Code")))
+            found.append(records.get("StartWork", START_WORK))
+            found += [] if self.only else [TABLE]
         return "\n".join(found)
 
     def declarations(self) -> str:
         """Return the declarations of the functions that integrate, for the header."""
-        found = ["lagc_options lagc_default_options(void);\n"
-                 "size_t lagc_work_size(void);\nsize_t lagc_state_size(void);\n"
-                 "size_t lagc_verification_size(void);\n"]  # fmt: skip
-        if self.program.interface.follows:
-            found.append("size_t lagc_tangent_work_size(void);\n")
-        if self.complete:
+        found = [] if self.only else ["lagc_options lagc_default_options(void);\n"]
+        found.append("".join(f"size_t lagc_{name}_size(void);\n" for name in self._sized()))
+        if self.complete and not self.only:
             found.append("/* Return the meaning of a status, for any number. */\n"
                          "const char *lagc_status_text(int status);\n")  # fmt: skip
         for part in self.use.functions:
@@ -128,14 +167,19 @@ class Runtime:
         constants = [part for part in self.use.constants if part.name not in declared]
         found += _printed(self.kernels, constants, self.use.functions)
         # Not in the subset of kernels: structs by value, their sizes, texts.
-        (options,) = [part for part in self.use.records if part.name == "Options"]
-        found.append(_default_options(options.members, self.real, methods_of(self.program.interface)))
-        follows = ("tangent_work",) if self.program.interface.follows else ()
-        sized = ("work", "state", "verification", *follows)
-        found += [f"size_t lagc_{n}_size(void) {{ return sizeof(lagc_{n}); }}\n" for n in sized]
+        for options in [part for part in self.use.records if part.name == "Options"]:
+            found.append(_default_options(options.members, self.real, methods_of(self.program.interface)))
+        found += [f"size_t lagc_{n}_size(void) {{ return sizeof(lagc_{n}); }}\n" for n in self._sized()]
         texts = status_texts(self.kernels, self.program.interface)
-        found += [_status_text(texts)] if self.complete else []
+        found += [_status_text(texts)] if self.complete and not self.only else []
         return [part for part in found if part]
+
+    def _sized(self) -> list[str]:
+        """Return the records whose size the caller may ask."""
+        named = {"work": "Work", "state": "State", "verification": "Verification",
+                 "tangent_work": "TangentWork"}  # fmt: skip
+        records = {part.name for part in self.use.records}
+        return [name for name, record in named.items() if record in records]
 
     def _public(self) -> frozenset[str]:
         """Return the records of the header: those that callers hold, and those inside of them."""
@@ -153,12 +197,20 @@ class Runtime:
         found = {}
         for part in self.use.records:
             lines = []
-            for name, kind, lead, trail in part.members:
+            for name, kind, lead, trail in self._kept(part):
                 lines += [f"    {line}" for line in block_comment("\n".join(lead)).splitlines()]
                 lines += _annotated(f"    {printer.declared(tuple(kind), name)};", trail)
             head, body = block_comment(part.note), "\n".join(lines)
             found[part.name] = f"{head}typedef struct {{\n{body}\n}} lagc_{snake(part.name)};\n"
         return found
+
+    def _kept(self, part: Part) -> list[tuple[str, Sequence[str], Sequence[str], str]]:
+        """Return the members of a record; of the workspace of code that evaluates only those that it uses."""
+        if not self.only or part.name != "Work":
+            return [*part.members]
+        bodies = [function.text for function in self.use.functions] + [f.body for f in self.functions]
+        used = {"culprit", *re.findall(r"\bw->(\w+)", "".join(bodies))}
+        return [member for member in part.members if member[0] in used]
 
     def _enumeration(self, kind: str) -> str:
         interface = self.program.interface
@@ -289,6 +341,6 @@ def _status_text(texts: Sequence[str]) -> str:
     return (
         "const char *lagc_status_text(int status)\n{\n    static const char *const texts[] = {\n"
         f"        {meanings}\n    }};\n"
-        f"    return status >= 0 && status < {len(texts)} "
+        f"    return ((status >= 0) && (status < {len(texts)})) "
         '? texts[status] : "No such status.";\n}\n'
     )

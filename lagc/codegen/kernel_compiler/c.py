@@ -10,7 +10,7 @@ from lagc.codegen.kernel_compiler.kernel_syntax import identifier, root
 from lagc.codegen.kernel_compiler.real_types import Arithmetic
 from lagc.codegen.kernel_compiler.type_check import MADE, PAIR, REAL, SCALARS, VOID, WHOLE, Type, Types
 
-OR, AND, BITS, EQUAL, COMPARE, SHIFT, SUM, PRODUCT, SIGN, ATOM = range(1, 11)
+CHOICE, OR, AND, BITS, EQUAL, COMPARE, SHIFT, SUM, PRODUCT, SIGN, ATOM = range(1, 12)
 _OPERATORS = {
     ast.Add: ("+", SUM), ast.Sub: ("-", SUM), ast.Mult: ("*", PRODUCT), ast.Div: ("/", PRODUCT),
     ast.FloorDiv: ("/", PRODUCT), ast.Mod: ("%", PRODUCT), ast.RShift: (">>", SHIFT), ast.BitAnd: ("&", BITS),
@@ -121,7 +121,7 @@ class CPrinter:
                 self.branch(node, indent, out)
             case ast.While(test=test, body=body):
                 forever = isinstance(test, ast.Constant)
-                out.append(f"{indent}for (;;)" if forever else f"{indent}while ({self.text(test)})")
+                out.append(f"{indent}for (;;)" if forever else f"{indent}while ({self.condition(test)})")
                 self.braced(body, indent, out)
             case ast.For():
                 self.loop(node, indent, out)
@@ -160,13 +160,10 @@ class CPrinter:
         self.braced(node.body, indent, out)
 
     def braced(self, body: Sequence[ast.stmt], indent: str, out: list[str]) -> None:
-        """Print the block after the head that is the last line, without braces if it is one line."""
-        here = len(out)
+        """Print the block after the head that is the last line."""
+        out[-1] += " {"
         self.block(body, indent + "    ", out)
-        simple = len(body) == 1 and not isinstance(body[0], ast.If | ast.For | ast.While)
-        if len(out) != here + 1 or not simple:
-            out[here - 1] += " {"
-            out.append(indent + "}")
+        out.append(indent + "}")
 
     def bind(self, node: ast.stmt, name: str, value: ast.expr, indent: str, out: list[str]) -> None:
         # The declaration stands at the first assignment if that is in the block of all uses; records begin as
@@ -209,8 +206,9 @@ class CPrinter:
                 if offset == "0"
                 else f" - {first} + {offset}"
             )
-        out.append(f"{indent}for (int i_ = {first}; i_ < {end}; i_++)")
+        out.append(f"{indent}for (int i_ = {first}; i_ < {end}; i_++) {{")
         out.append(f"{indent}    {self.text(target.value)}[i_] = {self.text(value)}[{shift}];")
+        out.append(f"{indent}}}")
 
     def pointed(self, node: ast.expr) -> str:
         """Return the struct of parameters itself, not a pointer."""
@@ -233,35 +231,22 @@ class CPrinter:
         return ("&" if is_struct else "") + self.converted(node, wanted)
 
     def branch(self, node: ast.If, indent: str, out: list[str]) -> None:
-        """Print a chain of tests, with braces for all blocks if one needs them."""
-        # `elif` becomes `else if`, in one chain: braces for all of its blocks or for none.
-        start, blocks = len(out), []
+        """Print a chain of tests."""
         word, now = indent, node
         while True:
-            out.append(f"{word}if ({self.text(now.test)})")
-            blocks.append(self.part(now.body, indent, out))
+            trail: str = getattr(now, "trail", "")
+            note = f" /* {trail} */" if trail and word != indent else ""
+            out.append(f"{word}if ({self.condition(now.test)}) {{{note}")
+            self.block(now.body, indent + "    ", out)
             other = now.orelse
-            if len(other) == 1 and isinstance(other[0], ast.If):
-                word, now = f"{indent}else ", other[0]
+            if len(other) == 1 and isinstance(other[0], ast.If) and not getattr(other[0], "lead", ()):
+                word, now = f"{indent}}} else ", other[0]
                 continue
             if other:
-                out.append(f"{indent}else")
-                blocks.append(self.part(other, indent, out))
-            break
-        if all(last - first == 1 for first, last, simple in blocks if simple) and all(b[2] for b in blocks):
+                out.append(f"{indent}}} else {{")
+                self.block(other, indent + "    ", out)
+            out.append(indent + "}")
             return
-        for first, _, _ in reversed(blocks):
-            out[first - 1] += " {"
-            if first - 1 > start:
-                out[first - 1] = f"{indent}}} {out[first - 1].lstrip()}"
-        out.append(indent + "}")
-
-    def part(self, body: Sequence[ast.stmt], indent: str, out: list[str]) -> tuple[int, int, bool]:
-        """Print a block; return its first and last line, and whether it is one simple statement."""
-        first = len(out)
-        self.block(body, indent + "    ", out)
-        simple = len(body) == 1 and not isinstance(body[0], ast.If | ast.For | ast.While)
-        return first, len(out), simple and len(out) == first + 1
 
     # -- expressions --
 
@@ -273,7 +258,9 @@ class CPrinter:
         return self.operand(node, wanted, 0)
 
     def operand(self, node: ast.expr, wanted: Type | None, least: int, strict: bool = False) -> str:
-        """Return an operand with parentheses if it binds less than `least`, converted to `wanted`."""
+        """Return an operand of an operator that binds as `least`, converted to `wanted`. It has parentheses
+        unless it is no operation, or one that binds as the operator does: precedence is explicit (MISRA C
+        2012, rule 12.1)."""
         # Parentheses by binding strength, as few as C needs; conversions of integers are written out.
         kind: Type = node.type  # type: ignore[attr-defined]
         text, binds = self.expression(node)
@@ -282,7 +269,20 @@ class CPrinter:
             if isinstance(node, ast.Constant) and wanted != REAL:
                 return text  # fits any
             return f"({self.ctype(wanted).strip()}){text if binds == ATOM else f'({text})'}"
-        return f"({text})" if binds < least or (strict and binds == least) else text
+        apart = least > 0 and (binds != least or strict) and binds < (ATOM if least == ATOM else SIGN)
+        return f"({text})" if apart else text
+
+    def condition(self, node: ast.expr, least: int = 0) -> str:
+        """Return a condition, as an operand of an operator that binds as `least`; a number is compared with
+        zero (MISRA C 2012, rule 14.4)."""
+        compared = isinstance(node, ast.Compare | ast.BoolOp | ast.UnaryOp | ast.Constant)
+        if compared or (isinstance(node, ast.Call) and identifier(node.func) == "present"):
+            return self.operand(node, None, least)
+        return (
+            f"({self.operand(node, None, EQUAL)} != 0)"
+            if least
+            else f"{self.operand(node, None, EQUAL)} != 0"
+        )
 
     def text(self, node: ast.expr) -> str:
         return self.expression(node)[0]
@@ -318,18 +318,20 @@ class CPrinter:
                 kinds = (left.type, right.type)  # type: ignore[attr-defined]
                 common = next((k for k in (REAL, *reversed(WHOLE)) if k in kinds), None)
                 return (
-                    f"{self.operand(left, common, SHIFT)} {sign} {self.operand(right, common, SHIFT)}",
+                    f"{self.operand(left, common, binds)} {sign} {self.operand(right, common, binds)}",
                     binds,
                 )
             case ast.BoolOp(op=op, values=values):
                 sign, binds = ("&&", AND) if isinstance(op, ast.And) else ("||", OR)
-                return f" {sign} ".join(self.operand(v, None, EQUAL) for v in values), binds
-            case ast.UnaryOp(op=op, operand=operand):
-                return f"{'!' if isinstance(op, ast.Not) else '-'}{self.operand(operand, None, ATOM)}", SIGN
+                return f" {sign} ".join(self.condition(v, binds) for v in values), binds
+            case ast.UnaryOp(op=ast.Not(), operand=operand):
+                return f"!{self.condition(operand, ATOM)}", SIGN
+            case ast.UnaryOp(operand=operand):
+                return f"-{self.operand(operand, None, ATOM)}", SIGN
             case ast.IfExp(test=test, body=body, orelse=orelse):
                 wanted: Type = node.type  # type: ignore[attr-defined]
-                ends = [self.operand(n, wanted, OR) for n in (body, orelse)]
-                return f"{self.operand(test, None, OR)} ? {ends[0]} : {ends[1]}", 0
+                ends = [self.operand(n, wanted, CHOICE) for n in (body, orelse)]
+                return f"{self.condition(test, CHOICE)} ? {ends[0]} : {ends[1]}", CHOICE
             case ast.Call(func=ast.Name(id=name), args=args):
                 return self.call(name, args)
         raise AssertionError(ast.dump(node))
@@ -347,7 +349,10 @@ class CPrinter:
         # Rows of a caller are one block; a struct of parameters is read as an array of reals.
         kind: Type = value.type  # type: ignore[attr-defined]
         if kind[0] == "Rows":
-            return f"({self.text(value)} + {self.operand(index, None, PRODUCT)} * {self.size(kind[1])})", ATOM
+            return (
+                f"({self.text(value)} + ({self.operand(index, None, PRODUCT)} * {self.size(kind[1])}))",
+                ATOM,
+            )
         if kind[0] == "Params":  # all members are reals
             pointer = (
                 f"&{self.text(value)}"

@@ -22,7 +22,7 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
 {
     const lagc_real x_ = x[0];
     const lagc_real z = x[1];
-    const lagc_real t0 = x_ * x_ + z * z;
+    const lagc_real t0 = (x_ * x_) + (z * z);
     const lagc_real t1 = sqrt(t0);
     const lagc_real der_x = x[2];
     /* der(x) */
@@ -30,7 +30,7 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real der_z = x[3];
     /* der(z) */
     xdot[1] = der_z;
-    const lagc_real t2 = der_x * x_ + der_z * z;
+    const lagc_real t2 = (der_x * x_) + (der_z * z);
     const lagc_real t3 = x_ / t1;
     health[3] = t3;
     const lagc_real t4 = z / t1;
@@ -38,12 +38,12 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real prepared0 = p->prepared[0];
     const lagc_real t5 = t3 * prepared0;
     const lagc_real t6 = prepared0 * t4;
-    const lagc_real t7 = (der_x * der_x + der_z * der_z - t2 * t2 / t0) / t1;
+    const lagc_real t7 = ((der_x * der_x) + (der_z * der_z) - (t2 * t2 / t0)) / t1;
     health[4] = t7;
     health[0] = 1.0;
-    const lagc_real t8 = 1.0 / (t4 * t6 + t3 * t5);
+    const lagc_real t8 = 1.0 / ((t4 * t6) + (t3 * t5));
     health[5] = t8;
-    const lagc_real t9 = (t6 * p->prepared[1] - t7) * t8;
+    const lagc_real t9 = ((t6 * p->prepared[1]) - t7) * t8;
     /* string, string_pendulum.lag:21 */
     lam[0] = t9;
     health[6] = t9;
@@ -51,7 +51,7 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     /* der(der(x)) */
     xdot[2] = t10;
     health[7] = t10;
-    const lagc_real t11 = t6 * t9 - p->prepared[2];
+    const lagc_real t11 = (t6 * t9) - p->prepared[2];
     /* der(der(z)) */
     xdot[3] = t11;
     health[8] = t11;
@@ -70,15 +70,15 @@ static void lagc_fn_watch(const lagc_params *p, lagc_real *health)
     const lagc_real health3 = health[3];
     const lagc_real health7 = health[7];
     const lagc_real t1 = m * health7;
-    const lagc_real t2 = health2 * health6 - p->prepared[1] - t0;
-    const lagc_real t3 = health6 * health3 - t1;
+    const lagc_real t2 = (health2 * health6) - p->prepared[1] - t0;
+    const lagc_real t3 = (health6 * health3) - t1;
     const lagc_real health4 = health[4];
     const lagc_real health5 = health[5];
     const lagc_real prepared0 = p->prepared[0];
-    const lagc_real t4 = health3 * health7 + (health2 * health8 + health4);
-    const lagc_real t5 = t1 * (prepared0 * t1) + (health4 * (health5 * health4) + 1e-300);
-    const lagc_real t6 = t4 * (health5 * t4) + (t2 * (t2 * prepared0) + t3 * (prepared0 * t3));
-    health[1] = t6 / (prepared0 * (t0 * t0 + p->prepared[3]) + t5);
+    const lagc_real t4 = (health3 * health7) + ((health2 * health8) + health4);
+    const lagc_real t5 = (t1 * (prepared0 * t1)) + ((health4 * (health5 * health4)) + 1e-300);
+    const lagc_real t6 = (t4 * (health5 * t4)) + ((t2 * (t2 * prepared0)) + (t3 * (prepared0 * t3)));
+    health[1] = t6 / ((prepared0 * ((t0 * t0) + p->prepared[3])) + t5);
 }
 
 /* mass matrix, forces and constraint equations */
@@ -96,12 +96,12 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     r[1] = -p->prepared[1];
     const lagc_real x_ = x[0];
     const lagc_real z = x[1];
-    const lagc_real t0 = x_ * x_ + z * z;
+    const lagc_real t0 = (x_ * x_) + (z * z);
     const lagc_real t1 = sqrt(t0);
     G[0] = x_ / t1;
     G[1] = z / t1;
-    const lagc_real t2 = der_x * x_ + der_z * z;
-    gamma[0] = -((der_x * der_x + der_z * der_z - t2 * t2 / t0) / t1);
+    const lagc_real t2 = (der_x * x_) + (der_z * z);
+    gamma[0] = -(((der_x * der_x) + (der_z * der_z) - (t2 * t2 / t0)) / t1);
     (void)(t);
 }
 
@@ -113,7 +113,7 @@ static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real 
     w[1] = m;
     const lagc_real x_ = x[0];
     const lagc_real z = x[1];
-    const lagc_real t0 = sqrt(x_ * x_ + z * z);
+    const lagc_real t0 = sqrt((x_ * x_) + (z * z));
     w[2] = x_ / t0;
     w[3] = z / t0;
     (void)(t);
@@ -133,7 +133,7 @@ static void lagc_fn_factor(lagc_real *w, lagc_real *health)
     w[7] = t2;
     const lagc_real t3 = w2 * t2;
     w[5] = t3;
-    w[8] = -(1.0 / (w3 * t1 + w2 * t3));
+    w[8] = -(1.0 / ((w3 * t1) + (w2 * t3)));
     health[1] = 0.0;
 }
 
@@ -144,9 +144,9 @@ static void lagc_fn_solve(const lagc_real *w, const lagc_real *r, lagc_real *s)
     const lagc_real w5 = w[5];
     const lagc_real r1 = r[1];
     const lagc_real w4 = w[4];
-    const lagc_real t0 = w[8] * (r[2] - r1 * w4 - r0 * w5);
-    s[0] = r0 * w[7] - w5 * t0;
-    s[1] = r1 * w[6] - w4 * t0;
+    const lagc_real t0 = w[8] * (r[2] - (r1 * w4) - (r0 * w5));
+    s[0] = (r0 * w[7]) - (w5 * t0);
+    s[1] = (r1 * w[6]) - (w4 * t0);
     s[2] = -t0;
 }
 
@@ -156,15 +156,15 @@ static void lagc_fn_refine(const lagc_real *w, const lagc_real *r, lagc_real *s)
     const lagc_real t0 = s[0];
     const lagc_real t1 = s[2];
     const lagc_real w2 = w[2];
-    const lagc_real t2 = t1 * w2 + (r[0] - t0 * w[0]);
+    const lagc_real t2 = (t1 * w2) + (r[0] - (t0 * w[0]));
     const lagc_real w5 = w[5];
     const lagc_real t3 = s[1];
     const lagc_real w3 = w[3];
     const lagc_real w4 = w[4];
-    const lagc_real t4 = t1 * w3 + (r[1] - t3 * w[1]);
-    const lagc_real t5 = w[8] * (r[2] - t0 * w2 - t3 * w3 - w4 * t4 - w5 * t2);
-    const lagc_real t6 = t0 + (w[7] * t2 - w5 * t5);
-    const lagc_real t7 = t3 + (w[6] * t4 - w4 * t5);
+    const lagc_real t4 = (t1 * w3) + (r[1] - (t3 * w[1]));
+    const lagc_real t5 = w[8] * (r[2] - (t0 * w2) - (t3 * w3) - (w4 * t4) - (w5 * t2));
+    const lagc_real t6 = t0 + ((w[7] * t2) - (w5 * t5));
+    const lagc_real t7 = t3 + ((w[6] * t4) - (w4 * t5));
     const lagc_real t8 = -(t5 - t1);
     s[0] = t6;
     s[1] = t7;
@@ -177,7 +177,7 @@ static void lagc_fn_position(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real x_ = x[0];
     const lagc_real z = x[1];
     /* string, string_pendulum.lag:21 */
-    phi[0] = sqrt(x_ * x_ + z * z) - p->l;
+    phi[0] = sqrt((x_ * x_) + (z * z)) - p->l;
     (void)(t);
 }
 
@@ -187,7 +187,7 @@ static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real x_ = x[0];
     const lagc_real z = x[1];
     /* string, string_pendulum.lag:21 */
-    psi[0] = (x_ * x[2] + z * x[3]) / sqrt(x_ * x_ + z * z);
+    psi[0] = ((x_ * x[2]) + (z * x[3])) / sqrt((x_ * x_) + (z * z));
     (void)(p);
     (void)(t);
 }
@@ -213,10 +213,10 @@ static void lagc_fn_gamma_sizes(const lagc_params *p, lagc_real t, const lagc_re
     const lagc_real t3 = t2 * t2;
     const lagc_real x_ = x[0];
     const lagc_real z = x[1];
-    const lagc_real t4 = t0 * fabs(x_) + t2 * fabs(z);
-    const lagc_real t5 = x_ * x_ + z * z;
-    const lagc_real t6 = (t1 * 4.0 + 4.0 * t3 + (t1 * 2.0 + t3 * 2.0)) * 0.5 + t4 * t4 / fabs(t5) * 3.0;
-    s[0] = t6 / fabs(sqrt(t5));
+    const lagc_real t4 = (t0 * fabs(x_)) + (t2 * fabs(z));
+    const lagc_real t5 = (x_ * x_) + (z * z);
+    const lagc_real t6 = ((t1 * 4.0) + (4.0 * t3) + ((t1 * 2.0) + (t3 * 2.0))) * 0.5;
+    s[0] = (t6 + (t4 * t4 / fabs(t5) * 3.0)) / fabs(sqrt(t5));
     (void)(p);
     (void)(t);
 }
@@ -226,7 +226,7 @@ static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc
 {
     const lagc_real x_ = x[0];
     const lagc_real z = x[1];
-    s[0] = (fabs(x_) * 2.0 + 2.0 * fabs(z)) / fabs(sqrt(x_ * x_ + z * z)) * 0.5;
+    s[0] = ((fabs(x_) * 2.0) + (2.0 * fabs(z))) / fabs(sqrt((x_ * x_) + (z * z))) * 0.5;
     (void)(p);
     (void)(t);
 }
@@ -238,13 +238,13 @@ static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *
     s[3] = size1;
     const lagc_real x_ = x[0];
     const lagc_real z = x[1];
-    const lagc_real t0 = sqrt(x_ * x_ + z * z);
+    const lagc_real t0 = sqrt((x_ * x_) + (z * z));
     const lagc_real t1 = fabs(x_ / t0) + fabs(z / t0);
-    s[0] = size1 * t1 + 1e-300;
+    s[0] = (size1 * t1) + 1e-300;
     const lagc_real size2 = c[2];
     s[4] = size2;
     const lagc_real t2 = lagc_max(0.0, size2 / (size1 + 1e-300));
-    s[1] = t1 * size2 + (fabs(t2 * p->l) + (1e-300 + fabs(t0 * t2)));
+    s[1] = (t1 * size2) + (fabs(t2 * p->l) + (1e-300 + fabs(t0 * t2)));
     s[2] = c[0];
     (void)(t);
 }
@@ -254,7 +254,7 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
 {
     const lagc_real der_x = x[2];
     const lagc_real der_z = x[3];
-    const lagc_real t0 = (der_x * der_x + der_z * der_z) * p->prepared[5];
+    const lagc_real t0 = ((der_x * der_x) + (der_z * der_z)) * p->prepared[5];
     /* kinetic energy */
     e[0] = t0;
     const lagc_real t1 = x[1] * p->prepared[1];
@@ -297,12 +297,12 @@ static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_rea
 {
     const lagc_real x_ = x[0];
     const lagc_real z = x[1];
-    const lagc_real t0 = x_ * x_ + z * z;
+    const lagc_real t0 = (x_ * x_) + (z * z);
     const lagc_real t1 = sqrt(t0);
     c[0] = t1 - p->l;
     const lagc_real der_x = x[2];
     const lagc_real der_z = x[3];
-    const lagc_real t2 = x_ * der_x + z * der_z;
+    const lagc_real t2 = (x_ * der_x) + (z * der_z);
     const lagc_real t3 = t2 / t1;
     c[1] = t3;
     const lagc_real t4 = x_ / t1;
@@ -312,8 +312,8 @@ static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_rea
     J[1] = t5;
     J[5] = t5;
     const lagc_real t6 = t2 / t0;
-    J[2] = (der_x - x_ * t6) / t1;
-    J[3] = (der_z - z * t6) / t1;
+    J[2] = (der_x - (x_ * t6)) / t1;
+    J[3] = (der_z - (z * t6)) / t1;
     sizes[0] = fabs(t1) + p->prepared[4];
     sizes[1] = fabs(t3);
     (void)(t);
@@ -332,7 +332,7 @@ static void lagc_fn_poles(const lagc_params *p, lagc_real t, const lagc_real *x,
 {
     const lagc_real x_ = x[0];
     const lagc_real z = x[1];
-    e[0] = x_ * x_ + z * z;
+    e[0] = (x_ * x_) + (z * z);
     (void)(p);
     (void)(t);
 }
@@ -346,9 +346,9 @@ static void lagc_fn_pole_bounds(const lagc_params *p, const lagc_real *box, lagc
     const lagc_real box2 = box[2];
     const lagc_real box7 = box[7];
     const lagc_real t1 = lagc_max(0.0, lagc_max(box2, -box7));
-    e[0] = t0 * t0 + t1 * t1;
+    e[0] = (t0 * t0) + (t1 * t1);
     const lagc_real t2 = lagc_max(-box1, box6);
     const lagc_real t3 = lagc_max(-box2, box7);
-    e[1] = t2 * t2 + t3 * t3;
+    e[1] = (t2 * t2) + (t3 * t3);
     (void)(p);
 }
