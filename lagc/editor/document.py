@@ -14,7 +14,7 @@ from lagc.diagnostics.faults import Edit, Fault, Refused, Source
 from lagc.editor import words
 from lagc.editor.completion import Offer, completions
 from lagc.editor.facts import Values, fact, said
-from lagc.editor.names import Declared, Index, Use, around
+from lagc.editor.names import Declared, Index, Use, nodes_at
 from lagc.host.budgets import Limits, stage
 from lagc.semantics.context import Context
 from lagc.semantics.model import Model
@@ -125,7 +125,7 @@ class Document:
         use = self.names.at(offset)
         if use is not None and offset < use.span.end:
             return Hover(self.about(use.target), use.span.start, use.span.end)
-        for node in around(self.tree.declarations, offset):
+        for node in nodes_at(self.tree.declarations, offset):
             at = node.span.start, node.span.end
             text = _of_word(node) or said(self.resolved.values.get(at), self._known)
             if text and not isinstance(node, tree.Number):  # of `60 [deg]` all

@@ -61,6 +61,8 @@ def find_crossed(p: Params, s: State, ahead: Real, w: Work) -> Status:
     for k in range(NMODE):
         w.events.crossed[k] = 0
     if NTIMED > 0:
+        # next_time_event marks the relations that change first, however late that is: they count only if they
+        # are due, up to the error of the caller's time and the round-off of a time.
         due = next_time_event(p, s, inf, 1.0, w)
         if due > s.t + ahead + 8.0 * SPACING * fabs(s.t):
             for k in range(NTIMED):
@@ -70,6 +72,8 @@ def find_crossed(p: Params, s: State, ahead: Real, w: Work) -> Status:
         if failed(status):
             return status
         update_margins(p, s.t, s.x, s, w)
+        # Two rates of change at one point would need derivatives of the indicators along the motion; one
+        # explicit Euler step of length `ahead` instead gives their sign at the cost of one more evaluation.
         before = vector(NFREE)
         before[:] = w.events.margins
         if ahead > 0.0:
@@ -78,6 +82,8 @@ def find_crossed(p: Params, s: State, ahead: Real, w: Work) -> Status:
                 w.search.x_part_end[i] += ahead * w.xdot[i]
             if not failed(rates_at(p, s.t + ahead, w.search.x_part_end, w.xdot, w.lam, w)):
                 update_margins(p, s.t + ahead, w.search.x_part_end, s, w)
+        # Beyond zero already, or falling to it within `ahead`. An indicator below zero after the step, but
+        # above its value before, is on its way back. If the rates fail after the step, margins stay `before`.
         for j in range(NFREE):
             falls = w.events.margins[j] < 0.0 and w.events.margins[j] < before[j]
             w.events.crossed[NTIMED + j] = 1 if before[j] < 0.0 or falls else 0
