@@ -93,7 +93,7 @@ class Sweepable(Parametrized):
         from lagc.study.sweep.sweep import Running
         from lagc.study.sweep.worker import Task, version
 
-        # Points do not change a run, but its estimated error is taken there too: all executors record the same.
+        # Points do not change a motion, but its error is estimated at them too: a few, whoever runs it.
         if tuple(keep) == ("final",) and request.every is request.points is None:
             request = replace(request, points=FINAL_POINTS)
         request = request.completed(self.interface.simulate)
