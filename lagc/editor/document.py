@@ -52,16 +52,17 @@ class Resolved:
 
 
 class Document:
-    """A text called `name`, a path if it is a file; `roots` are further folders for imports."""
+    """A text called `name`, a path if it is a file; `roots` are further folders for imports. Names and
+    dimensions are looked at for `quick` s, by default `QUICK`."""
 
-    def __init__(self, name: str, text: str, roots: tuple[str, ...] = ()):
-        self.source, self.roots = Source(name, text), roots
+    def __init__(self, name: str, text: str, roots: tuple[str, ...] = (), quick: float | None = None):
+        self.source, self.roots, self.quick = Source(name, text), roots, quick
 
     def with_edits(self, edits: tuple[Edit, ...] | list[Edit]) -> Document:
         text = self.source.text
         for edit in sorted(edits, key=lambda edit: -edit.start):
             text = text[: edit.start] + edit.text + text[edit.end :]
-        return Document(self.source.name, text, self.roots)
+        return Document(self.source.name, text, self.roots, self.quick)
 
     # -- stages ------------------------------------------------------------------------
 
@@ -84,7 +85,7 @@ class Document:
 
     @cached_property
     def resolved(self) -> Resolved:
-        """The models, if the syntax has no faults; those that are found within `QUICK`."""
+        """The models, if the syntax has no faults; those that are found within `quick` s."""
         found = Resolved({}, {}, [])
         evaluators = {kind: _recording(f, self.source, found.values) for kind, f in EVALUATORS.items()}
 
@@ -99,7 +100,7 @@ class Document:
             return by_place(model.warnings)
 
         if not self.syntax_faults:
-            with suppress(Refused), Limits(time=QUICK):
+            with suppress(Refused), Limits(time=self.quick or QUICK):
                 found.faults = faults_in_scenes(self.tree, Choice(), self.roots, faults_of)
                 found.complete = True
         return found
