@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from math import inf, nan
 from typing import TYPE_CHECKING, Any
 
-from lagc.api.columns import parted, read_columns, reading
+from lagc.api.columns import name_and_unit, read_columns, reading
 from lagc.api.values import Parametrized, quantities, real, seconds, words
 from lagc.base.records import replace
 from lagc.base.run_options import RUN_OPTIONS
@@ -52,8 +52,7 @@ class Sweepable(Parametrized):
         """Run the model at many points and return a row of results for each.
 
         axes: values by the name of a parameter, an input, or an initial value `start(theta)`: numbers in SI,
-        a
-            pair of numbers and a unit, or a text as on the command line: "0.5:1.5:100", "10:80:8[deg]",
+            a pair of numbers and a unit, or a text as on the command line: "0.5:1.5:100", "10:80:8[deg]",
             "normal(1, 0.05)".  The points are all combinations, the last axis fastest.
         zip: the n-th point has the n-th value of each axis instead; so a DataFrame, or the path of a CSV file
             with names and units in its header, are points.
@@ -70,6 +69,8 @@ class Sweepable(Parametrized):
         lagc, ImportError, OSError if the journal cannot be written."""
         from lagc.study.sweep.plan import plan_of
 
+        # All that can be wrong is refused before the first of perhaps a million runs: the request, each axis,
+        # and then how they combine.
         request = self.sweep_request(options, starts, guesses, scales)
         if isinstance(axes, str | os.PathLike):
             found = axes_in(os.fspath(axes))
@@ -92,18 +93,22 @@ class Sweepable(Parametrized):
         from lagc.study.sweep.sweep import Running
         from lagc.study.sweep.worker import Task, version
 
+        # Points do not change a motion, but its error is estimated at them too: a few, whoever runs it.
         if tuple(keep) == ("final",) and request.every is request.points is None:
             request = replace(request, points=FINAL_POINTS)
         request = request.completed(self.interface.simulate)
         loaded, backend = self._chosen(request)
         table = self._table(plan, request, keep, backend)
         values = self._values(plan.names, parameters)
+        # The key of everything asked: the journal of another sweep, or of another lagc, is not continued.
         swept = [cache.digest(array("d", c).tobytes()) for block in plan.blocks for c in block.columns]
         asked = [repr(part) for part in (request, values, plan.names, swept, tuple(keep), most_time)]
         shape = repr([len(block) for block in plan.blocks])
         key = cache.key(self.interface.model_hash, self.interface.scene, backend, version(), shape, *asked)
+        # Workers get the model once, pickled; the key tells whether a journal belongs to this sweep.
         task = Task(pickle.dumps(loaded), key, version(), backend, request, tuple(values), plan.names,
                     tuple(keep), most_time)  # fmt: skip
+        # A limit of time is asked about whenever progress is shown.
         look = running(lambda t: progress(table)) or (lambda t: None)
         file = None if journal is None else Journal(journal, key)
         try:
@@ -216,7 +221,7 @@ def axes_in(path: str) -> dict[str, Values | Distribution]:
 
     found: dict[str, Values | Distribution] = {}
     for head, column in read_columns(path).items():
-        name, unit = parted(head)
+        name, unit = name_and_unit(head)
         found[name] = Values([reading(name, value) for value in column], unit)
     return found
 
