@@ -8,6 +8,7 @@ import pytest
 
 import lagc
 from lagc.cli.main import main
+from lagc.simulation.backends.cross import named
 from tests.fmi.units import archive, contents, description
 
 PLANE = """model Plane "two bodies and a switch"
@@ -117,3 +118,18 @@ def test_fmi2_counts_from_one() -> None:
 def test_wrong_usage(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["build", "simple_pendulum", "--target", "fmu3", *words]) == 2
     assert said in capsys.readouterr().err
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["linux64", "win64", "aarch64-darwin"])
+def test_libraries_for_other_machines(name: str) -> None:
+    """zig links them; their first bytes are those of ELF, PE and Mach-O files."""
+    pytest.importorskip("ziglang")
+    platform = named(name)
+    assert platform is not None
+    (library,) = [
+        data
+        for file, data in contents(archive("simple_pendulum", 3, (platform,))).items()
+        if file.startswith(f"binaries/{platform.name}/")
+    ]
+    assert library[:4] in (b"\x7fELF", b"MZ\x90\x00", b"MZ\x78\x00", b"\xcf\xfa\xed\xfe")
