@@ -318,7 +318,7 @@ class CompiledModel(Differentiable, Measurable, Comparable, Sweepable, Fittable,
         # Points that would not fit into memory are refused before the run.
         complete = request.completed(self.interface.simulate)
         check_memory(complete, self.interface.nx, of_this_machine(), "record fewer points")
-        return self.run(request, self._bound(parameters), progress)
+        return self.run(complete, self._bound(parameters), progress)
 
     def _with_courses(
         self, numbers: Mapping[str, float | Quantity], courses: Inputs, until: str | None

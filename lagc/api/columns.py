@@ -29,7 +29,7 @@ def read_columns(path: str) -> dict[str, list[str]]:
     return {name.strip(): [line[k] for line in lines] for k, name in enumerate(head)}
 
 
-def parted(word: str) -> tuple[str, str | None]:
+def name_and_unit(word: str) -> tuple[str, str | None]:
     """Return the name and the unit of `angle[deg]` or `angle [deg]`; None without one."""
     found = re.fullmatch(r"\s*(.*?)\s*\[([^\[\]]*)\]\s*", word)
     return (found[1], found[2].strip()) if found else (word.strip(), None)

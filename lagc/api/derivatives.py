@@ -163,7 +163,7 @@ class Differentiable(Parametrized):
         if x is None:
             whole, notes = self._at(t, parameters, starts, progress)
         else:
-            whole = self._whole(t, reals("x", x, n, self.interface.state_names), parameters)
+            whole = self._whole_state(t, reals("x", x, n, self.interface.state_names), parameters)
         found = linearize(self.differentiated(parameters, whole), t, whole[:n])
         if self.interface.contacts:
             from lagc.simulation.linearization.contact_modes import in_mode
@@ -179,7 +179,7 @@ class Differentiable(Parametrized):
         assert isinstance(found, NumpySystem)
         return found
 
-    def _whole(self, t: float, x: Sequence[float], parameters: Mapping[str, Any] | None) -> list[float]:
+    def _whole_state(self, t: float, x: Sequence[float], parameters: Mapping[str, Any] | None) -> list[float]:
         """Return the whole state of x = (q, v): discrete variables have their starts, contacts are in their
         modes there."""
         if not self.interface.discretes:

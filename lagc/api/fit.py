@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
 
-from lagc.api.columns import parted, read_columns, reading
+from lagc.api.columns import name_and_unit, read_columns, reading
 from lagc.api.values import Parametrized, quantities, words
 from lagc.base.records import replace
 from lagc.base.text import Quantity
@@ -59,6 +59,8 @@ class Fittable(Parametrized):
         for name, value in options.items():
             if name not in OPTIONS and value is not None:
                 raise TypeError(f"a fit has no option {name!r}")
+        # All times of all measured quantities in one run: a row for each time, and each quantity reads its
+        # own.
         measured = measured_values(data, columns, self._unit_of)
         given, times = quantities("starts", starts), {float(t) for m in measured for t in m.times}
         request = Request(
@@ -67,12 +69,14 @@ class Fittable(Parametrized):
         ).completed(self.interface.simulate)  # fmt: skip
         base = self._bound(parameters)
         motions = _Motions(self, request, base, self._parameters(request, base), measured, progress)
+        # Residuals are known as well as the motion: a search for less than its error would follow round-off.
         accuracy = request.accuracy or request.rtol or 1e-9
         try:
             found = fit(motions.wanted, measured, motions.evaluate, accuracy, confidence)
         except NotEvaluated:
             message = f"there is nothing to fit with the first values: {motions.last.message}"
             raise Refused([Fault("LAG0620", message, remedy="begin with other values")]) from None
+        # Once more with the values found, for the run that is returned and plotted.
         found.run = motions.run([*found.values.values()])
         return found
 
@@ -169,17 +173,20 @@ def measured_values(
     from lagc.study.fit import Measured
 
     table = read_columns(os.fspath(data)) if isinstance(data, str | os.PathLike) else dict(data)
-    heads = {parted(str(name))[0]: (str(name), parted(str(name))[1]) for name in table}
+    # By the name without a unit, so that `angle` finds the column `angle [deg]`.
+    heads = {name_and_unit(str(name))[0]: (str(name), name_and_unit(str(name))[1]) for name in table}
     asked = dict(columns)
+    # Without a column of time by name, the first one is taken, as in most tables of measurements.
     clock = asked.pop("time", None) or next((name for name in TIMES if name in heads), next(iter(heads), ""))
     if not asked:
         raise Refused([Fault("LAG0601", "a fit needs measured quantities, such as `theta=angle`")])
 
     def column(quantity: str, word: str, own: str) -> tuple[str, Any]:
-        name, unit = parted(word)
+        name, unit = name_and_unit(word)
         if name not in heads:
             raise Refused([unknown(name, heads, "column", "LAG0601")])
         head, written = heads[name]
+        # A unit that is asked for comes before that of the header.
         unit, faults = unit or written, list[Fault]()
         numbers = [reading(name, value) for value in table[head]]
         found = [si(quantity, Quantity(v, unit), own, faults) if isfinite(v) else nan for v in numbers]
@@ -192,6 +199,8 @@ def measured_values(
     for quantity, word in asked.items():
         own = unit_of(quantity)
         name, values = column(quantity, word, own)
+        # Quantities may be missing at different times, so each keeps times of its own; stable sorting leaves
+        # equal times in the order of the file.
         kept = np.isfinite(times) & np.isfinite(values)
         order = np.argsort(times[kept], kind="stable")
         if not len(order):

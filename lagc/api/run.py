@@ -131,14 +131,14 @@ class Run(Solution):
         if loaded is None or request is None:
             raise ValueError("this run has no model that could be drawn")
 
-        def again(points: int) -> Solution:
+        def simulate_again(points: int) -> Solution:
             denser = replace(request, points=points, every=None, sensitivity=())
             return loaded.simulate(denser, self.parameters)
 
         def evaluate(texts: Sequence[str], times: Array, states: Array) -> list[Array]:
             return [found.values for found in probe(loaded, self, texts, times.tolist(), states.tolist())]
 
-        return Source(self, loaded.compilation.model, label, again, evaluate)
+        return Source(self, loaded.compilation.model, label, simulate_again, evaluate)
 
     def save(self, path: str, units: bool = False) -> None:
         """Write the recorded times and columns to a file; the ending gives the format: .csv, .npz or

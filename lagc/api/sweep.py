@@ -7,8 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from math import inf, nan
 from typing import TYPE_CHECKING, Any
 
-from lagc.api.columns import parted, read_columns, reading
+from lagc.api.columns import name_and_unit, read_columns, reading
 from lagc.api.values import Parametrized, quantities, real, seconds, words
+from lagc.base.records import replace
 from lagc.base.run_options import RUN_OPTIONS
 from lagc.base.text import Quantity
 from lagc.compiler.loaded import Loaded
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from lagc.study.sweep.table import Sweep
 
 NUMBER = 8.0  # bytes
+FINAL_POINTS = 13  # recorded points where final values alone are kept: those of the energy balance
 
 
 class Sweepable(Parametrized):
@@ -50,8 +52,7 @@ class Sweepable(Parametrized):
         """Run the model at many points and return a row of results for each.
 
         axes: values by the name of a parameter, an input, or an initial value `start(theta)`: numbers in SI,
-        a
-            pair of numbers and a unit, or a text as on the command line: "0.5:1.5:100", "10:80:8[deg]",
+            a pair of numbers and a unit, or a text as on the command line: "0.5:1.5:100", "10:80:8[deg]",
             "normal(1, 0.05)".  The points are all combinations, the last axis fastest.
         zip: the n-th point has the n-th value of each axis instead; so a DataFrame, or the path of a CSV file
             with names and units in its header, are points.
@@ -68,6 +69,8 @@ class Sweepable(Parametrized):
         lagc, ImportError, OSError if the journal cannot be written."""
         from lagc.study.sweep.plan import plan_of
 
+        # All that can be wrong is refused before the first of perhaps a million runs: the request, each axis,
+        # and then how they combine.
         request = self.sweep_request(options, starts, guesses, scales)
         if isinstance(axes, str | os.PathLike):
             found = axes_in(os.fspath(axes))
@@ -90,6 +93,8 @@ class Sweepable(Parametrized):
         from lagc.study.sweep.sweep import Running
         from lagc.study.sweep.worker import Task, version
 
+        if tuple(keep) == ("final",) and request.every is request.points is None:
+            request = replace(request, points=FINAL_POINTS)
         request = request.completed(self.interface.simulate)
         loaded, backend = self._chosen(request)
         table = self._table(plan, request, keep, backend)
@@ -212,7 +217,7 @@ def axes_in(path: str) -> dict[str, Values | Distribution]:
 
     found: dict[str, Values | Distribution] = {}
     for head, column in read_columns(path).items():
-        name, unit = parted(head)
+        name, unit = name_and_unit(head)
         found[name] = Values([reading(name, value) for value in column], unit)
     return found
 

@@ -17,7 +17,7 @@ from lagc.cli.options import (
     quantity,
 )
 from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show_report
-from lagc.host.budgets import reached, rest
+from lagc.host.budgets import finish_uninterrupted, reached
 
 if TYPE_CHECKING:
     from lagc.api import CompiledModel
@@ -73,7 +73,7 @@ def run(options: argparse.Namespace) -> int:
         if not runs:
             raise
     # An interruption keeps the runs so far.
-    rest()
+    finish_uninterrupted()
     comparison = compare(scenes[: len(runs)], runs)
     interrupted = len(runs) < len(bound) or runs[-1].interrupted
     written = True

@@ -18,7 +18,7 @@ from lagc.cli.options import add_list_option, add_plot_option, quantities, split
 from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show_report
 from lagc.cli.signals import SIGNALS
 from lagc.host.atomic_write import output
-from lagc.host.budgets import reached, rest
+from lagc.host.budgets import finish_uninterrupted, reached
 
 if TYPE_CHECKING:
     from lagc.api import CompiledModel
@@ -202,7 +202,7 @@ def deliver(
 
     A run that was interrupted at its initial state writes no file, and leaves existing files alone.
     """
-    rest()
+    finish_uninterrupted()
     begun = len(found) > 1 or not found.interrupted
     picture = picture_of(found.system.interface, options.plot) if begun else ""
     with SIGNALS.patience():

@@ -25,7 +25,7 @@ from lagc.cli.options import (
     split,
 )
 from lagc.cli.output import DONE, FAILED, UNWRITTEN, Bar, Usage, print_json, say, show_report
-from lagc.host.budgets import rest
+from lagc.host.budgets import finish_uninterrupted
 from lagc.kernels import METHODS
 
 if TYPE_CHECKING:
@@ -57,11 +57,13 @@ def run(options: argparse.Namespace) -> int:
     from lagc.reports.fit import text, to_dict
     from lagc.study.fit import SCIPY
 
+    # Before the model is compiled, which may take longer than reading this message.
     if not is_installed("scipy"):
         raise Usage(SCIPY)
     if options.plot == "":
         raise Usage("`--plot` needs a file")
     check_picture(options)
+    # A word with `=` gives a value, one without is the name of a parameter to find.
     vary = [name.strip() for word in options.parameters if "=" not in word for name in split(word)]
     options.parameters = [word for word in options.parameters if "=" in word]
     confidence = quantity(options.confidence, "", "--confidence") or 0.0
@@ -76,9 +78,11 @@ def run(options: argparse.Namespace) -> int:
             options.data, vary, columns, starts=quantities(options.starts, "--start"), confidence=confidence,
             method=options.method, progress=lambda t: bar.part(0.0, "fitting"), **run_numbers(options),
         )  # fmt: skip
-    rest()
+    # The result exists: a limit that is reached while it is drawn or printed does not lose it.
+    finish_uninterrupted()
     heading = f"{model.interface.model}, scene {model.interface.scene}"
     written = not options.plot or _draw(found, heading, options)
+    # With a direction that the data do not determine there is no fit, even if the search has ended.
     if options.json:
         status = "ok" if found.converged and not found.unseen else "failed"
         print_json({"status": status, "model": model.interface.model, "scene": model.interface.scene,

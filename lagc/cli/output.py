@@ -92,7 +92,7 @@ def code(done: int) -> int:
 def show(text: str, exact: bool = False) -> None:
     """Print a result.  `exact`: without replacing characters, unless it goes to a terminal."""
     on_terminal = sys.stdout is not None and sys.stdout.isatty()
-    _put(text if exact and not on_terminal else printable(text))
+    _write_out(text if exact and not on_terminal else printable(text))
 
 
 def show_report(text: str, color: bool | None = None) -> None:
@@ -105,10 +105,10 @@ def show_report(text: str, color: bool | None = None) -> None:
         text = f"\033[1m{title}\033[0m{end}" + re.sub(
             r"(?m)^  ([a-z][a-z ]*?)(?=  )", "  \033[36m\\1\033[0m", rest
         )
-    _put(text)
+    _write_out(text)
 
 
-def _put(text: str) -> None:
+def _write_out(text: str) -> None:
     stream = sys.stdout
     if _lost:
         return
@@ -155,13 +155,13 @@ def print_faults(
     from lagc.diagnostics.faults import report
 
     text = report(list(faults), use_color(sys.stdout if result else sys.stderr, color), more) + "\n"
-    (_put if result else draw)(text)
+    (_write_out if result else draw)(text)
 
 
 def print_json(value: object) -> None:
     """One JSON object on standard output."""
     encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
-    _put(json_text(value, indent=2, encoding=encoding) + "\n")
+    _write_out(json_text(value, indent=2, encoding=encoding) + "\n")
 
 
 def _write(stream: TextIO, text: str) -> None:

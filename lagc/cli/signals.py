@@ -60,11 +60,11 @@ class Signals:
 
     def _lost(self, unraisable: sys.UnraisableHookArgs) -> None:
         if unraisable.exc_type is KeyboardInterrupt:
-            start_new_thread(self._again, (get_ident(),))
+            start_new_thread(self._repeat, (get_ident(),))
         else:
             sys.__unraisablehook__(unraisable)
 
-    def _again(self, thread: int) -> None:
+    def _repeat(self, thread: int) -> None:
         sleep(RETRY)
         if hasattr(signal, "pthread_kill"):  # it also interrupts a system call
             signal.pthread_kill(thread, self.number)

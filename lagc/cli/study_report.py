@@ -11,7 +11,7 @@ from typing import Any
 from lagc.cli.deliver import write_or_keep
 from lagc.cli.options import add_list_option
 from lagc.cli.output import DONE, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show_report
-from lagc.host.budgets import reached, rest
+from lagc.host.budgets import finish_uninterrupted, reached
 from lagc.host.packages import PICTURES, is_installed
 
 ENDINGS = (".png", ".svg", ".pdf")  # of pictures
@@ -53,7 +53,7 @@ def deliver(
     """Write the files if there are `some` results, print the result, and return the exit code.  `report` is a
     module of `lagc.reports`, whose `to_dict` with `facts` is the JSON object; `picture` names one of
     `lagc.reports.plots`; `late`: the study has reached its own limit."""
-    rest()
+    finish_uninterrupted()
     quiet = options.quiet or options.json
     data = {**facts, **report.to_dict(found)}
     written = [_write(path, found, heading, report, picture, quiet) for path in options.output if some]

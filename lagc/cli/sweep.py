@@ -42,7 +42,7 @@ from lagc.cli.output import (
 )
 from lagc.cli.signals import SIGNALS
 from lagc.host.atomic_write import is_straight, may_wait
-from lagc.host.budgets import reached, rest, time_text
+from lagc.host.budgets import finish_uninterrupted, reached, time_text
 from lagc.kernels import METHODS
 
 if TYPE_CHECKING:
@@ -54,6 +54,8 @@ SHOWN = 3  # reasons of failures in the summary
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
+    # In the order of the help: points, what to keep of a run, the run itself, where it is computed, the
+    # table.
     add_model_options(parser)
     parser.add_argument("axes", metavar="AXIS", nargs="*", help="the values of a name, e.g. l=0.5:1.5:100[m]")
     parser.add_argument("--zip", action="store_true", help="the n-th run has the n-th value of each axis")
@@ -170,7 +172,8 @@ def workers_of(options: argparse.Namespace) -> Iterator[Any]:
     """Yield the executor of a command: a number of processes, or a client of Dask.  Raises Usage."""
     if options.dask is None:
         workers = _whole(options.workers, "--workers")
-        yield len(getattr(os, "sched_getaffinity", _all)(0)) if workers is None else max(workers, 1)
+        processors = getattr(os, "sched_getaffinity", _all_processors)(0)
+        yield len(processors) if workers is None else max(workers, 1)
         return
     from importlib import import_module
 
@@ -184,7 +187,7 @@ def workers_of(options: argparse.Namespace) -> Iterator[Any]:
         client.close()
 
 
-def _all(_: int) -> range:
+def _all_processors(_: int) -> range:
     return range(os.cpu_count() or 1)
 
 
@@ -222,7 +225,7 @@ def deliver(found: Sweep, options: argparse.Namespace, part: str | None) -> int:
     from lagc.cli.deliver import output_beside
     from lagc.simulation.formats import CannotSave
 
-    rest()
+    finish_uninterrupted()
     quiet = options.quiet or options.json
     try:
         with SIGNALS.patience(not may_wait(options.output)):

@@ -37,6 +37,7 @@ class Access:
         """Return the constant distance between these entries, or None."""
         if self.array == NUMBERS:
             return None
+        # An empty set is that of a single repetition: stride 0.
         strides = {int(b - a) for a, b in pairwise(self.indices)} or {0}
         return strides.pop() if len(strides) == 1 else None
 
@@ -58,6 +59,7 @@ def in_parts(function: Function) -> Function:
     operations = function.operations
     order = [k for k, o in enumerate(operations) if o.op in LEAVES]
     first, partners = len(order), dict[tuple[str, int], int]()
+    # C libraries and numpy compute the sine and cosine of an angle together if both stand side by side.
     for k, o in enumerate(operations):
         if o.op in _TURNS:
             partners[o.op, o.operands[0]] = k
@@ -74,7 +76,7 @@ def in_parts(function: Function) -> Function:
 
 def segments(function: Function) -> tuple[list[Segment], int]:
     """Return the segments, and the number of values that are kept."""
-    return _Segments(function).found()
+    return _Segments(function).result()
 
 
 class _Segments:
@@ -98,7 +100,7 @@ class _Segments:
         self.columns = [_Columns(self, number) for number in range(len(self.runs))]
         self.places = _Places(self)
 
-    def found(self) -> tuple[list[Segment], int]:
+    def result(self) -> tuple[list[Segment], int]:
         made = [columns.segment() for columns in self.columns]
         return [segment for segment in made if segment.writes or segment.carries], self.places.size
 
@@ -119,10 +121,14 @@ class _Segments:
         columns: dict[_Place, range] = {}
         for number, run in enumerate(self.runs):
             for k in range(run.period if run.first >= count else 0):
+                # A store may move forward to its value only if nothing reads the array in between, and if the
+                # value is no leaf.
                 items = range(run.first + k, run.end, run.period)
                 found = [stores[item - count] for item in items]
                 if found[0].array not in read and min([store.value for store in found]) >= self.first:
                     columns[number, k] = items
+        # Stores of one repetition that drop out can make those of others incomplete: repeat until nothing
+        # changes.
         while len(self.done) != len(columns):
             self.done = set(columns)
             rows: dict[tuple[_Place, str], dict[int, int]] = {}  # -> items by repetition
@@ -130,6 +136,7 @@ class _Segments:
                 for item in items:
                     store = stores[item - count]
                     rows.setdefault((self.row(store.value), store.array), {})[self.at(store.value)] = item
+            # Only a row whose repetitions all store can store inside the loop.
             complete = [made for (row, _), made in rows.items() if len(made) == self.runs[row[0]].count]
             whole = {item for made in complete for item in made.values()}
             columns = {place: items for place, items in columns.items() if whole.issuperset(items)}
@@ -147,7 +154,10 @@ def _divided(function: Function) -> Iterator[Run]:
             continue
         first = run.first
         while first < run.end:
+            # Long straight code is cut: compilers need more than linear time and memory for one long
+            # function.
             end = min(first + _LARGEST, run.end, stores if first < stores else run.end)
+            # Sine and cosine of one angle are not cut apart.
             if end < min(run.end, stores) and _TURNS.get(operations[end - 1].op) == operations[end].op:
                 end += 1  # that may be of one angle
             yield replace(run, first=first, period=end - first)
@@ -166,6 +176,7 @@ class _Columns:
             if (number, k) in all_.done:
                 continue
             for slot, operand in enumerate(all_.operands[run.first + k]):
+                # An operand from inside the same repetition is a local value.
                 if operand >= run.first:
                     continue
                 column = all_.slots[slot][run.first + k : run.end : run.period]
@@ -179,6 +190,8 @@ class _Columns:
     def _carrying(self, column: Sequence[int]) -> int | None:
         """Return the operation of the body whose value of the repetition before is this operand, or None."""
         run = self.run
+        # Carried: the operand of the second repetition is made in the first, and so on at the distance of one
+        # period. The first repetition reads what was computed before the loop.
         if run.count == 1 or not run.first <= column[1] < run.first + run.period:
             return None
         before = range(column[1], column[1] + run.period * (run.count - 1), run.period)
@@ -204,6 +217,7 @@ class _Places:
         before: dict[_Place, _Place] = {}
         for columns in all_.columns:
             for column in columns.values():
+                # One row in strides is a single access; otherwise each value brings its own row.
                 rows = (
                     [self.all.row(column[0])]
                     if self.stride_in_row(column) is not None
@@ -214,6 +228,8 @@ class _Places:
                 for k, (one, other) in enumerate(pairwise(rows)):
                     if one != other:
                         self._link(column[k], column[k + 1], following, before)
+        # Rows that one column reads one after the other get adjacent places, so that the column has one
+        # stride.
         self.size = 0
         self._allocate(following, before)
 
@@ -236,6 +252,7 @@ class _Places:
                 at_end
                 and left not in following
                 and right not in before
+                # Never closing a ring: each row has one neighbour on each side at most.
                 and not _leads(right, left, following)
             ):
                 following[left], before[right] = right, left
@@ -247,6 +264,8 @@ class _Places:
         ends: dict[int, list[tuple[int, int]]] = {}
         heads = sorted(row for row in self.last if row not in before)
         by_segment: dict[int, list[list[_Place]]] = {}
+        # A chain is allocated as a whole before its first segment runs, and freed after the last segment that
+        # reads any of it (linear scan; M. Poletto, V. Sarkar, 1999).
         for head in heads:
             chain = [head]
             while chain[-1] in following:
@@ -263,6 +282,7 @@ class _Places:
             free = _joined([*free, *ends.get(number, ())])
 
     def _take(self, free: list[tuple[int, int]], count: int) -> int:
+        # First fit: the free ranges are sorted and few.
         for k, (first, length) in enumerate(free):
             if length >= count:
                 free[k : k + 1] = [(first + count, length - count)] if length > count else []
@@ -331,6 +351,7 @@ class _Body:
             else:
                 stores = self.all.function.stores[item - count : run.end - count : run.period]
                 self._write(Access(stores[0].array, [s.index for s in stores]), operands[0], item)
+        # At the end of each repetition: the values that the next one reads.
         for number, (source, _) in enumerate(self.carries):
             self.stores.append(Store(CARRIED, number, self.number[source]))
         comments = {len(self.operations) + k: text for k, text in self.comments.items()}
@@ -361,6 +382,8 @@ class _Body:
         indices = access.indices
         key = access.array, indices if isinstance(indices, range) else tuple(indices)
         if key not in self.reads:
+            # A number that is equal in all repetitions is a constant of the body; others are read from a
+            # table.
             if access.array == NUMBERS and len(set(access.indices)) == 1:
                 self.reads[key] = len(self.operations)
                 self.operations.append(Operation("const", (), access.indices[0]))

@@ -128,9 +128,9 @@ def _faults(
         equations = derive(model)
         warnings, stages = equations.warnings, 4
         if not any(fault.code == _UNUSED for fault in warnings):
-            from lagc.mechanics.lint.loads import unmoved
+            from lagc.mechanics.lint.loads import motionless_system
 
-            warnings = [*warnings, *unmoved(equations)]
+            warnings = [*warnings, *motionless_system(equations)]
         faults = _initial_faults(model, equations, choice)
     except Refused as refused:
         faults = refused.faults

@@ -61,6 +61,8 @@ class Compilation:
 
     def agree(self, read: Head) -> None:
         """Record the imported files.  Raises Refused if one has changed since an earlier stage."""
+        # Stages run at different times: a file that was edited between two of them would give equations of
+        # one text and derivatives of another.
         before, now = dict((self.read or read).imports), dict(read.imports)
         changed = [path for path in {**before, **now} if before.get(path) != now.get(path)]
         if changed:
@@ -90,6 +92,8 @@ class Compilation:
     @once
     def differentiated(self) -> Compilation:
         """Return the same choice with derivatives, for evaluations."""
+        # A variant, not a part of the plain program: first and second derivatives can be several times as
+        # large as the equations, and most runs need none.
         return _Variant(self, "derivatives")
 
     @once
@@ -107,10 +111,14 @@ class Compilation:
     def artifact(self, target: str) -> Artifact:
         """Return the compiled model for `target`, from the cache, or compiled now and stored."""
         with self.lock:
+            # One compilation for all threads; the others then find it in the cache.
             return self.cached_artifact(target) or self._compiled(target)
 
     def cached_artifact(self, target: str) -> Artifact | None:
         head = load_head(self._head_name)
+        # Two steps: the head, found by the text alone, lists the imported files and the structural
+        # parameters; with their contents and values it names the artifact. Thus no file is parsed if nothing
+        # has changed.
         found = None if head is None else load_artifact(self._artifact_name(target, head))
         if head is not None and found is not None:
             self.agree(head)
@@ -121,9 +129,13 @@ class Compilation:
         choice = self.choice
         inputs = [(name, _input_text(given)) for name, given in sorted(choice.inputs.items())]
         effects = choice.with_effects, choice.without_effects
+        # All of a choice that changes the model. Values of parameters do not: they are bound at run time, and
+        # only those that are structural enter the name of the artifact.
         chosen = repr((choice.model, choice.scene, *effects, inputs, choice.until, choice.outputs,
                        choice.contact_modes, choice.probes))  # fmt: skip
         texts = [self.source.text, *(text for _, text in inputs), choice.until or "", *choice.probes]
+        # Without imports and tables the folder has no influence, and a copy of the file elsewhere shares the
+        # cache.
         reads = any(word in text for word in ("import", "table") for text in texts)
         folder = folder_of(self.source.name) if reads else ""
         named = (self.source.name, folder, self.source.text, repr(self.roots), chosen)
@@ -137,6 +149,7 @@ class Compilation:
 
     @uncollected
     def _compiled(self, target: str) -> Artifact:
+        # The code contains the one method that the run uses; generated C for delivery has several.
         methods = () if self.variant in DERIVED else (self.variant or DEFAULT_METHOD,)
         program = replace(self.program, interface=replace(self.program.interface, methods=methods))
         sources = render(program, target, complete=False)
@@ -146,6 +159,8 @@ class Compilation:
             unused=unused(self.model, program.interface),
             code=_code(sources) if target == "numpy" else (),
         )
+        # The head is stored first: an artifact without a head is never found, a head without an artifact is
+        # only a miss.
         head = Head(self.model.imports, self.model.built_in)
         store_head(self._head_name, head)
         store_artifact(self._artifact_name(target, head), artifact)
@@ -155,6 +170,8 @@ class Compilation:
 class _Variant(Compilation):
     """A compilation with more functions that shares its equations with another one."""
 
+    # The lock is that of the base: stages of both call each other, and two locks could be taken in either
+    # order.
     def __init__(self, base: Compilation, variant: str):
         super().__init__(base.source, base.choice, base.roots)
         self.base, self.lock, self.variant = base, base.lock, variant
@@ -168,6 +185,8 @@ class _Variant(Compilation):
     @once
     def model(self) -> Model:
         found = self.base.model
+        # Events change discrete variables during a run; in derivatives they are held constant, so methods
+        # without events, and derivatives of contacts, are refused.
         if self.variant not in EXPLICIT:
             refuse_contacts(found, self.variant)
         return with_fixed_discretes(found) if self._holds else found
@@ -184,6 +203,7 @@ class _Variant(Compilation):
 
     @once
     def program(self) -> Program:
+        # Explicit methods use one program. Implicit ones need Jacobians, Taylor series their recurrences.
         return self.base.program if self.variant in EXPLICIT else super().program
 
     @once
@@ -214,6 +234,7 @@ def equations(source: Source, choice: Choice) -> EquationsOfMotion:
     from lagc.simulation.request import given_values
 
     compilation = Compilation(source, choice)
+    # A value that a run would refuse is refused here too, though equations show only names.
     model, faults = compilation.model, list[Fault]()
     given_values(
         choice.parameters, (*map(input_field, model.inputs), *_unread_fields(model, frozenset())), faults
@@ -244,6 +265,8 @@ def delivered(
             refuse_contacts(compilation.model, method)
     if differentiate:
         refuse_contacts(compilation.model, "derivatives")
+    # Methods need more than the rates: stiff ones the Jacobian, series the Taylor recurrences of each
+    # operation.
     stiff, expand = (not set(kind).isdisjoint(methods) for kind in (IMPLICIT, SERIES))
     found = optimize(
         compilation.equations, False, differentiate, stiff=stiff, expand=expand, directional=directional
@@ -252,6 +275,7 @@ def delivered(
     values = bound_parameters(
         interface, compilation.choice.parameters, unused(compilation.model, interface), demanding=False
     )
+    # Values of the choice become the defaults of the generated code, in the order of the interface.
     fields = [replace(f, value=v) for f, v in zip((*interface.parameters, *interface.inputs), values)]
     n = len(interface.parameters)
     bound = replace(interface, parameters=tuple(fields[:n]), inputs=tuple(fields[n:]), methods=tuple(methods),
@@ -263,6 +287,7 @@ def with_all_methods(compilation: Compilation) -> Program:
     """Return the program of a compilation with all methods that its equations admit."""
     if compilation.model.contacts:
         return delivered(compilation, False)
+    # An operation without a recurrence (LAG0591) excludes Taylor series alone; other reasons are reported.
     try:
         return delivered(compilation, False, METHODS)
     except Refused as refused:

@@ -62,8 +62,8 @@ def add_sensitivities(
     # The run up to that event, with its sensitivities; later times have none.
     short = replace(run, times=run.times[:count], states=run.states[:count])
     sensitivities(
-        system.model.bind(_given(system.interface, known)), followed.bind(_given(followed.interface, known)),
-        short, complete, wanted, progress,
+        system.model.bind(_values(system.interface, known)),
+        followed.bind(_values(followed.interface, known)), short, complete, wanted, progress,
     )  # fmt: skip
     found = short.sensitivities
     assert found is not None
@@ -101,5 +101,5 @@ def _by_name(interface: Interface, values: Sequence[float]) -> dict[str, float]:
     return {f.name: value for f, value in zip((*interface.parameters, *interface.inputs), values)}
 
 
-def _given(interface: Interface, known: dict[str, float]) -> list[float]:
+def _values(interface: Interface, known: dict[str, float]) -> list[float]:
     return [known[f.name] for f in (*interface.parameters, *interface.inputs)]

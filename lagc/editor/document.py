@@ -14,7 +14,7 @@ from lagc.diagnostics.faults import Edit, Fault, Refused, Source
 from lagc.editor import words
 from lagc.editor.completion import Offer, completions
 from lagc.editor.facts import Values, fact, said
-from lagc.editor.names import Declared, Index, Use, around
+from lagc.editor.names import Declared, Index, Use, nodes_at
 from lagc.host.budgets import Limits, stage
 from lagc.semantics.context import Context
 from lagc.semantics.model import Model
@@ -52,16 +52,17 @@ class Resolved:
 
 
 class Document:
-    """A text called `name`, a path if it is a file; `roots` are further folders for imports."""
+    """A text called `name`, a path if it is a file; `roots` are further folders for imports. Names and
+    dimensions are looked at for `quick` s, by default `QUICK`."""
 
-    def __init__(self, name: str, text: str, roots: tuple[str, ...] = ()):
-        self.source, self.roots = Source(name, text), roots
+    def __init__(self, name: str, text: str, roots: tuple[str, ...] = (), quick: float | None = None):
+        self.source, self.roots, self.quick = Source(name, text), roots, quick
 
     def with_edits(self, edits: tuple[Edit, ...] | list[Edit]) -> Document:
         text = self.source.text
         for edit in sorted(edits, key=lambda edit: -edit.start):
             text = text[: edit.start] + edit.text + text[edit.end :]
-        return Document(self.source.name, text, self.roots)
+        return Document(self.source.name, text, self.roots, self.quick)
 
     # -- stages ------------------------------------------------------------------------
 
@@ -84,7 +85,7 @@ class Document:
 
     @cached_property
     def resolved(self) -> Resolved:
-        """The models, if the syntax has no faults; those that are found within `QUICK`."""
+        """The models, if the syntax has no faults; those that are found within `quick` s."""
         found = Resolved({}, {}, [])
         evaluators = {kind: _recording(f, self.source, found.values) for kind, f in EVALUATORS.items()}
 
@@ -99,7 +100,7 @@ class Document:
             return by_place(model.warnings)
 
         if not self.syntax_faults:
-            with suppress(Refused), Limits(time=QUICK):
+            with suppress(Refused), Limits(time=self.quick or QUICK):
                 found.faults = faults_in_scenes(self.tree, Choice(), self.roots, faults_of)
                 found.complete = True
         return found
@@ -125,7 +126,7 @@ class Document:
         use = self.names.at(offset)
         if use is not None and offset < use.span.end:
             return Hover(self.about(use.target), use.span.start, use.span.end)
-        for node in around(self.tree.declarations, offset):
+        for node in nodes_at(self.tree.declarations, offset):
             at = node.span.start, node.span.end
             text = _of_word(node) or said(self.resolved.values.get(at), self._known)
             if text and not isinstance(node, tree.Number):  # of `60 [deg]` all

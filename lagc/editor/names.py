@@ -68,12 +68,12 @@ def children(node: object) -> Iterator[object]:
                 yield value
 
 
-def around(node: object, offset: int) -> list[Any]:
+def nodes_at(node: object, offset: int) -> list[Any]:
     """Return the nodes below `node` that contain the character at an offset, the smallest first."""
     for child in children(node):
         span = getattr(child, "span", None)
         if span is not None and span.start <= offset < span.end:
-            return [*around(child, offset), child]
+            return [*nodes_at(child, offset), child]
     return []
 
 

@@ -48,6 +48,7 @@ class Limits:
     a limit stopped the work.  Blocks can be nested; the limits of outer blocks hold in inner ones."""
 
     def __init__(self, time: float | None = None, memory: float | None = None, careful: bool = False):
+        # `not limit > 0` also refuses nan.
         if any(limit is not None and not limit > 0.0 for limit in (time, memory)):
             raise ValueError("a limit is positive")
         self.time, self.memory, self.careful = _within(time), _within(memory), careful
@@ -65,11 +66,14 @@ class Limits:
 
     def __enter__(self) -> Limits:
         if self.memory is not None and self.memory < reserved():
+            # The process holds more than that already; RLIMIT_AS below it would fail each allocation, that of
+            # the message too.
             self.most = self.memory
             raise self._too_small()  # below this nothing works, not even a message
         self.outer, _inside.block = _inside.block, self
         self.reached = ""
         if self.outer is not None:
+            # Inner blocks begin with the limits of the outer one and can only tighten them.
             self.end, self.limit, self.doing = self.outer.end, self.outer.limit, self.outer.doing
         if self.time is not None:
             self._bound_time(self.time, f"the limit of {time_text(self.time)}")
@@ -81,12 +85,14 @@ class Limits:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.rest()
+        self.disarm()
         _inside.block = self.outer
+        # Before anything else is allocated, in case the block ended for lack of memory.
         if self.room is not None:
             import resource
 
             resource.setrlimit(resource.RLIMIT_AS, self.room)
+        # The timer of the process is one for all blocks: the outer block takes it back.
         if self.outer is not None:
             self.outer._set()
         if isinstance(error, Exhausted):
@@ -95,6 +101,7 @@ class Limits:
                 "allow more time: `--max-time 1h`, or `none`",
             )
             raise Refused([Fault("LAG0801", message, remedy=remedy)]) from None
+        # Only the block that set the limit of memory turns the error into a message.
         if error is not None and self.memory is not None and _of_memory(error):
             raise self._too_small() from None
 
@@ -107,14 +114,17 @@ class Limits:
 
     def ask(self) -> None:
         """Raise Exhausted if the time is up."""
+        # Without a timer (Windows, other threads) the work asks here; with one this is where the signal ends
+        # up.
         if monotonic() >= self.end:
             self.reached = self.limit
             raise Exhausted
 
-    def rest(self) -> None:
+    def disarm(self) -> None:
         """Do not interrupt from now on."""
         self.patient, self.end = False, inf
         if self.timer is not None:
+            # No signal between removing the handler and forgetting it: the timer is stopped first.
             self.timer[0].setitimer(self.timer[0].ITIMER_REAL, 0.0)
             self.timer[0].signal(self.timer[0].SIGALRM, self.timer[1])
             self.timer = None
@@ -131,6 +141,7 @@ class Limits:
             return
         import signal
 
+        # Windows has no timers of this kind: there the limit is noticed at the next `ask`.
         if not hasattr(signal, "setitimer"):
             return
         try:
@@ -138,13 +149,16 @@ class Limits:
         except ValueError:  # not the first thread
             return
         self.timer = self.timer or (signal, before)
+        # A time in the past, or zero, would stop the timer in place of ringing at once.
         signal.setitimer(signal.ITIMER_REAL, min(max(self.end - monotonic(), soonest), LONGEST))
 
     def _rang(self, number: int, frame: FrameType | None) -> None:
         if self.end == inf:
             return
+        # At a bad moment, or too early because LONGEST cut the time: ring again later.
         if _at_an_edge(frame) or monotonic() < self.end:
             self._set()
+        # The run asks for the time itself at its next step. If it does not within GRACE, it is interrupted.
         elif self.patient:
             self.patient = False
             self._set(GRACE)
@@ -157,6 +171,7 @@ class Limits:
         except ImportError:
             return
         now, hard = resource.getrlimit(resource.RLIMIT_AS)
+        # An inherited limit of the shell or of a batch system stays in force if it is smaller.
         self.most = min([most, *(a for a in (now, hard) if a != resource.RLIM_INFINITY)])
         if self.most < sys.maxsize:  # larger limits cannot be set
             resource.setrlimit(resource.RLIMIT_AS, (int(self.most), hard))
@@ -166,6 +181,7 @@ class Limits:
     def stage(self, doing: str, size: float) -> Iterator[None]:
         self.doing, self.patient = doing, False
         self.ask()
+        # A time that was given is for all stages together; each stage has one of its own only by default.
         if not self.careful or self.time is not None:
             yield
             return
@@ -177,7 +193,8 @@ class Limits:
         try:
             yield
         finally:
-            self.rest()
+            self.disarm()
+            # After Exhausted the limits stay as they are until `go_on` decides whether to continue.
             if not self.reached:
                 self._leave()
 
@@ -189,6 +206,7 @@ class Limits:
     def go_on(self) -> bool:
         """After Exhausted: whether only the limit of the stage was reached, so that work continues without
         its result."""
+        # The same text only if the limit of the stage itself was the earlier one.
         if self.reached != self.own:
             return False
         self.reached = ""
@@ -254,14 +272,15 @@ def running(progress: Progress | None) -> Progress | None:
         return progress
     block.doing = "the run"
 
-    def asked(t: float) -> None:
+    def ask_at(t: float) -> None:
         block.doing = "the run"
         block.ask()
+        # A run that has results keeps them when it asks; before its first step there is nothing to keep.
         block.patient = t > 0.0
         if progress is not None:
             progress(t)
 
-    return asked
+    return ask_at
 
 
 def reached() -> str:
@@ -269,15 +288,16 @@ def reached() -> str:
     return _inside.block.reached if _inside.block is not None else ""
 
 
-def rest() -> None:
+def finish_uninterrupted() -> None:
     """Do not interrupt from now on, since the results exist."""
     if _inside.block is not None:
-        _inside.block.rest()
+        _inside.block.disarm()
 
 
 def time_text(s: float) -> str:
     if s > 1e18:
         return "more than 1e10 years"
+    # From two of a unit on: 90 s are 90 s, 150 s are 2.5 min.
     for unit, name in ((31557600.0, "years"), (86400.0, "days"), (3600.0, "h"), (60.0, "min")):
         if s >= 2.0 * unit:
             return f"{s / unit:.3g} {name}"
@@ -297,6 +317,7 @@ def reserved() -> float:
     import os
 
     try:
+        # statm counts pages; its first number is the size of the address space, which RLIMIT_AS bounds.
         with open("/proc/self/statm", "rb", buffering=0) as file:
             return float(int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE"))
     except (OSError, AttributeError, ValueError, IndexError):

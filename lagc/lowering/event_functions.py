@@ -30,12 +30,17 @@ def relation_functions(natural: Places, along: Places, relations: Sequence[Event
         return []
     late = [relation for relation in relations if relation.late]
     one, zero = natural.graph.one, natural.graph.zero
+    # Accelerations and reactions need the modes to be computed: indicators that depend on them are constants
+    # here, and `late` evaluates them after the solution.
     relations = [replace(x, side=zero, own=one, natural=one) if x.late else x for x in relations]
     found = [_modes(natural, relations), _indicators(along, relations), _rates(along, relations)]
+    # Contacts have their own laws for modes (complementarity). Only other relations need `own_modes`.
     if len(relations) > sum(1 + len(contact.slips) for contact in along.equations.contacts):
         found.append(_indicator_modes(along, relations))
     if any(relation.edges for relation in relations):
         found.append(_edges(along, relations))
+    # Relations of time alone come first in the list; their crossing is computed by division with the slope
+    # instead of being searched for.
     timed = [relation for relation in relations if relation.slope is not None]
     others = relations[len(timed) :]
     return [
@@ -51,6 +56,7 @@ def _late(along: Places, late: Sequence[EventRelation]) -> Function:
     multipliers and forces of contacts in `known`."""
     equations = along.equations
     given = [*equations.a, *equations.lam]
+    # All unknowns of the saddle-point system in one array: accelerations, multipliers, forces of contacts.
     arrays = {**along.arrays, **{node: ("known", k) for k, node in enumerate(given)}}
     for force in [force for contact in equations.contacts for force in contact.forces]:
         arrays[force] = ("known", len(given) + arrays[force][1])
@@ -89,6 +95,7 @@ def _rates(along: Places, relations: Sequence[EventRelation]) -> Function:
     equations, graph = along.equations, along.graph
     states = [*equations.q, *equations.v]
     rates = [graph.symbol("change", str(k)) for k in range(len(states))]
+    # The chain rule in forward mode along (1, q', v'), with rates as inputs: the caller has them already.
     seeds = {**dict(zip(states, rates)), equations.time: graph.one}
     values = tangent(graph, [relation.side for relation in relations], seeds)
     more = replace(along, arrays={**along.arrays, **{node: ("d", k) for k, node in enumerate(rates)}})
@@ -107,6 +114,8 @@ def _enclosure(along: Places, others: Sequence[EventRelation]) -> Function:
     """Return the function of the smallest and the largest values of the indicators in a box, given as the
     smallest and then the largest time and states."""
     more, boxes = boxed(along)
+    # Interval arithmetic, done symbolically: an indicator whose enclosure in the box of a step excludes zero
+    # cannot have changed sign in it, not even twice (R. E. Moore, *Interval Analysis*, 1966).
     ends = enclosures(along.graph, [relation.side for relation in others], boxes)
     values = [end for pair in ends for end in pair]
     inputs = ("p", "modes", "box")
@@ -123,6 +132,7 @@ def boxed(along: Places) -> tuple[Places, dict[Node, Ends]]:
         low, high = graph.symbol("least", str(k)), graph.symbol("largest", str(k))
         boxes[leaf] = low, high
         arrays[low], arrays[high] = ("box", k), ("box", len(leaves) + k)
+    # Discrete variables have one value in a box.
     for k, variable in enumerate(equations.model.discretes):
         arrays[variable.symbol] = ("box", 2 * len(leaves) + k)
     return replace(along, arrays=arrays), boxes
@@ -149,9 +159,12 @@ def changing(
     """Return both without clauses that no motion reaches (inputs alone decide them) and without new values of
     states that were left out. `moving` are the frozen equations."""
     discretes = [variable.symbol for variable in equations.model.discretes]
+    # Modes and discrete variables are the only things that events change: a condition without them is decided
+    # by inputs, before the run.
     deciding = {*(relation.mode for relation in relations), *(discretes if relations else ())}
     states = {*equations.q, *equations.v, *discretes}
     pairs = [
+        # Clauses of both forms of the equations are dropped in pairs, as they share numbers.
         [replace(when, changes=tuple([pair for pair in when.changes if pair[0] in states])) for when in both]
         for both in zip(equations.whens, moving.whens)
         if deciding & symbols([both[1].condition])
@@ -168,6 +181,7 @@ def whens(at: Places, along: Places) -> list[Function]:
     graph, clauses = along.graph, along.equations.whens
     if not clauses:
         return []
+    # A condition is one node of truth; C wants a real that a threshold can be compared with.
     truths = [graph.select(when.condition, graph.one, graph.zero) for when in clauses]
     described = "1 where the condition of a `when` holds"
     found = [made(along, "holds", along.state, (("c", truths),), described, rare=True)]
@@ -187,6 +201,7 @@ def contact_functions(at: Places, along: Places) -> list[Function]:
     labels = [contact.label for contact in contacts]
     gaps = [contact.gap for contact in contacts]
     laws = [contact.restitution for contact in contacts]
+    # Two coefficients for each contact, sliding and sticking; smooth ones have zeros.
     frictions = [
         node for contact in along.equations.contacts for node in (contact.frictions or (at.graph.zero,) * 2)
     ]
@@ -209,9 +224,13 @@ def _rows(along: Places) -> Function:
     """Return the gradient of each row by the speeds, its rate, and its acceleration where v' = 0."""
     equations, zero = along.equations, along.graph.zero
     contacts, columns = equations.contacts, range(len(equations.v))
+    # Dense rows: the dimension of the contact problem is small, and Delassus' matrix G M^-1 G^T fills them
+    # anyway.
     gradients = [own.get(j, zero) for contact in contacts for own in contact.jacobians for j in columns]
     rates, biases = list[Node](), list[Node]()
     for contact in contacts:
+        # Row u = R v + (terms of time), its derivative R v' + bias: normal direction first, then the slip of
+        # each contact.
         rates += [contact.rate, *(slip.rate for slip in contact.slips)]
         biases += [contact.bias, *(slip.bias for slip in contact.slips)]
     parts = (("R", gradients), ("u", rates), ("bias", biases))
@@ -225,6 +244,8 @@ def _normals(along: Places) -> Function:
     nodes = [node for contact in equations.contacts for node in contact.normals]
     known = [*equations.a, *equations.lam, *(f for contact in equations.contacts for f in contact.forces)]
     found: list[Node] = []
+    # The forces are linear in accelerations, multipliers and contact forces: N = sum of d N/d x * x + N(0),
+    # exact with derivatives at any point.
     for node in nodes:
         slopes = gradient(graph, {node: graph.one}, known)
         found += [slopes.get(x, graph.zero) for x in known]
@@ -237,15 +258,20 @@ _MOST = 10_000  # narrow terms; of more, none is looked at
 
 
 def features(equations: EquationsOfMotion) -> tuple[Node, ...]:
+    # Functions with a narrow transition can hide between the evaluations of a step: exponentials,
+    # saturations, powers with a varying exponent, and quotients near the smallest value of the divisor.
     changing = [equations.time, *equations.q, *equations.v]
     moving = depends(deciding(equations), changing)
     moved = sorted(moving, key=lambda node: node.index)
     found = [node for node in moved if node.op in _STEEP or (node.op == "pow" and node.args[1] in moving)]
     graph = equations.graph
     below = [pair for node in moved for pair in divisors(graph, node, moving)]
+    # Without a box the enclosure is global: a divisor with a positive least value never vanishes, but may
+    # come near it.
     ranges = intervals([base for base, _ in below], {})
     for base, divides in below:
         least = ranges[base][0]
+        # least/base is 1 at the closest approach and falls on both sides: a feature as steep as the quotient.
         if least > 0.0:
             found.append(graph.select(divides, graph.div(graph.const(least), base), graph.one))
     found = [node for node in dict.fromkeys(found) if not node.is_const]
@@ -259,6 +285,8 @@ def divisors(graph: Graph, node: Node, moving: Set[Node]) -> list[tuple[Node, No
         return [(base, graph.one) for base, e in zip(node.args, node.value) if e < 0 and base in moving]
     if node.op == "pow" and node.args[0] in moving:
         base, exponent = node.args
+        # The sign of a constant exponent is known; one of a parameter is compared when the function is
+        # evaluated.
         below = graph.one if exponent in moving else graph.binary("lt", exponent, graph.zero)
         return [] if below.is_zero else [(base, below)]
     return []
@@ -271,8 +299,10 @@ def poles(equations: EquationsOfMotion) -> tuple[Node, ...]:
     found: dict[Node, list[tuple[Node, Node]]] = {}  # with the nodes that divide by them, and when these do
     for node in reachable(roots):
         for base, divides in divisors(graph, node, moving):
+            # sqrt(u) vanishes where u does; u itself changes sign there, which is easier to see.
             found.setdefault(base.args[0] if base.op == "sqrt" else base, []).append((node, divides))
     ranges = intervals(list(found), {})
+    # Divisors that can be shown never to vanish are no poles.
     near = [base for base in found if ranges[base][0] <= 0.0 <= ranges[base][1]]
     if not near or len(near) > _MOST:
         return ()
@@ -285,15 +315,20 @@ def poles(equations: EquationsOfMotion) -> tuple[Node, ...]:
 
 def _conditions_of_use(graph: Graph, roots: Sequence[Node]) -> dict[Node, Node]:
     """Return, for each node, the condition under which the values of `roots` depend on it."""
+    # Backwards through the graph, users before operands, so that a node's own condition is complete before it
+    # is passed on to its operands.
     asked = dict.fromkeys(roots, graph.one)
     for node in reversed(reachable(roots)):
         for k, below in enumerate(node.args):
             own = asked[node]
+            # The branches of a choice are used only while its condition has their value; the condition itself
+            # is always used.
             if node.op == "select" and k > 0:
                 branch = node.args[0] if k == 1 else graph.logical_not(node.args[0])
                 own = _conjunction(graph, own, branch)
             known = asked.get(below)
             if known is not None and own is not known:
+                # Several users: used if any of them is. `1 or x` is 1 at once, which keeps conditions short.
                 own = graph.one if graph.one in (own, known) else graph.binary("or", own, known)
             asked[below] = own
     return asked

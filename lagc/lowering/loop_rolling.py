@@ -57,14 +57,14 @@ def rerolled(function: Function, often: bool = False) -> Function:
 def _with_loops(function: Function, often: bool) -> tuple[float, Function]:
     """Return the cost of the function with loops, and the function: its operations stay in their order, and
     runs of equal ones are loops."""
-    function, letters = lettered(function)
+    function, letters = as_letters(function)
     text = _Text(function, letters)
     runs = tuple(text.runs())
     cost = _cost(often, sum([run.period for run in runs]), sum([text.indexing(run) for run in runs]))
     return cost, replace(function, runs=runs)
 
 
-def lettered(function: Function) -> tuple[Function, list[Letter]]:
+def as_letters(function: Function) -> tuple[Function, list[Letter]]:
     """Return the operations with commutative operands in one order, and a letter for each: operation or store
     without the places of operands."""
     # A letter is an operation with the kinds of its operands: equal letters are equal code up to places.

@@ -87,8 +87,12 @@ class Pair:
     @property
     def torsor(self) -> str:
         """The force and the moment that the pair can transmit without friction, in its axes x, y, z."""
+        # A joint transmits no force along an axis on which it slides freely, and no moment about one on which
+        # it turns freely (virtual power of a perfect joint).
         force = ", ".join(["0" if axis in self.slides else letter for axis, letter in zip("xyz", "XYZ")])
         moment = ("L, M, N", "L, M, 0", "0, M, 0", "0, 0, 0")[self.turns]
+        # In a screw the force along the axis and the moment about it do no work together: N*angle' +
+        # Z*pitch/(2*pi)*angle' = 0.
         return f"{force} | {moment if not self.helical else 'L, M, -Z*pitch/(2*pi)'}"
 
 
@@ -179,6 +183,8 @@ class Joint:
         return evaluate_as(self.context, self.written[name], self.entry.environment, meant)
 
     def _drawn(self, name: str, nodes: tuple[Node, ...]) -> None:
+        # The drawing is one configuration in which the mechanism fits together. A place that depends on
+        # coordinates, inputs or time would be drawn differently at each of them.
         if any(self.context.clock.mask(node) & (MOVING | LATE) for node in nodes):
             message = f"`{name}` of `{self.entry.path}` moves; it is a place in the drawing of the mechanism"
             raise Wrong("LAG0234", message, self.span(name), "write it with numbers and parameters")
@@ -216,12 +222,16 @@ class Joint:
         perpendicular."""
         if "along" in self.written:
             given = self.direction("along")
+            # Gram-Schmidt: the part of `along` perpendicular to the axis.
             across = sub(given, scale(dot(given, z), z))
             if all(node.is_zero for node in across):
                 raise Wrong("LAG0233", "`along` has the direction of the axis", self.span("along"))
             return unit_vector(self.context, across, self.span("along"))
+        # Constant components decide at once; a component that depends on parameters counts as infinite, as
+        # its size is not known while the model is compiled.
         shares = [abs(node.value) if node.is_const else math.inf for node in z]
         k = min(range(3), key=shares.__getitem__)
+        # With an unknown component only a world axis with no share at all in z is certain to be across it.
         if shares[k] > 0.0 and math.inf in shares:
             remedy = "give one direction across the axis, `along = ...`"
             raise Wrong("LAG0210", f"`{self.name}` needs the argument `along` here", self.call.span, remedy)
@@ -254,6 +264,7 @@ class Linkage:
         self.unplaced: set[Entry] = set()  # bodies of joints that nothing places
         self.has_faults = False  # of joints: the bodies that they would place are unknown
         for entry in entries:
+            # A fault makes its own joint useless, but not the others: all of them are checked.
             if entry.kind == "joint" and entry.elements is None:
                 try:
                     self.joints[entry] = Joint(context, entry)
@@ -265,6 +276,9 @@ class Linkage:
     def place(self) -> None:
         """Find the joint that places each body.  Raises Wrong."""
         pairs = [joint for joint in self.joints.values() if isinstance(joint.kind, Pair)]
+        # A spanning tree of the graph whose nodes are bodies and whose edges are joints: the joints of the
+        # tree place bodies, each of the others closes a loop (J. Wittenburg, *Dynamics of Systems of Rigid
+        # Bodies*, 1977).
         around: dict[Entry | None, list[int]] = {}
         for k, joint in enumerate(pairs):
             for end in joint.ends:
@@ -273,6 +287,8 @@ class Linkage:
 
         def spread(root: Entry | None) -> None:
             reached.add(root)
+            # Among the joints that touch the tree, the one declared first is next: which joints close loops
+            # depends on the order of declarations alone, and an author can choose it.
             queue = sorted(around.get(root, ()))
             while queue:
                 joint = pairs[heappop(queue)]
@@ -283,6 +299,8 @@ class Linkage:
                         for k in around[end]:
                             heappush(queue, k)
 
+        # First all that hangs on the world. Then what hangs on bodies that the model itself moves; these
+        # bodies keep their own coordinates. Anything else floats without a place.
         spread(None)
         tied = [end for end in around if end is not None]
         for end in tied:
@@ -291,6 +309,7 @@ class Linkage:
                 spread(end)
         unplaced = [end for end in tied if end not in reached]
         self.unplaced.update(unplaced)
+        # One report is enough: all of a detached part follow from one missing joint.
         for end in unplaced[:1]:
             remedy = f"for a body that moves freely, write `joint free = Free(world, {end.path});`"
             message = f"no joint ties `{end.path}` to the world, not even through other bodies"
@@ -328,6 +347,8 @@ class Linkage:
         else:
             pose = self.poses[body] = self._own_pose(body)
         for own in reversed(chain):
+            # Down the chain from the first placed ancestor: a loop, as chains of thousands of bodies would
+            # exceed the depth of recursion.
             joint = self.placing[own]
             pose = self.poses[own] = self._pose_beyond(joint, pose, reverse=own is joint.ends[0])
         return pose
@@ -339,10 +360,13 @@ class Linkage:
         frame = self.context.world if value.frame is None else value.frame
         nodes = [*value.position, *(x for row in frame.axes for x in row)]
         graph = self.context.graph
+        # The pose where coordinates and time are zero is taken for the drawing; w = 1 of a quaternion is no
+        # rotation.
         moving = [x for x in symbols(nodes) if x.record.kind in ("coordinate", "time")]
         at_zero = {x: graph.one if x.record.component == "w" else graph.zero for x in moving}
         drawn = substitute(graph, nodes, at_zero)
         axes = transpose(_matrix(drawn[3:]))
+        # R(now) R(drawn)^T turns drawn directions into those of now.
         return Pose(turned_by(self.context, frame, axes), (drawn[0], drawn[1], drawn[2]), value.position)
 
     def _pose_beyond(self, joint: Joint, pose: Pose, reverse: bool) -> Pose:
@@ -354,7 +378,12 @@ class Linkage:
         assert isinstance(kind, Pair)
         axes = joint.axes() if kind.slides or kind.turns in (ABOUT_Z, ABOUT_Z_AND_X) else {}
         sense = -1.0 if reverse and kind.turns <= ABOUT_Z and set(kind.slides) <= {"z"} else 1.0
+        # From b to a, all displacements and turns have the other sign, as long as they commute: slides along
+        # z and turns about z do. With several axes the order would change too, and coordinates are those of a
+        # against b.
         for axis, name in kind.slides.items():
+            # Slides first, along the axes of the body before the turn; turns follow, about z, then about the
+            # x that has turned with it.
             now = add(now, scale(sense * joint.scalar(name), pose.direction_of(axes[axis])))
         for axis, name in zip("zx", kind.angles):
             turn = sense * joint.scalar(name)
@@ -433,6 +462,7 @@ def _entry(context: Context, e: tree.Expression, environment: Environment) -> En
             evaluate(context, e, environment)  # raises Wrong
             return None
         entry = environment.instance.entries[e.name]
+        # Bodies of effects with placeholders mean the entry that the scene gave for them.
         if isinstance(entry.source, tree.Placeholder):
             given = placeholder_value(entry)
             return _entry(context, given.argument.value or e, given.environment)
@@ -465,6 +495,8 @@ def coordinates_of(joint: Entry, instance: Instance) -> list[Entry]:
                 raise Wrong("LAG0209", f"`{found[0]}` is given twice", argument.span)
             attributes[found[0]] = found[1]
     inner = Instance(f"{joint.path}.", instance.declaration, instance, instance.depth + 1)
+    # Coordinates of a joint are members of it, `hinge.angle`, declared as if they were written in a model of
+    # their own.
     span, environment = source.name_span, joint.environment
     for name, type_name in kind.coordinates.items():
         declarator = tree.Declarator(name, span, (), (), None, f"{name} of the joint `{joint.path}`", span)

@@ -297,7 +297,7 @@ def check_effects(context: Context, setting: Setting) -> None:
             context.report(
                 Wrong("LAG0212", f"there is no effect `{name.name}`", name.span, _effects(name.name, context))
             )
-    for text in sorted(setting.uses.all - known - written):
+    for text in sorted(setting.uses.mentioned - known - written):
         context.report(Wrong("LAG0212", f"there is no effect `{text}`", None, _effects(text, context)))
     for path, effect in context.effects.items():
         if not setting.uses.has(path):
@@ -336,7 +336,7 @@ def unused_effects(
 ) -> list[Fault]:
     """Return a warning for each effect of the main model that no scene of the file uses."""
     known = [*scenes.values(), *(d for d, _ in _within(file.declarations) if isinstance(d, tree.Scene))]
-    used = {name.name for scene in known for name in scene.uses} | setting.uses.all
+    used = {name.name for scene in known for name in scene.uses} | setting.uses.mentioned
     left = {n: e for n, e in instance.effects.items() if n not in used and e.span.source is file.source}
     first = next(iter(scenes.values()), None)
     uses = ", ".join([name.name for name in first.uses] if first else [])

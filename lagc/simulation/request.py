@@ -47,6 +47,7 @@ class Request:
     scales: Mapping[str, float] = field(default_factory=dict)
     sensitivity: tuple[str, ...] = ()
     times: tuple[float, ...] = ()
+    complete: bool = False  # nothing is left to fill in
 
     @property
     def by_hand(self) -> bool:
@@ -56,6 +57,8 @@ class Request:
     def completed(self, scene: Mapping[str, float]) -> Request:
         """Fill in the values of the scene's `simulate(...)`, then the defaults. Raises Refused (LAG0604) if a
         value is invalid."""
+        if self.complete:
+            return self
         values: dict[str, Any] = dict(self.__dict__)
         for name in RUN_OPTIONS:
             values[name] = _plain(name, values[name])
@@ -77,6 +80,7 @@ class Request:
             values["stop"] = max(self.times)
         elif values["stop"] is None:
             values["stop"] = STOP
+        values["complete"] = True
         done = Request(**values)
         if done.accuracy is None and not done.by_hand:
             done = Request(**{**values, "accuracy": ACCURACY})

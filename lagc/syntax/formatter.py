@@ -280,7 +280,7 @@ class Spacing:
             return before.kind == NUMBER or before.text == "}"
         if token.kind == SYMBOL:
             return self._before_sign(number, tight)
-        return self._behind(number, tight)
+        return self._has_blank_before(number, tight)
 
     def _before_sign(self, number: int, tight: bool) -> bool:
         token, before = self.tokens[number], self.tokens[number - 1]
@@ -289,7 +289,7 @@ class Spacing:
             return False
         if text in ("+", "-"):
             if self._is_sign(number):
-                return self._behind(number, tight)
+                return self._has_blank_before(number, tight)
             return not tight
         if text == "(" and token.start in self.options:
             return True
@@ -298,12 +298,12 @@ class Spacing:
                 return before.terminal not in ("NAME", "SIMULATE", "ANNOTATION")
             if before.text in _CLOSING:
                 return False
-            return self._behind(number, tight)
+            return self._has_blank_before(number, tight)
         if text == "{":
-            return self._behind(number, tight)
+            return self._has_blank_before(number, tight)
         return True  # = and comparisons
 
-    def _behind(self, number: int, tight: bool) -> bool:
+    def _has_blank_before(self, number: int, tight: bool) -> bool:
         """Return whether there is a blank before an operand, depending on the token before it."""
         before = self.tokens[number - 1]
         if before.kind != SYMBOL:

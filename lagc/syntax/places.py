@@ -113,14 +113,14 @@ def _arrange(
 
 def _gather(arranged: list[tree.Declaration], item: tree.Initial) -> None:
     before = arranged[-1] if arranged else None
-    if isinstance(before, tree.Initial) and _same(before.unless, item.unless):
+    if isinstance(before, tree.Initial) and _equal_names(before.unless, item.unless):
         conditions = before.conditions + item.conditions
         arranged[-1] = tree.Initial(conditions, before.unless, before.span.to(item.span))
     else:
         arranged.append(item)
 
 
-def _same(some: tuple[tree.Name, ...], others: tuple[tree.Name, ...]) -> bool:
+def _equal_names(some: tuple[tree.Name, ...], others: tuple[tree.Name, ...]) -> bool:
     return [name.name for name in some] == [name.name for name in others]
 
 

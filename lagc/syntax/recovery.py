@@ -32,18 +32,25 @@ class Recovery:
         """Report the unexpected token and get past it.  Return False if parsing ends here."""
         machine = self.machine
         machine.recoveries += 1
+        # A file that is no model at all would otherwise be reported token by token.
         if len(machine.faults) >= MOST_FAULTS or machine.recoveries > MOST_RECOVERIES:
             return False
         token = machine.tokens[machine.position]
+        # Before anything is undone: `end` is the last thing on the stack, which the steps below would take
+        # away.
         if self._end_unfinished():
             return True
         self._end_reductions()
         bottom, begin = self._declaration(machine.position)
+        # At the end of the text, between declarations: nothing is unexpected but the end, so open blocks are
+        # closed from the inside out, each with its fault.
         if token.kind == END and begin == machine.position:
             if not machine.blocks:
                 return False
             machine.insert_end(machine.blocks[-1])
             return True
+        # Brackets that are open in this declaration, from the tokens that are still on the stack; those of
+        # finished expressions have been reduced.
         brackets: list[Token] = []
         for value in machine.values[bottom + 1 :]:
             if type(value) is Token and value.kind == SYMBOL and value.text in "([{":
@@ -52,9 +59,11 @@ class Recovery:
                 brackets.pop()
         found = explain(Where(machine, self.accepts, begin, brackets))
         reported, count = machine.report(found.fault, machine.tokens[begin]), len(machine.faults)
+        # Edits are computed first: a repair changes the list of tokens.
         edits = self._edits(found.repair) if found.repair is not None else ()
         if found.repair is None or not self._repair(found.repair):
             self._give_up(bottom, begin)
+        # An edit is offered to the user only if parsing got past the fault with it.
         elif reported:
             machine.faults[count - 1] = replace(found.fault, edits=edits)
         return True
@@ -62,11 +71,14 @@ class Recovery:
     def _edits(self, repair: Repair) -> tuple[Edit, ...]:
         """Return a repair as an edit of the text."""
         tokens, source, text = self.machine.tokens, self.machine.source.text, ""
+        # Blanks as a formatter would set them: none before punctuation, none after an opening bracket.
         for token in repair.others:
             close = not text or token.text in _CLOSE or text[-1] in "([{"
             text += token.text if close else f" {token.text}"
         old = tokens[repair.at : repair.at + repair.count]
         at = old[0].start if old else tokens[repair.at - 1].end if repair.at else 0
+        # New text needs a blank before it where it would join a word; an insertion also where it is no
+        # punctuation.
         apart = text[:1] not in _CLOSE if not old else text[:1].isalnum() and source[at - 1 : at].isalnum()
         return (Edit(at, old[-1].end if old else at, f" {text}" if apart else text),)
 
@@ -78,6 +90,7 @@ class Recovery:
         if block is None or type(top) is not Token:
             return False
         at = machine.tokens[machine.position].start
+        # The state after `end` expects a name, unless this block has none, so that `;` may follow.
         if top.text == "end" and "SEMICOLON" not in machine.tables.actions[machine.states[-1]]:
             span = Span(machine.source, top.start, top.end)
             edits = (Edit(top.end, top.end, f" {block.end_name}"),)
@@ -98,12 +111,17 @@ class Recovery:
     def _end_reductions(self) -> None:
         """Undo the reductions that the unexpected token caused, and finish a declaration that a `;` ended."""
         machine = self.machine
+        # An LALR parser with default reductions reduces before it notices the error (Aho et al., *Compilers*,
+        # 2006, section 4.8), so the stack no longer shows the state in which the token was unexpected. The
+        # declaration is parsed again up to there.
         if machine.reduced and machine.tokens[machine.position - 1].text != ";":
             bottom, begin = self._declaration(machine.position - 1)
             position = machine.position
             self._drop(bottom, begin)
             machine.position = begin
             self._replay(position)
+        # Behind a `;` the only action left is to reduce what it ended: done now, so that repairs do not touch
+        # the finished declaration.
         while machine.position and machine.tokens[machine.position - 1].text == ";":
             actions = set(machine.tables.actions[machine.states[-1]].values())
             action = actions.pop()
@@ -128,6 +146,8 @@ class Recovery:
         """Return the height of the stack below the declaration at token `position`, and the number of its
         first token."""
         machine = self.machine
+        # From the top of the stack down to the innermost state in which a declaration (`item`) could begin,
+        # and has begun at or before this token.
         for height in range(len(machine.states) - 1, -1, -1):
             if "item" in machine.tables.actions[machine.states[height]]:
                 begin = machine.starts[height + 1] if height + 1 < len(machine.states) else machine.position
@@ -137,6 +157,7 @@ class Recovery:
 
     def accepts(self, *terminals: str) -> bool:
         """Return whether these terminals can follow here, one after the other."""
+        # The simulation works on a copy of the states alone, so asking costs no nodes and changes nothing.
         states = list(self.machine.states)
         return all(self._takes(states, terminal) for terminal in terminals)
 
@@ -151,6 +172,8 @@ class Recovery:
             if action >= 0:
                 states.append(action)
                 return True
+            # A negative action is the complement of the number of a rule: pop its right side, go to its left
+            # side.
             origin, length, _, _ = machine.tables.rules[~action]
             if length:
                 del states[-length:]
@@ -162,6 +185,8 @@ class Recovery:
         """Apply a repair if the text can then be parsed past the fault. A repair before the fault parses the
         declaration around it again from its beginning."""
         machine = self.machine
+        # A repair before the fault needs states that are gone, so the declaration begins anew; one at the
+        # fault goes on from the present states.
         again = repair.at < machine.position
         bottom, begin = self._declaration(repair.at)
         first = begin if again else repair.at
@@ -169,6 +194,8 @@ class Recovery:
         others = list(repair.others)
         before = tokens[repair.at : repair.at + repair.count]
         tokens[repair.at : repair.at + repair.count] = others
+        # The repaired text must parse through the token that was unexpected, or, if that was replaced,
+        # through the one after it: a repair that only moves the fault is none.
         last = max(machine.position - repair.count, repair.at) + len(others) + (0 if again else 1)
         states = machine.states[: bottom + 1] if again else list(machine.states)
         if not self._reads_on(states, first, last):
@@ -204,6 +231,7 @@ class Recovery:
         machine = self.machine
         for stack in (machine.states, machine.values, machine.starts, machine.depths):
             del stack[bottom + 1 :]
+        # Blocks that began within the declaration go with it.
         machine.blocks = [block for block in machine.blocks if block.height < len(machine.states)]
         machine.last_end = machine.tokens[begin - 1].end if begin else 0
         machine.reduced = False
@@ -221,6 +249,8 @@ class Recovery:
             if token.kind == SYMBOL and token.text == ";":
                 machine.position = number + 1
                 return
+            # A keyword at the beginning of a line probably begins the next declaration: a missing `;` then
+            # does not swallow that one.
             keyword = number > begin and token.kind == WORD and token.text in machine.tables.keywords
             if keyword and "\n" in machine.source.text[machine.tokens[number - 1].end : token.start]:
                 return
@@ -245,6 +275,8 @@ def _anything_else(w: Where) -> Explained:
     return explained("LAG0110", message, w.span(w.token), remedy)
 
 
+# The order matters: the first that recognizes the text explains it. Specific patterns of other languages come
+# first. Last come missing words and signs, which fit almost any text.
 _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     keywords.solver_call,
     keywords.scene_arguments,

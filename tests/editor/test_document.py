@@ -21,6 +21,12 @@ from tests.rejected.test_rejected import CASES, unmarked, whole
 ROOTS = (str(ROOT / "models"),)
 
 
+@pytest.fixture(autouse=True)
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine with much else to do finds the same."""
+    monkeypatch.setattr(documents, "QUICK", 10.0)
+
+
 def hover(place: str, shift: int = 0, text: str = PENDULUM) -> str:
     found = Document("a.lag", text).hover(text.index(place) + shift)
     return found.text if found else ""
@@ -130,8 +136,7 @@ def test_rename_is_refused_where_the_text_would_be_wrong(name: str) -> None:
 
 @pytest.mark.sample(0, 8)
 @pytest.mark.parametrize("path", LIBRARY, ids=lambda path: path.stem)
-def test_models_keep_their_meaning_when_names_change(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(documents, "QUICK", 10.0)
+def test_models_keep_their_meaning_when_names_change(path: Path) -> None:
     document, numbers = Document(str(path), text_of(path), ROOTS), random.Random(path.stem)
     for declared in numbers.sample(document.names.declared, min(8, len(document.names.declared))):
         use = document.names.at(declared.place.start)
@@ -166,6 +171,15 @@ def test_faults_are_those_of_the_compiler(text: str) -> None:
     wanted = [f for f in errors_of(check(source, Choice())) if f.code.startswith(quick)]
     found = errors_of(Document("model.lag", plain).faults)
     assert [(f.code, f.message, f.edits) for f in found] == [(f.code, f.message, f.edits) for f in wanted]
+
+
+def test_a_look_ends_in_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A text whose names take too long has no faults yet, and no fix is offered on such a text."""
+    monkeypatch.setattr(documents, "QUICK", 1e-9)
+    document = Document("a.lag", PENDULUM.replace("sin(theta)", "sin(thet)"))
+    assert not document.settled and not document.faults
+    document = Document("a.lag", PENDULUM.replace("cos(theta)});", "cos(theta)})"))
+    assert document.settled and fix(document, document.faults[0], faults) is None
 
 
 # -- fixes -------------------------------------------------------------------------------------

@@ -316,21 +316,39 @@ def pendulum() -> lagc.CompiledModel:
     return lagc.load("double_pendulum").compile(backend="c")
 
 
+# Smooth, damped, with events, with constraints that are searched, with contacts.
+MODELS = ["double_pendulum", "driven_oscillator", "on_off_drive", "string_breaks", "bouncing_ball"]
+
+
 @pytest.mark.full
-@pytest.mark.parametrize("model", ["double_pendulum", "on_off_drive", "string_breaks", "bouncing_ball"])
+@pytest.mark.parametrize("model", MODELS)
 def test_runs_without_records_are_those_of_simulate(model: str) -> None:
     """The loop over C gives the bits of `simulate`, and leaves to it all that it does not do."""
     system = lagc.load(model).compile(backend="c")
     (field,) = [f for f in system.interface.parameters if f.value][:1]
     values = [field.value * part for part in (1.0, 1.01, 1.3)]
-    found = system.sweep({field.name: values}, keep=["final", "max"], rtol=1e-8, stop=1, points=7)
-    for row, value in enumerate(values):
-        run = system.simulate(1, rtol=1e-8, points=7, parameters={field.name: value})
-        assert found["status"][row] == run.status
-        assert {name: found[name][row] for name in run.columns} == run.final
-        assert [found[f"max({name})"][row] for name in run.columns] == [
-            max(run.column(n)) for n in run.columns
-        ]
+    for given in ({"rtol": 1e-8}, {"accuracy": 1e-5}):
+        found = system.sweep({field.name: values}, keep=["final", "max"], stop=1, points=7, **given)
+        for row, value in enumerate(values):
+            run = system.simulate(1, points=7, parameters={field.name: value}, **given)
+            assert found["status"][row] == run.status
+            assert run.estimated is None or found["estimated"][row] == run.estimated
+            assert {name: found[name][row] for name in run.columns} == run.final
+            assert [found[f"max({name})"][row] for name in run.columns] == [
+                max(run.column(name)) for name in run.columns
+            ]
+
+
+@pytest.mark.full
+def test_runs_at_rest_and_large_angles_are_those_of_simulate() -> None:
+    system = lagc.load("simple_pendulum").compile(backend="c")
+    angles = [0.0, 1e-9, 3.141592653589793, 1e11, 1.0]
+    found = system.sweep({"start(theta)": angles}, stop=2, accuracy=1e-8)
+    for row, angle in enumerate(angles):
+        run = system.simulate(2, points=13, accuracy=1e-8, starts={"theta": angle})
+        assert (found["status"][row], found["estimated"][row]) == (run.status, run.estimated)
+        assert found["theta"][row] == run.final["theta"]
+    assert found["status"][3] == "failed" and "Leave out whole turns" in found["message"][3]
 
 
 GIVEN: dict[str, Any] = {
@@ -442,7 +460,7 @@ def command(*words: str) -> list[str]:
 
 @pytest.mark.full
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")
-def test_after_kills_the_same_command_goes_on(tmp_path: Path) -> None:
+def test_after_kills_the_same_command_goes_on(pendulum: lagc.CompiledModel, tmp_path: Path) -> None:
     cache, part = tmp_path / "cache", tmp_path / "a.csv.part"
     around = {**os.environ, "PYTHONPATH": ROOT, "LAGC_CACHE": str(cache)}
     words = command("-o", "a.csv", "--workers", "2")
@@ -460,10 +478,10 @@ def test_after_kills_the_same_command_goes_on(tmp_path: Path) -> None:
         child.send_signal(number)
         ended.append(child.wait(60))
     assert ended == [-signal.SIGKILL, 130] and size() > 40_000
-    words_of_all = (words, command("-o", "b.csv", "--workers", "1"))
-    for each in words_of_all:
-        assert subprocess.run(each, cwd=tmp_path, env=around, check=False).returncode == 0
+    assert subprocess.run(words, cwd=tmp_path, env=around, check=False).returncode == 0
     assert not part.exists()
+    whole = pendulum.sweep({"l1": "0.5:1.5:40", "m1": "1:2:100"}, rtol=1e-8, stop=10)
+    whole.save(str(tmp_path / "b.csv"))
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
     assert (tmp_path / "a.csv").read_bytes().count(b"\r\n") == 4001
     assert len(list(cache.iterdir())) < 40  # none for each run

@@ -72,7 +72,7 @@ FORMS = Forms(
     head=_head,
     end="",
     sequences=True,
-    number="(1.0 * {})",  # for `_again`, which converts constants but not tuples
+    number="(1.0 * {})",  # for `_recompute`, which converts constants but not tuples
 )
 
 # Functions of math; its floor returns an integer without the sign of zero.
@@ -201,7 +201,7 @@ _CAREFUL = {
 }
 
 
-def _again(function, inputs, outputs):
+def _recompute(function, inputs, outputs):
     """Compute `function` as C does; write the lists in `outputs`."""
     code = function.__code__
     constants = tuple(_Ieee(c) if type(c) is float else c for c in code.co_consts)
@@ -235,16 +235,16 @@ _CAREFUL["sine_cosine"] = _careful_sine_cosine
 
 
 _EACH = '''\
-def _each_again(function, inputs, outputs):
+def _recompute_each(function, inputs, outputs):
     """Do the same for each direction, if entries of the last input are arrays of many directions."""
     *others, d = inputs
     (changes,) = outputs
     many = [b for b in d if hasattr(b, "__len__")]
     if not many:
-        return _again(function, inputs, outputs)
+        return _recompute(function, inputs, outputs)
     found = [[0.0] * len(changes) for _ in many[0]]
     for k, own in enumerate(found):
-        _again(function, (*others, [b[k] if hasattr(b, "__len__") else b for b in d]), (own,))
+        _recompute(function, (*others, [b[k] if hasattr(b, "__len__") else b for b in d]), (own,))
     changes[:] = [0.0 * many[0] + row for row in zip(*found)]
 
 
@@ -276,7 +276,7 @@ def function_text(function: Function, locals_: Mapping[tuple[str, int], str], nu
     text.append("    except (ArithmeticError, ValueError):")
     arguments = f"({_tuple(inputs)}), ({_tuple(outputs)})"
     along = function.name == "along"
-    text.append(f"        {'_each_again' if along else '_again'}({name}, {arguments})")
+    text.append(f"        {'_recompute_each' if along else '_recompute'}({name}, {arguments})")
     return (_EACH if along else "") + "\n".join(text) + "\n"
 
 

@@ -136,12 +136,12 @@ def _without_components(
     def at_rest(nodes: Sequence[Node]) -> list[Node]:
         return substitute(graph, nodes, rest)
 
-    def own(node: Node) -> Node:
+    def reduced(node: Node) -> Node:
         """Return a sum without the terms that consist of symbols that are left out."""
         if node.op == "add":
-            return graph.add(*[own(term) for term in node.args])
+            return graph.add(*[reduced(term) for term in node.args])
         if node.op == "scale":
-            return graph.scale(node.value, own(node.args[0]))
+            return graph.scale(node.value, reduced(node.args[0]))
         found = symbols([node])
         if found & rest.keys() and not found & (known - rest.keys()):
             return graph.zero
@@ -154,7 +154,7 @@ def _without_components(
         id(part.body) for part, old in zip(parts, inertias)
         if not all(x.is_zero for x in part.velocity) or all(x.is_zero for x in old.velocity)
     }  # fmt: skip
-    sums = [own(x) for x in (equations.kinetic, equations.potential, equations.energy, equations.power)]
+    sums = [reduced(x) for x in (equations.kinetic, equations.potential, equations.energy, equations.power)]
     whens = [replace(w, changes=tuple([(s, x) for s, x in w.changes if not gone(s)]))
              for w in equations.whens if _is_asked(w) or not all(gone(s) for s, _ in w.changes)]  # fmt: skip
     contacts = tuple([c for c in equations.contacts if not gone(c.multiplier)])
@@ -177,7 +177,7 @@ def _without_components(
             given for given in equations.initial_conditions if not any(map(gone, symbols(given[:1])))
         ]),
         contributions=tuple([
-            replace(c, power=own(c.power), forces={j: x for j, x in c.forces.items() if not gone(v[j])})
+            replace(c, power=reduced(c.power), forces={j: x for j, x in c.forces.items() if not gone(v[j])})
             for c in equations.contributions
         ]),
     )  # fmt: skip

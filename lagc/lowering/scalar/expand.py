@@ -43,6 +43,7 @@ class Lowering:
     def _lower(self, node: Node) -> int:
         op, known, block = node.op, self.known, self.block
         if op == "mul":
+            # The most frequent product by far, without the detour over plans.
             if node.value == (1, 1):
                 return block.mul(known[node.args[0]], known[node.args[1]])
             return self._product(tuple(zip(node.args, node.value)))
@@ -61,6 +62,8 @@ class Lowering:
 
     def _function(self, op: str, operands: list[int]) -> int:
         parity = PARITY[op]
+        # References are numbers; the complement ~r stands for the value -r, so a sign costs nothing: f(-x) is
+        # f(x) of an even function and -f(x) of an odd one.
         if not parity or operands[0] >= 0:
             return self.block.apply(op, *operands)
         found = self.block.apply(op, ~operands[0])
@@ -70,6 +73,8 @@ class Lowering:
         found = self._products.get(product)
         if found is not None:
             return found
+        # An explicit stack: a power such as x^1000000 or a product of thousands of factors is deeper than
+        # Python's own.
         stack = [product]
         while stack:
             top = stack[-1]
@@ -79,7 +84,11 @@ class Lowering:
             if len(top) == 1 and top[0][1] == 1:
                 self._products[top] = self.known[top[0][0]]
                 continue
+            # A plan shares subproducts among monomials (common subexpressions); without one, powers are
+            # halved: x^n takes O(log n) multiplications (D. E. Knuth, *The Art of Computer Programming*, vol.
+            # 2, section 4.6.3).
             left, right = self.plan.get(top) or halves(top)
+            # Negative powers are collected into one denominator, as a division costs several multiplications.
             divides = is_divisor(right)
             parts = left, inverse(right) if divides else right
             missing = [part for part in parts if part not in self._products]
@@ -129,8 +138,11 @@ class Coefficients:
         self._new: dict[Node, Node] = {}
         changed: set[Node] = set()  # of those that move
         for node in reachable(nodes):
+            # A node is constant if parameters and numbers are all it depends on: it can be computed once per
+            # run.
             if node.op == "const" or node in constants or (node.args and self._fixed.issuperset(node.args)):
                 self._fixed.add(node)
+            # Neither a constant among the operands, nor a change below: the node stays the same object.
             elif self._fixed.isdisjoint(node.args) and changed.isdisjoint(node.args):
                 self._new[node] = node
             else:
@@ -151,6 +163,7 @@ class Coefficients:
 
     def _monomial(self, node: Node) -> Node:
         graph, factors = self.graph, list(zip(node.args, node.value))
+        # 2*m*l^2*v^2 becomes c*v^2 with the one coefficient c = 2*m*l^2.
         coefficient = graph.product([(b, e) for b, e in factors if b in self._fixed])
         rest = graph.product([(self._new[b], e) for b, e in factors if b not in self._fixed])
         return graph.mul(self._coefficient(coefficient), rest)
@@ -158,6 +171,7 @@ class Coefficients:
     def _scaled(self, c: float, node: Node) -> Node:
         """Return a number times a product: the number goes into the coefficient."""
         graph = self.graph
+        # The factor that is constant takes the number in, and stays one coefficient.
         for base, exponent in zip(node.args, node.value) if node.op == "mul" else ():
             if exponent == 1 and (base in self.meaning or base in self._fixed):
                 coefficient = graph.scale(c, self.meaning.get(base, base))
@@ -168,6 +182,7 @@ class Coefficients:
         """Return the symbol of a constant; a constant that needs no operation is returned itself."""
         if node.op in ("const", "symbol") or node.op in TRUTHS:
             return node
+        # -c needs no coefficient besides c: references have signs.
         if node.op == "scale" and node.value < 0.0:
             return -self._coefficient(-node)
         symbol = self.graph.symbol("coefficient", str(node.index))
@@ -186,8 +201,11 @@ def expanded(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
     forms: dict[Node, Polynomial] = {}
     for node in reachable(nodes):
         form = _form(node, forms)
+        # Bottom-up. A sum with too many terms, or with coefficients out of range, counts as one unknown in
+        # what contains it.
         forms[node] = form if len(form) <= _MOST_TERMS and _in_range(form) else {((node, 1),): 1.0}
     others = [_rebuilt(graph, _squares_met(forms[node])) for node in nodes]
+    # Multiplying out may lose common factors: the smaller form wins, counted in nodes of the graph.
     return [_smaller(node, other) for node, other in zip(nodes, others)]
 
 
@@ -222,6 +240,8 @@ def _product(node: Node, forms: Mapping[Node, Polynomial]) -> Polynomial:
     total: Polynomial = {(): 1.0}
     for base, exponent in zip(node.args, node.value):
         form = forms[base]
+        # Only sums with sines or cosines are multiplied out, for the sake of sin^2 + cos^2 = 1: other
+        # products would grow for nothing, and cancel differently in floating point.
         if not (1 <= exponent <= 2 and len(form) > 1 and all(_turned(m) for m in form)):
             plain.append((base, exponent))
             continue
@@ -253,6 +273,7 @@ def _monomial(powers: Mapping[Node, int]) -> Monomial:
 
 def _count(total: Polynomial, monomial: Monomial, c: float) -> None:
     before = total.get(monomial, 0.0)
+    # Exactly opposite terms vanish; a sum that only rounds to zero stays.
     if before and before == -c:
         del total[monomial]
     else:
@@ -268,6 +289,8 @@ def _squares_met(form: Polynomial) -> Polynomial:
         c = left.get(monomial)
         if c is None:
             continue
+        # For each pair of factors sin(u)^2 the partner with cos(u)^2 is looked up; only equal coefficients
+        # combine, so no rounding is involved. The shorter term may find a partner in turn.
         for rest, other in exchanged(monomial, _twin):
             short, twin = _monomial(rest), _monomial({**rest, other: rest.get(other, 0) + 2})
             if left.get(twin) == c:

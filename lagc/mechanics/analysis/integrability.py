@@ -87,7 +87,7 @@ def _velocity_form(states: States, row: Row) -> Form:
             found[c.symbol] = on_rates[0]
         else:  # a rotation w in body axes has e' = 1/2 e*(0, w), and w = 2 conj(e)*e'
             found.update(zip(c.symbols, [4.0 * x for x in quaternion_rate(c.symbols, on_rates)]))
-    found[states.model.time] = substitute(graph, [row.rate], states.rest)[0]
+    found[states.model.time] = substitute(graph, [row.rate], states.zero_rates)[0]
     coefficients = {x: node for x, node in found.items() if not node.is_zero}
     slopes: dict[tuple[Node, Node], Node] = {}
     # Derivatives of the coefficients, for dw.

@@ -58,6 +58,7 @@ def of_motion(
     multipliers are zero; so are those of rows that only a released model has."""
     graph = states.graph
     asked = sorted(symbols(expressions), key=lambda s: s.index)
+    # Reactions first: their expressions contain other quantities, which are then filled in with the rest.
     if states.model.released is not None and any(s.record.kind == "reaction" for s in asked):
         expressions = substitute(graph, expressions, reactions(states.model.released))
         asked = sorted(symbols(expressions), key=lambda s: s.index)
@@ -65,12 +66,18 @@ def of_motion(
     labels = {label for c in states.model.constraints for label in c.labels}
     labels.update(c.label for c in states.model.contacts)
     quantities = Quantities(states, parts, acting, free, totals.kinetic, totals.potential)
+    # Only symbols that occur are computed: momenta and powers of the whole system can be larger than the
+    # equations of motion.
     for symbol in asked:
         record = symbol.record
         if record.kind in QUANTITIES:
             filled[symbol] = quantities.value(record)
+        # A redundant row has no force of its own in the minimum solution chosen, and a row of the released
+        # model none outside it.
         elif record.kind == "multiplier" and (record.owner in dropped or record.owner not in labels):
             filled[symbol] = graph.zero
+    # The substitution is simultaneous: what replaces a symbol must itself be free of rates, as these
+    # expressions in v and a are.
     filled.update(_accelerations(states, asked))
     filled.update(() if states.plain else states.rates.items())
     return substitute(graph, expressions, filled)
@@ -82,6 +89,8 @@ def _equation(output: Output, node: Node) -> OutputEquation:
 
 def _accelerations(states: States, asked: Sequence[Node]) -> dict[Node, Node]:
     """Return d(rate)/dt in a (and v) for the rates that are no speeds themselves."""
+    # Where speeds are declared, x'' is the derivative of the kinematic equation x' = f(q, v, t) along the
+    # flow.
     known = {rate.record.derivative: expression for rate, expression in states.rates.items()}
     wanted = [s for s in asked if s.record.kind == "acceleration" and s not in states.a]
     rates = [known[s.record] for s in wanted]
@@ -130,6 +139,7 @@ class Quantities:
         """Return the sum of m v over the bodies, in world axes."""
         total = self._nothing()
         for part in self.parts:
+            # A part with a matrix of inertia is the rotation of a body; its translation is a part of its own.
             if not isinstance(part.mass, tuple):
                 total = add(total, part.momentum(part.velocity))
         return total
@@ -139,6 +149,8 @@ class Quantities:
         total = self._nothing()
         for part in self.parts:
             p = part.momentum(part.velocity)
+            # The spin R I w is independent of the point of reference; the orbital part r x m v is about the
+            # origin.
             if isinstance(part.mass, tuple):
                 total = add(total, matvec(_axes(part.body), p))
             else:
@@ -160,8 +172,11 @@ def momenta(
 ) -> dict[Node, Node]:
     """Return dL/d(rate), in v, for each of `rates`."""
     graph = states.graph
+    # dL/dr' = sum of (m v . dv/dr' + I w . dw/dr') plus the terms of L that the model gives itself: one
+    # reverse sweep with the momenta as weights, in place of a product for each rate.
     raw = [x for part in parts for x in _velocity(part)]
     weights = [x for part in parts for x in part.momentum(part.velocity)]
+    # The weights are symbols during the sweep, so that derivatives do not go into the momenta.
     marks = [graph.symbol("weight", str(k)) for k in range(len(weights))]
     found = gradient(graph, seeds(graph, zip(raw, marks)), rates)
     filled = {**dict(zip(marks, weights)), **({} if states.plain else states.rates)}
@@ -182,7 +197,11 @@ def reactions(model: Model) -> dict[Node, Node]:
     _check(model)
     states = build_states(model)
     rates = [rate for release in model.releases for rate in release.rates]
+    # In the released model the coordinate that a release adds has an unbalanced force; the constraint force
+    # that holds it is equal and opposite.
     held, pushed = _unbalanced_forces(states, rates)
+    # The rate and its derivative are zero, as the release does not move, after the derivatives have been
+    # taken.
     at = {rate.record.derivative: states.graph.zero for rate in rates}
     filled = {a: at[a.record] for a in states.a if a.record in at}
     filled.update(dict.fromkeys(rates, states.graph.zero))
@@ -190,9 +209,12 @@ def reactions(model: Model) -> dict[Node, Node]:
         filled.update((symbol, states.graph.const(value)) for symbol, value in release.values)
     found: dict[Node, Node] = {}
     for release in model.releases:
+        # `held`: M v' + h - tau, the force of all constraints together; `pushed`: G^T lambda, that of the
+        # explicit ones (see ON_BODY, BY_GEOMETRY and BY_EQUATIONS of joints).
         raw = [release.held * held[r] + release.pushed * pushed[r] for r in release.rates]
         nodes = substitute(states.graph, [*raw, *_flat(release)], filled)
         values, axes = nodes[: len(raw)], triples(nodes[len(raw) :])
+        # A moment about coordinates of an orientation is turned into the axes in which it is reported.
         if axes:
             values = [*matvec((axes[0], axes[1], axes[2]), (values[0], values[1], values[2]))]
         found.update(zip(release.forces, values))
@@ -210,6 +232,8 @@ def _unbalanced_forces(states: States, rates: Sequence[Node]) -> tuple[dict[Node
     free = free_terms(states, with_rates(states))
     acting = act(states)
     flat = [x for part in parts for x in part.velocity]
+    # Jourdain's principle: project m a and the inertial loads on dv/d(rate). The rows of M for these rates
+    # alone are needed, not the whole matrix.
     accelerations = triples(tangent(graph, flat, dict(zip(states.v, states.a))))
     pairs = [
         pair
@@ -217,6 +241,8 @@ def _unbalanced_forces(states: States, rates: Sequence[Node]) -> tuple[dict[Node
         for pair in zip(part.velocity, part.momentum(acceleration))
     ]
     inertial = gradient(graph, seeds(graph, [*pairs, *inertial_loads(states, parts).items()]), rates)
+    # G^T lambda by the same sweep: each row rate of a constraint with its multiplier, contacts with normal
+    # and friction.
     weights = [(x.row.rate, x.row.multiplier) for x in classify(states) if x.row.law is Law.PERFECT]
     for contact in contact_rows(states):
         weights += zip([contact.rate, *(slip.rate for slip in contact.slips)], contact.forces)
@@ -226,6 +252,7 @@ def _unbalanced_forces(states: States, rates: Sequence[Node]) -> tuple[dict[Node
         i = states.place_of_v[rate]
         terms = [inertial.get(rate, graph.zero), free.bias.get(i, graph.zero)]
         for j, a in enumerate(states.a):
+            # The mass matrix is stored as a lower triangle.
             if (max(i, j), min(i, j)) in free.mass_matrix:
                 terms.append(free.mass_matrix[max(i, j), min(i, j)] * a)
         terms += [-x.contribution.forces[i] for x in acting if i in x.contribution.forces]
@@ -236,6 +263,7 @@ def _unbalanced_forces(states: States, rates: Sequence[Node]) -> tuple[dict[Node
 def _check(model: Model) -> None:
     """Raise Refused for the virtual power of a body whose inertia changes: the motion inside the body is not
     known."""
+    # The release of a parameter has no values of its own: the parameter keeps that of the run.
     own = [rate.record.owner for release in model.releases if not release.values for rate in release.rates]
     symbols = {p.symbol: p.name for p in model.parameters if p.name in own}
     faults = []

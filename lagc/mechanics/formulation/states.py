@@ -289,13 +289,13 @@ class States:
         return {p.symbol: (p.minimum, p.maximum) for p in self.model.parameters}
 
     @cached_property
-    def rest(self) -> dict[Node, Node]:
+    def zero_rates(self) -> dict[Node, Node]:
         """Every rate and declared speed -> 0, for expressions that still contain rates."""
         # A speed may be declared by speeds before it, so each is replaced in turn.
-        at_rest: dict[Node, Node] = dict.fromkeys(self.rates, self.graph.zero)
-        for speed in self.model.speeds:  # one may be declared in terms of those before it
-            at_rest[speed.symbol] = substitute(self.graph, [speed.expression], at_rest)[0]
-        return at_rest
+        zeros: dict[Node, Node] = dict.fromkeys(self.rates, self.graph.zero)
+        for speed in self.model.speeds:
+            zeros[speed.symbol] = substitute(self.graph, [speed.expression], zeros)[0]
+        return zeros
 
     @cached_property
     def spelt(self) -> dict[Node, Node]:
@@ -315,7 +315,7 @@ class States:
 
     def at_rest(self, nodes: Sequence[Node]) -> list[Node]:
         """Return `nodes` (in rates) with every rate zero: the part that drives impose."""
-        return substitute(self.graph, nodes, self.rest)
+        return substitute(self.graph, nodes, self.zero_rates)
 
     def to_speeds(self, weights: dict[Node, Node]) -> dict[int, Node]:
         """Return the generalized forces on v of the virtual power sum of weights[x] * x, with x affine in

@@ -35,7 +35,7 @@ State = dict[Node, float]
 
 def onto(states: States, rows: Sequence[Row]) -> Callable[[Mapping[Node, float]], State | None]:
     """Return a function that moves a state onto `rows`; it returns None where that fails."""
-    return _Manifold(states, rows).met
+    return _Manifold(states, rows).onto_rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,7 @@ def walk(states: States, rows: Sequence[Row]) -> Consistent:
             freedom = _Manifold(states, [row for row in rows if row.holonomic]).freedom(start)
         return Consistent(start, beside, list(manifold.steps(start, _FAR, 1 if few else _STEPS)), freedom)
     # Without an initial state on the rows: random states moved onto them.
-    found = (manifold.met(s) for s in samples(states.model, _STEPS, vary=False))
+    found = (manifold.onto_rows(s) for s in samples(states.model, _STEPS, vary=False))
     return Consistent(None, [], [s for s in found if s is not None])
 
 
@@ -134,14 +134,14 @@ class _Manifold:
             for spread in _SPREADS[: 1 if len(self.rows) > _MANY else None] if moving else ():
                 beside = {x: given[x] + spread * self.scales[x] * self.chance.draw() for x in moving}
                 self.tangential = False
-                state = self.met({**given, **beside}, moving)
+                state = self.onto_rows({**given, **beside}, moving)
                 if state is not None and not self.tangential:
                     return state
                 slowly = slowly or state
         self.tangential = slowly is not None
         return slowly
 
-    def met(self, given: Mapping[Node, float], free: Sequence[Node] | None = None) -> State | None:
+    def onto_rows(self, given: Mapping[Node, float], free: Sequence[Node] | None = None) -> State | None:
         """Return `given` moved onto the rows by the coordinates `free`, or by all; None if that fails."""
         state, moving = dict(given), free or self.states.q
         # Positions by phi = 0, then speeds by rate = 0 at these positions.
@@ -182,9 +182,9 @@ class _Manifold:
         state = start
         # A step that leads to no state is tried again with a tenth of its size.
         for _ in range(count):
-            moved = self.met(self._displaced(state, size))
+            moved = self.onto_rows(self._displaced(state, size))
             if moved is None:
-                moved = self.met(self._displaced(state, 0.1 * size))
+                moved = self.onto_rows(self._displaced(state, 0.1 * size))
             if moved is not None:
                 yield moved
                 state = start if restart else moved

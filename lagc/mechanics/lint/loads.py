@@ -67,7 +67,7 @@ def doubled_weights(model: Model) -> Iterator[Fault]:
 # -- systems that nothing moves ----------------------------------------------------------------------
 
 
-def unmoved(equations: EquationsOfMotion) -> list[Fault]:
+def motionless_system(equations: EquationsOfMotion) -> list[Fault]:
     """Return LAG0429 if nothing moves the system: at zero speeds there are no forces, and constraints,
     initial values, initial equations, events and time change no speed."""
     v, model, zero = equations.v, equations.model, equations.graph.zero

@@ -33,8 +33,17 @@ DOTS = ("", r"\dot", r"\ddot")
 
 def equations_latex(equations: EquationsOfMotion) -> str:
     """For a notebook: the equations as one displayed block, some where they are many."""
+    return f"$$\n\\begin{{aligned}}\n{_aligned(equations)}\n\\end{{aligned}}\n$$"
+
+
+def equation_rows(equations: EquationsOfMotion) -> list[str]:
+    """Return the rows of `equations_latex`, each a formula of its own."""
+    return [row.replace("&", "", 1).strip() for row in _aligned(equations).split(" \\\\\n")]
+
+
+def _aligned(equations: EquationsOfMotion) -> str:
     rows, _ = _systems([(mode.title, page(mode.equations, False, mode.laws)) for mode in modes(equations)])
-    return f"$$\n\\begin{{aligned}}\n{rows}\n\\end{{aligned}}\n$$"
+    return rows
 
 
 def write_latex(modes: Sequence[tuple[str, Page]]) -> str:

@@ -325,7 +325,7 @@ class Quantity:
         return self.type.unit, self.display
 
     @property
-    def about(self) -> tuple[Span, str]:
+    def span_and_text(self) -> tuple[Span, str]:
         """Return the place and the description."""
         return self.entry.span, self.source.description or ""
 

@@ -61,9 +61,11 @@ def declare_contact(context: Context, entry: Entry) -> Value:
     differences = residuals(left, right, source)
     entry.size = None if isinstance(left, Scalar) else len(differences)
     for k, (node, found) in enumerate(differences):
+        # A gap is positive while the contact is open, whatever relation was written.
         gap = node if source.relation == ">=" else -node
         bounds_rate = _check(context, source, gap, written)
         label = entry.path if entry.size is None else f"{entry.path}[{k + 1}]"
+        # Whether the contact is closed is a discrete variable: it is constant between events.
         symbol = context.graph.symbol("discrete", label)
         context.clock.set_rate(symbol, context.graph.zero)
         restitution = context.graph.zero
@@ -86,10 +88,13 @@ def declare_rough(context: Context, entry: Entry) -> Value:
     if "by" in written:
         message = "an actuator and friction do not combine in one constraint"
         raise Wrong("LAG0209", message, written["by"].span, "leave out `by`, or the friction")
+    # Friction of a constraint that always holds: gap and normal force are those of the constraint, and the
+    # state of the contact is its sliding or sticking alone.
     value = declare_constraint(context, entry)
     (row,) = entry.objects
     assert isinstance(row, objects.Constraint)
     span = source.arguments[0].span
+    # A residual that vanishes identically has been dropped, and its multiplier with it.
     if not row.labels:
         raise Wrong("LAG0235", f"`{row.name}` always holds, so it has no normal force", span)
     if any(context.clock.mask(node) & VELOCITY for node in row.residuals):
@@ -114,6 +119,8 @@ def _friction(
     context: Context, entry: Entry, written: Mapping[str, tree.Expression], found: Dimension | None
 ) -> tuple[tuple[Node, ...], Node | None, Node | None]:
     """Return slip, friction and static friction of a contact whose gap has this dimension."""
+    # Checks in the order in which arguments need each other, so that the first message names what to add
+    # first.
     for names, other, why in (
         (
             ("slip", "at", "on", "against", "static"),
@@ -142,6 +149,8 @@ def _friction(
         message = "a vector of constraints has no friction"
         remedy = "write a constraint for each component, with its own slip"
         raise Wrong("LAG0235", message, span, remedy)
+    # The multiplier of a gap with unit u has the unit J/u, and the slip must have u/s so that friction times
+    # slip is a power. In space the normal force is a force in N, whatever the gap measures.
     meant = over(found or NONE, SECOND)
     slip = _slip(context, entry, written, meant)
     return slip, *coefficients(context, entry, written, slip, SPEED if len(slip) == 3 else meant)
@@ -158,16 +167,19 @@ def coefficients(
     the slip, unless the model has something of this name. A contact that sticks holds at least as much as one
     that slides."""
     graph, where = context.graph, entry.environment
+    # |s| of the vector of slip: the speed for a law of friction such as Stribeck's.
     speed = graph.sqrt(graph.sum([node * node for node in slip]))
     if "slip" not in where.instance.entries:
         where = where.bind({"slip": Scalar(speed, meant)})
 
     def coefficient(name: str) -> Node:
         found = _number(context, where, name, written[name])
+        # A speed is not negative: in a law of friction |slip| is slip itself.
         return substitute(graph, [found], {graph.unary("abs", speed): speed})[0]
 
     friction = coefficient("friction")
     static = coefficient("static") if "static" in written else None
+    # Constants are compared here. Parameters are compared when a run begins.
     if static is not None and static.is_const and friction.is_const and static.value < friction.value:
         message = f"the static friction, {static.value:g}, is less than the friction of a contact that slides"
         remedy = "exchange both, or leave out `static`"
@@ -206,10 +218,13 @@ def _slip(
     else:
         scalar = scalar_of(value, span, "the slip")
         nodes, dimension = (scalar.node,), scalar.dimension
+    # One component in the plane, two along a surface, three in world axes (the part across the surface is
+    # then removed).
     if len(nodes) > 3:
         raise Wrong("LAG0235", f"the slip has {len(nodes)} components", span, _SLIPS)
     if len(nodes) == 3:
         meant = SPEED  # the push is then taken along the normal of the surface, whatever the gap measures
+    # `slip = x` in place of `der(x)` is the likely mistake: its dimension times 1/s is right.
     if dimension == times(meant, SECOND):
         parts = source.elements if isinstance(source, tree.Vector) else (source,)
         rates = ", ".join([f"der({part.span.text})" for part in parts])
@@ -217,6 +232,8 @@ def _slip(
         message = f"the slip is a position; it must be {describe(meant)}"
         raise Wrong("LAG0302", message, span, remedy)
     expect_of(source, dimension, meant, "the slip", describe(meant))
+    # A component without velocity is constant: friction could never act along it. One zero component in space
+    # is a mechanism in a plane.
     constant = [k for k, node in enumerate(nodes) if not context.clock.mask(node) & VELOCITY]
     for k, node in enumerate(nodes):
         refuse_late(context, node, span, "the slip")
@@ -254,11 +271,15 @@ def _check(
     refuse_late(context, gap, span, "a constraint")
     mask = context.clock.mask(gap)
     bounds_rate = bool(mask & VELOCITY)
+    # A bound between velocities has no impact: velocities do not jump at it, so laws of impact and friction
+    # are meaningless.
     if bounds_rate and written:
         name, value = next(iter(written.items()))
         message = f"the bound `{source.name}` restricts velocities, so it has no `{name}`"
         remedy = f"leave out `{name}`, or give it to the bound of a position: only surfaces rebound and rub"
         raise Wrong("LAG0235", message, value.span, remedy)
+    # The rate of the gap is needed for the moment of closing; those of an input and of a discrete variable
+    # are not known.
     for kind, named in (("input", "an input"), ("discrete", "a discrete variable")):
         if mask & BIT[kind]:
             message = f"the bound `{source.name}` depends on {named}, whose time derivative is not known"

@@ -43,7 +43,9 @@ def declare_discrete(context: Context, quantity: Quantity) -> Value:
         name = quantity.name(subscript)
         symbol = graph.symbol("discrete", name)
         context.clock.set_rate(symbol, graph.zero)
-        entry.objects.append(objects.Discrete(name, symbol, *quantity.units, start, boolean, *quantity.about))
+        entry.objects.append(
+            objects.Discrete(name, symbol, *quantity.units, start, boolean, *quantity.span_and_text)
+        )
         found.append(_truth(graph, symbol) if boolean else Scalar(symbol, quantity.type.dimension))
     return array_of(found, quantity.sizes)
 

@@ -205,7 +205,7 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
             entry.objects += release_parameter(context, entry, symbol, quantity.type.unit)
         is_integer = quantity.type.name == "Integer"
         parameter = objects.Parameter(
-            name, symbol, *quantity.units, value, *bounds, *quantity.about, is_integer
+            name, symbol, *quantity.units, value, *bounds, *quantity.span_and_text, is_integer
         )
         entry.objects.append(parameter)
         values.append(Scalar(symbol, quantity.type.dimension))
@@ -227,7 +227,7 @@ def _input(context: Context, quantity: Quantity) -> Value:
         default = 0.0 if scalar is None else scalar.node.value
         check_bounds(quantity, name, default, bounds, value_span(context, quantity, subscript), unit)
         symbol = context.graph.symbol("input", name)
-        entry.objects.append(objects.Input(name, symbol, unit, default, *bounds, *quantity.about))
+        entry.objects.append(objects.Input(name, symbol, unit, default, *bounds, *quantity.span_and_text))
         values.append(Scalar(symbol, quantity.type.dimension))
     return array_of(values, quantity.sizes)
 
@@ -238,7 +238,7 @@ def _output_of_input(context: Context, quantity: Quantity, name: str, node: Node
         message = "an input must not depend on an acceleration or a reaction"
         raise Wrong("LAG0219", message, value_span(context, quantity))
     context.built_in.append(name)
-    return objects.Output(name, node, *quantity.units, *quantity.about)
+    return objects.Output(name, node, *quantity.units, *quantity.span_and_text)
 
 
 def starts(
@@ -295,7 +295,7 @@ def _coordinate(context: Context, quantity: Quantity) -> Value:
         context.clock.set_rate(speed, graph.leaf(speed.record.derivative))
         stated = start_stated[k], rate_stated[k]
         coordinate = objects.Coordinate(
-            name, symbol, speed, *quantity.units, start, rate, *stated, *quantity.about, entry.effect
+            name, symbol, speed, *quantity.units, start, rate, *stated, *quantity.span_and_text, entry.effect
         )
         entry.objects.append(coordinate)
         symbols.append(Scalar(symbol, dimension))
@@ -324,7 +324,7 @@ def _speed(context: Context, quantity: Quantity) -> Value:
         known = stated[k].level != objects.UNSTATED or "guess" in quantity.attributes
         initial = at_start[k] if known else None, fixed_if(stated[k], holds[k])
         entry.objects.append(
-            objects.Speed(name, symbol, scalar.node, quantity.type.unit, *quantity.about, *initial)
+            objects.Speed(name, symbol, scalar.node, quantity.type.unit, *quantity.span_and_text, *initial)
         )
         symbols.append(Scalar(symbol, quantity.type.dimension))
     return array_of(symbols, quantity.sizes)
@@ -353,7 +353,7 @@ def _output(context: Context, quantity: Quantity) -> Value:
     keep_scale(context, quantity, map(quantity.name, subscripts(sizes, entry.span)))
     for subscript, scalar in zip(subscripts(sizes, entry.span), scalars):
         name = quantity.name(subscript)
-        entry.objects.append(objects.Output(name, scalar.node, *quantity.units, *quantity.about))
+        entry.objects.append(objects.Output(name, scalar.node, *quantity.units, *quantity.span_and_text))
     return value
 
 

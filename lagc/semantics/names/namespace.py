@@ -347,7 +347,7 @@ class Importer:
                 self._fingerprints[real] = fingerprint(path, found)
                 self._data[real] = columns(decoded(found))
         except Outside:
-            raise _outside(written, span) from None
+            raise _outside_fault(written, span) from None
         except Unreadable as error:
             raise Wrong("LAG0226", f"`{written}` {error}", span, error.remedy) from None
         except Unfit as error:
@@ -360,7 +360,7 @@ class Importer:
         """Return the path of a file named in a text.  Raises Wrong if it is outside the roots."""
         path = os.path.join(folder_of(span.source.name) or os.sep, written)
         if span.source not in self.free and not is_within(os.path.realpath(path), self.roots):
-            raise _outside(written, span)
+            raise _outside_fault(written, span)
         return path
 
     def _count(self, data: bytes, span: Span) -> None:
@@ -411,7 +411,7 @@ class Importer:
             data = content(path, roots=(*self.roots, os.path.realpath(models_folder())))
             text = decoded(data)
         except Outside:
-            raise _outside(os.path.basename(path), span) from None
+            raise _outside_fault(os.path.basename(path), span) from None
         except Unreadable as error:
             message = f"`{os.path.basename(path)}` cannot be imported: it {error}"
             raise Wrong("LAG0216", message, span, error.remedy) from None
@@ -426,7 +426,7 @@ class Importer:
         self.files[path] = Namespace(parsed.declarations, None, self)
 
 
-def _outside(written: str, span: Span) -> Wrong:
+def _outside_fault(written: str, span: Span) -> Wrong:
     message = f"`{written}` is outside the folders that may be imported from"
     return Wrong("LAG0217", message, span, "move the file into the folder of the model or a subfolder")
 

@@ -414,7 +414,7 @@ class Uses:
     removed: frozenset[str] = frozenset()
 
     @property
-    def all(self) -> frozenset[str]:
+    def mentioned(self) -> frozenset[str]:
         return self.named | self.added | self.removed
 
     def has(self, path: str) -> bool:

@@ -70,10 +70,10 @@ def package_constant(context: Context, e: tree.Member, environment: Environment)
     if declared is None or not isinstance(declared[0], tree.Package):
         return None
     found, space = environment.space.find(path, e.span, "constant")
-    return outside(context, found, space, path[-1], e.span)
+    return constant_outside(context, found, space, path[-1], e.span)
 
 
-def outside(context: Context, declared: Declared, space: Namespace, name: str, span: Span) -> Value:
+def constant_outside(context: Context, declared: Declared, space: Namespace, name: str, span: Span) -> Value:
     """Return the value of a constant of a file or a package.  Raises Wrong for anything else."""
     if isinstance(declared, tree.Quantities):
         return constant_of(context, declared, space, name, span)

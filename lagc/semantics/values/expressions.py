@@ -22,7 +22,7 @@ from lagc.semantics.units import (
     times,
     unit,
 )
-from lagc.semantics.values.calls import call, dotted_path, outside, package_constant, shortest_call
+from lagc.semantics.values.calls import call, constant_outside, dotted_path, package_constant, shortest_call
 from lagc.semantics.values.evaluate import all_values, each, evaluate, integer, integers
 from lagc.semantics.values.members import element, member, part
 from lagc.semantics.values.unit_hints import is_bare, unit_remedy
@@ -134,7 +134,7 @@ def _times(a: Scalar, b: Scalar) -> Scalar:
     return Scalar(a.node * b.node, times(a.dimension, b.dimension))
 
 
-def _over(a: Scalar, b: Scalar) -> Scalar:
+def _divide(a: Scalar, b: Scalar) -> Scalar:
     if b.node.is_zero:
         raise ZeroDivisionError
     return Scalar(a.node / b.node, None if a.dimension is None else over(a.dimension, b.dimension or NONE))
@@ -176,7 +176,7 @@ def _quotient(e: tree.Binary, left: Value, right: Value) -> Value:
     if isinstance(left, Array):
         return Array(tuple([_quotient(e, x, right) for x in left.elements]))
     assert isinstance(left, Scalar)
-    return _over(left, right)
+    return _divide(left, right)
 
 
 def _power(e: tree.Binary, left: Value, right: Value) -> Value:
@@ -211,6 +211,7 @@ def _comparison(context: Context, e: tree.Binary, left: Value, right: Value) -> 
         raise Wrong("LAG0306", f"`{e.op}` compares numbers", e.span)
     _sides(e, left, right, f"the two sides of `{e.op}`")
     op, swapped = _COMPARISONS[e.op]
+    # There is no `>` in the graph: a > b is b < a, so equal conditions become one node.
     a, b = (right.node, left.node) if swapped else (left.node, right.node)
     node = context.graph.binary(op, a, b)
     return Truth(context.graph.logical_not(node) if e.op == "<>" else node)
@@ -234,6 +235,8 @@ def _finite(value: Value, e: tree.Binary) -> Value:
         elif isinstance(top, Scalar) and top.node.op in ("const", "scale"):
             if not math.isfinite(top.node.value):
                 raise Wrong("LAG0309", _no_value(e), e.span)
+        # Powers of constants that have no real value, such as (-1)^0.5, stay powers in the graph: constants
+        # left under a power are thus a fault.
         elif (
             isinstance(top, Scalar)
             and e.op == "^"
@@ -278,6 +281,8 @@ def _quantity(
         raise Wrong("LAG0304", message, e.unit.span, remedy) from None
     value = evaluate(context, e.value, environment)
 
+    # Units apply element by element, and only to literals: `x [m]` of a quantity x that has a dimension
+    # already would be a cast.
     def converted(value: Value) -> Value:
         if isinstance(value, Array):
             return Array(tuple([converted(x) for x in value.elements]))
@@ -306,6 +311,7 @@ def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
     if found is not None:
         return found
     instance = environment.instance
+    # Names of effects that the scene leaves out exist, but have no value here.
     if e.name in instance.unused:
         line = "move this into the same effect, or use that effect in the scene"
         raise Wrong("LAG0214", f"`{e.name}` {instance.unused[e.name]}", e.span, line)
@@ -320,6 +326,8 @@ def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
 
 def find(context: Context, name: str, environment: Environment, span: Span) -> Value | None:
     """Return the value of a name, or None if it is unknown.  Names of the user come first."""
+    # From the innermost scope out: loop variables, the model, constants of files and packages, words of the
+    # language. A declaration can so reuse a word of the language.
     if name in environment.bindings:
         return environment.bindings[name]
     entry = environment.instance.entries.get(name)
@@ -329,7 +337,7 @@ def find(context: Context, name: str, environment: Environment, span: Span) -> V
         return None
     declared = environment.space.lookup(name)
     if declared is not None:
-        return outside(context, declared[0], declared[1], name, span)
+        return constant_outside(context, declared[0], declared[1], name, span)
     if name == "time":
         return Scalar(context.time, S)
     if name == "world":
@@ -344,6 +352,8 @@ def _member(context: Context, e: tree.Member, environment: Environment) -> Value
     if constant is not None:
         return constant
     path = dotted_path(e) or ("",)
+    # The base may be a package of another language, `math.pi`. Only if its first name is unknown; a quantity
+    # called `math` wins.
     remedy = f"write `{path[-1]}`" if path[-1] in CONSTANTS else remedy_of_word("names", path[-1])
     remedy = remedy or foreign_call(path[-1])
     unused = path[0] in environment.instance.unused
@@ -370,6 +380,7 @@ def _index(context: Context, e: tree.Index, environment: Environment) -> Value:
 
 def _no_unit(e: tree.Index, environment: Environment) -> None:
     """Raise Wrong if a unit follows something that is not a number."""
+    # `x[m]` of a scalar parses as a subscript. If the text is a unit and no known name, a unit was meant.
     text = e.span.source.text[e.base.span.end : e.span.end].strip()
     if _is_subscript(text[1:-1].strip(), environment):
         return
@@ -408,6 +419,8 @@ def _binary(context: Context, e: tree.Binary, environment: Environment) -> Value
     for node in reversed(spine):
         jobs = [node.left, node.right] if node is spine[-1] else [node.right]
         try:
+            # Both sides are evaluated even after a fault further left, so that all faults of a sum appear at
+            # once.
             sides = all_values(context, jobs, environment)
         except Poisoned:
             failed = True
@@ -427,11 +440,14 @@ def _conditional(context: Context, e: tree.Conditional, environment: Environment
             raise Wrong("LAG0307", f"`if` takes a condition; this is {kind(truth)}", condition.span)
         return truth.node
 
+    # Faults in conditions do not hide those of the values.
     try:
         truths = each(context, truth_of, [condition for condition, _ in e.branches])
     except Poisoned:
         all_values(context, [*(branch for _, branch in e.branches), e.otherwise], environment)
         raise
+    # A branch that cannot be taken may divide by zero, or be of a size that does not exist: `if n > 1 then
+    # x[2] else 0`.
     chosen: list[tuple[Node, tree.Expression]] = []  # branches that may be taken; others are not evaluated
     for truth, (_, branch) in zip(truths, e.branches):
         if not truth.is_const or truth.value:
@@ -441,6 +457,7 @@ def _conditional(context: Context, e: tree.Conditional, environment: Environment
     else:
         chosen.append((context.graph.one, e.otherwise))
     values = all_values(context, [branch for _, branch in chosen], environment)
+    # Nested from the last branch to the first: if a then x else (if b then y else z).
     value, span = values[-1], chosen[-1][1].span
     for (truth, branch), branch_value in zip(reversed(chosen[:-1]), reversed(values[:-1])):
         value = select(context, truth, (branch_value, branch.span), (value, span))
@@ -480,6 +497,8 @@ def _of_conditions(value: Value) -> bool:
 
 def _one_dimension(elements: Sequence[Value], written: Sequence[tree.Expression]) -> None:
     """Raise Wrong at the first element of a vector with a different dimension."""
+    # The first element with a certain dimension gives it; a literal without a unit only if nothing else does,
+    # as it is more likely what was forgotten.
     first: tuple[Dimension, tree.Expression] | None = None
     for value, expression in zip(elements, written):
         if not isinstance(value, Scalar) or value.dimension is None:

@@ -12,6 +12,7 @@ ULP = 2.0**-52
 DIRECTIONS = 8  # combinations of signs by which time, state and parameters are perturbed
 # Ratio of a rate to its round-off estimate: a rate with half its digits correct is not round-off.
 CLEAR = 2.0**26
+SURE = 2.0**40  # the same for one of eight samples of round-off
 SEVERAL = 2.0  # ratio of a rate to its round-off estimate: it is round-off
 NORMAL = sys.float_info.min  # a rounding unit of smaller numbers may be all of the number
 MET = 1e-13  # scaled residual: with a larger one, a mechanism near a singular configuration may seem locked
@@ -32,7 +33,13 @@ def rests(system: System, x: Sequence[float], times: Sequence[float]) -> bool:
     if any(plain[nq + system.nv :]):  # work is done
         return False
     accelerations = plain[nq : nq + system.nv]
-    changes = _last_places(system, times[0], x, plain)
+    changes = [0.0] * system.nv
+    for direction in range(DIRECTIONS):
+        found = _last_places(system, times[0], x, plain, direction)
+        changes = [max(c, change) for c, change in zip(changes, found)]
+        # Further directions change an estimate of round-off by less than this.
+        if any(abs(a) > SURE * c > 0.0 for a, c in zip(accelerations, changes)):
+            return False
     if any(abs(a) > CLEAR * c > 0.0 for a, c in zip(accelerations, changes)):
         return False
     return all(abs(a) <= SEVERAL * c for a, c in zip(accelerations, changes))
@@ -59,22 +66,15 @@ def trajectory_at_rest(x: Sequence[float], times: Sequence[float]) -> Trajectory
     return Trajectory(list(times), [list(x) for _ in times], times[-1], list(x), OK)
 
 
-def _last_places(system: System, t: float, x: Sequence[float], plain: Sequence[float]) -> list[float]:
-    """The round-off of each acceleration, from perturbations of all numbers by one rounding unit."""
-    p, others = system.parameters, []
-    for direction in range(DIRECTIONS):
-        last = [
-            1.0 - ULP if (i + 1) * (2 * direction + 3) >> 1 & 1 else 1.0 + ULP for i in range(len(x) + len(p))
-        ]
-        other = system.bind([a * b for a, b in zip(p, last[len(x) :])])
-        others.append(rates_at(other, t, [a * b for a, b in zip(x, last)]))
-    return _changes(system, others, plain)
-
-
-def _changes(system: System, others: Sequence[Sequence[float] | None], plain: Sequence[float]) -> list[float]:
-    """The largest change of each acceleration."""
-    found = [0.0] * system.nv
-    for rates in others:
-        moved = zip(found, (rates or plain)[system.nq :], plain[system.nq :])
-        found = [max(c, abs(a - b)) for c, a, b in moved]
-    return found
+def _last_places(
+    system: System, t: float, x: Sequence[float], plain: Sequence[float], direction: int
+) -> list[float]:
+    """The change of each acceleration from `plain` with all numbers perturbed by one rounding unit."""
+    p = system.parameters
+    last = [
+        1.0 - ULP if (i + 1) * (2 * direction + 3) >> 1 & 1 else 1.0 + ULP for i in range(len(x) + len(p))
+    ]
+    other = system.bind([a * b for a, b in zip(p, last[len(x) :])])
+    rates = rates_at(other, t, [a * b for a, b in zip(x, last)]) or plain
+    accelerations = slice(system.nq, system.nq + system.nv)
+    return [abs(a - b) for a, b in zip(rates[accelerations], plain[accelerations])]

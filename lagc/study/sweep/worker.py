@@ -11,7 +11,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any, Protocol
 
 from lagc.base.records import dataclass, replace
-from lagc.diagnostics.faults import Refused
+from lagc.diagnostics.faults import Fault, Refused
 from lagc.host.cache import tool_fingerprint
 from lagc.kernels import DEFAULT_METHOD
 from lagc.simulation.repeated import repeated
@@ -21,6 +21,7 @@ from lagc.simulation.supervision import MOST_TIME, Forecast
 from lagc.version import __version__
 
 if TYPE_CHECKING:
+    from lagc.lowering.program import Field
     from lagc.simulation.solution import Solution
 
 KEPT = ("final", "max", "min", "rms")
@@ -114,55 +115,45 @@ class Runner:
     def __init__(self, task: Task, model: Model):
         self.task, self.model = task, model
         interface = model.artifact.interface
+        self.columns, self.last = columns_of(interface), task.keep == ("final",)
+        # Where the values of a point go: the places of parameters in p, and of initial values in x.
         fields = [*interface.parameters, *interface.inputs]
-        place = {f.name: i for i, f in enumerate(fields)}
-        self.varied = [fields[place[name]] for name in task.names if name in place]
-        self.places = [place.get(name) for name in task.names]
-        self.starts = [started(name) for name in task.names]
-        self.columns = columns_of(interface)
-        self.last = task.keep == ("final",)
-        known = [*interface.state_names, *(x.name for x in interface.discretes)]
+        own = {f.name: (i, f) for i, f in enumerate(fields)}
+        self.varied = [(k, *own[name]) for k, name in enumerate(task.names) if name in own]
         first = interface.nx - len(interface.discretes)
-        ends = [*range(len(interface.state_names)), *range(first, interface.nx)]
-        self.state_places = dict(zip(known, ends))
-        self.fixed = {self.state_places[name]: value for name, value in task.request.starts.items()}
+        known = [*enumerate(interface.state_names), *enumerate([d.name for d in interface.discretes], first)]
+        self.place = {name: i for i, name in known}
+        self.starts = [(k, start) for k, name in enumerate(task.names) if (start := started(name))]
         self.repeated = None
         if task.backend == "c":
-            own = model.taking(task.request.method or DEFAULT_METHOD)
-            self.repeated = repeated(own.system("c"), task.request, self.columns, self.last)
+            taking = model.taking(task.request.method or DEFAULT_METHOD)
+            self.repeated = repeated(taking.system("c"), task.request, self.columns, self.last)
 
     def row(self, point: Point, progress: Progress) -> tuple[list[float], tuple[str, str] | None]:
         """Return the numbers of a run, and the code and the message of one that did not go as asked."""
-        values, starts = list(self.task.values), dict[str, float]()
-        for place, start, value in zip(self.places, self.starts, point):
-            if place is not None:
-                values[place] = value
-            elif start is not None:
-                starts[start] = value
+        values, starts = list(self.task.values), {**self.task.request.starts}
         try:
-            self._check(values, point)
+            for k, i, field in self.varied:
+                value = values[i] = point[k]
+                if field.whole or not field.minimum <= value <= field.maximum:
+                    _keep_bounds(field, value)
+            for k, name in self.starts:
+                starts[name] = point[k]
             if self.repeated is not None:
-                places = {**self.fixed, **{self.state_places[name]: v for name, v in starts.items()}}
-                columns = self.repeated.run(values, places, progress)
-                if columns is not None:
+                places = {self.place[name]: value for name, value in starts.items()}
+                if self.repeated.run(values, places, progress):
                     times = self.repeated.times
-                    return [0.0, times[-1], nan, *statistics(self.task.keep, times, columns)], None
-            request = replace(self.task.request, starts={**self.task.request.starts, **starts})
+                    known = 0.0, times[-1], self.repeated.estimated
+                    if self.last:
+                        return [*known, *self.repeated.row(len(times) - 1)], None
+                    return [*known, *statistics(self.task.keep, times, self.repeated.columns())], None
+            request = replace(self.task.request, starts=starts)
             return self._of(self.model.simulate(request, values, progress))
         except Refused as refused:
             fault = refused.faults[0]
             return self._empty(), (fault.code, _short(str(fault.message)))
         except (ArithmeticError, ValueError, LookupError, TypeError) as error:  # of lagc: the sweep goes on
             return self._empty(), ("LAG0799", _short(f"internal error ({type(error).__name__}: {error})"))
-
-    def _check(self, values: Sequence[float], point: Point) -> None:
-        """Raise Refused if a parameter of the point is out of its bounds."""
-        for field, value in zip(self.varied, [v for p, v in zip(self.places, point) if p is not None]):
-            if field.whole or not field.minimum <= value <= field.maximum:
-                faults: list[Any] = []
-                given_values({field.name: value}, [field], faults)
-                if faults:
-                    raise Refused(faults)
 
     def _empty(self) -> list[float]:
         count = len(self.columns) * len(self.task.keep)
@@ -183,6 +174,14 @@ class Runner:
         if found.status == "ok":
             return numbers, None
         return numbers, ("LAG0620" if found.status == "failed" else "", _short(found.message))
+
+
+def _keep_bounds(field: Field, value: float) -> None:
+    """Raise Refused (LAG0602) if a value is out of the bounds of its parameter."""
+    faults: list[Fault] = []
+    given_values({field.name: value}, [field], faults)
+    if faults:
+        raise Refused(faults)
 
 
 def started(name: str) -> str | None:

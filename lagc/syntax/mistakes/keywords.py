@@ -16,13 +16,16 @@ def first_word(w: Where) -> Explained | None:
     word = w.first.text
     if w.first.kind != WORD or word in w.keywords:
         return None
+    # `word.x`, `word[1]` and `word = ...` do not begin a declaration with a keyword.
     if w.inside and w.tokens[w.begin + 1].text in (".", "[", "="):
         return None
     entry = foreign("keywords").get(word)
     if entry is not None:
         message = f"`{word}` is not a keyword of the language"
+        # Entries with backticks are explanations; others are words that can stand in the place of this one.
         repair = None if "`" in entry else w.replace_first(*entry.split())
         return explained("LAG0118", message, w.span(w.first), remedy_of_word("keywords", word), repair)
+    # An unknown word before something that is not a name is no declaration at all.
     if w.tokens[w.begin + 1].kind != WORD:
         return None
     if word.lower() in w.keywords:
@@ -67,6 +70,8 @@ def python_choice(w: Where) -> Explained | None:
     """Explain `a if condition else b`."""
     if w.token.text != "if" or not w.inside or w.new_line():
         return None
+    # The value goes back from `if` to the opening bracket, comma or equals sign that it follows at its own
+    # depth of brackets.
     first, depth = w.position - 1, 0
     while first > w.begin:
         text = w.tokens[first].text
@@ -74,6 +79,7 @@ def python_choice(w: Where) -> Explained | None:
         if depth < 0 or (depth == 0 and text in (",", "=", ";")):
             break
         first -= 1
+    # The other value ends at the closing bracket, comma or semicolon, or where a load names its place.
     otherwise, last, depth = 0, w.position, 0
     while w.tokens[last].kind != END:
         text = w.tokens[last].text
@@ -89,6 +95,7 @@ def python_choice(w: Where) -> Explained | None:
     a, b, c = (w.span(part[0], part[-1]).text for part in (value, condition, other))
     message = "a choice begins with its condition"
     fault = Fault("LAG0110", message, w.span(w.token), remedy=f"write `if {b} then {a} else {c}`")
+    # Parsing goes on with the tokens in the order of the language, so that faults further on are found.
     ordered = [token_of("if", value[0].start), *condition, token_of("then", w.token.start), *value,
                token_of("else", w.token.start), *other]  # fmt: skip
     return Explained(fault, Repair(first + 1, last - first - 1, tuple(ordered)))
@@ -115,6 +122,7 @@ def scene_arguments(w: Where) -> Explained | None:
     last = w.begin
     while w.tokens[last].text != ";" and w.tokens[last].kind != END:
         last += 1
+    # All up to the semicolon; names of coordinates set a start, the others a parameter.
     written = w.source.text[w.first.end : w.tokens[last].start].strip().removesuffix(")")
     starts = {t.text for k, t in enumerate(w.tokens) if k > 1 and w.tokens[k - 2].text == "coordinate"}
     given = [part.strip() for part in written.split(",")]
@@ -127,6 +135,7 @@ def scene_arguments(w: Where) -> Explained | None:
 
 def solver_call(w: Where) -> Explained | None:
     """Explain `[t, y] = ode45(f, [0, 10], y0);`."""
+    # Up to the first semicolon outside of brackets: a row of a matrix may contain one.
     last, depth = w.begin, 0
     while w.tokens[last].kind != END and (depth > 0 or w.tokens[last].text != ";"):
         depth += (w.tokens[last].text in ("(", "[", "{")) - (w.tokens[last].text in (")", "]", "}"))
@@ -150,6 +159,8 @@ def without_kind(w: Where) -> Explained | None:
     if w.first.text != "Real" or w.token.kind != UNIT or w.position != w.begin + 1:
         return None
     last = w.last_of_declaration()
+    # The words inside suggest the kind: a start belongs to a coordinate, a derivative is computed, a value is
+    # a parameter's.
     declared = w.span(w.first, w.tokens[last])
     kind = "output" if "der" in declared.text else "parameter" if "=" in declared.text else "coordinate"
     kind = "coordinate" if "start" in declared.text else kind
@@ -202,6 +213,7 @@ def family(w: Where) -> Explained | None:
     """Explain `sum(i^2 for i in 1:n)` and `{i*j for i in 1:n, j in 1:m}`."""
     if not w.brackets or w.new_line():
         return None
+    # `for` was read already for an index before this comma: then this is a second one.
     behind = [t for t in w.tokens[w.begin : w.position] if t.start > w.brackets[-1].start]
     again = w.token.text == "," and w.brackets[-1].text == "{" and any(t.text == "for" for t in behind)
     if not again and w.token.text != "for":
@@ -246,8 +258,10 @@ def load_target(w: Where) -> Explained | None:
     other = w.token.text in ("at", "on")
     remedy = f"write `{needed}`" if other else None
     if kind == "force" and any(token.text == "on" for token in w.tokens[w.begin : w.position]):
+        # A force on a body also needs its point; the name after `on` is taken for the body.
         remedy = f"write `at {w.before.text}`, or `on {w.before.text} at P` for a point P of the body"
     elif remedy is None:
+        # A body of the file itself is the best example of a place.
         pairs, words = pairwise(w.tokens), ("body", "Particle", "Solid")
         place = next((b.text for a, b in pairs if a.text in words and b.kind == WORD), "b")
         written = w.span(w.first, w.before).text

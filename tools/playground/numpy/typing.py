@@ -1,0 +1,1 @@
+from numpy import ndarray as NDArray  # noqa: F401
